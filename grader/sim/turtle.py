@@ -173,10 +173,11 @@ class SpawnedTurtle:
     """
 
     def __init__(self, pose: PlanarPose, t_ns: int, *, walls: bool) -> None:
-        self.start = self.pose = pose
         self.velocity = (0.0, 0.0)
         self.alive = True
         self._walls = walls
+        self._put(pose)
+        self.start = self.pose
         self._updates = t_ns // UPDATE_NS
         self._commanded = (0.0, 0.0)
         self._drop = _NEVER

@@ -101,6 +101,9 @@ class TurtleWorld:
         self._present = {GRADED: graded}
         self._others: dict[str, SpawnedTurtle] = {}
         self._nameless: set[str] = set()
+        self._numbered = (
+            1  # the last number given to a turtle spawned without a name; turtlesim gives none twice
+        )
         self._parameters = Parameters(distro)
         self._pending: deque[tuple[str, Request]] = deque()
         self._now_ns = 0
@@ -340,13 +343,12 @@ class TurtleWorld:
         self._action.interrupt()
         self._jump(self._present[GRADED], self.turtle.start, revive=True)
         self._feeds.pen = Pen(cleared_at=self.turtle.start)
+        self._numbered = 1
         return {}
 
     def _spawn(self, values: Values, t_ns: int) -> Values:
         names = {*self._others, *self._nameless} | ({GRADED} if self.turtle.alive else set())
-        name = values["name"] or next(
-            n for n in map("turtle{}".format, range(1, MAX_TURTLES + 2)) if n not in names
-        )
+        name = values["name"] or self._next_name(names)
         pose = (values["x"], values["y"], values["theta"])
         if name in names or len(names) >= MAX_TURTLES or not all(map(math.isfinite, pose)):
             return {"name": ""}
@@ -355,6 +357,12 @@ class TurtleWorld:
         else:
             self._appear(name, pose, t_ns)
         return {"name": name}
+
+    def _next_name(self, names: Collection[str]) -> str:
+        while True:
+            self._numbered += 1
+            if (name := f"turtle{self._numbered}") not in names:
+                return name
 
     def _kill(self, values: Values, t_ns: int) -> Values:
         if values["name"] == GRADED and self.turtle.alive:

@@ -179,6 +179,31 @@ def test_names_that_upstreams_modules_pass_on_can_be_imported_from_them(run_scri
     assert run.stdout.splitlines() == ["~MsgType True True", "True True", "rclpy.client"], run.stderr
 
 
+def test_import_star_gives_what_upstreams_modules_import(run_script):
+    """None of them has an `__all__`. After `rclpy.node` the submodules are the package's, `rclpy.time` as well."""
+    source = """
+        import time
+        from rclpy.executors import *
+        from rclpy.executors import Lock, ThreadPoolExecutor
+        from rclpy.node import *
+        from rclpy.qos import *
+        import rcl_interfaces.msg
+        print(math.floor(math.pi), Optional, Timer.__name__, CallbackGroup.__name__, IntEnum.__name__)
+        print(ParameterDescriptor is rcl_interfaces.msg.ParameterDescriptor, MultiThreadedExecutor.__name__)
+        before = time.time()
+        time.sleep(2)
+        print(round(time.time() - before, 2))
+        from rclpy import *
+        print(callable(init), logging.__name__, time.__name__)
+    """
+    assert run_script(dedent(source)).stdout.splitlines() == [
+        "3 typing.Optional Timer CallbackGroup IntEnum",
+        "True MultiThreadedExecutor",
+        "2.0",
+        "True rclpy.logging rclpy.time",
+    ]
+
+
 RULES = (
     ("-r a:=b", ""),
     ("-r node:rosservice://~/a/b:=/c", ""),

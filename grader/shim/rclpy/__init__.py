@@ -186,10 +186,12 @@ def __getattr__(name: str) -> Any:
     """Import a submodule that is an attribute of upstream's package already."""
     import sys
 
-    if name in _WITH_RCLPY or (name in _WITH_NODE and "rclpy.node" in sys.modules):
+    submodules = _WITH_RCLPY + (_WITH_NODE if "rclpy.node" in sys.modules else ())
+    if name in submodules:
         from importlib import import_module
 
         return import_module(f"rclpy.{name}")
     from rclpy._forwarding import passed_on
 
-    return passed_on(__name__)(name)
+    found = passed_on(__name__)(name)
+    return [*found, *submodules] if name == "__all__" else found

@@ -1,7 +1,7 @@
 """Names that a module of upstream passes on because it imports them.
 
-Editors complete ``from rclpy.node import Timer``, and that works on Humble; here such a name is looked up when
-a script asks for it.
+Editors complete ``from rclpy.node import Timer``, and that works on Humble, as does ``from rclpy.node import *``;
+here such a name is looked up when a script asks for it.
 """
 
 from __future__ import annotations
@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from typing import Any
 
 _HOMES = {
+    "concurrent.futures": "ThreadPoolExecutor",
+    "contextlib": "ExitStack",
+    "enum": "IntEnum",
     "rcl_interfaces.msg": """
         FloatingPointRange IntegerRange ParameterDescriptor ParameterEvent ParameterType ParameterValue
         SetParametersResult
@@ -47,6 +50,7 @@ _HOMES = {
     "rclpy.type_support": "check_is_valid_srv_type",
     "rclpy.validate_parameter_name": "validate_parameter_name",
     "rclpy.waitable": "NumberOfEntities Waitable",
+    "threading": "Condition Lock RLock",
     "typing": """
         Any Callable Coroutine Dict Generator Iterable Iterator List NamedTuple Optional Sequence Set Text
         Tuple Type TypeVar Union
@@ -60,18 +64,21 @@ _RENAMED = {
     "QosCallbackResult": ("rcl_interfaces.msg", "SetParametersResult"),
     "QosCallbackType": ("typing", "Callable"),
 }
+_MODULES = frozenset(("inspect", "math", "threading", "time", "uuid", "warnings", "weakref"))
 _TYPE_VARIABLES = frozenset(("MsgType", "SrvType", "SrvTypeRequest", "SrvTypeResponse", "WaitableEntityType"))
 
 _PASSED_ON = {
     "rclpy": "List Optional",
-    "rclpy.action.client": "UUID",
+    "rclpy.action.client": "UUID threading time uuid",
     "rclpy.action.graph": "List Node Tuple",
-    "rclpy.client": "CallbackGroup Context Dict QoSProfile SrvType SrvTypeRequest SrvTypeResponse TypeVar",
-    "rclpy.context": "Callable List Optional",
+    "rclpy.client": """
+        CallbackGroup Context Dict QoSProfile SrvType SrvTypeRequest SrvTypeResponse TypeVar threading time
+    """,
+    "rclpy.context": "Callable List Optional threading weakref",
     "rclpy.executors": """
-        Any Callable Client Clock ClockType Context Coroutine Generator List NumberOfEntities Optional
-        Service Set SignalHandlerGuardCondition Subscription Timer Tuple TypeVar Union Waitable
-        WaitableEntityType
+        Any Callable Client Clock ClockType Condition Context Coroutine ExitStack Generator List Lock
+        NumberOfEntities Optional RLock Service Set SignalHandlerGuardCondition Subscription
+        ThreadPoolExecutor Timer Tuple TypeVar Union Waitable WaitableEntityType inspect time
     """,
     "rclpy.lifecycle.node": "Callable CallbackGroup Dict NamedTuple Optional Set check_is_valid_srv_type",
     "rclpy.lifecycle.publisher": "MsgType Union",
@@ -84,19 +91,19 @@ _PASSED_ON = {
         ParameterUninitializedException ParameterValue PublisherEventCallbacks QoSOverridingOptions
         QoSProfile Rate ReentrantCallbackGroup Sequence Service SetParametersResult SrvType SrvTypeRequest
         SrvTypeResponse Subscription SubscriptionEventCallbacks TimeSource Timer TopicEndpointInfo Tuple
-        Type TypeVar Union Waitable _declare_qos_parameters expand_topic_name qos_profile_services_default
-        validate_parameter_name
+        Type TypeVar Union Waitable _declare_qos_parameters expand_topic_name math qos_profile_services_default
+        validate_parameter_name warnings weakref
     """,
     "rclpy.parameter": "ParameterMsg ParameterType ParameterValue",
     "rclpy.parameter_service": """
         DescribeParameters GetParameterTypes GetParameters ListParameters SetParameters
-        SetParametersAtomically SetParametersResult
+        SetParametersAtomically SetParametersResult weakref
     """,
     "rclpy.publisher": """
         CallbackGroup MsgType PublisherEventCallbacks QoSEventHandler QoSProfile TypeVar Union
     """,
-    "rclpy.qos": "Union",
-    "rclpy.qos_event": "Callable CallbackGroup List Optional",
+    "rclpy.qos": "IntEnum Union warnings",
+    "rclpy.qos_event": "Callable CallbackGroup IntEnum List Optional",
     "rclpy.qos_overriding_options": """
         Callable Iterable Optional Parameter ParameterDescriptor SetParametersResult Text Type Union
         QosCallbackResult QosCallbackType
@@ -106,15 +113,30 @@ _PASSED_ON = {
     "rclpy.subscription": """
         Callable CallbackGroup QoSEventHandler QoSProfile SubscriptionEventCallbacks TypeVar MsgType
     """,
-    "rclpy.time_source": "SetParametersResult",
+    "rclpy.time_source": "SetParametersResult weakref",
     "rclpy.wait_for_message": "Node QoSProfile SignalHandlerGuardCondition Union",
 }
-"""Module of Humble -> what it imports or declares besides what stands in ours; Python's modules are left out."""
+"""Module of Humble -> what it imports or declares besides what stands in ours."""
 
 
 def passed_on(module: str) -> Callable[[str], Any]:
     """Return the `__getattr__` of a module in `_PASSED_ON`."""
-    return lambda name: _find(module, name) if name in _PASSED_ON[module].split() else _missing(module, name)
+
+    def find(name: str) -> Any:
+        names = _PASSED_ON[module].split()
+        if name == "__all__":
+            return _with_own(module, names)
+        return _find(module, name) if name in names else _missing(module, name)
+
+    return find
+
+
+def _with_own(module: str, names: list[str]) -> list[str]:
+    """Return what ``from module import *`` gives; Python asks for it as ``__all__``."""
+    import sys
+
+    own = [name for name in vars(sys.modules[module]) if not name.startswith("_")]
+    return own + [name for name in names if not name.startswith("_")]
 
 
 def _find(module: str, name: str) -> Any:
@@ -124,11 +146,13 @@ def _find(module: str, name: str) -> Any:
 
         found: Any = TypeVar(name)  # type: ignore[misc]
         return sys.modules[module].__dict__.setdefault(name, found)
+    from importlib import import_module
+
+    if name in _MODULES:
+        return import_module(name)
     home, theirs = _RENAMED.get(name) or next(
         (home, name) for home, names in _HOMES.items() if name in names.split()
     )
-    from importlib import import_module
-
     return getattr(import_module(home), theirs)
 
 

@@ -1,5 +1,17 @@
 """Moving geometry_msgs between frames, with the public names of tf2_geometry_msgs (ROS 2 Humble)."""
 
+from geometry_msgs.msg import (
+    Point,
+    Point32,
+    PointStamped,
+    PolygonStamped,
+    Pose,
+    PoseStamped,
+    PoseWithCovarianceStamped,
+    TransformStamped,
+    Vector3Stamped,
+)
+
 from tf2_geometry_msgs.tf2_geometry_msgs import (
     do_transform_point,
     do_transform_polygon_stamped,
@@ -13,6 +25,15 @@ from tf2_geometry_msgs.tf2_geometry_msgs import (
 )
 
 __all__ = [
+    "Point",
+    "Point32",
+    "PointStamped",
+    "PolygonStamped",
+    "Pose",
+    "PoseStamped",
+    "PoseWithCovarianceStamped",
+    "TransformStamped",
+    "Vector3Stamped",
     "do_transform_point",
     "do_transform_polygon_stamped",
     "do_transform_pose",

@@ -14,6 +14,7 @@ from geometry_msgs.msg import (
     PoseStamped,
     PoseWithCovarianceStamped,
     Quaternion,
+    TransformStamped,  # noqa: F401 - upstream passes it on
     Vector3,
     Vector3Stamped,
 )

@@ -49,20 +49,23 @@ __all__ = [
     "convert",
 ]
 
-__getattr__ = forwarding(
-    __name__,
-    {
-        "geometry_msgs.msg": "PointStamped PoseStamped PoseWithCovarianceStamped TransformStamped Vector3Stamped",
-        "rclpy.callback_groups": "ReentrantCallbackGroup",
-        "rclpy.duration": "Duration",
-        "rclpy.executors": "SingleThreadedExecutor",
-        "rclpy.node": "Node",
-        "rclpy.qos": "DurabilityPolicy HistoryPolicy QoSProfile",
-        "rclpy.task": "Future",
-        "rclpy.time": "Time",
-        "sensor_msgs.msg": "PointCloud2",
-        "std_msgs.msg": "Header",
-        "tf2_msgs.msg": "TFMessage",
-        "tf2_msgs.srv": "FrameGraph",
-    },
-)
+_PASSED_ON = {
+    "geometry_msgs.msg": "PointStamped PoseStamped PoseWithCovarianceStamped TransformStamped Vector3Stamped",
+    "rclpy.callback_groups": "ReentrantCallbackGroup",
+    "rclpy.clock": "Clock",
+    "rclpy.duration": "Duration",
+    "rclpy.executors": "SingleThreadedExecutor",
+    "rclpy.node": "Node",
+    "rclpy.qos": "DurabilityPolicy HistoryPolicy QoSProfile",
+    "rclpy.task": "Future",
+    "rclpy.time": "Time",
+    "sensor_msgs.msg": "PointCloud2",
+    "std_msgs.msg": "Header",
+    "tf2_msgs.msg": "TFMessage",
+    "tf2_msgs.srv": "FrameGraph",
+}
+__all__ += [
+    name for names in _PASSED_ON.values() for name in names.split()
+]  # upstream's `import *` gives all
+
+__getattr__ = forwarding(__name__, _PASSED_ON)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from rclpy._forwarding import forwarding
 from rclpy._kernel import kernel
 from rclpy.duration import Duration
 from rclpy.task import Future
@@ -16,6 +17,8 @@ from tf2_py._poses import to_ns
 from tf2_ros.buffer_interface import BufferInterface
 
 _POLL_NS = 20_000_000  # tf2_ros polls every 20 ms while it waits
+
+__getattr__ = forwarding(__name__, {"geometry_msgs.msg": "TransformStamped", "rclpy.node": "Node"})
 
 
 class Buffer(BufferCore, BufferInterface):

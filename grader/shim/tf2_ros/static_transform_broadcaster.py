@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from rclpy._forwarding import forwarding
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
 from tf2_msgs.msg import TFMessage
 
 from tf2_ros.transform_broadcaster import as_list
+
+__getattr__ = forwarding(__name__, {"geometry_msgs.msg": "TransformStamped", "rclpy.node": "Node"})
 
 
 class StaticTransformBroadcaster:

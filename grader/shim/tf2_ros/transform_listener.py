@@ -5,6 +5,7 @@ from __future__ import annotations
 from threading import Thread
 from typing import Any
 
+from rclpy._forwarding import forwarding
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
@@ -13,6 +14,8 @@ from tf2_msgs.msg import TFMessage
 from tf2_ros.buffer import Buffer
 
 _DEPTH = 100
+
+__getattr__ = forwarding(__name__, {"rclpy.node": "Node"})
 
 
 class TransformListener:

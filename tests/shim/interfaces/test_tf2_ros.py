@@ -192,3 +192,16 @@ def test_the_package_passes_on_what_tutorials_take_from_it() -> None:
     assert tf2_ros.Time is Time
     with pytest.raises(AttributeError, match="has no attribute 'Twist'"):
         tf2_ros.Twist  # noqa: B018
+
+
+def test_modules_pass_on_the_messages_that_they_import(run_script: Run) -> None:
+    source = """
+from tf2_ros.transform_broadcaster import Node, TransformBroadcaster, TransformStamped
+from tf2_geometry_msgs import PointStamped, PoseStamped, TransformStamped as theirs
+import geometry_msgs.msg as messages
+print(TransformStamped is theirs is messages.TransformStamped, PointStamped is messages.PointStamped)
+del TransformStamped, Node
+from tf2_ros import *
+print(TransformStamped is theirs, Node.__name__, Time.__name__, Buffer.__name__)
+"""
+    assert run_script(source).stdout.splitlines() == ["True True", "True Node Time Buffer"]

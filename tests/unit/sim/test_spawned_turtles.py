@@ -127,3 +127,16 @@ def test_a_name_that_can_be_no_topic_is_a_name_only(car: BulletCar) -> None:
 
     run(car, student, story())
     assert student.graph == []
+
+
+def test_a_turtle_that_is_spawned_outside_of_the_window_stands_at_its_wall(car: BulletCar) -> None:
+    student = Student()
+
+    def story() -> Script:
+        yield from student.call("/spawn", x=20.0, y=-3.0, theta=0.0, name="bob")
+        yield from student.subscribe("/bob/pose", POSE)
+        yield from student.wait(SECOND)
+
+    run(car, student, story())
+    first = student.messages("/bob/pose", POSE)[0][1]
+    assert (first["x"], first["y"]) == (pytest.approx(11.088889), 0.0)

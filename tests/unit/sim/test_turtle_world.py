@@ -99,6 +99,21 @@ def test_spawn_names_turtles_and_refuses_what_exists(car: BulletCar) -> None:
     assert run(car, student, story()).trajectory.jumps == ()
 
 
+def test_a_number_is_given_once_until_the_next_reset(car: BulletCar) -> None:
+    student = Student()
+
+    def story() -> Script:
+        assert (yield from student.call("/spawn", x=1.0, y=1.0)) == {"name": "turtle2"}
+        assert (yield from student.call("/spawn", x=1.0, y=1.0, name="turtle3")) == {"name": "turtle3"}
+        assert (yield from student.call("/kill", name="turtle2")) == {}
+        assert (yield from student.call("/kill", name="turtle1")) == {}
+        assert (yield from student.call("/spawn", x=1.0, y=1.0)) == {"name": "turtle4"}
+        assert (yield from student.call("/reset")) == {}
+        assert (yield from student.call("/spawn", x=1.0, y=1.0)) == {"name": "turtle2"}
+
+    run(car, student, story())
+
+
 def test_a_killed_turtle_obeys_and_says_nothing(car: BulletCar) -> None:
     student = Student()
 
