@@ -298,11 +298,8 @@ def _unpublished(run: Run, world: World) -> Mistake | None:
 def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
     """Say why no velocity command arrived; nothing when the script crashed before it could send one."""
     outcome, topic = run.outcome, world.cmd_vel_topic
-    publishers = [
-        endpoint
-        for endpoint in outcome.endpoints
-        if endpoint.kind == "publisher" and endpoint.name not in _OWN_TOPICS
-    ]
+    made = [each for each in outcome.endpoints if each.kind == "publisher" and each.name not in _OWN_TOPICS]
+    publishers = [each for each in made if _may_command(each, topic)]
     right = [publisher for publisher in publishers if publisher.name == topic]
     twists = [publisher for publisher in publishers if publisher.type == TWIST]
     if set(right) & set(twists):
@@ -325,7 +322,7 @@ def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
             vain
             or _spin_in_callback(run)
             or _behind_spin(run)
-            or _not_reached(run)
+            or _not_reached(run, "Twist" if made else "")
             or mistake("no_publisher", topic=topic),
         )
     return (without_node(run),)
@@ -347,6 +344,12 @@ def _unused_publisher(run: Run, world: World) -> tuple[Mistake, ...]:
         stuck = _spin_in_callback(run) or _behind_spin(run) or _waits(run)
         return (stuck or not_called(run) or _never_published(run),)
     return ()
+
+
+def _may_command(publisher: Endpoint, topic: str) -> bool:
+    """Whether commands were meant: a text on /chatter, a transform or an action's feedback are none."""
+    kind, name = publisher.type, publisher.name
+    return name == topic or kind.startswith(("geometry_msgs/", "turtlesim/msg/")) or "vel" in name.lower()
 
 
 def _others_publish(outcome: RunOutcome, topic: str) -> bool:
@@ -419,10 +422,10 @@ def _unawaited(name: str, script: ScriptText) -> Mistake:
     return mistake("await_with_asyncio", name=name, line=calls[0], call=call)
 
 
-def _not_reached(run: Run) -> Mistake | None:
-    """Recognise a publisher that the script would have created, had it come so far."""
+def _not_reached(run: Run, kind: str) -> Mistake | None:
+    """Recognise a publisher (of `kind`, unless empty) that the script would have created, had it come so far."""
     script = ScriptText(run.source)
-    lines = script.lines_with(r"\bcreate_publisher\(")
+    lines = script.lines_with(rf"\bcreate_publisher\(\s*{kind}")
     if not lines:
         return None
     return not_called(run) or _in_loop(run, script) or mistake("publisher_not_reached", line=lines[0])

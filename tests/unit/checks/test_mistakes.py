@@ -51,7 +51,24 @@ def test_other_ends(status: RunStatus, code: str) -> None:
         ),
         (RunStatus.FINISHED, {}, "no_publisher", "/turtle1/cmd_vel"),
         (RunStatus.FINISHED, {"endpoints": (publisher("/rosout"),)}, "no_publisher", "/turtle1/cmd_vel"),
+        (
+            RunStatus.INTERRUPTED,
+            {
+                "endpoints": (
+                    publisher("/chatter", "std_msgs/msg/String"),
+                    publisher("/tf", "tf2_msgs/msg/TFMessage"),
+                )
+            },
+            "no_publisher",
+            "/turtle1/cmd_vel",
+        ),
         (RunStatus.INTERRUPTED, {"endpoints": (publisher("/cmd_vel"),)}, "wrong_topic", "/cmd_vel"),
+        (
+            RunStatus.INTERRUPTED,
+            {"endpoints": (publisher("/cmd_vel", "std_msgs/msg/String"),)},
+            "wrong_topic",
+            "std_msgs/msg/String",
+        ),
         (
             RunStatus.INTERRUPTED,
             {"endpoints": (publisher(kind="std_msgs/msg/String"),)},
