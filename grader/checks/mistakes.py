@@ -54,7 +54,7 @@ def script_mistakes(run: Run) -> tuple[Mistake, ...]:
     if outcome.status in _ENDINGS:
         code = _ENDINGS[outcome.status]
         return (mistake(code, detail=explained(outcome.status, outcome.detail)),)
-    if (thread := _crashed_thread(outcome)) is not None:
+    if (thread := noted(outcome, "thread_exception")) is not None:
         return (Mistake("thread_crashed", _in_thread(thread, script)),)
     return ()
 
@@ -77,16 +77,6 @@ def _asks_again(outcome: RunOutcome, script: ScriptText) -> bool:
     repeats = len(last) > 2 * _MOST_DIFFERENT and len(set(last)) <= _MOST_DIFFERENT
     asks = all(script.lines_with(word) for word in (r"\binput\(", r"\bexcept\b", r"\bwhile\b"))
     return repeats and asks
-
-
-def _crashed_thread(outcome: RunOutcome) -> str | None:
-    """Return the note on the first thread that an exception ended; what comes after Ctrl+C is no mistake."""
-    for note in outcome.notes:
-        if note.code == "interrupted":
-            break
-        if note.code == "thread_exception":
-            return note.text
-    return None
 
 
 def noted(outcome: RunOutcome, code: str) -> str | None:

@@ -127,15 +127,23 @@ def merge(episode: EpisodeResult, jail: JailReport, distro: Distro = "humble") -
         logs=tuple(_masked_log(record, distro) for record in episode.logs),
         logs_dropped=episode.logs_dropped,
         notes=tuple(
-            replace(note, text=_masked(note.text, distro))
-            for note in (*episode.notes, *_answers(episode))
-            if note.code not in {INTERRUPTED_NOTE, LISTENER_NOTE}
+            replace(note, text=_masked(note.text, distro)) for note in (*_told(episode), *_answers(episode))
         ),
         command_count=episode.command_count,
         nonfinite_commands=episode.nonfinite_commands,
         first_command_ns=episode.first_command_ns,
         last_command_ns=episode.last_command_ns,
     )
+
+
+def _told(episode: EpisodeResult) -> Iterator[Note]:
+    """Yield the notes that a report may show. That a thread fails after Ctrl+C, as at home, is no mistake."""
+    interrupted = False
+    for note in episode.notes:
+        interrupted = interrupted or note.code == INTERRUPTED_NOTE
+        failed_late = interrupted and note.code == "thread_exception"
+        if note.code not in {INTERRUPTED_NOTE, LISTENER_NOTE} and not failed_late:
+            yield note
 
 
 # ------------------------------------------------------------------------------------------------ status

@@ -341,3 +341,12 @@ def test_only_what_a_clock_ended_is_tried_once_more() -> None:
     assert not ended_by_the_clock(replace(EPISODE, notes=(INTERRUPTED,)), killed)
     assert not ended_by_the_clock(replace(EPISODE, exit=ended(TOO_MANY_STEPS)), killed)
     assert not ended_by_the_clock(EPISODE, replace(JAIL, end=RunEnd.STALLED))
+
+
+def test_a_thread_that_fails_after_ctrl_c_is_not_told() -> None:
+    failed = Note(code="thread_exception", text="Thread-1 (drive), line 8: RCLError: Failed to publish")
+    early = replace(failed, text="Thread-2 (drive), line 9: ZeroDivisionError: division by zero")
+    found = merge(
+        replace(EPISODE, exit=ended(after_interrupt=True), notes=(early, INTERRUPTED, failed)), JAIL
+    )
+    assert found.notes == (early,)
