@@ -88,15 +88,17 @@ def _entry(name: str) -> str:
 
 
 def launched(slot: Slot, nodes: str = PAIR, **changed: str) -> GradeReport:
+    return launched_as(slot, LAUNCH.replace("{nodes}", nodes), **changed)
+
+
+def launched_as(slot: Slot, launch: str, **changed: str) -> GradeReport:
     setup = SETUP.format(name=NAME).replace(
         "'drive = my_turtle.drive:main',",
         f"'drive = my_turtle.drive:main', {''.join(_entry(each) for each in ('ask', *changed))}",
     )
     own = {"shared": SHARED, "ask": ASK, "drive": DRIVE, **changed}
     modules = {f"{NAME}/{name}.py": text for name, text in own.items()}
-    files = package_files(
-        **{"setup.py": setup, "launch/both.launch.py": LAUNCH.replace("{nodes}", nodes), **modules}
-    )
+    files = package_files(**{"setup.py": setup, "launch/both.launch.py": launch, **modules})
     job = GradingJob(
         file_name="p.zip",
         source=bundled(zipped(files)),
@@ -268,6 +270,96 @@ def test_two_of_one_module_that_spins_while_it_is_loaded(slot: Slot) -> None:
 """
     outcome = of(launched(slot, twice, drive=drive))
     assert sorted(outcome.stdout.text.split()) == ["one", "two"], outcome.stderr.text
+
+
+SAYS = """import sys, time
+import rclpy
+
+def main():
+    rclpy.init()
+    print(sys.argv[1], round(rclpy.create_node('a').get_clock().now().nanoseconds / 1e9 % 1000, 1))
+    time.sleep(1.0)
+    {end}
+"""
+CHAIN = """from launch import LaunchDescription
+from launch.actions import LogInfo, RegisterEventHandler, TimerAction
+from launch.event_handlers import OnProcessExit, OnProcessStart
+from launch_ros.actions import Node
+
+def ended(event, context):
+    return [LogInfo(msg=f'ended with {event.returncode}'), last]
+
+first = Node(package='my_turtle', executable='ask', arguments=['first'])
+second = Node(package='my_turtle', executable='ask', arguments=['second'])
+last = Node(package='my_turtle', executable='drive', on_exit=[LogInfo(msg='all done')])
+
+def generate_launch_description():
+    return LaunchDescription([
+        RegisterEventHandler(OnProcessExit(
+            target_action=first, on_exit=[TimerAction(period=2.0, actions=[second]), LogInfo(msg='next')]
+        )),
+        RegisterEventHandler(OnProcessExit(target_action=second, on_exit=ended)),
+        RegisterEventHandler(OnProcessStart(target_action=last, on_start=[LogInfo(msg='the last')])),
+        first,
+    ])
+"""
+LAST = """import rclpy
+from geometry_msgs.msg import Twist
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node('last')
+    pub = node.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+    msg = Twist()
+    msg.linear.x = 1.0
+    for _ in range(20):
+        pub.publish(msg)
+        rclpy.spin_once(node, timeout_sec=0.05)
+"""
+
+
+@pytest.mark.parametrize(
+    ("end", "code"),
+    [
+        ("pass", 0),
+        ("sys.exit(3)", 3),
+        ("import os; sys.stdout.flush(); os._exit(4)", 4),
+        ("raise ValueError", 1),
+    ],
+)
+def test_nodes_start_when_others_have_ended(slot: Slot, end: str, code: int) -> None:
+    report = launched_as(slot, CHAIN, ask=SAYS.replace("{end}", end), drive=LAST)
+    outcome = of(report)
+    lines = outcome.stdout.text.splitlines()
+    assert [line.split()[0] for line in lines[:1]] == ["first"], outcome.stderr.text
+    begun = [float(line.split()[1]) for line in (lines[0], lines[2])]
+    assert begun[1] - begun[0] == pytest.approx(3.0, abs=0.2)
+    assert (lines[1], lines[2].split()[0]) == ("[INFO] [launch.user]: next", "second")
+    assert lines[3:] == [
+        f"[INFO] [launch.user]: {words}" for words in (f"ended with {code}", "the last", "all done")
+    ]
+    assert outcome.first_command_ns is not None
+    assert 4_000_000_000 < outcome.first_command_ns < 4_500_000_000
+    assert [note.text for note in outcome.notes if note.code == "launch_ignored"] == []
+    assert report.score == 100 or outcome.status is RunStatus.CRASHED
+
+
+def test_a_node_that_ends_at_ctrl_c_is_followed_by_none(slot: Slot) -> None:
+    spins = "import rclpy\n\ndef main():\n    rclpy.init()\n    rclpy.spin(rclpy.create_node('a'))\n"
+    outcome = of(launched_as(slot, CHAIN, ask=spins, drive=LAST))
+    assert (outcome.stdout.text, outcome.first_command_ns) == ("", None)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("on_exit=ended", "on_exit=[first]", "executed more than once"),
+        ("executable='drive'", "executable='dirve'", "executable 'dirve' not found"),
+    ],
+)
+def test_what_cannot_start_after_another_is_told(slot: Slot, old: str, new: str, said: str) -> None:
+    outcome = of(launched_as(slot, CHAIN.replace(old, new), ask=SAYS.replace("{end}", "pass"), drive=LAST))
+    assert (outcome.status, said in outcome.stderr.text) == (RunStatus.CRASHED, True), outcome.stderr.text
 
 
 POOL = """import rclpy, time

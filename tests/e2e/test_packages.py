@@ -248,18 +248,20 @@ def test_a_launch_file_that_is_not_installed_is_not_found(slot: Slot) -> None:
     assert report.mistakes[0] == "package_launch_missing"
 
 
-def test_what_a_launch_file_says_of_the_end_of_a_node_is_listed_as_ignored(slot: Slot) -> None:
-    launch = LAUNCH.replace(
-        "OnProcessStart(target_action=sim, on_start=[", "OnProcessExit(target_action=mover, on_exit=["
-    )
-    launch = launch.replace("OnProcessStart", "OnProcessExit").replace("actions=[mover]", "actions=[never]")
-    launch = launch.replace("sim, never,", "sim, mover,").replace("output='screen'", "respawn=True")
-    outcome = launched(slot, launch).runs[0].outcome
-    assert [note.text for note in outcome.notes if note.code == "launch_ignored"][1:] == [
-        "respawn of my_turtle drive",
-        "OnProcessExit of my_turtle drive",
+def test_that_a_node_is_started_again_is_listed_as_ignored(slot: Slot) -> None:
+    outcome = launched(slot, LAUNCH.replace("output='screen'", "respawn=True")).runs[0].outcome
+    assert [note.text for note in outcome.notes if note.code == "launch_ignored"] == [
+        "turtlesim_node -r __node:=sim",
         "ros2 topic list",
+        "respawn of my_turtle drive",
     ]
+
+
+def test_what_comes_when_a_node_starts_late_comes_later_still(slot: Slot) -> None:
+    late = LAUNCH.replace("sim, never,", "TimerAction(period=2.0, actions=[sim]), never,")
+    first_ns = launched(slot, late).runs[0].outcome.first_command_ns
+    assert first_ns is not None
+    assert 3_600_000_000 < first_ns < 3_700_000_000
 
 
 def test_a_file_of_parameters_that_is_not_there_is_left_out_with_a_warning(slot: Slot) -> None:

@@ -169,9 +169,27 @@ class ExecuteProcess(Action):
         super().__init__(**{name: value for name, value in options.items() if name not in _OF_PROCESSES})
         checked(*cmd)
         self.cmd = cmd
-        self.untold = [name for name, value in (("on_exit", on_exit), ("respawn", respawn)) if value]
+        self.on_exit = on_exit
+        self.untold = ["respawn"] if respawn else []
+        self.executed = False
+
+    def begin(self, context: LaunchContext) -> None:
+        """Note that it is started, and what is to come when it ends.
+
+        Raises:
+            RuntimeError: it was started before.
+        """
+        if self.executed:
+            raise RuntimeError(f"{type(self).__name__} action executed more than once: write another one")
+        self.executed = True
+        if self.on_exit is not None:
+            from launch.event_handlers import OnProcessExit
+
+            handler = OnProcessExit(target_action=self, on_exit=self.on_exit)
+            context.handlers.append((handler, context.scope()))
 
     def execute_in(self, context: LaunchContext, depth: int) -> None:
+        self.begin(context)
         words = [perform(context, each) for each in self.cmd]
         context.started.append((self, "command", " ".join(words)))
 

@@ -47,6 +47,7 @@ class Node(ExecuteProcess):
             raise TypeError("parameters must be a list of dictionaries and paths: write parameters=[...]")
 
     def execute_in(self, context: LaunchContext, depth: int) -> None:
+        self.begin(context)
         package = "" if self.package is None else perform(context, self.package)
         executable = perform(context, self.executable)
         started = Started(self, package, executable, self._arguments(context), context.delay_s)
@@ -78,7 +79,7 @@ class Started:
     """A node that would have been started.
 
     Attributes:
-        untold: what the launch file says of its end, which is not carried out.
+        untold: what the launch file says of it that is not carried out.
     """
 
     def __init__(

@@ -29,14 +29,17 @@ def launch(guard: Any) -> None:
     Raises:
         SystemExit, and whatever the launch file or its one node raises.
     """
-    own = _own(_started())
+    launched = Launched(_described())
+    own = launched.new_nodes()
     if not own:
+        sys.stderr.write("the launch file starts no node of your own package\n")
         sys.exit(1)
-    if len(own) > 1:
+    if len(own) > 1 or launched.goes_on:
         from rclpy._process.side_by_side import run
 
-        link.note(_SEVERAL_NOTE, ", ".join(f"{each.package}/{each.executable}" for each in own)[:1000])
-        run(own, guard)
+        if len(own) > 1:
+            link.note(_SEVERAL_NOTE, ", ".join(f"{each.package}/{each.executable}" for each in own)[:1000])
+        run(own, guard, launched.after)
         return
     node = own[0]
     if node.delay_s > 0.0:
@@ -48,7 +51,8 @@ def launch(guard: Any) -> None:
     workspace.call()
 
 
-def _started() -> list[tuple[Any, str, Any]]:
+def _described() -> Any:
+    """Return the context in which the launch file was evaluated."""
     from launch._evaluation import LaunchContext
     from launch.launch_description_sources import PythonLaunchDescriptionSource
 
@@ -65,34 +69,84 @@ def _started() -> list[tuple[Any, str, Any]]:
     context = LaunchContext(given)
     context.files.append(path)
     context.visit(PythonLaunchDescriptionSource(path).read(context).entities)
-    _answer(context)
-    return context.started
+    return context
 
 
-def _answer(context: Any) -> None:
-    """Do what is to come when something starts, or when a command has ended."""
-    from launch.event_handlers import OnProcessExit, OnProcessStart
+class Launched:
+    """What a launch file has started, and what is to come when something starts or ends.
 
-    done = 0
-    while done < len(context.handlers):
-        handler, scope = context.handlers[done]
-        done += 1
-        context.restore(scope)
-        for action, kind, what in list(context.started):
-            if handler.target_action is not action:
-                continue
-            if isinstance(handler, OnProcessExit) and kind == "node":
-                what.untold.append("OnProcessExit")
-            elif isinstance(handler, (OnProcessExit, OnProcessStart)):
-                actions = handler.actions
-                context.visit(actions(None, context) if callable(actions) else actions)
+    A command, which is not run here, counts as ended at once.
+    """
+
+    def __init__(self, context: Any) -> None:
+        self._context = context
+        self._told = 0
+        self._answered: set[tuple[int, int]] = set()
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether something is to come when a process ends."""
+        from launch.event_handlers import OnProcessExit
+
+        return any(isinstance(handler, OnProcessExit) for handler, _ in self._context.handlers)
+
+    def new_nodes(self) -> list[Any]:
+        """Do what is to come when something starts; return the nodes of the workspace that are new.
+
+        Raises:
+            SubstitutionFailure: a package has no such executable: launch then starts nothing more at home.
+        """
+        while self._answer():
+            pass
+        started = self._context.started[self._told :]
+        self._told += len(started)
+        return _own(started)
+
+    def after(self, action: Any, code: int) -> list[Any]:
+        """Do what is to come when the process of an action ends; return the nodes that start then.
+
+        Raises:
+            SubstitutionFailure: as `new_nodes`.
+        """
+        from launch.event_handlers import OnProcessExit
+
+        for handler, scope in reversed(list(self._context.handlers)):  # launch asks the latest first
+            if isinstance(handler, OnProcessExit) and handler.is_about(action):
+                self._visit(handler, scope, action, code, 0.0)
+        return self.new_nodes()
+
+    def _answer(self) -> bool:
+        """Answer what has started; return whether there was anything to answer."""
+        from launch.event_handlers import OnProcessExit, OnProcessStart
+
+        found = False
+        for number, (handler, scope) in enumerate(list(self._context.handlers)):
+            for place, (action, kind, what) in enumerate(list(self._context.started)):
+                wanted = OnProcessStart if kind == "node" else (OnProcessExit, OnProcessStart)
+                if (number, place) in self._answered or not isinstance(handler, wanted):
+                    continue
+                self._answered.add((number, place))
+                if handler.is_about(action):
+                    found = True
+                    self._visit(handler, scope, action, 0, what.delay_s if kind == "node" else 0.0)
+        return found
+
+    def _visit(self, handler: Any, scope: Any, action: Any, code: int, delay_s: float) -> None:
+        from launch.event_handlers import ProcessEvent
+
+        self._context.restore(scope)
+        self._context.delay_s = delay_s
+        actions = handler.actions
+        self._context.visit(
+            actions(ProcessEvent(action, code), self._context) if callable(actions) else actions
+        )
 
 
 def _own(started: list[tuple[Any, str, Any]]) -> list[Any]:
-    """Return the nodes of the workspace; if there is none, say so.
+    """Return the nodes of the workspace; note what else is not carried out.
 
     Raises:
-        SubstitutionFailure: a package has no such executable: launch then starts nothing more at home.
+        SubstitutionFailure: a package has no such executable.
     """
     own, ignored = [], []
     for _, kind, what in started:
@@ -107,8 +161,6 @@ def _own(started: list[tuple[Any, str, Any]]) -> list[Any]:
             ignored.append(what if kind == "command" else f"{what.package} {what.executable}")
     for text in ignored[:_MOST_NOTED]:
         link.note(_IGNORED_NOTE, text[:200])
-    if not own:
-        sys.stderr.write("the launch file starts no node of your own package\n")
     return own
 
 

@@ -215,13 +215,17 @@ def _launch() -> None:
     launch(_run_program)
 
 
-def _run_program(step: Any) -> None:
-    """Run one of a launch's programs. The run ends as the first one that fails, else as the first unusual one."""
+def _run_program(step: Any) -> int:
+    """Run one of a launch's programs; return its exit code.
+
+    The run ends as the first one that fails, else as the first unusual one.
+    """
     own = Ending()
     _guard(step, own)
     if ending.reason == _wire.FINISHED and (own.reason != _wire.FINISHED or not ending.code):
         own.crashed_early = own.reason != _wire.FINISHED and not kernel.interrupted
         vars(ending).update(vars(own))
+    return int(own.code or own.reason != _wire.FINISHED)
 
 
 def _finalize(names: dict[str, Any]) -> None:
@@ -345,6 +349,6 @@ def exit_now(code: int) -> NoReturn:
         from rclpy._process.side_by_side import end_at_once
 
         ending.code = ending.code or int(code)
-        end_at_once()
+        end_at_once(int(code))
     ending.code = int(code)
     ending.send_and_exit()

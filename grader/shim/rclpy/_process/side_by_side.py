@@ -36,7 +36,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any, NoReturn
 
-    Guard = Callable[[Callable[[], None]], None]
+    Guard = Callable[[Callable[[], None]], int]
+    After = Callable[[Any, int], list[Any]]
 
 _AT_EXIT = "_threading_atexits"
 _OWN: tuple[tuple[Any, str], ...] = (
@@ -73,12 +74,13 @@ class Program:
     """One executable of a launch, with what it has for itself while another one runs.
 
     Attributes:
-        package, executable, arguments: what is started. delay_s: how long after the launch file.
+        package, executable, arguments: what is started, as `action` of the launch file says.
+        delay_s: how long after the launch file, or after what it waited for.
         ended: whether its process would be gone.
     """
 
     def __init__(self, node: Any) -> None:
-        self.package, self.executable = node.package, node.executable
+        self.action, self.package, self.executable = node.action, node.package, node.executable
         self.arguments: list[str] = node.arguments
         self.delay_s: float = node.delay_s
         self.ended = False
@@ -126,19 +128,41 @@ class _MainThread(threading.Thread):
 class _Images:
     """Which program's own things are in place, and the programs of the launch; None stands for launch itself."""
 
+    guard: Guard
+    after: After
+
     def __init__(self) -> None:
         self.programs: list[Program] = []
         self.launch: Any = None
         self.own_modules: list[str] = []
 
-    def begin(self, programs: list[Program], names: list[str]) -> None:
-        """Take the programs; from now on the kernel changes images with the turns."""
-        self.programs = programs
+    def begin(self, names: list[str]) -> None:
+        """From now on the kernel changes images with the turns."""
         self.own_modules = ["__main__", *names]
         self.launch = Program.__new__(Program)
         self.launch.values, self.launch.modules = [], {}
         kernel.switch = self.switch
         kernel.everywhere = self.everywhere
+
+    def add(self, nodes: list[Any]) -> None:
+        """Start the programs of some nodes, in this order.
+
+        Raises:
+            RuntimeError: there are more than there can be threads.
+        """
+        count = len(nodes) + sum(not each.ended for each in self.programs)
+        if count >= MAX_THREADS:
+            raise RuntimeError(f"{count} nodes of your own, of which {MAX_THREADS - 1} can run at once here")
+        programs = [Program(node) for node in nodes]
+        self.programs += programs
+        threads = [program.main_thread() for program in programs]  # all, before the first one may run
+        for program, thread in zip(programs, threads, strict=True):
+            start(thread, _live, (program, self.guard), {})
+
+    def follow(self, program: Program, code: int) -> None:
+        """Start what is to come after a program's end. After Ctrl+C launch starts nothing more."""
+        if not kernel.interrupted:
+            self.guard(lambda: self.add(self.after(program.action, code)))
 
     def switch(self, old: Any, new: Any) -> None:
         """Put one program's own things aside and another one's in place."""
@@ -171,27 +195,24 @@ class _Images:
 images = _Images()
 
 
-def run(nodes: list[Any], guard: Guard) -> None:
+def run(nodes: list[Any], guard: Guard, after: After) -> None:
     """Start the nodes' programs in this order, and return when all have ended.
 
     Args:
         nodes: of the student's packages, as the launch file described them.
-        guard: calls a function and takes what it raises for the program's end.
+        guard: calls a function, takes what it raises for the program's end, and returns the exit code of that.
+        after: returns the nodes that start when the process of an action ends, with its exit code.
 
     Raises:
         RuntimeError: there are more than there can be threads.
     """
-    if len(nodes) >= MAX_THREADS:
-        raise RuntimeError(f"{len(nodes)} nodes of your own, of which {MAX_THREADS - 1} can run at once here")
-    programs = [Program(node) for node in nodes]
-    images.begin(programs, workspace.module_names())
-    threads = [program.main_thread() for program in programs]  # all, before the first one may run
-    for program, thread in zip(programs, threads, strict=True):
-        start(thread, _live, (program, guard), {})
-    while not all(program.ended for program in programs):
+    images.guard, images.after = guard, after
+    images.begin(workspace.module_names())
+    images.add(nodes)
+    while not all(program.ended for program in images.programs):
         try:
             kernel.wait(
-                lambda: all(program.ended for program in programs),
+                lambda: all(program.ended for program in images.programs),
                 None,
                 "launch waits for its nodes",
                 idle=True,
@@ -202,9 +223,9 @@ def run(nodes: list[Any], guard: Guard) -> None:
 
 def _live(program: Program, guard: Guard) -> None:
     """Be a program from its start to its end."""
-    guard(lambda: _call(program))
-    guard(_join_threads)
-    _close(program)
+    code = guard(lambda: _call(program))
+    code = guard(_join_threads) or code
+    _close(program, code)
 
 
 def _call(program: Program) -> None:
@@ -231,7 +252,7 @@ def _join_threads() -> None:
         )
 
 
-def _close(program: Program) -> None:
+def _close(program: Program, code: int) -> None:
     """Let everything go that the end of a process takes along: its entities, and its other threads.
 
     The running thread is launch's from then on: no signal finds its way to a program that has ended.
@@ -252,6 +273,7 @@ def _close(program: Program) -> None:
     kernel.called[:] = [each for each in kernel.called if each.program is not program]
     images.switch(program, None)
     me.program = None
+    images.follow(program, code)
     kernel.replan()
 
 
@@ -259,11 +281,11 @@ def _is_of(program: Program, node: NodeHandle) -> bool:
     return node.context.program is program
 
 
-def end_at_once() -> NoReturn:
+def end_at_once(code: int) -> NoReturn:
     """End the running thread's program without another line of it: `os._exit`."""
     me = kernel.running
     assert isinstance(me.program, Program)
-    _close(me.program)
+    _close(me.program, code)
     kernel.end_thread(me)
     while True:  # the process's end takes the thread along
         me.baton.acquire()
