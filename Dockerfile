@@ -59,7 +59,7 @@ RUN /opt/build/bin/pip wheel --no-cache-dir --no-deps --no-build-isolation --whe
  && find . -type f ! -name grader -delete \
  && ./python -m grader.jail.models \
  && ./python -m compileall -q -x '/(assignments|lesson)/' --invalidation-mode unchecked-hash /opt/grader/lib \
- && ./python -c 'from grader.web.pages import compile_all; compile_all()'
+ && ./python -c 'from grader.service.web.pages import compile_all; compile_all()'
 
 FROM scratch
 LABEL org.opencontainers.image.title="grader" \

@@ -31,11 +31,11 @@ from benchmarks.load import milliseconds
 from benchmarks.postgres_server import PostgresServer
 from benchmarks.processes import Service, Spent, spent
 from grader.catalog import Catalog
-from grader.composition import GRADING_NICENESS
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, SubmissionState
 from grader.grading.slot import Slot, SlotConfig
+from grader.service.composition import GRADING_NICENESS
 from grader.store.clock import Clock, clock_of
 from grader.store.courses import Courses
 from grader.store.database import Database

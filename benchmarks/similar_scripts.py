@@ -27,7 +27,7 @@ from grader.grading.practice import PracticeRuns
 from grader.grading.preflight import NoPreflight
 from grader.grading.slot import Slot, SlotConfig
 from grader.live.cars import LiveCars
-from grader.settings import Settings
+from grader.operation.settings import Settings
 from grader.store.clock import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database

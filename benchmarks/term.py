@@ -43,7 +43,7 @@ from benchmarks.term_students import Handed, Upload, hand_in_on_pages
 from grader.catalog import Catalog, default_root
 from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.examination.zipped import packed
+from grader.grading.examination.zipped import packed
 from grader.grading.slot import Slot, SlotConfig
 from grader.store.clock import utc_now
 from grader.store.database import Database

@@ -15,7 +15,8 @@ from fastapi.concurrency import contextmanager_in_threadpool
 from starlette.types import ASGIApp
 
 from grader import __version__
-from grader.routes import (
+from grader.service.requests.middleware import BoundedBodies, HeldToTheEnd, KnownPeer, Observed, SafeHeaders
+from grader.service.routes import (
     appeals,
     assignments,
     comments,
@@ -40,11 +41,10 @@ from grader.routes import (
     similar,
     submissions,
 )
-from grader.routes.events import told_to_stop
-from grader.routes.middleware import BoundedBodies, HeldToTheEnd, KnownPeer, Observed, SafeHeaders
+from grader.service.routes.events import told_to_stop
+from grader.service.web import routing as pages
+from grader.service.web.pages import compile_all
 from grader.use_cases.services import Services
-from grader.web import routing as pages
-from grader.web.pages import compile_all
 
 _log = logging.getLogger(__name__)
 ServicesOpener = Callable[[], AbstractContextManager[Services]]
@@ -153,8 +153,8 @@ def _let_go(services: Services) -> None:
 
 
 def _from_environment() -> AbstractContextManager[Services]:
-    from grader.composition import running
-    from grader.settings import load
+    from grader.operation.settings import load
+    from grader.service.composition import running
 
     return running(load())
 

@@ -35,8 +35,8 @@ def handed_in(path: Path) -> bytes:
     """
     if path.suffix != ".zip":
         return path.read_bytes()
-    from grader.packages.bundle import bundled
-    from grader.packages.folders import read_folder
+    from grader.formats.packages.bundle import bundled
+    from grader.formats.packages.folders import read_folder
 
     return bundled(path.read_bytes()) if path.is_file() else read_folder(path.with_suffix(""))
 

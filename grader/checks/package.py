@@ -7,8 +7,8 @@ from grader.checks.measure import Check, Findings, Measure, MeasureKind, Mistake
 from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
+from grader.formats.packages.problems import AREAS
 from grader.messages import say
-from grader.packages.problems import AREAS
 
 _MODULES = ("missing_module", "own_module")
 """Mistakes whose texts speak of the one file that is handed in otherwise."""

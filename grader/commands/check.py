@@ -100,8 +100,8 @@ def read_handed_in(path: Path) -> bytes:
         RefusedError: it cannot be read, or could not be uploaded either.
     """
     if path.is_dir() or path.suffix.lower() == ".zip":
-        from grader.packages.bundle import MAX_PACKAGE_BYTES, bundled
-        from grader.packages.folders import read_bounded, read_folder
+        from grader.formats.packages.bundle import MAX_PACKAGE_BYTES, bundled
+        from grader.formats.packages.folders import read_bounded, read_folder
 
         try:
             return read_folder(path) if path.is_dir() else bundled(read_bounded(path, MAX_PACKAGE_BYTES))

@@ -19,8 +19,8 @@ from grader.contracts.assignment import DEFAULT_DISTRO
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import Role, RosterEntry, checked_id
 from grader.contracts.text import Text, trouble
-from grader.sheets.reading import MAX_FILE_BYTES
-from grader.sheets.roster import read_roster
+from grader.formats.sheets.reading import MAX_FILE_BYTES
+from grader.formats.sheets.roster import read_roster
 from grader.store.audit import Signature
 from grader.store.clock import utc_now
 from grader.store.costs import Costs

@@ -10,7 +10,7 @@ from grader.commands.options import add_language_option, tell
 from grader.commands.storage import add_data_option, database_url, refuse_missing
 from grader.contracts.errors import SettingsError
 from grader.contracts.text import Text
-from grader.settings import load
+from grader.operation.settings import load
 from grader.store.backups import back_up, restore_file, restore_rows
 from grader.store.database import Database
 from grader.store.occupancy import alone

@@ -12,9 +12,9 @@ from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.text import Text, trouble
 from grader.contracts.upload import MAX_SOURCE_BYTES, check_name, check_source
+from grader.formats.packages.bundle import MAX_PACKAGE_BYTES, bundled
+from grader.formats.packages.folders import read_bounded, read_folder
 from grader.grading.slot import Slot
-from grader.packages.bundle import MAX_PACKAGE_BYTES, bundled
-from grader.packages.folders import read_bounded, read_folder
 
 _MOST_FILES = 1_000
 _SHOWN_NAMES = 8

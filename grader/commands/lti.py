@@ -109,7 +109,7 @@ def _remove(_: OpenedStore, platforms: Platforms, course: str, arguments: argpar
 
 
 def _rotate(platforms: Platforms, arguments: argparse.Namespace) -> None:
-    from grader.lti.scores import new_key
+    from grader.outside.lti.scores import new_key
 
     platforms.rotate_key(new_key, at_once=arguments.now)
     hours = KEY_READ_WITHIN.total_seconds() / 3600

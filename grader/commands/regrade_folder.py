@@ -26,9 +26,9 @@ from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.report import GradeReport
 from grader.contracts.text import Language, Text
 from grader.contracts.upload import MAX_SOURCE_BYTES
+from grader.formats.sheets.writing import csv_table
 from grader.grading.slot import Slot, SlotConfig
 from grader.messages import quantity
-from grader.sheets.writing import csv_table
 
 _METADATA: Final = "submission_metadata.yml"
 _MOST_MEMBERS: Final = 20_000

@@ -27,9 +27,9 @@ from grader.contracts.outcome import Blame, RunOutcome
 from grader.contracts.report import GradeReport
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Trajectory, decode_trajectory
+from grader.formats.packages.bundle import is_package
 from grader.grading.slot import Slot, SlotConfig
 from grader.messages.quantity import number
-from grader.packages.bundle import is_package
 from grader.render.labels import word
 
 if TYPE_CHECKING:

@@ -25,7 +25,7 @@ from grader.contracts.text import trouble
 if TYPE_CHECKING:
     from starlette.types import ASGIApp
 
-    from grader.settings import Settings
+    from grader.operation.settings import Settings
     from grader.use_cases.services import Services
 
 _log = logging.getLogger(__name__)
@@ -66,8 +66,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Serve until told to stop; running gradings finish first."""
     from grader.commands.storage import database_url
-    from grader.settings import load
-    from grader.telemetry import logs
+    from grader.operation import logs
+    from grader.operation.settings import load
 
     settings = load(
         host=arguments.host,
@@ -81,8 +81,8 @@ def run(arguments: argparse.Namespace) -> int:
     with listening(settings.host, settings.port) as listener, _running(settings) as services:
         # takes a second, which nobody waits for whose settings are refused
         from grader.api import behind_proxies, create_app, warm_up
-        from grader.composition import websockets_installed
         from grader.live.cars import CLIENTS
+        from grader.service.composition import websockets_installed
 
         app = create_app(lambda: nullcontext(services))
         warm_up(services)
@@ -102,7 +102,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _running(settings: "Settings") -> AbstractContextManager["Services"]:
     """Return everything behind the application; imported only once the address is ours."""
-    from grader.composition import running
+    from grader.service.composition import running
 
     return running(settings)
 

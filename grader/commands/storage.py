@@ -10,7 +10,7 @@ from pathlib import Path
 from grader.contracts.errors import CourseError, SettingsError
 from grader.contracts.identity import no_course
 from grader.contracts.text import trouble
-from grader.settings import load
+from grader.operation.settings import load
 from grader.store.clock import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database

@@ -21,10 +21,10 @@ from grader.contracts.errors import InfrastructureError, RefusedError, UnknownAs
 from grader.contracts.report import report_from
 from grader.contracts.text import LANGUAGES, Text, trouble
 from grader.messages.quantity import points
+from grader.operation.settings import is_loopback
 from grader.render.escape import visible, visible_line
 from grader.render.labels import status_word
 from grader.render.terminal import console, render_report
-from grader.settings import is_loopback
 
 _OPEN_STATES = ("queued", "running")
 _TRIES = 4

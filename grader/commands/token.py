@@ -20,7 +20,7 @@ from grader.contracts.errors import CourseError
 from grader.contracts.identity import unknown_members
 from grader.contracts.notation import whole
 from grader.contracts.text import BYTE_ORDER_MARK, Text
-from grader.sheets.writing import as_text
+from grader.formats.sheets.writing import as_text
 
 DEFAULT_DAYS = 200  # a term and the exams after it
 _MOST_DAYS = 3_660

@@ -16,10 +16,10 @@ from grader.contracts.errors import AssignmentError
 from grader.contracts.grading import Grader
 from grader.contracts.notation import written
 from grader.contracts.text import EMPTY, Language, Text, trouble
-from grader.examination import Examination, OwnScript, OwnScripts
-from grader.examination import examine as examine_scripts
-from grader.examination.reference import traced, wants_reference
-from grader.examination.sensitivity import Sensitivity
+from grader.grading.examination import Examination, OwnScript, OwnScripts
+from grader.grading.examination import examine as examine_scripts
+from grader.grading.examination.reference import traced, wants_reference
+from grader.grading.examination.sensitivity import Sensitivity
 from grader.grading.slot import Slot, SlotConfig
 from grader.messages.quantity import NOTHING, number
 from grader.render.progress import followed
@@ -124,7 +124,7 @@ def fitting(catalog: Catalog, assignment_id: str) -> Assignment:
 
 
 def examine(catalog: Catalog, assignment_id: str, grader: Grader, *, sensitive: bool = False) -> Examination:
-    """Examine one assignment of a folder as `grader.examination.examine` does; record what its solution drives.
+    """Examine one assignment of a folder (`grader.grading.examination`); record what its solution drives.
 
     Raises:
         GraderError: the assignment cannot be read, or the grader failed.

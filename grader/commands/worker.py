@@ -27,9 +27,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Grade until told to stop; running gradings finish first. A second signal does not wait for them."""
     from grader.commands.storage import database_url
-    from grader.composition import running_worker
-    from grader.settings import load
-    from grader.telemetry import logs
+    from grader.operation import logs
+    from grader.operation.settings import load
+    from grader.service.composition import running_worker
 
     url = database_url(arguments.data) or arguments.database_url
     settings = load(database_url=url, slots=arguments.slots)

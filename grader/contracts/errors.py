@@ -58,7 +58,7 @@ class RefusedError(GraderError):
     """A use case does not do what was asked.
 
     Attributes:
-        code: stable name of the kind of refusal; `grader.routes.problems` has its title and what to do.
+        code: stable name of the kind of refusal; `grader.service.routes.problems` has its title and what to do.
         detail: what happened this time; None: the title of the kind is enough.
         retry_after_s: seconds until the same request may succeed; None: waiting does not help.
         members: where it is wrong and what would be accepted: `field`, `line`, `column`, `text`, `allowed`.

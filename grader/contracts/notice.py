@@ -100,7 +100,7 @@ class Notice:
     Attributes:
         body: empty once it was sent, or is given up.
         sent_at: None: not yet. not_before: nobody sends it before. until: nobody sends it later.
-        tries: failed so far. code, trouble: the latest failure (`grader.notices.NotSentError`); empty: none.
+        tries: failed so far. code, trouble: of the latest failure (`NotSentError`); empty: none.
     """
 
     id: str

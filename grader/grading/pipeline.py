@@ -73,7 +73,7 @@ class _Script(Record):
 def _script_of(job: GradingJob) -> _Script:
     if job.assignment.input != "package":
         return _Script(file_name=job.file_name, source=decoded(job.source), body=job.source)
-    from grader.packages.mounting import mounted
+    from grader.formats.packages.mounting import mounted
 
     package = mounted(job.source, job.assignment.package, job.assignment.release)
     return _Script(

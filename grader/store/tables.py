@@ -514,7 +514,7 @@ class OwnAssignmentRow(SQLModel, table=True):
     """An assignment that somebody uploaded to a course; `number` counts uploads of one assignment.
 
     The latest that is ``ready`` is used, the latest of all is shown; no others are kept. `content` is the folder
-    as a zip, `reading` the `Reading` of `grader.examination`, `examined` the record of that name, both as JSON.
+    as a zip; `reading` and `examined` are the records of these names in `grader.grading.examination`, as JSON.
     Bytes, as nothing there names a person. `lease_until`: until when a worker runs the scripts of it.
     """
 

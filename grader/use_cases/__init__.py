@@ -7,8 +7,8 @@ like this (`grader.use_cases.handing_in` is a short example):
   never a request or a form.
 - It decides by itself whether the caller may do this. A door that forgets to ask opens nothing.
 - It returns contracts. How they look as JSON or on a page is the door's business.
-- It refuses by raising `grader.contracts.errors.RefusedError` with a stable code. `grader.routes.problems` turns
-  the code into a status, a title, advice and headers; pages show the same title and advice.
+- It refuses by raising `grader.contracts.errors.RefusedError` with a stable code. `grader.service.routes.problems`
+  turns the code into a status, a title, advice and headers; pages show the same title and advice.
 
 So nothing here imports fastapi, starlette or jinja2, and a third door needs no HTTP (import-linter holds both).
 

@@ -19,7 +19,7 @@ from typing import Self
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import ANYBODY, OPERATOR, Caller
-from grader.settings import Settings
+from grader.operation.settings import Settings
 from grader.store.clock import Clock
 from grader.store.courses import Courses
 from grader.store.tokens import Tokens

@@ -9,7 +9,7 @@ from grader.contracts.judgement import is_comment
 from grader.contracts.submission import Submission
 from grader.contracts.text import Text
 from grader.contracts.upload import lines_of
-from grader.packages.bundle import text_of
+from grader.formats.packages.bundle import text_of
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import visible_submission
 

@@ -12,9 +12,9 @@ from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.grading import AssignmentSource
 from grader.contracts.record import from_json
 from grader.contracts.text import Text
-from grader.examination import misfits
-from grader.examination.reading import Reading
-from grader.examination.zipped import unpacked
+from grader.grading.examination import misfits
+from grader.grading.examination.reading import Reading
+from grader.grading.examination.zipped import unpacked
 from grader.store.own_assignments import Mark, OwnAssignments
 
 _log = logging.getLogger(__name__)

@@ -14,7 +14,7 @@ from typing import Any
 
 from grader.contracts.identity import Caller, Course
 from grader.contracts.submission import Submission
-from grader.sheets.writing import csv_table
+from grader.formats.sheets.writing import csv_table
 from grader.store.rules import to_document
 from grader.use_cases.callers import require_instructor
 from grader.use_cases.course_life import own_course

@@ -16,10 +16,10 @@ from grader.contracts.judgement import judged
 from grader.contracts.notation import written
 from grader.contracts.rubric import summed
 from grader.contracts.text import Language, Text
+from grader.formats.sheets.filling import FilledSheet, fill
+from grader.formats.sheets.writing import Cell, as_text, csv_table, workbook
 from grader.messages import on_page
 from grader.render.documents import to_gradescope, to_prairielearn
-from grader.sheets.filling import FilledSheet, fill
-from grader.sheets.writing import Cell, as_text, csv_table, workbook
 from grader.use_cases import people
 from grader.use_cases.assignments import in_course, require_published
 from grader.use_cases.callers import require_staff

@@ -14,11 +14,11 @@ from grader.contracts.outcome import StudentError
 from grader.contracts.submission import NewSubmission, Submission
 from grader.contracts.text import Text
 from grader.contracts.upload import check_name, check_source, decoded
+from grader.formats.packages.bundle import bundled, files_of
 from grader.messages.exceptions import meaning
 from grader.messages.script import ScriptText
-from grader.packages.bundle import bundled, files_of
+from grader.operation.context import note
 from grader.render.escape import visible_line
-from grader.telemetry.context import note
 from grader.use_cases.assignments import is_own, require_published
 from grader.use_cases.services import Services
 

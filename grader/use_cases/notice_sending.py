@@ -4,9 +4,9 @@ import logging
 from collections.abc import Callable
 
 from grader.contracts.notice import Notice, Outlet
-from grader.notices import NotSentError
-from grader.notices.failure import OFTEN_PAUSE_S
-from grader.notices.mail import Letter
+from grader.outside.notices import NotSentError
+from grader.outside.notices.failure import OFTEN_PAUSE_S
+from grader.outside.notices.mail import Letter
 from grader.use_cases.notice_writing import write_notices
 from grader.use_cases.services import Services
 

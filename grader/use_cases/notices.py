@@ -10,9 +10,9 @@ from grader.contracts.identity import Caller
 from grader.contracts.notice import MailWishes, NewWebhook, Notice, NoticeKind, Outlet, Vendor
 from grader.contracts.text import Text
 from grader.messages import on_page, say
-from grader.notices import NotSentError
-from grader.notices.bots import is_address, shape
-from grader.notices.mail import Letter
+from grader.outside.notices import NotSentError
+from grader.outside.notices.bots import is_address, shape
+from grader.outside.notices.mail import Letter
 from grader.use_cases.callers import require_instructor
 from grader.use_cases.notice_writing import count_as_told
 from grader.use_cases.services import Services

@@ -11,9 +11,9 @@ from grader.contracts.identity import Caller
 from grader.contracts.own_assignment import Misfit, OwnAssignment, OwnState
 from grader.contracts.record import to_plain
 from grader.contracts.text import EMPTY, Text
-from grader.examination.reading import declared_id, misfits_of, read_folder
-from grader.examination.reference import wants_reference
-from grader.examination.zipped import packed, unpacked
+from grader.grading.examination.reading import declared_id, misfits_of, read_folder
+from grader.grading.examination.reference import wants_reference
+from grader.grading.examination.zipped import packed, unpacked
 from grader.store.own_assignments import NewOwnAssignment
 from grader.use_cases.callers import require_instructor, require_staff
 from grader.use_cases.services import Services

@@ -19,7 +19,7 @@ from grader.contracts.identity import (
     checked_entry,
 )
 from grader.contracts.text import Text
-from grader.sheets.roster import Roster, read_roster
+from grader.formats.sheets.roster import Roster, read_roster
 from grader.store.courses import RosterChange
 from grader.use_cases.callers import require_instructor, require_staff
 from grader.use_cases.services import Services
@@ -74,7 +74,7 @@ def plan_import(services: Services, caller: Caller, content: bytes) -> ImportPla
     Args:
         services: what use cases work with.
         caller: who asks.
-        content: a workbook or CSV, as `grader.sheets.roster` reads them.
+        content: a workbook or CSV, as `grader.formats.sheets.roster` reads them.
 
     Raises:
         RefusedError: the caller is no instructor, there is no course, or the list cannot be read or imported.

@@ -1,4 +1,4 @@
-"""Choosing which assignments a platform makes activities of (`grader.lti.picking`).
+"""Choosing which assignments a platform makes activities of (`grader.outside.lti.picking`).
 
 It is done in a frame of the platform's page, where a browser has no session of ours. Whoever came with the
 platform's signed message has a secret instead, which is good for that one choice. Who they are in the course is
@@ -13,7 +13,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Member, Role
 from grader.contracts.platform import OpenPicking, Platform
 from grader.contracts.text import Language
-from grader.lti.picking import activity, answer
+from grader.outside.lti.picking import activity, answer
 from grader.use_cases.platforms import public_url
 from grader.use_cases.services import Services
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from grader.contracts.errors import CourseError, RefusedError
 from grader.contracts.identity import Caller, RosterEntry, Seen, checked_entry, is_person_id
 from grader.contracts.platform import Platform
-from grader.lti.roster import Listed
-from grader.lti.scores import NotTakenError
-from grader.signin import SignInError
-from grader.signin.channel import UnreachableError
+from grader.outside.lti.roster import Listed
+from grader.outside.lti.scores import NotTakenError
+from grader.outside.signin import SignInError
+from grader.outside.signin.channel import UnreachableError
 from grader.use_cases.platforms import own_course
 from grader.use_cases.services import Services
 

@@ -8,9 +8,9 @@ from typing import Any
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
 from grader.contracts.platform import NewPlatform, Platform, PlatformLink, PlatformScore
-from grader.lti import Kept, Launch, login_address
-from grader.signin import Person, SignInError
-from grader.signin.channel import is_confidential
+from grader.outside.lti import Kept, Launch, login_address
+from grader.outside.signin import Person, SignInError
+from grader.outside.signin.channel import is_confidential
 from grader.store.audit import Signature
 from grader.use_cases.callers import require_instructor
 from grader.use_cases.services import Services

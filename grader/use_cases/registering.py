@@ -1,4 +1,4 @@
-"""Adding a platform by one address, which an instructor makes and the platform opens (`grader.lti.registration`).
+"""Adding a platform by one address, which an instructor makes and the platform opens (`outside.lti.registration`).
 
 It is opened in a frame of the platform's page, by somebody who may have no account here: the secret in the address
 says for which course. It adds one platform, and is good for a day.
@@ -10,9 +10,9 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role
 from grader.contracts.platform import Platform
 from grader.contracts.text import Text
-from grader.lti.registration import RegistrationError, register
 from grader.messages import on_page
-from grader.signin.channel import is_confidential
+from grader.outside.lti.registration import RegistrationError, register
+from grader.outside.signin.channel import is_confidential
 from grader.store.audit import Signature
 from grader.use_cases.platforms import add_signed, own_course, public_url
 from grader.use_cases.services import Services

@@ -9,9 +9,9 @@ import msgspec
 
 from grader.contracts.dashboard import StudentProgress
 from grader.contracts.platform import Platform, PlatformLink
-from grader.lti.scores import NotTakenError, Score
 from grader.messages import on_page
-from grader.signin.channel import UnreachableError
+from grader.outside.lti.scores import NotTakenError, Score
+from grader.outside.signin.channel import UnreachableError
 from grader.use_cases.services import Services
 
 _log = logging.getLogger(__name__)

@@ -10,12 +10,13 @@ from grader.contracts.identity import Caller
 from grader.contracts.submission import QueueState, WorkerState
 from grader.grading.practice import PracticeRuns
 from grader.live.cars import LiveCars
-from grader.lti import Launches
-from grader.lti.scores import PlatformChannel, Signer, new_key
-from grader.notices.bots import BotChannel
-from grader.notices.mail import MailChannel
-from grader.settings import Settings
-from grader.signin import Providers
+from grader.operation.metrics import Metrics
+from grader.operation.settings import Settings
+from grader.outside.lti import Launches
+from grader.outside.lti.scores import PlatformChannel, Signer, new_key
+from grader.outside.notices.bots import BotChannel
+from grader.outside.notices.mail import MailChannel
+from grader.outside.signin import Providers
 from grader.store.appeals import Appeals
 from grader.store.audit import AuditLog, Signature
 from grader.store.clock import Clock
@@ -41,7 +42,6 @@ from grader.store.submissions import Submissions
 from grader.store.tokens import Tokens
 from grader.store.work import Doorbell
 from grader.store.workers import Workers
-from grader.telemetry.metrics import Metrics
 from grader.use_cases.callers import Allowances, Callers
 from grader.use_cases.comparing import Comparer
 from grader.use_cases.following import Estimates, Watching, WatchLimits

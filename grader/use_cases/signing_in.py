@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Identity
 from grader.contracts.platform import platform_of
-from grader.signin import Person, Provider, SignInAttempt, SignInError
+from grader.outside.signin import Person, Provider, SignInAttempt, SignInError
 from grader.use_cases.callers import require_instructor, require_staff
 from grader.use_cases.services import Services
 

@@ -13,7 +13,7 @@ import numpy as np
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
 from grader.contracts.trajectory import decode_commands
-from grader.packages.bundle import code_of
+from grader.formats.packages.bundle import code_of
 from grader.similarity.commands import SentCommands, drive_of
 from grader.similarity.fingerprints import Fingerprints, Hashes, fingerprints, grams
 from grader.similarity.ranking import Pair, Script, rank

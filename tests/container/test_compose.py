@@ -11,7 +11,7 @@ import yaml
 
 from grader.commands.cli import COMMANDS
 from grader.contracts.assignment import MIB, Limits
-from grader.settings import Settings, load
+from grader.operation.settings import Settings, load
 from tests.fakes import postgres
 
 ROOT = Path(__file__).resolve().parents[2]

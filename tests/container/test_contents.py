@@ -56,6 +56,6 @@ def test_modules_are_compiled_ahead(runtime: Runtime) -> None:
         assert len(sources) > 500
         compiled = (path.parent / "__pycache__" / f"{path.stem}.cpython-311.pyc" for path in sources)
         assert [str(path) for path in compiled if not path.exists()] == []
-    templates = rootfs / "opt/grader/lib/python3.11/site-packages/grader/web/templates"
+    templates = rootfs / "opt/grader/lib/python3.11/site-packages/grader/service/web/templates"
     pages = {path.stem for path in templates.glob("*.html")}
     assert {path.name.partition(".")[0] for path in (templates / "__pycache__").iterdir()} == pages

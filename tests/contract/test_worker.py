@@ -6,10 +6,10 @@ import pytest
 
 from grader.contracts.grading import SandboxState
 from grader.contracts.submission import SubmissionState
+from grader.service.worker import Worker, WorkerConfig, WorkerParts
 from grader.store.permits.loop import PermitLoop
 from grader.store.work import Doorbell
 from grader.store.workers import Workers
-from grader.worker import Worker, WorkerConfig, WorkerParts
 from tests.fakes.engines import PostgresEngine
 from tests.fakes.grading import FakeAssignments, FakeGrader
 from tests.fakes.waiting import PATIENCE_S, wait_until

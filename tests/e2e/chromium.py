@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 import httpx
 import pytest
 
-from grader.web import forms
+from grader.service.web import forms
 from tests.fakes.waiting import wait_until
 
 PATIENCE_S = 60

@@ -17,11 +17,11 @@ import pytest
 from grader.api import create_app
 from grader.catalog import default_root
 from grader.commands.demo import await_grades
-from grader.composition import running
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.rules import LateRule, Rules
+from grader.operation.settings import Settings
 from grader.render.terminal import console
-from grader.settings import Settings
+from grader.service.composition import running
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
 from tests.fakes import server

@@ -9,7 +9,7 @@ from grader.catalog.authoring import create
 from grader.commands.validation import examine
 from grader.contracts.grading import Grader, GradingJob
 from grader.contracts.text import EMPTY
-from grader.examination import sensitivity
+from grader.grading.examination import sensitivity
 from tests.e2e.grading_slot import LESSON, catalog, grade
 
 CHECKLIST = [assignment.id for assignment in catalog().all()]

@@ -11,7 +11,7 @@ import pytest
 
 from grader.catalog import default_root
 from grader.contracts.regrade import Regrade
-from grader.examination.zipped import packed
+from grader.grading.examination.zipped import packed
 from grader.use_cases.regrading import regrade_of
 from tests.e2e.chromium import PHONE, Browser
 from tests.e2e.school import ESSAY, School, school
@@ -82,7 +82,7 @@ def test_grading_again_shows_who_loses_and_is_applied(
     assert "on trial" in wang.says()
     wang.driver.back()
     with monkeypatch.context() as patch:  # as if it were not complete yet
-        patch.setattr("grader.web.regrading.regrade_of", _still_running)
+        patch.setattr("grader.service.web.regrading.regrade_of", _still_running)
         wang.driver.refresh()
         assert not wang.all("button[value=apply]")
         wang.type("#reason", "sides must be equal")

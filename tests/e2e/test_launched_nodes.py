@@ -8,8 +8,8 @@ from grader.contracts.assignment import WantedPackage
 from grader.contracts.grading import GradingJob
 from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.contracts.report import GradeReport
+from grader.formats.packages.bundle import bundled
 from grader.grading.slot import Slot
-from grader.packages.bundle import bundled
 from tests.e2e.test_packages import assignment
 from tests.fakes.packages import NAME, SETUP, package_files, zipped
 

@@ -8,8 +8,8 @@ import pytest
 from grader.contracts.assignment import Assignment, WantedPackage
 from grader.contracts.grading import GradingJob
 from grader.contracts.report import GradeReport
+from grader.formats.packages.bundle import bundled
 from grader.grading.slot import Slot
-from grader.packages.bundle import bundled
 from tests.e2e.grading_slot import catalog
 from tests.fakes.packages import DRIVE, HELPER, NAME, package_files, zipped
 

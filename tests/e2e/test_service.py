@@ -7,10 +7,10 @@ from contextlib import contextmanager
 
 import httpx
 
-from grader.settings import Settings
+from grader.operation.settings import Settings
+from grader.service.worker import WorkerConfig
 from grader.store.clock import utc_now
 from grader.use_cases.services import Services
-from grader.worker import WorkerConfig
 from tests.fakes import server
 from tests.fakes.mortal import HEARTBEAT_S, worker_of
 from tests.fakes.prepared import Prepared

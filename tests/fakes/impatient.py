@@ -2,9 +2,9 @@
 
 from functools import partial
 
-from grader import composition
 from grader.__main__ import main
 from grader.grading.practice import PracticeRuns
+from grader.service import composition
 
 if __name__ == "__main__":
     vars(composition)["PracticeRuns"] = partial(PracticeRuns, patience_s=0.2)

@@ -14,11 +14,11 @@ import uvicorn
 
 from grader.api import create_app
 from grader.contracts.grading import SandboxState
-from grader.settings import Settings
+from grader.operation.settings import Settings
+from grader.service.worker import Worker, WorkerConfig, WorkerParts
 from grader.store.clock import utc_now
 from grader.store.workers import presence
 from grader.use_cases.services import Services
-from grader.worker import Worker, WorkerConfig, WorkerParts
 from tests.fakes import server
 from tests.fakes.grading import FakeGrader
 

@@ -24,7 +24,7 @@ _NEEDED = (
     "grader.commands.serve",
     "grader.commands.storage",
     "grader.commands.worker",
-    "grader.composition",
+    "grader.service.composition",
     "grader.live.protocol",
     "grader.store.permits.loop",
     "uvicorn.main",

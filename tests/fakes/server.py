@@ -19,7 +19,7 @@ from grader.grading.practice import PracticeRuns
 from grader.live.car import LiveCar
 from grader.live.cars import CLIENTS, LiveCars
 from grader.live.protocol import SETTINGS, BoundedWebSocket
-from grader.settings import Settings
+from grader.operation.settings import Settings
 from grader.store.clock import Clock
 from grader.store.courses import Courses
 from grader.store.database import Database

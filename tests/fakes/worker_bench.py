@@ -2,12 +2,12 @@
 
 from grader.contracts.grading import GradingJob, GradingResult, SandboxState
 from grader.contracts.submission import Claim, NewSubmission, Submission
+from grader.service.worker import GradingSlot, SandboxHealth, WorkerParts
 from grader.store.database import Database
 from grader.store.queue import Queue, Retries
 from grader.store.submissions import Submissions
 from grader.store.work import Doorbell
 from grader.store.workers import Workers
-from grader.worker import GradingSlot, SandboxHealth, WorkerParts
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import FakeAssignments, FakeGrader, grade
 

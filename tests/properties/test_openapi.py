@@ -23,7 +23,7 @@ from hypothesis import HealthCheck, Phase, given, note, settings
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, WorkerState
-from grader.settings import Settings
+from grader.operation.settings import Settings
 from grader.use_cases.services import Services
 from tests.fakes import server
 from tests.fakes.clock import FakeClock

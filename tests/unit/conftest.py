@@ -10,7 +10,7 @@ import pytest
 @pytest.fixture(scope="session")
 def running(migrated_file: Path) -> Iterator[tuple[Any, str]]:
     """One application behind one server, and its address; each test puts its own services in."""
-    from grader.settings import Settings
+    from grader.operation.settings import Settings
     from tests.fakes import server
     from tests.fakes.clock import FakeClock
 

@@ -1,9 +1,9 @@
 #!/bin/sh
-# Make grader/web/static/codemirror.js and its licences from the packages that package-lock.json names (needs npm).
+# Make grader/service/web/static/codemirror.js and its licences from the packages that package-lock.json names (needs npm).
 # Newer ones: `npm update --omit-lockfile-registry-resolved` in a copy of this folder, and take its package-lock.json.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
-static="$here/../../grader/web/static"
+static="$here/../../grader/service/web/static"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cp "$here/package.json" "$here/package-lock.json" "$here/editor.js" "$work"

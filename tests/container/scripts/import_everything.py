@@ -6,7 +6,7 @@ import warnings
 from pathlib import Path
 
 OWN = (
-    "grader.composition",
+    "grader.service.composition",
     "grader.grading.child",
     "matplotlib.backends.backend_agg",
     "matplotlib.backends.backend_svg",

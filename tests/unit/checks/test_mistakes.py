@@ -12,8 +12,8 @@ from grader.checks import evaluate, mistakes
 from grader.contracts.outcome import Endpoint, Note, RunStatus, Stream
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Trajectory
+from grader.formats.packages import problems
 from grader.messages import closer, entries, exceptions
-from grader.packages import problems
 from tests.unit.checks.ideal_turtle import drive, error, outcome_of, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment, graded, score, silent
 

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from grader import composition
 from grader.commands import cli
 from grader.contracts.submission import NewSubmission
-from grader.settings import Settings
+from grader.operation.settings import Settings
+from grader.service import composition
 from grader.store.clock import utc_now
 from grader.store.database import Database
 from grader.store.occupancy import in_use

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 
 from grader.commands import cli
-from grader.lti.scores import new_key
+from grader.outside.lti.scores import new_key
 from grader.store.audit import AuditLog
 from grader.store.clock import utc_now
 from grader.store.courses import Courses

@@ -14,7 +14,7 @@ from fastapi import FastAPI
 from grader.commands import cli
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.rules import LateRule, Rules
-from grader.settings import Settings
+from grader.operation.settings import Settings
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
 from tests.fakes import server

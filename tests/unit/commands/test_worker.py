@@ -44,8 +44,8 @@ def test_garbage_is_collected_once_a_worker_has_started(monkeypatch: pytest.Monk
         yield Worker()
 
     found: list[bool] = []
-    monkeypatch.setattr("grader.composition.running_worker", running_worker)
-    monkeypatch.setattr("grader.telemetry.logs.configure", lambda *_: None)
+    monkeypatch.setattr("grader.service.composition.running_worker", running_worker)
+    monkeypatch.setattr("grader.operation.logs.configure", lambda *_: None)
     monkeypatch.setattr(gc, "freeze", lambda: None)
     handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
     gc.disable()

@@ -12,7 +12,7 @@ import pytest
 
 from grader.catalog import Catalog
 from grader.contracts.trajectory import Command
-from grader.packages.bundle import code_of
+from grader.formats.packages.bundle import code_of
 from grader.similarity.commands import SentCommands, drive_of
 from grader.similarity.fingerprints import Fingerprints, Hashes, fingerprints, grams, likeness
 from grader.similarity.places import MOST_PLACES

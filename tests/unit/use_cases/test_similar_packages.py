@@ -1,6 +1,6 @@
 """Packages are compared by their modules, in whatever file a line is, and not by what ros2 pkg create wrote."""
 
-from grader.packages.bundle import bundled, code_of
+from grader.formats.packages.bundle import bundled, code_of
 from grader.similarity.fingerprints import grams
 from grader.similarity.tokens import tokens_of
 from tests.fakes.packages import DRIVE, HELPER, NAME, package_files, zipped

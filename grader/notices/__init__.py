@@ -1,5 +1,0 @@
-"""Sending notices: by the webhooks of group bots, and by e-mail."""
-
-from grader.notices.failure import Failure, NotSentError
-
-__all__ = ("Failure", "NotSentError")

@@ -1,0 +1,1 @@
+"""What an operator sets and watches: settings, log lines and measurements, never a student's text."""

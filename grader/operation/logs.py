@@ -1,0 +1,94 @@
+"""The log: one record a line on stderr, as text for people or as JSON for machines.
+
+No record can forge another: in JSON everything beyond printable ASCII is an escape, in text a message's control
+characters are, and the lines of a traceback are indented behind a bar.
+"""
+
+import logging
+import sys
+from datetime import UTC, datetime
+from typing import TextIO
+
+from pythonjsonlogger.json import JsonFormatter
+
+from grader.operation.context import FIELDS, current
+from grader.operation.settings import LogFormat, LogLevel
+from grader.render.escape import visible, visible_line
+
+_CHATTY = (
+    "alembic",
+    "asyncio",
+    "httpcore",
+    "httpx",
+    "matplotlib",
+    "multipart",
+    "procrastinate",
+    "python_multipart",
+)
+"""Libraries whose `info` is about themselves, not about the service."""
+
+_NEXT_LINE = "\n    | "
+_OWN_ATTRIBUTES = (*vars(logging.makeLogRecord({})), "asctime", "message")
+
+
+def configure(log_format: LogFormat, level: LogLevel) -> None:
+    """Send every log record of this process, of libraries too, to stderr in one format."""
+    root = logging.getLogger()
+    root.handlers = [handler(log_format, sys.stderr)]
+    root.setLevel(level.upper())
+    logging.captureWarnings(True)
+    for name in _CHATTY:
+        logging.getLogger(name).setLevel(logging.DEBUG if level == "debug" else logging.WARNING)
+
+
+def handler(log_format: LogFormat, stream: TextIO) -> logging.Handler:
+    """Return a handler that writes records with their context to `stream`."""
+    made = logging.StreamHandler(stream)
+    made.addFilter(_InContext())
+    made.setFormatter(_TextFormatter() if log_format == "text" else _json())
+    return made
+
+
+class _InContext(logging.Filter):
+    """Puts the fields of the unit of work under way on each record; never drops one."""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        for name, value in current().items():
+            record.__dict__.setdefault(name, value)
+        return True
+
+
+class _TextFormatter(logging.Formatter):
+    """One line: instant, level, logger, message, then the fields; a traceback follows indented."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        at = datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds")
+        known = record.__dict__
+        fields = "".join(
+            f" {name}={visible_line(str(known[name]))}"
+            for name in FIELDS
+            if known.get(name) not in (None, "")
+        )
+        line = f"{at} {record.levelname:<7} {record.name}: {visible_line(record.getMessage())}{fields}"
+        if record.exc_info:
+            line += _indented(self.formatException(record.exc_info))
+        return line + _indented(record.stack_info) if record.stack_info else line
+
+
+def _indented(text: str) -> str:
+    return "".join(_NEXT_LINE + line for line in visible(text).split("\n"))
+
+
+def _json() -> logging.Formatter:
+    return JsonFormatter(
+        "%(levelname)s %(name)s %(message)s",
+        timestamp="time",
+        rename_fields={
+            "levelname": "level",
+            "name": "logger",
+            "exc_info": "exception",
+            "stack_info": "stack",
+        },
+        reserved_attrs=[*_OWN_ATTRIBUTES, "color_message"],  # uvicorn repeats its messages in colour
+        json_ensure_ascii=True,
+    )

@@ -1,0 +1,139 @@
+"""Setting a platform and this service up for each other by one address (1EdTech, "Dynamic Registration 1.0").
+
+The platform opens the address with the place of its configuration; the service reads that, says what it is, and is
+told what the platform calls it.
+"""
+
+from typing import Any, Final
+from urllib.parse import urlsplit
+
+import msgspec
+
+from grader.contracts.platform import NewPlatform
+from grader.outside.lti.roster import ROSTER_SCOPE
+from grader.outside.lti.scores import SCORE_SCOPE
+from grader.outside.signin.channel import (
+    UnreachableError,
+    decoded,
+    get,
+    host_of,
+    is_confidential,
+    post_json,
+)
+
+_TOOL: Final = "https://purl.imsglobal.org/spec/lti-tool-configuration"
+_PLATFORM: Final = "https://purl.imsglobal.org/spec/lti-platform-configuration"
+_OK = (200, 201)
+_LONGEST = 300
+_CUSTOM = {"idnumber": "$Person.sourcedId", "username": "$User.username"}
+
+
+class RegistrationError(Exception):
+    """A platform cannot be registered with; the message is for who set it up."""
+
+
+class _Family(msgspec.Struct, frozen=True):
+    product_family_code: str = ""
+
+
+class _Configuration(msgspec.Struct, frozen=True):
+    issuer: str
+    authorization_endpoint: str
+    registration_endpoint: str
+    token_endpoint: str
+    jwks_uri: str
+    platform: _Family = msgspec.field(default=_Family(), name=_PLATFORM)
+
+
+class _Deployed(msgspec.Struct, frozen=True):
+    deployment_id: str | int = ""
+
+
+class _Registered(msgspec.Struct, frozen=True):
+    client_id: str
+    tool: _Deployed = msgspec.field(default=_Deployed(), name=_TOOL)
+
+
+def register(address: str, token: str, public_url: str, name: str, *, private: bool) -> NewPlatform:
+    """Register with the platform whose configuration is at `address`; return what it is.
+
+    Args:
+        address: of the configuration.
+        token: by which the platform knows its own request again; may be empty.
+        public_url: where the service is.
+        name: what it is called there.
+        private: whether the platform may be in a private network.
+
+    Raises:
+        RegistrationError: the platform does not answer, or says what cannot be used.
+    """
+    known = _configuration(address, private=private)
+    body = msgspec.json.encode(_tool(public_url, name))
+    try:
+        status, content = post_json(
+            known.registration_endpoint, body, "application/json", token, public_only=not private
+        )
+    except UnreachableError as error:
+        raise RegistrationError(str(error)) from None
+    if status not in _OK:
+        raise RegistrationError(f"status {status}: {_words(content)}")
+    try:
+        told = decoded(content, _Registered)
+    except ValueError as error:
+        raise RegistrationError(f"{known.registration_endpoint}: {error}") from None
+    if not told.client_id or told.tool.deployment_id == "":
+        raise RegistrationError(f"the platform names no deployment (client id {told.client_id[:_LONGEST]!r})")
+    family = known.platform.product_family_code.strip().capitalize()
+    return NewPlatform(
+        title=f"{family} {urlsplit(known.issuer).hostname}".strip(),
+        issuer=known.issuer,
+        client_id=told.client_id,
+        deployment=str(told.tool.deployment_id),
+        login_url=known.authorization_endpoint,
+        token_url=known.token_endpoint,
+        keys_url=known.jwks_uri,
+    )
+
+
+def _configuration(address: str, *, private: bool) -> _Configuration:
+    try:
+        found = decoded(get(address, public_only=not private), _Configuration)
+    except UnreachableError as error:
+        raise RegistrationError(str(error)) from None
+    except ValueError as error:
+        raise RegistrationError(f"{address}: {error}") from None
+    if host_of(found.issuer) != host_of(address.partition("?")[0]):  # says the specification, 3.5.1
+        raise RegistrationError(f"{address} is of {found.issuer[:_LONGEST]!r}")
+    if not is_confidential(found.registration_endpoint):
+        raise RegistrationError(f"{found.registration_endpoint[:_LONGEST]!r} is no address with https://")
+    return found
+
+
+def _tool(public_url: str, name: str) -> dict[str, Any]:
+    """Return what the service says of itself."""
+    return {
+        "application_type": "web",
+        "response_types": ["id_token"],
+        "grant_types": ["implicit", "client_credentials"],
+        "initiate_login_uri": f"{public_url}/lti/login",
+        "redirect_uris": [f"{public_url}/lti/launch"],
+        "client_name": name,
+        "jwks_uri": f"{public_url}/lti/keys",
+        "token_endpoint_auth_method": "private_key_jwt",
+        "scope": f"{SCORE_SCOPE} {ROSTER_SCOPE}",
+        _TOOL: {
+            "domain": urlsplit(public_url).netloc,
+            "target_link_uri": f"{public_url}/",
+            "custom_parameters": _CUSTOM,
+            "claims": ["iss", "sub"],
+            "messages": [
+                {"type": "LtiResourceLinkRequest"},
+                {"type": "LtiDeepLinkingRequest", "target_link_uri": f"{public_url}/lti/pick", "label": name},
+            ],
+        },
+    }
+
+
+def _words(content: bytes) -> str:
+    text = content[:_LONGEST].decode(errors="replace")
+    return "".join(one if one.isprintable() else " " for one in text)

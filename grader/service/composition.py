@@ -1,0 +1,272 @@
+"""The composition root: from settings to the service with everything it works with, or to a worker alone."""
+
+import logging
+import sys
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from dataclasses import replace
+from importlib.util import find_spec
+
+from grader.catalog import Catalog, set_root
+from grader.catalog.cache import AssignmentMemory
+from grader.catalog.misfits import refusals
+from grader.catalog.refreshed import RefreshedAssignments
+from grader.checks import problems
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import AssignmentError, SandboxError, SettingsError
+from grader.contracts.grading import AssignmentSource, Preflight, SandboxState
+from grader.grading.practice import PracticeRuns
+from grader.grading.preflight import NoPreflight, SandboxPreflight
+from grader.grading.slot import Slot, SlotConfig
+from grader.live.cars import LiveCars
+from grader.operation.metrics import Metrics, exported
+from grader.operation.settings import Settings, is_loopback
+from grader.outside.signin import Providers, opened, read_config
+from grader.sandbox import script_sandbox, syntax_sandbox
+from grader.service.worker import Uploads, Worker, WorkerConfig, WorkerParts
+from grader.store.clock import Clock, clock_of
+from grader.store.courses import Courses
+from grader.store.database import Database, checkpoints
+from grader.store.own_assignments import OwnAssignments
+from grader.store.queue import Queue, Retries
+from grader.store.schema import up_to_date
+from grader.store.standings import Measures
+from grader.store.tokens import Tokens
+from grader.store.work import Doorbell, WorkSource
+from grader.store.workers import Workers, presence
+from grader.use_cases.callers import Callers, new_token
+from grader.use_cases.course_assignments import CourseAssignments
+from grader.use_cases.outbound import Sender
+from grader.use_cases.pictures import PlotCache, draw_stored
+from grader.use_cases.services import Services
+
+_log = logging.getLogger(__name__)
+_SYNTAX_CHECKS = 3  # side by side: one file that keeps the compiler busy does not hold up all uploads
+GRADING_NICENESS = 10
+"""Of what grades. At 3 an upload took three times as long (p95) while both slots of two cores graded."""
+_BEHIND = SlotConfig(mode="strict", niceness=14)  # than gradings, and soon enough: examining, practice
+_ISOLATION = SlotConfig(mode="strict", niceness=GRADING_NICENESS)  # no weaker mode
+
+
+def websockets_installed() -> bool:
+    """Return whether the extra ``live`` is there."""
+    return find_spec("wsproto") is not None
+
+
+@contextmanager
+def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[Services]:
+    """Open the store, bring it up to date, start the workers; put everything away at the end.
+
+    Args:
+        settings: what the operator wants.
+        preflight: looks at uploads; by default a sandbox of its own.
+
+    Raises:
+        SettingsError: the database does not fit this version, the service would be open to the network, or what is
+            said about sign-in is wrong.
+        AssignmentError: a folder of assignments is not there.
+        InfrastructureError: the database cannot be opened.
+    """
+    with ExitStack() as stack:
+        database = stack.enter_context(_store(settings, "grader serve"))
+        clock = stack.enter_context(clock_of(database))
+        courses = Courses(database, clock)
+        _check_exposure(settings, courses)
+        services = Services.over(
+            database,
+            settings,
+            clock,
+            retries=_retries(settings),
+            assignments=_assignments(settings, database, clock),
+            preflight=preflight or stack.enter_context(_preflight()),
+            plots=PlotCache(draw_stored, settings.plot_cache_entries),
+            callers=Callers(courses, Tokens(database, clock), _token(settings, courses)),
+            live=LiveCars(settings.live_cars if websockets_installed() else 0),
+            practice=_practice(database, settings, clock),
+            providers=_providers(settings, clock),
+        )
+        works = (services.plots, services.comparer, services.space, services.watching, services.practice)
+        for one in works:
+            stack.callback(one.close)
+        stack.enter_context(Sender(services))
+        if settings.slots:
+            stack.enter_context(_grading(database, settings, services))
+        yield services
+
+
+def _practice(database: Database, settings: Settings, clock: Clock) -> PracticeRuns:
+    queue = Queue(database, clock, _retries(settings))
+    return PracticeRuns(settings.practice_runs, lambda: Slot(_BEHIND), queue.waits)
+
+
+def _grading(database: Database, settings: Settings, services: Services) -> AbstractContextManager[Worker]:
+    """Return the service's own worker."""
+    parts = _parts(database, settings, services.assignments, services.clock)
+    return _working(settings, replace(parts, doorbell=services.doorbell, observer=services.metrics))
+
+
+@contextmanager
+def running_worker(settings: Settings) -> Iterator[Worker]:
+    """Open the store, bring it up to date, and grade without serving; put everything away at the end.
+
+    Raises:
+        SettingsError, AssignmentError, InfrastructureError: as `running` does.
+    """
+    with ExitStack() as stack:
+        database = stack.enter_context(_store(settings, "grader worker"))
+        clock = stack.enter_context(clock_of(database))
+        parts = _parts(database, settings, _assignments(settings, database, clock), clock)
+        metrics = Metrics(Measures(database, parts.workers, clock, settings.silent_s).state)
+        if settings.metrics_port is not None:
+            stack.enter_context(exported(metrics, settings.metrics_port, settings.host))
+        yield stack.enter_context(_working(settings, replace(parts, observer=metrics)))
+
+
+def _providers(settings: Settings, clock: Clock) -> Providers:
+    if settings.signin is None:
+        return Providers()
+    return opened(read_config(settings.signin), lambda: clock().timestamp())
+
+
+def _assignments(settings: Settings, database: Database, clock: Clock) -> CourseAssignments:
+    """Return the assignments that come with the grader, the operator's, and those of single courses."""
+    folders = (None, *(set_root(str(one)) or one for one in settings.assignment_folders))
+    shared = RefreshedAssignments([_Fitting(Catalog(one, AssignmentMemory())) for one in folders])
+    return CourseAssignments(shared, OwnAssignments(database, clock))
+
+
+class _Fitting:
+    """A folder of assignments where one that does not fit its check is wrong, as the commands say it is."""
+
+    def __init__(self, catalog: Catalog) -> None:
+        self._catalog = catalog
+        self._known: dict[str, tuple[Assignment, Assignment | AssignmentError]] = {}
+
+    def each(self) -> Iterator[tuple[str, Assignment | AssignmentError]]:
+        for id_, one in self._catalog.each():
+            yield id_, one if isinstance(one, AssignmentError) else self._fitting(id_, one)
+
+    def starter(self, assignment_id: str) -> bytes:
+        return self._catalog.starter(assignment_id)
+
+    def given_code(self) -> tuple[bytes, ...]:
+        return self._catalog.given_code()
+
+    def _fitting(self, id_: str, assignment: Assignment) -> Assignment | AssignmentError:
+        known = self._known.get(id_)
+        if known is None or known[0] is not assignment:
+            found = [(self._catalog.place(id_, field), told) for field, told in problems(assignment)]
+            known = self._known[id_] = assignment, refusals(found) if found else assignment
+        return known[1]
+
+
+@contextmanager
+def _store(settings: Settings, who: str) -> Iterator[Database]:
+    """Open the database and bring it up to date; nobody replaces it meanwhile."""
+    database = Database(settings.database_url, settings.database_connections)
+    try:
+        with up_to_date(database, who, wait=True), checkpoints(database):
+            yield database
+    finally:
+        database.close()
+
+
+@contextmanager
+def _working(settings: Settings, parts: WorkerParts) -> Iterator[Worker]:
+    """Run a worker beside whatever else this process does."""
+    config = WorkerConfig(
+        slots=settings.slots,
+        heartbeat_s=settings.heartbeat_s,
+        poll_s=settings.poll_s,
+        drain_s=settings.drain_s,
+    )
+    with presence(settings.database_url, lambda: _take_over(parts.queue)):
+        worker = Worker(parts, config)
+        worker.start()
+        try:
+            yield worker
+        finally:
+            worker.stop()
+
+
+def _parts(
+    database: Database, settings: Settings, assignments: AssignmentSource, clock: Clock
+) -> WorkerParts:
+    return WorkerParts(
+        queue=Queue(database, clock, _retries(settings)),
+        workers=Workers(database, clock),
+        assignments=assignments,
+        make_grader=lambda: Slot(_ISOLATION),
+        probe=_probe,
+        doorbell=Doorbell(),
+        clock=clock,
+        uploads=Uploads(own=OwnAssignments(database, clock), make_grader=lambda: Slot(_BEHIND)),
+        work=None if database.is_sqlite else _permits(database, settings, clock),
+    )
+
+
+def _permits(database: Database, settings: Settings, clock: Clock) -> WorkSource:
+    from grader.store.permits.loop import PermitLoop  # the embedded default does without Procrastinate
+
+    return PermitLoop(database, clock, settings.poll_s)
+
+
+@contextmanager
+def _preflight() -> Iterator[Preflight]:
+    """Check syntax in sandboxes of its own; without one, leave it to grading, which then waits, too."""
+    with ExitStack() as stack:
+        try:
+            sandboxes = [stack.enter_context(syntax_sandbox(_ISOLATION.mode)) for _ in range(_SYNTAX_CHECKS)]
+            checker: Preflight = stack.enter_context(SandboxPreflight(*sandboxes))
+        except SandboxError as error:
+            _log.error("uploads are accepted without a look at their syntax: %s", error)
+            checker = NoPreflight()
+        yield checker
+
+
+def _take_over(queue: Queue) -> None:
+    left = queue.reconcile(all_running=True)
+    if left.requeued or left.given_up:
+        _log.warning("after a crash: %d gradings queued again, %d given up", left.requeued, left.given_up)
+
+
+def _retries(settings: Settings) -> Retries:
+    return Retries(lease_s=settings.lease_s, max_tries=settings.max_tries, backoff_s=settings.retry_backoff_s)
+
+
+def _check_exposure(settings: Settings, courses: Courses) -> None:
+    """Refuse to be reached from other machines while nobody is asked who they are.
+
+    Raises:
+        SettingsError: the address is not of this machine only, there is no course, and nobody consented.
+    """
+    if is_loopback(settings.host) or settings.allow_anonymous_network or courses.exist():
+        return
+    raise SettingsError(
+        f"host {settings.host} is reachable from other machines, and without a course nobody is asked who they "
+        "are: create one with `grader course create`, use 127.0.0.1, or set "
+        "GRADER_ALLOW_ANONYMOUS_NETWORK=true if a proxy in front authenticates",
+        f"地址 {settings.host} 能被别的机器访问，而没有课程时不核对身份：请先用 `grader course create` 创建课程，"
+        "或改用 127.0.0.1；如果前面的代理负责登录，可以设 GRADER_ALLOW_ANONYMOUS_NETWORK=true",
+    )
+
+
+def _token(settings: Settings, courses: Courses) -> str:
+    if settings.instructor_token is not None:
+        return settings.instructor_token.get_secret_value()
+    token = new_token()
+    if not courses.exist():  # with courses it would open nothing
+        sys.stderr.write(f"instructor token / 教师令牌: {token}\n")
+        sys.stderr.flush()
+    return token
+
+
+def _probe() -> SandboxState:
+    with script_sandbox(_ISOLATION.mode) as sandbox:
+        breaches = sandbox.prove().breaches
+        return SandboxState(
+            ready=not breaches,
+            isolation=sandbox.isolation,
+            missing_layers=sandbox.missing_layers,
+            detail="; ".join(breaches),
+        )

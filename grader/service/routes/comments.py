@@ -1,0 +1,83 @@
+"""Comments of a course's staff and of a student on a submission."""
+
+from datetime import datetime
+from typing import Annotated
+
+from fastapi import APIRouter, status
+from pydantic import BaseModel, ConfigDict, Field
+
+from grader.contracts.comment import LONGEST_COMMENT, Comment
+from grader.contracts.judgement import COMMENT_PATTERN
+from grader.service.requests.dependencies import ENTRY_PROBLEMS, CallerDep, ServicesDep, SubmissionId
+from grader.service.routes.problems import responses
+from grader.use_cases import commenting
+
+router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"])
+
+
+class CommentBody(BaseModel):
+    """What somebody writes about a submission."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    text: Annotated[
+        str,
+        Field(
+            min_length=1,
+            max_length=LONGEST_COMMENT,
+            pattern=COMMENT_PATTERN,
+            examples=["Why a second publisher here?"],
+        ),
+    ]
+    line: Annotated[
+        int | None,
+        Field(ge=1, le=1_000_000, description="Of the file; null: about the whole.", examples=[12]),
+    ] = None
+
+
+class CommentView(BaseModel):
+    """One comment."""
+
+    number: int = Field(description="1 for the first one on the submission.", examples=[1])
+    by: str = Field(examples=["wang"])
+    by_student: bool = Field(description="The submission's student wrote it, and not the staff.")
+    line: int | None = Field(description="Of the file; null: about the whole.", examples=[12])
+    text: str
+    at: datetime
+    seen: bool = Field(description="Somebody of the other side has opened the submission's page since.")
+
+
+class CommentList(BaseModel):
+    """All comments on a submission, oldest first."""
+
+    comments: list[CommentView]
+
+
+@router.get(
+    "/{submission_id}/comments",
+    summary="What people wrote about it",
+    responses=responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
+)
+def read_comments(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> CommentList:
+    """Return the comments of staff and student. Reading them here does not mark them as seen."""
+    found = commenting.comments(services, caller, submission_id)
+    return CommentList(comments=[_view(one) for one in found])
+
+
+@router.post(
+    "/{submission_id}/comments",
+    status_code=status.HTTP_201_CREATED,
+    summary="Write about it",
+    responses=responses(
+        *ENTRY_PROBLEMS, "submission_not_found", "no_course", "course_archived", "invalid_request"
+    ),
+)
+def add_comment(
+    services: ServicesDep, caller: CallerDep, submission_id: SubmissionId, body: CommentBody
+) -> CommentView:
+    """Add a comment: the student's for the staff, the staff's for the student. It cannot be taken back."""
+    return _view(commenting.add_comment(services, caller, submission_id, body.text, body.line))
+
+
+def _view(comment: Comment) -> CommentView:
+    return CommentView(**{name: getattr(comment, name) for name in CommentView.model_fields})

@@ -1,0 +1,186 @@
+"""The caller's course from one term to the next: copied, archived, emptied of what is old."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Response, status
+from fastapi.responses import StreamingResponse
+from pydantic import BaseModel, ConfigDict, Field
+
+from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep, StaffDep
+from grader.service.routes.people import CourseView, PersonId
+from grader.service.routes.problems import responses
+from grader.store.course_life import MOST_DAYS_MOVED, MOST_DAYS_OLD, NewCourse
+from grader.use_cases import course_export, course_life
+from grader.use_cases.bodies import Whole
+
+router = APIRouter(prefix="/api/v1", tags=["course"])
+_PRIVATE = {"Cache-Control": "no-store", "Vary": "Authorization"}
+_READING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "invalid_request")
+_CHANGING = (*_READING, "malformed_body", "too_large")
+
+
+class NewCourseBody(BaseModel):
+    """A course that begins with the rules of the caller's."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    id: str = Field(max_length=64, examples=["ros2-2027"])
+    title: str = Field(default="", max_length=200, description="Empty: the id.", examples=["ROS 2 入门"])
+    move_days: Annotated[Whole, Field(ge=0, le=MOST_DAYS_MOVED)] = Field(
+        default=0, description="How many days later every date is."
+    )
+
+
+class NewCourseView(BaseModel):
+    """A new course, and the token that opens it to the instructor. It is shown this once."""
+
+    course: CourseView
+    person: str = Field(examples=["wang"])
+    token: str = Field(examples=["grader_..."])
+
+
+class ArchiveBody(BaseModel):
+    """Whether the course can only be read."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    archived: bool
+    reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
+
+
+class SpaceView(BaseModel):
+    """How many submissions, trials included, and how many bytes of them."""
+
+    submissions: int = Field(examples=[6300])
+    sources_bytes: int = Field(examples=[7_600_000])
+    reports_bytes: int = Field(examples=[21_000_000])
+    trajectories_bytes: int = Field(examples=[80_000_000])
+
+
+class OldWorkBody(BaseModel):
+    """Which submissions shall be erased."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    older_than_days: Annotated[Whole, Field(ge=1, le=MOST_DAYS_OLD)] = Field(examples=[400])
+    dry_run: bool = Field(default=False, description="Only tell what would be erased.")
+    reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
+
+
+class OldWorkView(SpaceView):
+    """What is erased, or would be."""
+
+    dry_run: bool = Field(description="Nothing was erased.")
+
+
+class ForgetBody(BaseModel):
+    """Why somebody is forgotten."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
+
+
+class ForgottenView(BaseModel):
+    """What stands where a student's id stood, and how many submissions were erased."""
+
+    pseudonym: str = Field(examples=["forgotten-9f2c01aa"])
+    submissions: int = Field(examples=[17])
+
+
+@router.get("/course", summary="The caller's course", responses=responses(*_READING))
+def read_course(services: ServicesDep, caller: StaffDep, response: Response) -> CourseView:
+    """Return what the course is, and whether it is archived."""
+    response.headers.update(_PRIVATE)
+    return CourseView.model_validate(course_life.own_course(services, caller), from_attributes=True)
+
+
+@router.post(
+    "/courses",
+    summary="Copy the course",
+    status_code=status.HTTP_201_CREATED,
+    responses=responses(*_CHANGING, "invalid_course"),
+)
+def copy_course(
+    services: ServicesDep, caller: InstructorDep, body: NewCourseBody, response: Response
+) -> NewCourseView:
+    """Make a course with the same rules and published assignments, without its people and work."""
+    response.headers.update(_PRIVATE)
+    new = NewCourse(id=body.id, title=body.title or body.id, move_days=body.move_days)
+    made = course_life.copy_course(services, caller, new)
+    return NewCourseView(
+        course=CourseView.model_validate(made.course, from_attributes=True),
+        person=made.instructor,
+        token=made.token,
+    )
+
+
+@router.put(
+    "/course/archived",
+    summary="Archive or reopen the course",
+    responses=responses(*_CHANGING, "regrade_open"),
+)
+def archive_course(
+    services: ServicesDep, caller: InstructorDep, body: ArchiveBody, response: Response
+) -> CourseView:
+    """Let the course only be read (409 `course_archived` for changes and uploads), or be changed again."""
+    response.headers.update(_PRIVATE)
+    return CourseView.model_validate(
+        course_life.archive_course(services, caller, body.reason, archived=body.archived),
+        from_attributes=True,
+    )
+
+
+@router.get("/course/space", summary="What the course takes", responses=responses(*_READING))
+def read_space(services: ServicesDep, caller: StaffDep, response: Response) -> SpaceView:
+    """Return what is stored of the course's submissions; rows and indexes come on top."""
+    response.headers.update(_PRIVATE)
+    return SpaceView.model_validate(course_life.space(services, caller), from_attributes=True)
+
+
+@router.post("/course/retention", summary="Erase what is old", responses=responses(*_CHANGING))
+def erase_old_work(
+    services: ServicesDep, caller: InstructorDep, body: OldWorkBody, response: Response
+) -> OldWorkView:
+    """Erase submissions of an age, with reports, grades and comments; or tell what that would be."""
+    response.headers.update(_PRIVATE)
+    if body.dry_run:
+        space = course_life.old_work(services, caller, body.older_than_days)
+    else:
+        space = course_life.erase_old_work(services, caller, body.older_than_days, body.reason)
+    return OldWorkView(
+        **SpaceView.model_validate(space, from_attributes=True).model_dump(), dry_run=body.dry_run
+    )
+
+
+@router.post(
+    "/members/{person}/forget",
+    summary="Forget a student",
+    responses=responses(*_CHANGING, "member_not_found", "only_students"),
+)
+def forget_student(
+    services: ServicesDep, caller: InstructorDep, person: PersonId, body: ForgetBody, response: Response
+) -> ForgottenView:
+    """Erase what a student handed in and every trace of who they are; this cannot be undone."""
+    response.headers.update(_PRIVATE)
+    found = course_life.forget_student(services, caller, person, body.reason)
+    return ForgottenView.model_validate(found, from_attributes=True)
+
+
+@router.get(
+    "/course/export.zip",
+    summary="Everything of the course",
+    response_class=StreamingResponse,
+    responses={
+        200: {
+            "description": "A zip: members, grades, rules, the audit log; of each submission the file, report, "
+            "points by people and comments; a manifest with the SHA-256 of every file.",
+            "content": {"application/zip": {"schema": {"type": "string", "format": "binary"}}},
+        },
+        **responses(*_READING),
+    },
+)
+def export_course(services: ServicesDep, caller: InstructorDep) -> StreamingResponse:
+    """Return all that is stored of the course, made while it is sent."""
+    headers = {"Content-Disposition": f'attachment; filename="{caller.course}.zip"', **_PRIVATE}
+    return StreamingResponse(course_export.export(services, caller), 200, headers, "application/zip")

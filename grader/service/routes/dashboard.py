@@ -1,0 +1,285 @@
+"""The class at a glance, for instructors."""
+
+import hashlib
+import json
+from dataclasses import asdict, fields
+from datetime import datetime
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Header, Query, Response
+from pydantic import AliasPath, BaseModel, Field
+
+from grader.contracts.dashboard import ClassState
+from grader.contracts.identity import Caller
+from grader.contracts.report import GradeStatus
+from grader.contracts.submission import SubmissionState
+from grader.contracts.text import Language
+from grader.service.requests.dependencies import (
+    ENTRY_PROBLEMS,
+    Address,
+    AssignmentId,
+    LanguageDep,
+    QueryWhole,
+    ServicesDep,
+    StaffDep,
+)
+from grader.service.routes.health import QueueView, WorkerView, queue_view, worker_views
+from grader.service.routes.problems import responses
+from grader.use_cases.assignments import in_course
+from grader.use_cases.concerned import Concern, concerned
+from grader.use_cases.dashboard import Overview, Selection, class_state, costs, overview, selected
+from grader.use_cases.services import Services
+
+router = APIRouter(prefix="/api/v1/dashboard", tags=["dashboard"])
+of_assignment = APIRouter(prefix="/api/v1/assignments", tags=["dashboard"])
+_MOST = 100_000
+
+
+class CellView(BaseModel):
+    """One student at one assignment."""
+
+    best_score: float | None = Field(description="Null while nothing was scored.", examples=[8.5])
+    max_score: float | None = Field(examples=[10.0])
+    passed: bool
+    waits_for_person: bool = Field(description="An answer of theirs is still to be judged.")
+    status: SubmissionState = Field(
+        validation_alias="state", description="Of the latest submission.", examples=["graded"]
+    )
+    verdict: GradeStatus | None = Field(description="Of the latest submission.", examples=["graded"])
+    attempts: int = Field(description="Faults of the service do not count.", examples=[3])
+    last_activity_at: datetime
+    best_submission: Address | None = Field(description="Address of the first that reached it.")
+    counted_score: float | None = Field(description="Kept of the attempt that counts.", examples=[8.5])
+    counted_submission: Address | None = Field(description="Address of that attempt.")
+    latest_submission: Address
+
+
+class StudentView(BaseModel):
+    """One row of the class matrix."""
+
+    student: str = Field(examples=["20260123"])
+    name: str = Field(description="Empty where there is none.", examples=["李雷"])
+    sections: list[str] = Field(examples=[["A"]])
+    total_score: float = Field(description="Sum of the scores that count.", examples=[48.5])
+    assignments: dict[str, CellView] = Field(description="By id; assignments not begun are left out.")
+
+
+class BinView(BaseModel):
+    """Students whose best score lies in [from, to) per cent of the points; the last bin includes 100."""
+
+    from_percent: int = Field(examples=[90])
+    to_percent: int = Field(examples=[100])
+    students: int = Field(examples=[12])
+
+
+class FailedItemView(BaseModel):
+    """One rubric item and how many students fail it."""
+
+    id: str = Field(examples=["angles"])
+    title: str = Field(examples=["Exterior angles"])
+    count: int = Field(description="Students who failed it at least once.", examples=[9])
+    still: int = Field(description="Students who fail it in their best submission, too.", examples=[4])
+
+
+class MistakeView(BaseModel):
+    """One recognised mistake and how many students made it."""
+
+    code: str = Field(examples=["degrees_for_radians"])
+    students: int = Field(examples=[7])
+
+
+class AssignmentStatistics(BaseModel):
+    """What one assignment shows about the class."""
+
+    id: str = Field(examples=["square"])
+    title: str = Field(examples=["Drive a square"])
+    max_score: float | None = Field(examples=[10.0])
+    students: int = Field(description="Who submitted.", examples=[28])
+    waiting_for_person: int = Field(description="Students whose newest answer is to be judged.", examples=[0])
+    submissions: int = Field(examples=[71])
+    passed: int = Field(examples=[21])
+    pass_rate: float | None = Field(description="Of those with a score; null: nobody has.", examples=[0.75])
+    mean_score: float | None = Field(description="Of the best scores.", examples=[8.1])
+    score_distribution: list[BinView]
+    mean_attempts_to_pass: float | None = Field(
+        description="Of those who passed, up to the first attempt that did; before lateness.", examples=[1.8]
+    )
+    most_failed_items: list[FailedItemView] = Field(description="Most failed first.")
+    most_common_mistakes: list[MistakeView] = Field(description="Most common first.")
+
+
+class RiskView(BaseModel):
+    """A student who may need help."""
+
+    student: str = Field(examples=["20260123"])
+    name: str = Field(examples=["李雷"])
+    reason: Literal["not_started", "stuck"] = Field(
+        description="Handed in nothing at all; or tried an assignment three times or more without passing."
+    )
+    assignment: str | None = Field(description="Where the student is stuck.", examples=["square"])
+    attempts: int = Field(examples=[4])
+
+
+class DashboardView(BaseModel):
+    """The class at a glance."""
+
+    generated_at: datetime
+    pass_fraction: float = Field(description="Share of the points that counts as passed.", examples=[0.6])
+    students: list[StudentView]
+    total_students: int = Field(description="That fit the filters, on all pages.", examples=[30])
+    at_risk: list[RiskView]
+    waiting_for_person: int = Field(description="Answers to be judged, in all.", examples=[0])
+    assignments: list[AssignmentStatistics]
+    queue: QueueView
+    oldest_queued_at: datetime | None
+    workers: list[WorkerView]
+
+
+class CostView(BaseModel):
+    """What one student's gradings cost the service in the last hour."""
+
+    student: str = Field(examples=["20260123"])
+    slot_s: float = Field(description="For how long they held a slot.", examples=[12.5])
+    gradings: int = Field(description="That ended or run.", examples=[3])
+    waiting: int = Field(examples=[1])
+    tries: int = Field(description="How often they were begun.", examples=[3])
+    given_up: int = Field(description="That ended as `infrastructure_error`.", examples=[0])
+
+
+class CostsView(BaseModel):
+    """Who costs the service how much; whoever costs most comes first."""
+
+    students: list[CostView]
+
+
+class ConcernedView(BaseModel):
+    """A student whom a number is about."""
+
+    student: str = Field(examples=["20260123"])
+    name: str
+    sections: list[str]
+    still: bool = Field(description="The item is failed in the best submission, too.")
+    attempts: int = Field(validation_alias=AliasPath("progress", "attempts"), examples=[4])
+    best_score: float | None = Field(validation_alias=AliasPath("progress", "best_score"), examples=[45.0])
+    latest_submission: Address = Field(validation_alias=AliasPath("progress", "latest_submission"))
+    status: str = Field(validation_alias=AliasPath("progress", "state"), examples=["graded"])
+    verdict: str | None = Field(validation_alias=AliasPath("progress", "verdict"), examples=["crashed"])
+
+
+class ConcernedList(BaseModel):
+    """Students whom a number is about."""
+
+    students: list[ConcernedView]
+
+
+@router.get(
+    "/costs",
+    summary="Who costs the service how much",
+    responses=responses(*ENTRY_PROBLEMS, "forbidden"),
+)
+def read_costs(services: ServicesDep, caller: StaffDep, response: Response) -> CostsView:
+    """Return how long the gradings of each student took in the last hour, and how many wait."""
+    response.headers["Cache-Control"] = "no-store"
+    return CostsView.model_validate({"students": costs(services, caller)}, from_attributes=True)
+
+
+@router.get(
+    "",
+    summary="The class at a glance",
+    response_model=DashboardView,
+    responses={
+        200: {
+            "headers": {"ETag": {"description": "Of everything but instants.", "schema": {"type": "string"}}}
+        },
+        304: {"description": "Nothing changed since the answer with the ETag of If-None-Match."},
+        **responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+    },
+)
+def read_class(  # noqa: PLR0913
+    services: ServicesDep,
+    caller: StaffDep,
+    language: LanguageDep,
+    *,
+    search: Annotated[
+        str, Query(max_length=100, description="Only students whose id or name contains this.")
+    ] = "",
+    section: Annotated[str, Query(max_length=64, description="Only students of this section.")] = "",
+    at_risk: Annotated[bool, Query(description="Only students who have not started or are stuck.")] = False,
+    offset: Annotated[QueryWhole, Query(ge=0, le=_MOST, description="Students left out at the start.")] = 0,
+    limit: Annotated[
+        QueryWhole | None, Query(ge=1, le=_MOST, description="Most students; null: all.")
+    ] = None,
+    if_none_match: Annotated[str | None, Header(max_length=1_000)] = None,
+) -> Response:
+    """Return students by assignments, what each assignment shows about the class, and the queue.
+
+    Filters and pages choose students; the statistics are always about everybody.
+    """
+    selection = Selection(search=search, section=section, at_risk=at_risk, offset=offset, limit=limit)
+    state = class_state(services, caller)
+    tag = _tag(services, caller, state, language, selection)
+    headers = {
+        "Content-Language": language,
+        "Vary": "Accept-Language, Authorization",
+        "Cache-Control": "private, no-cache",
+        "ETag": tag,
+    }
+    if if_none_match is not None and tag in (one.strip() for one in if_none_match.split(",")):
+        return Response(status_code=304, headers=headers)
+    shown = _view(selected(overview(services, caller, state, language), selection))
+    return Response(shown.model_dump_json(), media_type="application/json", headers=headers)
+
+
+def _view(whole: Overview) -> DashboardView:
+    queue = whole.health.queue
+    values = {field.name: getattr(whole, field.name) for field in fields(whole) if field.name != "health"}
+    return DashboardView.model_validate(
+        {
+            **values,
+            "queue": queue_view(queue),
+            "oldest_queued_at": queue.oldest_queued_at,
+            "workers": worker_views(whole.health.workers),
+        },
+        from_attributes=True,
+    )
+
+
+def _tag(
+    services: Services, caller: Caller, state: ClassState, language: Language, selection: Selection
+) -> str:
+    """Return a weak ETag of everything shown but the instants of this answer and of heartbeats."""
+    alive = worker_views(services.workers.alive(services.settings.silent_s))
+    workers = [worker.model_dump(mode="json", exclude={"seen_at"}) for worker in alive]
+    versions = [(one.id, one.version, one.title.get(language)) for one in in_course(services, caller)]
+    queue = asdict(services.queue.state())
+    shown = [
+        state.mark,
+        queue,
+        workers,
+        versions,
+        language,
+        services.settings.pass_fraction,
+        asdict(selection),
+    ]
+    return f'W/"{hashlib.sha256(json.dumps(shown, default=str).encode()).hexdigest()[:32]}"'
+
+
+@of_assignment.get(
+    "/{assignment_id}/students",
+    summary="Who is behind a number",
+    responses=responses(*ENTRY_PROBLEMS, "forbidden", "assignment_not_found", "invalid_request"),
+)
+def read_concerned(  # noqa: PLR0913
+    services: ServicesDep,
+    caller: StaffDep,
+    assignment_id: AssignmentId,
+    *,
+    item: Annotated[str | None, Query(max_length=128, description="They failed it at least once.")] = None,
+    mistake: Annotated[str | None, Query(max_length=64, description="They made it at least once.")] = None,
+    status: Annotated[
+        str | None, Query(max_length=32, description="`status` or `verdict` of their latest submission.")
+    ] = None,
+) -> ConcernedList:
+    """Return the students who handed in for an assignment and fit: who still fails, and tried most, first."""
+    found = concerned(services, caller, assignment_id, Concern(item=item, mistake=mistake, status=status))
+    return ConcernedList.model_validate({"students": found}, from_attributes=True)

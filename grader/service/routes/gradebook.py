@@ -1,0 +1,180 @@
+"""Grades for other systems: the gradebook, and single reports in other graders' formats."""
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, File, Query, Response, UploadFile
+from fastapi.responses import JSONResponse
+
+from grader.formats.sheets.writing import MEDIA_TYPE
+from grader.service.requests.dependencies import (
+    COSTLY,
+    ENTRY_PROBLEMS,
+    SIGHT,
+    CallerDep,
+    LanguageDep,
+    ServicesDep,
+    StaffDep,
+    SubmissionId,
+)
+from grader.service.requests.middleware import MOST_BYTES
+from grader.service.routes.problems import responses
+from grader.use_cases.gradebook import (
+    Format,
+    exported,
+    fill_in,
+    gradebook_csv,
+    gradebook_workbook,
+    registry_workbook,
+)
+
+router = APIRouter(prefix="/api/v1", tags=["gradebook"])
+exports = APIRouter(prefix="/api/v1/submissions", tags=["gradebook"], dependencies=[SIGHT, COSTLY])
+SectionQuery = Annotated[str, Query(max_length=64, description="Only students of this section.")]
+AssignmentQuery = Annotated[
+    str,
+    Query(
+        max_length=64,
+        description="Whose points; left out: the percentage of all points.",
+        examples=["square"],
+    ),
+]
+ColumnQuery = Annotated[str, Query(min_length=1, max_length=100, examples=["平时成绩"])]
+_WORKBOOK = {MEDIA_TYPE: {"schema": {"type": "string", "format": "binary"}}}
+_JSON = {"application/json": {"schema": {"type": "object"}}}
+_ONE = (*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_request")
+
+
+@router.get(
+    "/gradebook.csv",
+    summary="The gradebook",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "CSV in UTF-8: every student of the course, the points that count by the rules.",
+            "content": {"text/csv": {"schema": {"type": "string"}}},
+        },
+        **responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+    },
+)
+def read_gradebook(
+    services: ServicesDep,
+    caller: StaffDep,
+    format: Annotated[Format, Query(description="`canvas`: as Canvas imports grades.")] = "plain",
+    section: SectionQuery = "",
+) -> Response:
+    """Return everybody's points; without courses of everybody who handed something in."""
+    headers = {
+        "Content-Disposition": f'attachment; filename="gradebook-{format}.csv"',
+        "Cache-Control": "no-store",
+        "Vary": "Authorization",
+    }
+    table = gradebook_csv(services, caller, format, section)
+    return Response(table, media_type="text/csv; charset=utf-8", headers=headers)
+
+
+@router.get(
+    "/gradebook.xlsx",
+    summary="The gradebook as a workbook",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "Everybody's points, or one column of them for a registry.",
+            "content": _WORKBOOK,
+        },
+        **responses(*ENTRY_PROBLEMS, "forbidden", "assignment_not_found", "invalid_request"),
+    },
+)
+def read_workbook(  # noqa: PLR0913, PLR0917
+    services: ServicesDep,
+    caller: StaffDep,
+    language: LanguageDep,
+    layout: Annotated[
+        Literal["full", "registry"], Query(description="`registry`: id, name and the column `column` alone.")
+    ] = "full",
+    column: ColumnQuery = "成绩",
+    assignment: AssignmentQuery = "",
+    section: SectionQuery = "",
+) -> Response:
+    """Return everybody's points as spreadsheet programs keep them."""
+    if layout == "full":
+        return as_workbook(gradebook_workbook(services, caller, language, section), "gradebook.xlsx")
+    book = registry_workbook(
+        services, caller, language, column=column, assignment=assignment, section=section
+    )
+    return as_workbook(book, "registry.xlsx")
+
+
+@router.post(
+    "/gradebook/fill",
+    summary="Fill points into a sheet of one's own",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "The sheet with points in it; nothing else of it changes.",
+            "content": _WORKBOOK,
+        },
+        **responses(
+            *ENTRY_PROBLEMS,
+            "forbidden",
+            "assignment_not_found",
+            "invalid_request",
+            "invalid_sheet",
+            "malformed_body",
+            "too_large",
+        ),
+    },
+)
+def fill_sheet(
+    services: ServicesDep,
+    caller: StaffDep,
+    file: Annotated[UploadFile, File(description=".xlsx, .xls, .ods or CSV; at most 1 MiB.")],
+    column: ColumnQuery,
+    assignment: AssignmentQuery = "",
+) -> Response:
+    """Return a teacher's own sheet with everybody's points in the column called `column`."""
+    filled = fill_in(services, caller, file.file.read(MOST_BYTES + 1), column, assignment)
+    response = as_workbook(filled.content, "filled.xlsx")
+    response.headers["X-Filled-Rows"] = str(filled.filled)
+    response.headers["X-Unknown-Rows"] = str(len(filled.unknown))
+    return response
+
+
+def as_workbook(content: bytes, name: str) -> Response:
+    """Return a workbook as an answer to be saved."""
+    headers = {
+        "Content-Disposition": f'attachment; filename="{name}"',
+        "Cache-Control": "no-store",
+        "Vary": "Accept-Language, Authorization",
+    }
+    return Response(content, media_type=MEDIA_TYPE, headers=headers)
+
+
+@exports.get(
+    "/{submission_id}/gradescope.json",
+    summary="The report as Gradescope's results.json",
+    response_class=JSONResponse,
+    responses={
+        200: {"description": "Ready to be written to results.json by an autograder.", "content": _JSON},
+        **responses(*_ONE),
+    },
+)
+def read_gradescope(
+    services: ServicesDep, caller: CallerDep, language: LanguageDep, submission_id: SubmissionId
+) -> Response:
+    """Return what a Gradescope autograder writes."""
+    document = exported(services, caller, submission_id, "gradescope", language)
+    return JSONResponse(document, headers={"Cache-Control": "no-store"})
+
+
+@exports.get(
+    "/{submission_id}/prairielearn.json",
+    summary="The report as PrairieLearn's results.json",
+    response_class=JSONResponse,
+    responses={200: {"description": "Without the plot.", "content": _JSON}, **responses(*_ONE)},
+)
+def read_prairielearn(
+    services: ServicesDep, caller: CallerDep, language: LanguageDep, submission_id: SubmissionId
+) -> Response:
+    """Return what a PrairieLearn external grader writes."""
+    document = exported(services, caller, submission_id, "prairielearn", language)
+    return JSONResponse(document, headers={"Cache-Control": "no-store"})

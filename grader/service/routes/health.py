@@ -1,0 +1,106 @@
+"""Whether the service can do its work."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from datetime import datetime
+from typing import Literal
+
+from fastapi import APIRouter, Response
+from pydantic import BaseModel, Field
+
+from grader import __version__
+from grader.contracts.submission import QueueState, WorkerState
+from grader.service.requests.dependencies import ServicesDep
+from grader.service.routes.problems import responses
+
+router = APIRouter(tags=["health"])
+
+
+class SandboxView(BaseModel):
+    """Whether submissions can be confined; nothing is graded otherwise."""
+
+    ready: bool
+    isolation: str = Field(description="Mode or active layers.", examples=["seccomp+landlock"])
+    detail: str = Field(description="What is missing; empty when all is well.", examples=[""])
+
+
+class QueueView(BaseModel):
+    """Submissions by state."""
+
+    queued: int = Field(examples=[0])
+    running: int = Field(examples=[1])
+    infrastructure_error: int = Field(
+        validation_alias="infrastructure_errors",
+        description="Given up by the service's own fault.",
+        examples=[0],
+    )
+
+
+class WorkerView(BaseModel):
+    """A worker process that is alive."""
+
+    id: str = Field(examples=["lab-pc:4711:9f2c01aa"])
+    slots: int = Field(description="Gradings it can run at once.", examples=[2])
+    busy: int = Field(examples=[1])
+    sandbox: SandboxView
+    started_at: datetime
+    seen_at: datetime
+
+
+class Health(BaseModel):
+    """State of the service."""
+
+    status: Literal["ok", "degraded"] = Field(
+        description="`degraded`: uploads are accepted and kept, but nothing grades them right now."
+    )
+    version: str = Field(examples=["0.1.0"])
+    sandbox: SandboxView
+    queue: QueueView
+    oldest_queued_at: datetime | None = Field(description="Since when the first one has been waiting.")
+    workers: list[WorkerView]
+    broken_assignments: list[str] = Field(
+        description="Ids of assignments whose files are wrong; the service page says why.", examples=[[]]
+    )
+
+
+@router.head("/healthz", include_in_schema=False)  # what many monitors send
+@router.get(
+    "/healthz",
+    summary="State of the service",
+    responses={
+        503: {"model": Health, "description": "Degraded: uploads are kept, nothing grades them right now."},
+        **{status: one for status, one in responses().items() if status != 503},
+    },
+)
+def read(services: ServicesDep, response: Response) -> Health:
+    """Return queue, workers and sandbox; 503 when nothing would be graded."""
+    health = services.health()
+    response.status_code = 200 if health.ready else 503
+    response.headers["Cache-Control"] = "no-store"
+    return Health(
+        status="ok" if health.ready else "degraded",
+        version=__version__,
+        sandbox=_sandbox(health.ready or health.workers),
+        queue=queue_view(health.queue),
+        oldest_queued_at=health.queue.oldest_queued_at,
+        workers=worker_views(health.workers),
+        broken_assignments=sorted(services.assignments.troubles()),
+    )
+
+
+def queue_view(state: QueueState) -> QueueView:
+    """Return how much is waiting, as the interface shows it."""
+    return QueueView.model_validate(state, from_attributes=True)
+
+
+def worker_views(workers: Iterable[WorkerState]) -> list[WorkerView]:
+    """Return workers as the interface shows them."""
+    return [WorkerView.model_validate({**asdict(one), "sandbox": _sandbox((one,))}) for one in workers]
+
+
+def _sandbox(workers: Sequence[WorkerState]) -> SandboxView:
+    """Return the sandbox of the first worker."""
+    if not workers:
+        return SandboxView(ready=False, isolation="", detail="no worker is alive")
+    first = workers[0]
+    return SandboxView(ready=first.sandbox_ready, isolation=first.isolation, detail=first.detail)

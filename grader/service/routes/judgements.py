@@ -1,0 +1,382 @@
+"""Points that people give for what no machine judges or correct: what waits for them, and what they gave."""
+
+from datetime import datetime
+from typing import Annotated
+
+from fastapi import APIRouter, Header, Path, Query, Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from grader.contracts.errors import RefusedError
+from grader.contracts.identity import Caller
+from grader.contracts.judgement import COMMENT_PATTERN, LONGEST_COMMENT, JudgedItem
+from grader.contracts.submission import Judgement
+from grader.contracts.text import Language
+from grader.service.requests.dependencies import (
+    ENTRY_PROBLEMS,
+    SIGHT,
+    SUBMISSIONS,
+    LanguageDep,
+    QueryWhole,
+    ServicesDep,
+    StaffDep,
+    SubmissionId,
+    etag,
+    seen,
+)
+from grader.service.routes.problems import responses
+from grader.store.judgements import WaitingFor
+from grader.use_cases import judging
+from grader.use_cases.assignments import item_title
+from grader.use_cases.bodies import Number
+from grader.use_cases.judging import WaitingPage
+from grader.use_cases.services import Services
+
+router = APIRouter(prefix="/api/v1/judgements", tags=["judgements"])
+of_submission = APIRouter(prefix="/api/v1/submissions", tags=["judgements"], dependencies=[SIGHT])
+ItemId = Annotated[
+    str,
+    Path(
+        max_length=128,
+        description="Id of the rubric item; `case/id` when there are several cases.",
+        examples=["timer"],
+    ),
+]
+IfMatch = Annotated[
+    str | None,
+    Header(
+        max_length=1_000,
+        description="The `etag` of the state that was looked at, or several of them; `*`: whatever it is. "
+        "Left out: nobody had judged the item then.",
+    ),
+]
+_Id = Annotated[str | None, Query(max_length=128)]
+_KNOWN = (*ENTRY_PROBLEMS, "forbidden", "submission_not_found", "not_graded_yet", "invalid_request")
+_REFUSED = (
+    "malformed_body",
+    "too_large",
+    "course_archived",
+    "item_not_found",
+    "judged_meanwhile",
+    "invalid_points",
+    "points_unchanged",
+)
+_MOST_PER_PAGE = 500
+_MOST = 1_000_000
+_ETAG = {"ETag": {"description": "Of the item's state.", "schema": {"type": "string"}}}
+
+
+class JudgementBody(BaseModel):
+    """What a person gives for one rubric item."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    points: Annotated[
+        Number,
+        Field(
+            ge=0.0,
+            allow_inf_nan=False,
+            description="From 0 to the most the item can earn, with at most two decimals.",
+            examples=[22.5],
+        ),
+    ]
+    comment: Annotated[
+        str,
+        Field(
+            max_length=LONGEST_COMMENT,
+            pattern=COMMENT_PATTERN,
+            description="For the student, in place of the sentence that says that somebody graded this. Required "
+            "where the machine judged.",
+            examples=["What a timer does is right; say also who calls the callback."],
+        ),
+    ] = ""
+
+
+class ItemPoints(BaseModel):
+    """Points for one of several rubric items."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    item: Annotated[str, Field(max_length=128, examples=["closed"])]
+    points: Annotated[Number, Field(ge=0.0, allow_inf_nan=False, examples=[4.0])]
+    etag: Annotated[
+        str | None,
+        Field(
+            max_length=1_000,
+            description="Of the item's state that was looked at, as in If-Match; null: nobody had judged it then.",
+            examples=['"0.9f86d081884c7d65"'],
+        ),
+    ] = None
+
+
+class JudgementsBody(BaseModel):
+    """What a person gives for several rubric items, with one comment."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    items: Annotated[list[ItemPoints], Field(min_length=1, max_length=200)]
+    comment: Annotated[str, Field(max_length=LONGEST_COMMENT, pattern=COMMENT_PATTERN)] = ""
+
+
+class JudgementView(BaseModel):
+    """What somebody gave."""
+
+    revision: int = Field(description="1 for the first judgement of the item.", examples=[1])
+    points: float = Field(examples=[22.5])
+    out_of: float = Field(
+        description="Most the item could earn then; 0: earlier corrections were taken back.", examples=[45.0]
+    )
+    comment: str
+    by: str = Field(examples=["wang"])
+    at: datetime
+    attempt: int = Field(description="Number of the grading that was looked at.", examples=[1])
+    source_sha256: str = Field(description="Digest of the answer that was judged.")
+
+
+class ManualItemView(BaseModel):
+    """One rubric item, and what people gave for it."""
+
+    item: str = Field(examples=["timer"])
+    title: str = Field(examples=["What create_timer does"])
+    points: float = Field(description="Most it can earn.", examples=[45.0])
+    machine: float | None = Field(
+        description="What the machine gave; null: it leaves the item to people.", examples=[None]
+    )
+    waits: bool = Field(
+        description="It is left to people, and nobody has judged it yet, or not since it has these points."
+    )
+    judgement: JudgementView | None = Field(
+        description="The one that counts; null while it waits, or while the machine's points count."
+    )
+    history: list[JudgementView] = Field(description="All, oldest first.")
+    etag: str = Field(
+        description="Of this state: to be sent as If-Match with the next judgement.",
+        examples=['"0.9f86d081884c7d65"'],
+    )
+
+
+class ManualItemsView(BaseModel):
+    """The rubric items of one submission, and what people gave for them."""
+
+    submission: str = Field(description="Its address.")
+    source: str = Field(description="Address of the answer as it was handed in.")
+    student: str = Field(examples=["20260123"])
+    assignment: str = Field(examples=["theory_publisher_timer"])
+    score: float | None = Field(description="Null while something waits.", examples=[82.5])
+    max_score: float | None = Field(examples=[100.0])
+    items: list[ManualItemView]
+
+
+class QuestionView(BaseModel):
+    """How many answers to one question wait."""
+
+    assignment: str = Field(examples=["theory_publisher_timer"])
+    assignment_title: str = Field(examples=["Question: publisher and timer"])
+    item: str = Field(examples=["timer"])
+    title: str = Field(examples=["What create_timer does"])
+    waiting: int = Field(examples=[17])
+
+
+class WaitingView(BaseModel):
+    """One rubric item of one submission that waits for a person."""
+
+    submission: str = Field(description="Its address.")
+    source: str = Field(description="Address of the answer as it was handed in.")
+    judgement: str = Field(description="Address to put points to.")
+    student: str | None = Field(description="Null when names are left out.", examples=["20260123"])
+    assignment: str = Field(examples=["theory_publisher_timer"])
+    item: str = Field(examples=["timer"])
+    title: str = Field(examples=["What create_timer does"])
+    points: float = Field(description="Most it can earn.", examples=[45.0])
+    received_at: datetime
+
+
+class WaitingList(BaseModel):
+    """A page of what waits for a person: question by question, each in order of arrival."""
+
+    total: int = Field(description="Of all pages.", examples=[34])
+    questions: list[QuestionView] = Field(description="All that have something waiting.")
+    waiting: list[WaitingView]
+
+
+@router.get(
+    "/waiting",
+    summary="What waits for a person",
+    responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+)
+def read_waiting(  # noqa: PLR0913
+    services: ServicesDep,
+    caller: StaffDep,
+    language: LanguageDep,
+    *,
+    assignment: _Id = None,
+    item: _Id = None,
+    every: Annotated[
+        bool, Query(description="Earlier submissions, too; else of each student the newest only.")
+    ] = False,
+    anonymous: Annotated[bool, Query(description="Leave out whose they are.")] = False,
+    offset: Annotated[QueryWhole, Query(ge=0, le=_MOST)] = 0,
+    limit: Annotated[QueryWhole, Query(ge=1, le=_MOST_PER_PAGE)] = 50,
+) -> WaitingList:
+    """Return answers to be judged, question by question, so that one question is judged with one measure."""
+    which = WaitingFor(assignment=assignment, item=item, newest=not every)
+    page = judging.waiting(services, caller, which, offset=offset, limit=limit)
+    return _waiting(services, caller, page, language, anonymous=anonymous)
+
+
+@of_submission.get(
+    "/{submission_id}/judgements",
+    summary="What people gave for a submission's items",
+    responses=responses(*_KNOWN),
+)
+def read_judgements(
+    services: ServicesDep, caller: StaffDep, language: LanguageDep, submission_id: SubmissionId
+) -> ManualItemsView:
+    """Return every rubric item, whether it is left to people, and what was given by whom and when."""
+    return _all_items(services, caller, language, submission_id)
+
+
+@of_submission.put(
+    "/{submission_id}/judgements",
+    summary="Give points for several rubric items",
+    responses=responses(*_KNOWN, *_REFUSED),
+)
+def judge_several(
+    services: ServicesDep,
+    caller: StaffDep,
+    language: LanguageDep,
+    submission_id: SubmissionId,
+    body: JudgementsBody,
+) -> ManualItemsView:
+    """Add a judgement for each item that is named, with the same comment, all of them or none."""
+    wanted = [(one.item, one.points, seen(one.etag)) for one in body.items]
+    judging.give_several(services, caller, submission_id, wanted, body.comment)
+    return _all_items(services, caller, language, submission_id)
+
+
+def _all_items(services: Services, caller: Caller, language: Language, submission_id: str) -> ManualItemsView:
+    submission, items = judging.items_of(services, caller, submission_id)
+    own = SUBMISSIONS + submission.id
+    return ManualItemsView(
+        submission=own,
+        source=f"{own}/source",
+        student=submission.student,
+        assignment=submission.assignment,
+        score=submission.score,
+        max_score=submission.max_score,
+        items=[_item(one, language) for one in items],
+    )
+
+
+@of_submission.get(
+    "/{submission_id}/judgements/{item:path}",
+    summary="What people gave for one rubric item",
+    responses={200: {"headers": _ETAG}, **responses(*_KNOWN, "item_not_found")},
+)
+def read_judgement(  # noqa: PLR0913
+    services: ServicesDep,
+    caller: StaffDep,
+    language: LanguageDep,
+    response: Response,
+    *,
+    submission_id: SubmissionId,
+    item: ItemId,
+) -> ManualItemView:
+    """Return one item, with its ETag."""
+    return _tagged(services, caller, language, response, submission_id, item)
+
+
+@of_submission.put(
+    "/{submission_id}/judgements/{item:path}",
+    summary="Give points for a rubric item",
+    responses={
+        200: {"headers": _ETAG},
+        **responses(*_KNOWN, *_REFUSED),
+    },
+)
+def judge(  # noqa: PLR0913
+    services: ServicesDep,
+    caller: StaffDep,
+    language: LanguageDep,
+    response: Response,
+    *,
+    submission_id: SubmissionId,
+    item: ItemId,
+    body: JudgementBody,
+    if_match: IfMatch = None,
+) -> ManualItemView:
+    """Add a judgement, which takes the place of an earlier one; both stay in the history and the audit log.
+
+    Assistants and instructors may. Once nothing of a submission waits any more, its score is complete. What the
+    machine judged only instructors correct, with a comment; the machine's own points take a correction back.
+    """
+    judging.give(
+        services,
+        caller,
+        submission_id,
+        item,
+        points=body.points,
+        comment=body.comment,
+        seen=seen(if_match),
+    )
+    return _tagged(services, caller, language, response, submission_id, item)
+
+
+def _tagged(  # noqa: PLR0913, PLR0917
+    services: Services, caller: Caller, language: Language, response: Response, submission_id: str, item: str
+) -> ManualItemView:
+    _, items = judging.items_of(services, caller, submission_id)
+    found = next((one for one in items if one.id == item), None)
+    if found is None:
+        raise RefusedError("item_not_found", field="item", allowed=[one.id for one in items])
+    response.headers.update({"ETag": etag(found.tag), "Cache-Control": "no-store"})
+    return _item(found, language)
+
+
+def _waiting(
+    services: Services, caller: Caller, page: WaitingPage, language: Language, *, anonymous: bool
+) -> WaitingList:
+    known = {one.id: one for one in services.assignments.of(caller.course).all()}
+    return WaitingList(
+        total=page.total,
+        questions=[
+            QuestionView(
+                assignment=assignment,
+                assignment_title=known[assignment].title.get(language) if assignment in known else assignment,
+                item=item,
+                title=item_title(known.get(assignment), item, language),
+                waiting=count,
+            )
+            for (assignment, item), count in page.questions.items()
+        ],
+        waiting=[
+            WaitingView(
+                submission=SUBMISSIONS + one.submission,
+                source=f"{SUBMISSIONS}{one.submission}/source",
+                judgement=f"{SUBMISSIONS}{one.submission}/judgements/{one.item}",
+                student=None if anonymous else one.student,
+                assignment=one.assignment,
+                item=one.item,
+                title=item_title(known.get(one.assignment), one.item, language),
+                points=one.points,
+                received_at=one.received_at,
+            )
+            for one in page.answers
+        ],
+    )
+
+
+def _item(item: JudgedItem, language: Language) -> ManualItemView:
+    return ManualItemView(
+        item=item.id,
+        title=item.title.get(language),
+        points=item.points,
+        machine=item.machine,
+        waits=item.waits,
+        judgement=None if item.judgement is None else _judgement(item.judgement),
+        history=[_judgement(one) for one in item.history],
+        etag=etag(item.tag),
+    )
+
+
+def _judgement(one: Judgement) -> JudgementView:
+    return JudgementView.model_validate(one, from_attributes=True)

@@ -1,0 +1,149 @@
+"""What the course's group chats are told, and what people are told by e-mail."""
+
+from datetime import datetime
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Path, Response, status
+from pydantic import BaseModel, ConfigDict, Field
+
+from grader.contracts.notice import MailWishes, NewWebhook, NoticeKind, Outlet, Vendor
+from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep
+from grader.service.routes.problems import responses
+from grader.use_cases import notices
+
+router = APIRouter(prefix="/api/v1/course/notices", tags=["course"])
+_PRIVATE = {"Cache-Control": "no-store", "Vary": "Authorization"}
+_READING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "invalid_request")
+_CHANGING = (*_READING, "course_archived", "malformed_body", "too_large")
+Group = Annotated[Literal[Outlet.CLASS, Outlet.STAFF], Path(description="Whose group chat it is.")]
+AnyChannel = Annotated[Outlet, Path(description="A group chat, or the caller's own e-mail address.")]
+
+
+class WebhookBody(BaseModel):
+    """The bot of a group chat."""
+
+    model_config = ConfigDict(extra="forbid", hide_input_in_errors=True)
+
+    vendor: Vendor = Field(examples=["feishu"])
+    address: str = Field(
+        max_length=1_000,
+        description="As the bot's page shows it; never shown again.",
+        examples=["https://open.feishu.cn/open-apis/bot/v2/hook/…"],
+    )
+    secret: str = Field(
+        default="",
+        max_length=200,
+        description="By which messages are signed; WeCom has none. Never shown again.",
+    )
+
+
+class WebhookView(BaseModel):
+    """The bot of a group chat, without what lets others speak there."""
+
+    outlet: Outlet = Field(examples=["class"])
+    vendor: Vendor = Field(examples=["feishu"])
+    host: str = Field(examples=["open.feishu.cn"])
+    signed: bool
+    changed_at: datetime
+
+
+class MailBody(BaseModel):
+    """What is e-mailed."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    due: bool = Field(description="A day before, to students who have handed nothing in.")
+    graded: bool = Field(description="To students, what counts of theirs.")
+    faults: bool = Field(description="To instructors, what the service failed to grade.")
+
+
+class NoticeView(BaseModel):
+    """A notice, without what it says."""
+
+    outlet: Outlet
+    kind: NoticeKind
+    person: str = Field(description="Who gets it; empty: a group.", examples=[""])
+    made_at: datetime
+    sent_at: datetime | None = Field(description="Null: not yet, or given up.")
+    waits: bool = Field(description="It is still to be sent.")
+    not_before: datetime = Field(description="When it is tried again.")
+    tries: int = Field(description="Failed ones.", examples=[0])
+    code: str = Field(description="Why the latest failed; empty: none did.", examples=["security"])
+    trouble: str = Field(description="What the other side said.", examples=["200, 19021: sign match fail"])
+
+
+class NoticesView(BaseModel):
+    """What is set up, and the latest notices."""
+
+    webhooks: list[WebhookView]
+    mail: MailBody
+    can_mail: bool = Field(description="The operator has set up a mail server.")
+    latest: list[NoticeView] = Field(description="Newest first.")
+
+
+@router.get("", summary="What the course tells by itself", responses=responses(*_READING))
+def read_notices(services: ServicesDep, caller: InstructorDep, response: Response) -> NoticesView:
+    """Return where notices go and how the latest fared."""
+    response.headers.update(_PRIVATE)
+    found = notices.setup_of(services, caller)
+    return NoticesView(
+        webhooks=[WebhookView.model_validate(one, from_attributes=True) for one in found.webhooks.values()],
+        mail=MailBody.model_validate(found.mail, from_attributes=True),
+        can_mail=found.can_mail,
+        latest=[
+            NoticeView(
+                **{name: getattr(one, name) for name in NoticeView.model_fields if name != "waits"},
+                waits=bool(one.body),
+            )
+            for one in found.latest
+        ],
+    )
+
+
+@router.put(
+    "/webhooks/{outlet}",
+    summary="Set a group's bot",
+    status_code=status.HTTP_204_NO_CONTENT,
+    responses=responses(*_CHANGING, "invalid_webhook"),
+)
+def put_webhook(services: ServicesDep, caller: InstructorDep, outlet: Group, body: WebhookBody) -> None:
+    """Let a bot of Feishu, DingTalk or WeCom speak in a group; in place of the one before."""
+    new = NewWebhook(
+        outlet=outlet, vendor=body.vendor, address=body.address.strip(), secret=body.secret.strip()
+    )
+    notices.set_webhook(services, caller, new)
+
+
+@router.delete(
+    "/webhooks/{outlet}",
+    summary="Remove a group's bot",
+    status_code=status.HTTP_204_NO_CONTENT,
+    responses=responses(*_READING, "webhook_not_found"),
+)
+def delete_webhook(services: ServicesDep, caller: InstructorDep, outlet: Group) -> None:
+    """Send nothing there any more."""
+    notices.remove_webhook(services, caller, outlet)
+
+
+@router.put(
+    "/mail",
+    summary="Choose what is e-mailed",
+    status_code=status.HTTP_204_NO_CONTENT,
+    responses=responses(*_CHANGING, "mail_not_set_up"),
+)
+def put_mail(services: ServicesDep, caller: InstructorDep, body: MailBody) -> None:
+    """Send e-mail to those of the class list who have an address there."""
+    notices.set_mail(services, caller, MailWishes(**body.model_dump()))
+
+
+@router.post(
+    "/{outlet}/test",
+    summary="Send a test message",
+    status_code=status.HTTP_204_NO_CONTENT,
+    responses=responses(
+        *_READING, "webhook_not_found", "mail_not_set_up", "no_own_address", "notice_not_taken"
+    ),
+)
+def send_test(services: ServicesDep, caller: InstructorDep, outlet: AnyChannel) -> None:
+    """Try a group's bot, or e-mail to oneself, now; the answer says what the other side said."""
+    notices.send_test(services, caller, outlet)

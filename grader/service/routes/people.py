@@ -1,0 +1,349 @@
+"""Who the caller is, who is in the course, and what was changed by whom."""
+
+from datetime import datetime
+from typing import Annotated, Any
+
+from fastapi import APIRouter, File, Path, Query, Response, UploadFile, status
+from pydantic import BaseModel, ConfigDict, Field
+
+from grader.contracts.assignment import Distro
+from grader.contracts.identity import Role, RosterEntry
+from grader.service.requests.dependencies import (
+    ENTRY_PROBLEMS,
+    CallerDep,
+    InstructorDep,
+    LanguageDep,
+    QueryWhole,
+    ServicesDep,
+    StaffDep,
+)
+from grader.service.requests.middleware import MOST_BYTES
+from grader.service.routes.problems import responses
+from grader.use_cases import people, signing_in
+from grader.use_cases.bodies import Whole
+from grader.use_cases.people import changes, members, myself
+
+router = APIRouter(prefix="/api/v1", tags=["people"])
+_PAGE = 100
+_LARGEST_ID = 2**63 - 1  # of a row in the database
+_CHANGING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "course_archived", "invalid_request")
+_PRIVATE = {"Cache-Control": "no-store", "Vary": "Authorization"}
+PersonId = Annotated[str, Path(max_length=64, description="Id of a member.", examples=["20260123"])]
+
+
+class CourseView(BaseModel):
+    """The caller's course."""
+
+    id: str = Field(examples=["ros2-2026"])
+    title: str = Field(examples=["ROS 2 入门"])
+    time_zone: str = Field(examples=["Asia/Shanghai"])
+    distro: Distro = Field(
+        description="Release of ROS 2 that scripts find where an assignment names none.", examples=["humble"]
+    )
+    archived_at: datetime | None = Field(description="Since when it can only be read; null: it is taught.")
+
+
+class CourseBody(BaseModel):
+    """What a course shall be like, and why."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    distro: Distro = Field(
+        description="Release of ROS 2 of its scripts; an assignment that names one keeps its own."
+    )
+    reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
+
+
+class MeView(BaseModel):
+    """Who the token belongs to. Without courses nobody's identity is known."""
+
+    course: CourseView | None
+    person: str | None = Field(examples=["20260123"])
+    name: str | None = Field(examples=["李雷"])
+    role: Role | None = Field(examples=["student"])
+
+
+class MemberView(BaseModel):
+    """Somebody in the course."""
+
+    id: str = Field(examples=["20260123"])
+    name: str = Field(examples=["李雷"])
+    role: Role = Field(examples=["student"])
+    email: str = Field(description="May be empty.", examples=["lilei@example.edu"])
+    sections: list[str] = Field(
+        description="That a student is in, or an assistant looks after.", examples=[["A"]]
+    )
+
+
+class MemberBody(BaseModel):
+    """What somebody shall be in the course. What is left out stays as it is."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    name: str = Field(default="", max_length=200, description="Empty: stays.", examples=["李雷"])
+    role: Role | None = Field(default=None, description="A new member is a student unless this says more.")
+    email: str | None = Field(default=None, max_length=254, examples=["lilei@example.edu"])
+    sections: list[str] | None = Field(default=None, max_length=100, examples=[["A"]])
+
+
+class ChangeView(BaseModel):
+    """A member before and after an import."""
+
+    before: MemberView
+    after: MemberView
+
+
+class SkippedView(BaseModel):
+    """A row of a class list that cannot be imported."""
+
+    row: int = Field(description="As the file's own program counts it, from 1.", examples=[12])
+    reason: str = Field(examples=["20260123 stands in line 4 already"])
+
+
+class ImportView(BaseModel):
+    """What importing a class list does, or has done."""
+
+    added: list[MemberView]
+    changed: list[ChangeView]
+    unchanged: int = Field(examples=[118])
+    gone: list[MemberView] = Field(description="Students of the course who are not in the list.")
+    skipped: list[SkippedView]
+    dry_run: bool = Field(description="Nothing was changed.")
+
+
+class TokenBody(BaseModel):
+    """How long a new token works."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    days: Annotated[Whole, Field(ge=1, le=3_660)] = 200
+
+
+class TokenView(BaseModel):
+    """A new token. It is shown this once."""
+
+    person: str = Field(examples=["20260123"])
+    token: str = Field(examples=["grader_..."])
+
+
+class IdentityView(BaseModel):
+    """By which name a member signs in at a provider."""
+
+    id: str = Field(examples=["3f2a9c0b1d4e"])
+    provider: str = Field(examples=["campus"])
+    subject: str = Field(description="The provider's own name for the person.", examples=["20260123"])
+    bound_at: datetime
+    by_token: bool = Field(
+        description="By a token that was shown once; else by an id that the provider said."
+    )
+
+
+class IdentityList(BaseModel):
+    """By which names a member signs in, oldest first."""
+
+    identities: list[IdentityView]
+
+
+class MemberList(BaseModel):
+    """The people of a course in order of their ids."""
+
+    members: list[MemberView]
+
+
+class AuditView(BaseModel):
+    """One change of a grade or a setting."""
+
+    id: int
+    at: datetime
+    actor: str = Field(description="Who did it.", examples=["wang"])
+    action: str = Field(examples=["rules.change"])
+    subject: str = Field(description="What was changed.", examples=["assignment square"])
+    before: Any = Field(description="Null where there was nothing.")
+    after: Any = Field(description="Null where there is nothing any more.")
+    reason: str = Field(examples=["tolerance was too tight"])
+
+
+class AuditPage(BaseModel):
+    """Changes, newest first."""
+
+    entries: list[AuditView]
+    next_before: int | None = Field(description="The parameter `before` of the next page; null: no more.")
+
+
+@router.get("/me", summary="Who the token belongs to", responses=responses(*ENTRY_PROBLEMS))
+def read_me(services: ServicesDep, caller: CallerDep, response: Response) -> MeView:
+    """Return the caller's course, name and role."""
+    response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
+    course, member = myself(services, caller)
+    if course is None:
+        return MeView(course=None, person=None, name=None, role=caller.role)
+    return MeView(
+        course=CourseView.model_validate(course, from_attributes=True),
+        person=caller.person,
+        name=None if member is None else member.name,
+        role=caller.role,
+    )
+
+
+@router.put(
+    "/course",
+    summary="Change the course",
+    responses=responses(*_CHANGING, "malformed_body", "too_large"),
+)
+def put_course(
+    services: ServicesDep, caller: InstructorDep, body: CourseBody, response: Response
+) -> CourseView:
+    """Choose the release of ROS 2 for what is graded from now on; a re-grade grades by it, too."""
+    response.headers.update(_PRIVATE)
+    course = people.set_distro(services, caller, body.distro, body.reason)
+    return CourseView.model_validate(course, from_attributes=True)
+
+
+@router.get(
+    "/members",
+    summary="The people of the course",
+    responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+)
+def read_members(
+    services: ServicesDep,
+    caller: StaffDep,
+    response: Response,
+    role: Annotated[Role | None, Query(description="Only those of this role.")] = None,
+) -> MemberList:
+    """Return who is in the caller's course; nobody while there are no courses."""
+    response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
+    found = members(services, caller, role)
+    return MemberList(members=[MemberView.model_validate(one, from_attributes=True) for one in found])
+
+
+@router.post(
+    "/members/import",
+    summary="Import a class list",
+    responses=responses(*_CHANGING, "invalid_roster", "malformed_body", "too_large"),
+)
+def import_members(  # noqa: PLR0913, PLR0917
+    services: ServicesDep,
+    caller: InstructorDep,
+    language: LanguageDep,
+    response: Response,
+    file: Annotated[UploadFile, File(description=".xlsx, .xls, .ods or CSV; at most 1 MiB.")],
+    dry_run: Annotated[bool, Query(description="Only tell what would change.")] = False,
+    skip: Annotated[bool, Query(description="Import the other rows if some are wrong.")] = False,
+    remove: Annotated[bool, Query(description="Remove students who are not in the list.")] = False,
+) -> ImportView:
+    """Add and change members as a class list says, all or none; what it leaves out stays as it is."""
+    response.headers.update(_PRIVATE)
+    content = file.file.read(MOST_BYTES + 1)
+    if dry_run:
+        plan = people.plan_import(services, caller, content)
+    else:
+        plan = people.import_list(services, caller, content, skip=skip, remove=remove)
+    skipped = [SkippedView(row=one.number, reason=one.reason.get(language)) for one in plan.roster.skipped]
+    return ImportView.model_validate(
+        {
+            "added": plan.change.added,
+            "changed": plan.change.changed,
+            "unchanged": plan.change.unchanged,
+            "gone": plan.change.gone,
+            "skipped": skipped,
+            "dry_run": dry_run,
+        },
+        from_attributes=True,
+    )
+
+
+@router.put(
+    "/members/{person}",
+    summary="Add or change a member",
+    responses=responses(*_CHANGING, "invalid_roster", "malformed_body", "too_large"),
+)
+def put_member(
+    services: ServicesDep, caller: InstructorDep, person: PersonId, body: MemberBody, response: Response
+) -> MemberView:
+    """Put somebody into the course, or change what the body names."""
+    response.headers.update(_PRIVATE)
+    sections = None if body.sections is None else tuple(body.sections)
+    entry = RosterEntry(id=person, name=body.name, role=body.role, email=body.email, sections=sections)
+    return MemberView.model_validate(people.set_member(services, caller, entry), from_attributes=True)
+
+
+@router.delete(
+    "/members/{person}",
+    summary="Remove a member",
+    status_code=status.HTTP_204_NO_CONTENT,
+    responses=responses(*_CHANGING, "member_not_found", "invalid_roster"),
+)
+def delete_member(
+    services: ServicesDep,
+    caller: InstructorDep,
+    person: PersonId,
+    reason: Annotated[str, Query(max_length=1_000, description="Goes into the audit log.")] = "",
+) -> None:
+    """Take somebody out of the course, with their tokens; what they handed in stays stored."""
+    people.remove_member(services, caller, person, reason)
+
+
+@router.post(
+    "/members/{person}/tokens",
+    summary="Make a token for a member",
+    status_code=status.HTTP_201_CREATED,
+    responses=responses(*_CHANGING, "member_not_found", "malformed_body", "too_large"),
+)
+def make_token(
+    services: ServicesDep, caller: InstructorDep, person: PersonId, body: TokenBody, response: Response
+) -> TokenView:
+    """Return a new token, which is shown this once; older ones work on."""
+    response.headers.update(_PRIVATE)
+    return TokenView(person=person, token=people.give_token(services, caller, person, body.days))
+
+
+@router.get(
+    "/members/{person}/identities",
+    summary="By which names a member signs in",
+    responses=responses(*ENTRY_PROBLEMS, "forbidden", "member_not_found", "invalid_request"),
+)
+def read_identities(
+    services: ServicesDep, caller: InstructorDep, person: PersonId, response: Response
+) -> IdentityList:
+    """Return what sign-in providers call a member."""
+    response.headers.update(_PRIVATE)
+    member = people.member_of(services, caller, person)
+    found = signing_in.ways_of(services, caller, member.id)
+    return IdentityList(identities=[IdentityView.model_validate(one, from_attributes=True) for one in found])
+
+
+@router.delete(
+    "/members/{person}/identities/{identity}",
+    summary="Let a member no longer sign in by a name",
+    status_code=status.HTTP_204_NO_CONTENT,
+    responses=responses(*_CHANGING, "member_not_found", "identity_not_found"),
+)
+def delete_identity(
+    services: ServicesDep,
+    caller: InstructorDep,
+    person: PersonId,
+    identity: Annotated[str, Path(max_length=16)],
+) -> None:
+    """End a binding and the sessions that it opened; the next time a token is asked for, or the roster decides."""
+    signing_in.unbind(services, caller, people.member_of(services, caller, person).id, identity)
+
+
+@router.get(
+    "/audit",
+    summary="What was changed, by whom",
+    responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+)
+def read_audit(
+    services: ServicesDep,
+    caller: InstructorDep,
+    response: Response,
+    before: Annotated[
+        QueryWhole | None, Query(ge=0, le=_LARGEST_ID, description="Only changes older than this id.")
+    ] = None,
+    limit: Annotated[QueryWhole, Query(ge=1, le=1_000)] = _PAGE,
+) -> AuditPage:
+    """Return changes of grades and settings in the caller's course."""
+    response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
+    entries, more = changes(services, caller, before, limit)
+    shown = [AuditView.model_validate(one, from_attributes=True) for one in entries]
+    return AuditPage(entries=shown, next_before=more)

@@ -1,0 +1,120 @@
+"""Which scripts of a class are alike at places that few have: for staff to look at, part of no score."""
+
+from fastapi import APIRouter, Response
+from pydantic import BaseModel, Field
+from starlette.concurrency import run_in_threadpool
+
+from grader.service.requests.dependencies import (
+    ENTRY_PROBLEMS,
+    Address,
+    AssignmentId,
+    ServicesDep,
+    StaffDep,
+)
+from grader.service.routes.problems import responses
+from grader.use_cases.comparing import Similar, SimilarPair
+from grader.use_cases.similar import similar
+
+router = APIRouter(prefix="/api/v1/assignments", tags=["assignments"])
+
+
+class RangeView(BaseModel):
+    """Lines of a file, from 1, both included."""
+
+    first_line: int = Field(examples=[12])
+    last_line: int = Field(examples=[31])
+
+
+class PlaceView(BaseModel):
+    """What two scripts have in common at one place of each."""
+
+    first: RangeView
+    second: RangeView
+
+
+class SimilarScriptView(BaseModel):
+    """One student's script."""
+
+    student: str = Field(examples=["20260123"])
+    submission: Address
+    share: float = Field(description="Of its own code, how much the other has as well.", examples=[0.85])
+
+
+class SimilarPairView(BaseModel):
+    """Two scripts with something in common that few have."""
+
+    first: SimilarScriptView
+    second: SimilarScriptView
+    weight: float = Field(
+        description="Of all that they share, the more the fewer students have it.", examples=[74.2]
+    )
+    same_file: bool = Field(description="The files are equal byte by byte.")
+    same_commands: bool = Field(description="They sent the same commands at the same times.")
+    places: list[PlaceView] = Field(description="Where they are alike; the first 50.")
+
+
+class SimilarView(BaseModel):
+    """What the scripts of a class have in common, of each student the one that counts.
+
+    Left out are the starters, the solutions, the lesson's listings and what staff handed in, and what more than
+    `few` students have.
+    """
+
+    assignment: str = Field(examples=["square"])
+    compared: int = Field(description="Scripts with enough of their own.", examples=[31])
+    not_compared: int = Field(description="Of more than 1,000 scripts, the oldest.", examples=[0])
+    few: int = Field(description="The most students who may share what still counts.", examples=[12])
+    too_little: list[str] = Field(description="Students with too little of their own.", examples=[["s1"]])
+    pairs: list[SimilarPairView] = Field(description="Most and rarest places first; at most 100.")
+    left_out: int = Field(description="Pairs after the last that is listed.", examples=[0])
+    same_commands: list[SimilarPairView] = Field(
+        description="Different texts that sent the same commands at the same times; at most 100."
+    )
+
+
+@router.get(
+    "/{assignment_id}/similar",
+    summary="Scripts that are alike where few are",
+    response_model=SimilarView,
+    responses=responses(
+        *ENTRY_PROBLEMS, "forbidden", "assignment_not_found", "no_scripts", "invalid_request"
+    ),
+)
+async def read(services: ServicesDep, caller: StaffDep, assignment_id: AssignmentId) -> Response:
+    """Return where a person should look. It does not say that anybody copied, and no score depends on it.
+
+    It takes a second for a class of 300, and is kept until a script or a grading changes.
+    """
+    found = await similar(services, caller, assignment_id)
+    body = await run_in_threadpool(_json, found)
+    return Response(body, media_type="application/json", headers={"Cache-Control": "no-store"})
+
+
+def _json(found: Similar) -> str:
+    view = SimilarView(
+        assignment=found.assignment,
+        compared=found.compared,
+        not_compared=found.not_compared,
+        few=found.few,
+        too_little=list(found.too_little),
+        pairs=[_pair(one) for one in found.pairs],
+        left_out=found.left_out,
+        same_commands=[_pair(one) for one in found.same_drives],
+    )
+    return view.model_dump_json()
+
+
+def _pair(one: SimilarPair) -> SimilarPairView:
+    pair = one.found
+    first, second = (
+        SimilarScriptView(student=side.student, submission=side.submission, share=share)
+        for side, share in ((one.first, pair.first_share), (one.second, pair.second_share))
+    )
+    return SimilarPairView(
+        first=first,
+        second=second,
+        weight=pair.weight,
+        same_file=pair.same_file,
+        same_commands=pair.same_drive,
+        places=[PlaceView.model_validate(place, from_attributes=True) for place in pair.places],
+    )

@@ -1,0 +1,500 @@
+"""Uploads, and what became of them.
+
+What a script wrote is shown in bounded length and with no invisible characters in it.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import fields
+from datetime import datetime
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, File, Form, Header, Query, Response, UploadFile, status
+from pydantic import AwareDatetime, BaseModel, Field
+
+from grader.contracts.judgement import judged
+from grader.contracts.outcome import SHOWN_CHARACTERS, SHOWN_LOGS, Blame, RunStatus
+from grader.contracts.report import GradeStatus
+from grader.contracts.rubric import ItemStatus
+from grader.contracts.submission import StoredReport, Submission, SubmissionFilter, SubmissionState
+from grader.contracts.text import Language
+from grader.formats.packages.bundle import is_package
+from grader.render.escape import visible
+from grader.service.requests.dependencies import (
+    COSTLY,
+    ENTRY_PROBLEMS,
+    SUBMISSIONS,
+    CallerDep,
+    LanguageDep,
+    QueryWhole,
+    ServicesDep,
+    SubmissionId,
+)
+from grader.service.requests.middleware import UploadRoute, arrival
+from grader.service.routes.problems import responses
+from grader.use_cases import submissions
+from grader.use_cases.handing_in import Upload, hand_in, most_upload_bytes
+from grader.use_cases.submissions import ShownSubmission
+from grader.use_cases.visibility import graded
+
+router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"])
+uploads = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], route_class=UploadRoute)
+_EXAMPLE_ID = "0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f"
+
+UploadedFile = Annotated[
+    UploadFile, File(description="The script as it runs at home, or a text; at most 256 KiB.")
+]
+AssignmentField = Annotated[str, Form(description="Id of the assignment.", examples=["square"])]
+StudentField = Annotated[
+    str,
+    Form(
+        description="Student id. In a course it is the caller's when left out; only instructors may hand in for "
+        "somebody else.",
+        examples=["20260123"],
+    ),
+]
+IdempotencyKey = Annotated[
+    str | None,
+    Header(
+        max_length=255,
+        description="Sent again with the same upload when there was no answer: it is then stored once.",
+    ),
+]
+
+
+class Receipt(BaseModel):
+    """Answer to an upload: it is stored, and will be graded even if the service is stopped now."""
+
+    id: str = Field(examples=[_EXAMPLE_ID])
+    status: SubmissionState = Field(examples=["queued"])
+    status_url: str = Field(
+        description="Ask here how it went; the same as in Location.", examples=[SUBMISSIONS + _EXAMPLE_ID]
+    )
+    assignment: str = Field(examples=["square"])
+    student: str = Field(examples=["20260123"])
+    sha256: str = Field(description="Of the uploaded bytes.", examples=["9f86d081884c7d65" * 4])
+    received_at: datetime = Field(examples=["2026-03-02T08:00:00Z"])
+    repeated: bool = Field(
+        description="This is an earlier submission: the same was sent again. It cost no attempt.",
+        examples=[False],
+    )
+
+
+class Links(BaseModel):
+    """Where the rest of a submission is."""
+
+    self: str = Field(description="This document.", examples=[SUBMISSIONS + _EXAMPLE_ID])
+    report: str = Field(
+        description="The report, byte for byte.", examples=[f"{SUBMISSIONS}{_EXAMPLE_ID}/report"]
+    )
+    trajectory: str = Field(
+        description="What the car did.", examples=[f"{SUBMISSIONS}{_EXAMPLE_ID}/trajectory"]
+    )
+    plot: str = Field(description="The same as a picture.", examples=[f"{SUBMISSIONS}{_EXAMPLE_ID}/plot.png"])
+
+
+class SeenItemView(BaseModel):
+    """One line of the checklist: what was seen."""
+
+    id: str = Field(examples=["sides"])
+    title: str = Field(examples=["Number of sides"])
+    status: ItemStatus = Field(examples=["passed"])
+    measured: float | None = Field(description="Null when nothing could be measured.", examples=[4.0])
+    target: float | None = Field(examples=[4.0])
+    tolerance: float | None = Field(examples=[0.0])
+    unit: str = Field(description="`m`, `deg`, `s`, `%` or empty.", examples=[""])
+    message: str = Field(
+        description="What was seen; of an item that a person judged, their comment.",
+        examples=["The path has 4 sides."],
+    )
+    hint: str = Field(description="One next step; empty when there is nothing to do.", examples=[""])
+
+
+class RubricItemView(SeenItemView):
+    """One line of the checklist, judged."""
+
+    points: float = Field(description="Most it can earn.", examples=[5.0])
+    earned: float = Field(examples=[5.0])
+
+
+class StreamView(BaseModel):
+    """Captured text, control characters shown as escapes. It is the student's: escape it for HTML."""
+
+    text: str = Field(examples=["[INFO] [1700000000.000000000] [square_mover]: side 1\n"])
+    dropped: int = Field(description="Bytes or characters left out of the middle or end.", examples=[0])
+
+
+class StudentErrorView(BaseModel):
+    """The exception that ended the script, with the student's own lines only."""
+
+    type: str = Field(examples=["AssertionError"])
+    message: str
+    line: int | None = Field(description="Line of the student's file.", examples=[17])
+    traceback: str
+
+
+class EndpointView(BaseModel):
+    """A publisher, subscription, service or client of the script."""
+
+    kind: str = Field(examples=["publisher"])
+    node: str = Field(examples=["/square_mover"])
+    name: str = Field(examples=["/turtle1/cmd_vel"])
+    type: str = Field(examples=["geometry_msgs/msg/Twist"])
+    count: int = Field(description="Messages published or requests sent.", examples=[160])
+
+
+class LogView(BaseModel):
+    """One message that reached /rosout."""
+
+    t_s: float = Field(description="Virtual seconds since the start.", examples=[1.5])
+    level: int = Field(description="10 debug, 20 info, 30 warning, 40 error, 50 fatal.", examples=[20])
+    name: str = Field(examples=["square_mover"])
+    message: str = Field(examples=["side 1"])
+
+
+class RunView(BaseModel):
+    """What happened in one run of the script."""
+
+    case: str = Field(examples=["default"])
+    status: RunStatus = Field(examples=["interrupted"])
+    blame: Blame = Field(description="Whose fault the end of the run is.", examples=["nobody"])
+    duration_s: float = Field(description="Virtual seconds the script ran.", examples=[60.0])
+    exit_code: int | None
+    signal: str | None
+    error: StudentErrorView | None
+    cleanup_error: StudentErrorView | None = Field(description="Raised after Ctrl+C; costs nothing.")
+    detail: str
+    stdout: StreamView
+    stderr: StreamView
+    nodes: list[str] = Field(examples=[["/square_mover"]])
+    endpoints: list[EndpointView]
+    logs: list[LogView] = Field(description="The first ones; all of them are in the report.")
+    logs_dropped: int
+    command_count: int = Field(description="Velocity commands the car received.", examples=[160])
+    nonfinite_commands: int
+    trajectory_sha256: str
+
+
+class SubmissionView(BaseModel):
+    """Where a submission stands, and its grading once there is one."""
+
+    id: str = Field(examples=[_EXAMPLE_ID])
+    student: str = Field(examples=["20260123"])
+    assignment: str = Field(examples=["square"])
+    file_name: str = Field(examples=["square_mover.py"])
+    sha256: str = Field(description="Of the uploaded bytes.")
+    size_bytes: int = Field(examples=[1834])
+    status: SubmissionState = Field(
+        description="`queued` and `running` are on the way. `infrastructure_error` is the service's own "
+        "fault: it costs no points and no attempt.",
+        examples=["graded"],
+    )
+    queue_position: int | None = Field(description="Submissions before this one while it waits.")
+    estimated_finish_at: datetime | None = Field(
+        description="From how long gradings took lately; null when it is graded or nobody can say."
+    )
+    received_at: datetime
+    queued_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+    tries: int = Field(description="How often grading was begun since it was queued.", examples=[1])
+    verdict: GradeStatus | None = Field(description="How grading ended.", examples=["graded"])
+    score: float | None = Field(
+        description="With the points that people gave; null while something waits for them.", examples=[10.0]
+    )
+    max_score: float | None = Field(examples=[10.0])
+    to_judge: int | None = Field(description="Rubric items that wait for a person; null: none ever did.")
+    late_s: float = Field(description="Seconds after the student's due date.", examples=[0.0])
+    kept_share: float = Field(description="Of the points, after lateness.", examples=[1.0])
+    kept_score: float | None = Field(description="The score after lateness.", examples=[10.0])
+    summary: str = Field(description="One sentence for the student.")
+    hint: str = Field(description="The one next step that matters most.")
+    mistakes: list[str] = Field(description="Codes of recognised mistakes, likeliest first.")
+    rubric: list[RubricItemView]
+    runs: list[RunView]
+    report_sha256: str | None = Field(description="Equal for equal files and assignments.")
+    graded_at: datetime | None
+    grader_version: str | None = Field(examples=["0.1.0"])
+    assignment_version: int | None = Field(examples=[1])
+    links: Links
+
+
+class SubmissionLine(BaseModel):
+    """One submission in a list."""
+
+    id: str = Field(examples=[_EXAMPLE_ID])
+    student: str = Field(examples=["20260123"])
+    assignment: str = Field(examples=["square"])
+    file_name: str = Field(examples=["square_mover.py"])
+    sha256: str = Field(description="Of the uploaded bytes.")
+    size_bytes: int = Field(examples=[1834])
+    status: SubmissionState = Field(validation_alias="state", examples=["graded"])
+    received_at: datetime
+    finished_at: datetime | None
+    verdict: GradeStatus | None = Field(examples=["graded"])
+    score: float | None = Field(description="Before lateness.", examples=[10.0])
+    max_score: float | None = Field(examples=[10.0])
+    to_judge: int | None
+    report_sha256: str | None
+
+
+class SubmissionPage(BaseModel):
+    """Submissions, oldest first."""
+
+    submissions: list[SubmissionLine]
+    next_after: str | None = Field(description="The parameter `after` of the next page; null: no more.")
+
+
+@router.get(
+    "",
+    summary="The class's submissions",
+    responses=responses(*ENTRY_PROBLEMS, "invalid_request"),
+)
+def read_all(  # noqa: PLR0913
+    services: ServicesDep,
+    caller: CallerDep,
+    response: Response,
+    *,
+    student: Annotated[str | None, Query(max_length=64)] = None,
+    assignment: Annotated[str | None, Query(max_length=64)] = None,
+    state: Annotated[SubmissionState | None, Query(alias="status")] = None,
+    since: Annotated[
+        AwareDatetime | None, Query(description="Received then or later; with an offset.")
+    ] = None,
+    after: Annotated[str | None, Query(max_length=36, description="From `next_after`.")] = None,
+    limit: Annotated[QueryWhole, Query(ge=1, le=1_000)] = 100,
+) -> SubmissionPage:
+    """Return every submission of the class, page by page; a student gets their own."""
+    response.headers["Cache-Control"] = "no-store"
+    wanted = SubmissionFilter(student=student, assignment=assignment, state=state, since=since, after=after)
+    found, more = submissions.listed(services, caller, wanted, limit)
+    lines = [SubmissionLine.model_validate(one, from_attributes=True) for one in found]
+    return SubmissionPage(submissions=lines, next_after=more)
+
+
+@uploads.post(
+    "",
+    status_code=status.HTTP_202_ACCEPTED,
+    response_model=Receipt,
+    summary="Upload a script",
+    response_description="Stored and queued; Location says where to ask for the result.",
+    responses={
+        202: {"headers": {"Location": {"description": "The submission.", "schema": {"type": "string"}}}},
+        **responses(
+            *ENTRY_PROBLEMS,
+            "forbidden",
+            "malformed_body",
+            "too_large",
+            "unsupported_media_type",
+            "wrong_file_type",
+            "invalid_request",
+            "invalid_student",
+            "unknown_student",
+            "not_open_yet",
+            "closed",
+            "no_attempts_left",
+            "no_attempts_today",
+            "course_archived",
+            "unknown_assignment",
+            "empty",
+            "not_utf8",
+            "contains_nul",
+            "bad_archive",
+            "no_package",
+            "syntax_error",
+            "key_reused",
+            "too_many_open",
+        ),
+    },
+)
+def upload(  # noqa: PLR0913
+    services: ServicesDep,
+    caller: CallerDep,
+    arrived_at: Annotated[datetime, Depends(arrival)],
+    *,
+    file: UploadedFile,
+    assignment: AssignmentField,
+    student: StudentField = "",
+    idempotency_key: IdempotencyKey = None,
+) -> Response:
+    """Check a file's form, store it and queue it for grading.
+
+    Nothing of it is executed by the service itself; its syntax is checked in a confined process.
+    """
+    new = Upload(
+        assignment=assignment,
+        student=student,
+        file_name=file.filename or "",
+        content=file.file.read(most_upload_bytes(services) + 1),
+        arrived_at=arrived_at,
+        key=idempotency_key,
+    )
+    submission, repeated = hand_in(services, caller, new)
+    added = Receipt(
+        id=submission.id,
+        status=submission.state,
+        status_url=SUBMISSIONS + submission.id,
+        assignment=submission.assignment,
+        student=submission.student,
+        sha256=submission.sha256,
+        received_at=submission.received_at,
+        repeated=repeated,
+    )
+    # checked when it was made: to be checked again, it would wait for a thread twice
+    return Response(
+        added.model_dump_json(),
+        status_code=status.HTTP_202_ACCEPTED,
+        headers={"Location": added.status_url},
+        media_type="application/json",
+    )
+
+
+@router.get(
+    "/{submission_id}",
+    summary="A submission and its grading",
+    responses=responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
+)
+def read(
+    services: ServicesDep,
+    caller: CallerDep,
+    response: Response,
+    language: LanguageDep,
+    submission_id: SubmissionId,
+) -> SubmissionView:
+    """Return where a submission stands; once graded, with score, rubric items, feedback and what ran."""
+    found = submissions.read(services, caller, submission_id)
+    response.headers.update(
+        {"Content-Language": language, "Vary": "Accept-Language", "Cache-Control": "no-store"}
+    )
+    if found.grading is None:  # whoever waits for the result asks often
+        return _view(found, language)
+    with services.allowances.costly.one_more(caller, f"submission {submission_id}"):
+        return _view(found, language)
+
+
+@router.get(
+    "/{submission_id}/report",
+    dependencies=[COSTLY],
+    summary="The graded report, byte for byte",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "Canonical JSON in both languages; its SHA-256 is the ETag.",
+            "content": {"application/json": {"schema": {"type": "object"}}},
+        },
+        **responses(*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_request"),
+    },
+)
+def read_report(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> Response:
+    """Return the report as it was graded: the same bytes for the same file and assignment.
+
+    While rubric items are hidden, students get a copy without them.
+    """
+    _, report = graded(services, caller, submission_id)
+    return Response(report.content, media_type="application/json", headers={"ETag": f'"{report.sha256}"'})
+
+
+@router.get(
+    "/{submission_id}/source",
+    summary="The file as it was handed in",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "Byte for byte; its SHA-256 is the ETag.",
+            "content": {
+                "text/plain": {"schema": {"type": "string"}},
+                "application/zip": {"schema": {"type": "string", "format": "binary"}},
+            },
+        },
+        **responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
+    },
+)
+def read_source(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> Response:
+    """Return what the student uploaded: a script, the answer to a question, or a package as a zip."""
+    submission, source = submissions.read_source(services, caller, submission_id)
+    headers = {"ETag": f'"{submission.sha256}"', "Cache-Control": "private, no-cache"}
+    kind = "application/zip" if is_package(source) else "text/plain; charset=utf-8"
+    return Response(source, media_type=kind, headers=headers)
+
+
+_OWN = SubmissionView.model_fields.keys() & {one.name for one in fields(Submission)}
+"""What is told of a submission as its contract has it."""
+
+
+def _view(read: ShownSubmission, language: Language) -> SubmissionView:
+    """Return a submission and its latest grading in `language`."""
+    submission, stored, lateness = read.submission, read.grading, read.lateness
+    report = {} if stored is None else _whole(stored)
+    return SubmissionView(
+        **{name: getattr(submission, name) for name in _OWN},
+        status=submission.state,
+        queue_position=read.position,
+        estimated_finish_at=read.estimated_finish_at,
+        late_s=lateness.late_s,
+        kept_share=lateness.kept_share,
+        kept_score=lateness.kept_score,
+        summary=_said(report.get("summary"), language),
+        hint=_said(report.get("hint"), language),
+        mistakes=report.get("mistakes", []),
+        rubric=[item_view(item, language) for item in report.get("items", [])],
+        runs=[run_view(run) for run in report.get("runs", [])],
+        graded_at=None if stored is None else stored.finished_at,
+        grader_version=report.get("grader_version"),
+        assignment_version=report.get("assignment_version"),
+        links=_links(SUBMISSIONS + submission.id),
+    )
+
+
+def _links(own: str) -> Links:
+    return Links(self=own, report=f"{own}/report", trajectory=f"{own}/trajectory", plot=f"{own}/plot.png")
+
+
+def _whole(stored: StoredReport) -> Mapping[str, Any]:
+    return judged(stored).to_dict() if stored.judgements else dict(json.loads(stored.content))
+
+
+def _said(text: Mapping[str, str] | None, language: Language) -> str:
+    return "" if text is None else text[language]
+
+
+def item_view(item: Mapping[str, Any], language: Language) -> RubricItemView:
+    """Return an item of a report's plain data in `language`."""
+    texts = {name: _said(item[name], language) for name in ("title", "message", "hint")}
+    return RubricItemView.model_validate({**item, **texts})
+
+
+def run_view(run: Mapping[str, Any]) -> RunView:
+    """Return a run of a report's plain data."""
+    outcome = run["outcome"]
+    status = RunStatus(outcome["status"])
+    logs = outcome["logs"][:SHOWN_LOGS]
+    changed = {
+        "case": run["case"],
+        "blame": status.blame,
+        "duration_s": outcome["duration_ns"] / 1e9,
+        "error": _error(outcome["error"]),
+        "cleanup_error": _error(outcome["cleanup_error"]),
+        "detail": visible(outcome["detail"]),
+        "stdout": _stream(outcome["stdout"]),
+        "stderr": _stream(outcome["stderr"]),
+        "nodes": [visible(name) for name in outcome["nodes"]],
+        "endpoints": [_visible_values(endpoint) for endpoint in outcome["endpoints"]],
+        "logs": [_visible_values({**record, "t_s": record["t_ns"] / 1e9}) for record in logs],
+        "logs_dropped": outcome["logs_dropped"] + len(outcome["logs"]) - len(logs),
+        "trajectory_sha256": run["trajectory_sha256"],
+    }
+    return RunView.model_validate({**outcome, **changed})
+
+
+def _visible_values(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: visible(value) if isinstance(value, str) else value for name, value in values.items()}
+
+
+def _error(error: Mapping[str, Any] | None) -> StudentErrorView | None:
+    return None if error is None else StudentErrorView.model_validate(_visible_values(error))
+
+
+def _stream(stream: Mapping[str, Any]) -> StreamView:
+    text = stream["text"]
+    left_out = max(0, len(text) - SHOWN_CHARACTERS)
+    return StreamView(text=visible(text[:SHOWN_CHARACTERS]), dropped=stream["dropped_bytes"] + left_out)

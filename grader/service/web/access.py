@@ -1,0 +1,261 @@
+"""Who looks at a page, and what they may see. The only place of the pages that knows.
+
+The browser keeps the session that a bearer token opened (`grader.use_cases.callers`), in a cookie that lasts as
+long as the browser is open. While the service has no courses, a student says their id and is believed, as on
+the JSON interface.
+"""
+
+from collections.abc import AsyncIterator
+from dataclasses import dataclass
+from typing import Annotated, Any
+from urllib.parse import urlencode
+
+from fastapi import Depends, Request, Response
+from fastapi.responses import RedirectResponse
+
+from grader.contracts.errors import RefusedError
+from grader.contracts.identity import ANYBODY, Caller, is_person_id
+from grader.contracts.submission import StoredReport, Submission
+from grader.service.requests.dependencies import (
+    PEER,
+    SESSION_COOKIE,
+    AssignmentId,
+    QueryWhole,
+    RegradeId,
+    ServicesDep,
+    SubmissionId,
+    under_way,
+)
+from grader.service.web.forms import set_private_cookie
+from grader.use_cases.callers import PLOT_WEIGHT
+from grader.use_cases.handing_in import checked_student
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import found, visible_submission
+
+__all__ = (
+    "PEER",
+    "SESSION_COOKIE",
+    "AssignmentId",
+    "QueryWhole",
+    "RegradeId",
+    "ServicesDep",
+    "SubmissionId",
+)  # what pages read of a request as the JSON interface does
+STUDENT_COOKIE = "grader_student"
+ENTER = "/enter"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Visitor:
+    """Somebody at a browser.
+
+    Attributes:
+        caller: who it is to the rest of the service.
+        student: whose attempts are their own: the member's id, or without courses what the visitor said.
+        open: the service has no courses, so that a student only says an id.
+        course: title of the visitor's course. zone: its IANA time zone, on whose clock every page is. None
+            without one.
+        archived: the course can only be read.
+    """
+
+    caller: Caller
+    student: str | None
+    open: bool
+    course: str | None
+    zone: str | None
+    archived: bool = False
+
+    @property
+    def staff(self) -> bool:
+        """Whether the visitor may see the class."""
+        return self.caller.is_staff
+
+    @property
+    def known(self) -> bool:
+        """Whether the visitor has said who they are."""
+        return self.staff or self.student is not None
+
+
+class EnterFirstError(Exception):
+    """The page shows something personal, and the visitor has not said who they are."""
+
+
+def visitor_of(request: Request) -> Visitor:
+    """Return who sends `request`, by its cookies. Looked up once per request."""
+    known: Visitor | None = getattr(request.state, "visitor", None)
+    if known is None:
+        known = request.state.visitor = _visitor(request)
+    return known
+
+
+def _identified(request: Request) -> Visitor:
+    visitor, services = visitor_of(request), services_of(request)
+    if visitor.caller.course is not None and not visitor.staff:
+        services.allowances.requests.take(f"{visitor.caller.course}/{visitor.caller.person}")
+    return visitor
+
+
+async def present(
+    request: Request, visitor: Annotated[Visitor, Depends(_identified)]
+) -> AsyncIterator[Visitor]:
+    """Dependency of every page: the visitor.
+
+    Raises:
+        RefusedError: a student of a course asks too often, or somebody for too much at once.
+    """
+    with under_way(request, services_of(request), visitor.caller):
+        yield visitor
+
+
+VisitorDep = Annotated[Visitor, Depends(present)]
+
+
+def _costly(weight: int) -> Any:
+    async def counted(services: ServicesDep, visitor: VisitorDep) -> AsyncIterator[None]:
+        with services.allowances.costly.one_more(visitor.caller, f"visitor {visitor.student}", weight):
+            yield
+
+    return Depends(counted)
+
+
+COSTLY, DRAWN = _costly(1), _costly(PLOT_WEIGHT)
+"""Of pages that take time to make, and of plots: a student has few under way, and few in a minute."""
+
+
+def require_staff(visitor: VisitorDep) -> Visitor:
+    """Dependency of the class's pages.
+
+    Raises:
+        EnterFirstError: nobody has said who they are.
+        RefusedError: the visitor is a student.
+    """
+    if not visitor.staff:
+        if visitor.caller.role is None:
+            raise EnterFirstError
+        raise RefusedError("forbidden")
+    return visitor
+
+
+StaffDep = Annotated[Visitor, Depends(require_staff)]
+
+
+def require_instructor(visitor: StaffDep) -> Visitor:
+    """Dependency of pages and forms that show or change what only instructors may.
+
+    Raises:
+        RefusedError: the visitor is an assistant.
+    """
+    if not visitor.caller.is_instructor:
+        raise RefusedError("forbidden")
+    return visitor
+
+
+InstructorDep = Annotated[Visitor, Depends(require_instructor)]
+
+
+def require_known(visitor: Visitor) -> None:
+    """Ask for the visitor's name before anything personal is looked up.
+
+    Raises:
+        EnterFirstError: the visitor has not said who they are.
+    """
+    if not visitor.known:
+        raise EnterFirstError
+
+
+def seen(services: Services, visitor: Visitor, submission_id: str) -> tuple[Submission, StoredReport | None]:
+    """Return a submission and its grading, if there is one yet, to somebody who may see it.
+
+    Raises:
+        EnterFirstError: the visitor has not said who they are.
+        RefusedError: there is none of that id, or it is somebody else's: the visitor cannot tell which.
+    """
+    require_known(visitor)
+    submission, stored = found(services, visitor.caller, submission_id)
+    require_own(visitor, submission)
+    return submission, stored
+
+
+def require_sight(services: Services, visitor: Visitor, submission_id: str) -> Submission:
+    """Return a submission, without its grading, to somebody who may see it.
+
+    Raises:
+        EnterFirstError, RefusedError: as `seen`.
+    """
+    require_known(visitor)
+    submission = visible_submission(services, visitor.caller, submission_id)
+    require_own(visitor, submission)
+    return submission
+
+
+def require_own(visitor: Visitor, submission: Submission) -> None:
+    """Make sure that a student sees only their own submissions, also without courses, where an id opens any.
+
+    Raises:
+        RefusedError: it is somebody else's; the same refusal as when there is none.
+    """
+    if not (visitor.staff or visitor.student == submission.student):
+        raise RefusedError("submission_not_found")
+
+
+def enter_student(request: Request, response: Response, student: str) -> None:
+    """Remember on this browser who a visitor of a service without courses says to be.
+
+    Raises:
+        RefusedError: it is no student id.
+        EnterFirstError: in a course, saying so is not enough.
+    """
+    if not visitor_of(request).open:
+        raise EnterFirstError
+    set_private_cookie(request, response, STUDENT_COOKIE, checked_student(student))
+
+
+def enter_by_token(request: Request, response: Response, token: str) -> Caller | None:
+    """Open a session on this browser by a token and return whose it is; a token of nobody opens none."""
+    callers = services_of(request).callers
+    session = callers.open_session(token)
+    if session is None:
+        return None
+    set_private_cookie(request, response, SESSION_COOKIE, session)
+    return callers.of_session(session)
+
+
+def leave(request: Request, response: Response) -> None:
+    """Forget who used this browser."""
+    session = request.cookies.get(SESSION_COOKIE)
+    if session is not None:
+        services_of(request).callers.close_session(session)
+    for name in (STUDENT_COOKIE, SESSION_COOKIE):
+        response.delete_cookie(name, httponly=True, samesite="strict")
+
+
+def ask_to_enter(request: Request) -> RedirectResponse:
+    """Return the way to the page that asks who it is, and back to where they were going."""
+    wanted = f"{request.url.path}?{request.url.query}" if request.url.query else request.url.path
+    return RedirectResponse(f"{ENTER}?{urlencode({'next': wanted})}", status_code=303)
+
+
+def _visitor(request: Request) -> Visitor:
+    services = services_of(request)
+    is_open = services.callers.identify(None) is not None
+    session = request.cookies.get(SESSION_COOKIE)
+    caller = ANYBODY if session is None else services.callers.of_session(session) or ANYBODY
+    said = request.cookies.get(STUDENT_COOKIE, "")
+    student = said if is_open and is_person_id(said) else caller.person
+    if caller.course is None:
+        return Visitor(caller=caller, student=student, open=is_open, course=None, zone=None)
+    course = services.courses.get(caller.course)
+    return Visitor(
+        caller=caller,
+        student=student,
+        open=is_open,
+        course=course.title,
+        zone=course.time_zone,
+        archived=course.archived_at is not None,
+    )
+
+
+def services_of(request: Request) -> Services:
+    """Return what use cases work with."""
+    services: Services = request.app.state.services
+    return services

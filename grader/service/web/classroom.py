@@ -1,0 +1,178 @@
+"""The instructor's pages: the class matrix, one assignment, one student, two attempts, the service itself."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query, Request, Response
+
+from grader import __version__
+from grader.contracts.errors import RefusedError
+from grader.contracts.identity import Role, sections_of
+from grader.contracts.judgement import judged
+from grader.contracts.report import GradeStatus
+from grader.contracts.submission import StoredReport, Submission, SubmissionState
+from grader.formats.packages.bundle import text_of
+from grader.messages import outline
+from grader.render.labels import status_word
+from grader.service.web import access
+from grader.service.web.access import ServicesDep, StaffDep, Visitor, require_staff
+from grader.service.web.comparison import compare
+from grader.service.web.matrix import SHOWS, MatrixQuery, matrix
+from grader.service.web.pages import language_of, page
+from grader.use_cases.appealing import waiting
+from grader.use_cases.assignments import item_title, published
+from grader.use_cases.commenting import unread
+from grader.use_cases.concerned import Concern, concerned
+from grader.use_cases.course_life import counted_space
+from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, costs, overview
+from grader.use_cases.own_assignments import own_troubles
+from grader.use_cases.people import members, names, person
+from grader.use_cases.services import Services
+
+router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
+_Id = Annotated[str, Query(max_length=64)]
+_MOST_COSTLY = 20
+_STATUSES = {*SubmissionState, *GradeStatus}
+
+
+@router.get("")
+def read_matrix(
+    request: Request, services: ServicesDep, visitor: StaffDep, query: Annotated[MatrixQuery, Query()]
+) -> Response:
+    """Show students by assignments."""
+    students = members(services, visitor.caller, Role.STUDENT)
+    whole = _overview(request, services, visitor)
+    return page(
+        request,
+        "class.html",
+        overview=whole,
+        matrix=matrix(whole, query, students),
+        sections=sections_of(students),
+        shows=SHOWS,
+        stuck_attempts=STUCK_ATTEMPTS,
+        unread=unread(services, visitor.caller),
+        appeals=waiting(services, visitor.caller),
+    )
+
+
+@router.get("/assignments/{assignment_id}")
+def read_assignment(
+    request: Request, services: ServicesDep, visitor: StaffDep, assignment_id: str
+) -> Response:
+    """Show how the class does at one assignment: scores, failed items, mistakes."""
+    whole = _overview(request, services, visitor)
+    statistics = next((one for one in whole.assignments if one.id == assignment_id), None)
+    if statistics is None:
+        raise RefusedError("assignment_not_found")
+    language = language_of(request)
+    mistakes = [
+        (one.code, outline(language, f"mistake.{one.code}") or one.code, one.students)
+        for one in statistics.most_common_mistakes
+    ]
+    return page(request, "class_assignment.html", overview=whole, statistics=statistics, mistakes=mistakes)
+
+
+@router.get("/assignments/{assignment_id}/students")
+def read_concerned(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: ServicesDep,
+    visitor: StaffDep,
+    assignment_id: str,
+    item: Annotated[str, Query(max_length=128)] = "",
+    mistake: _Id = "",
+    status: _Id = "",
+) -> Response:
+    """Show who failed an item, made a mistake, or whose latest submission has a status."""
+    concern = Concern(item=item or None, mistake=mistake or None, status=status or None)
+    found = concerned(services, visitor.caller, assignment_id, concern)
+    language, assignment = language_of(request), published(services, visitor.caller, assignment_id)
+    told = [
+        *([item_title(assignment, item, language)] if item else []),
+        *([outline(language, f"mistake.{mistake}") or mistake] if mistake else []),
+        *([status_word(status, language) if status in _STATUSES else status] if status else []),
+    ]
+    return page(
+        request,
+        "concerned.html",
+        found=found,
+        concern=concern,
+        told=told,
+        title=assignment_id if assignment is None else assignment.title.get(language),
+        id=assignment_id,
+    )
+
+
+@router.get("/students/{student}")
+def read_student(
+    request: Request, services: ServicesDep, visitor: StaffDep, student: str, assignment: _Id = ""
+) -> Response:
+    """Show the attempts of one student, at one assignment or all, two of them to be compared."""
+    attempts = services.submissions.of_student(student, assignment or None, course=visitor.caller.course)
+    known = names(services, visitor.caller)
+    if not visitor.caller.may_see(visitor.caller.course, student) or (not attempts and student not in known):
+        raise RefusedError("submission_not_found")
+    every = services.assignments.of(visitor.caller.course).all()
+    by_assignment: dict[str, list[Submission]] = {one.id: [] for one in every}
+    for one in attempts:
+        by_assignment.setdefault(one.assignment, []).append(one)
+    groups = [(id_, own) for id_, own in by_assignment.items() if own]
+    titles = {one.id: one.title for one in every}
+    return page(
+        request,
+        "class_student.html",
+        student=student,
+        person=person(known, student),
+        only=assignment,
+        groups=groups,
+        titles=titles,
+    )
+
+
+@router.get("/compare")
+def read_comparison(
+    request: Request, services: ServicesDep, visitor: StaffDep, first: _Id, second: _Id
+) -> Response:
+    """Show two attempts side by side: rubric items, pictures and what changed in the file."""
+    chosen = sorted(
+        (_graded(services, visitor, one) for one in (first, second)), key=lambda one: one[0].received_at
+    )
+    (earlier, earlier_stored), (later, later_stored) = chosen
+    comparison = compare(
+        judged(earlier_stored),
+        judged(later_stored),
+        _source(services, earlier),
+        _source(services, later),
+        language_of(request),
+    )
+    cases = [tuple(one.cases) for one in (earlier_stored, later_stored)]
+    return page(request, "compare.html", first=earlier, second=later, comparison=comparison, cases=cases)
+
+
+@router.get("/service")
+def read_service(request: Request, services: ServicesDep, visitor: StaffDep) -> Response:
+    """Show queue, workers and sandbox, and who costs the service most."""
+    costly = costs(services, visitor.caller)[:_MOST_COSTLY]
+    return page(
+        request,
+        "service.html",
+        health=services.health(),
+        troubles=own_troubles(services, visitor.caller),
+        costs=costly,
+        space=None if visitor.caller.course is None else counted_space(services, visitor.caller),
+        version=__version__,
+    )
+
+
+def _overview(request: Request, services: Services, visitor: Visitor) -> Overview:
+    state = class_state(services, visitor.caller)
+    return overview(services, visitor.caller, state, language_of(request))
+
+
+def _graded(services: Services, visitor: Visitor, submission_id: str) -> tuple[Submission, StoredReport]:
+    submission, stored = access.seen(services, visitor, submission_id)
+    if stored is None:
+        raise RefusedError("not_graded_yet")
+    return submission, stored
+
+
+def _source(services: Services, submission: Submission) -> str:
+    return text_of(services.submissions.source(submission.id) or b"")

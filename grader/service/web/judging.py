@@ -1,0 +1,309 @@
+"""Points by a person, as pages: what waits, and one answer after the other to one question."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Annotated, Literal
+from urllib.parse import urlencode
+
+from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi.responses import RedirectResponse
+from pydantic import BaseModel, Field
+
+from grader.contracts.errors import RefusedError
+from grader.contracts.identity import Seen
+from grader.contracts.judgement import LONGEST_COMMENT, JudgedItem, is_comment
+from grader.contracts.notation import decimal, written
+from grader.service.web import access
+from grader.service.web.access import ServicesDep, StaffDep, SubmissionId, Visitor, require_staff
+from grader.service.web.forms import require_own_form
+from grader.service.web.pages import language_of, page
+from grader.service.web.paging import PageQuery, pages_of
+from grader.store.judgements import WaitingFor
+from grader.use_cases import judging
+from grader.use_cases.assignments import item_title, published
+from grader.use_cases.people import named, names
+from grader.use_cases.services import Services
+
+HOME = "/class/judgements"
+router = APIRouter(prefix=HOME, include_in_schema=False, dependencies=[Depends(require_staff)])
+_PAGE = 50
+_MOST_ITEMS = 200
+_CENT = 2  # decimals of points
+
+
+class WaitingQuery(PageQuery):
+    """Which waiting answers are listed."""
+
+    assignment: str = Field(default="", max_length=64)
+    item: str = Field(default="", max_length=128)
+    anonymous: bool = False
+
+
+class PointsForm(BaseModel):
+    """What is given for one item, as typed. `seen` names the state of the item that was looked at."""
+
+    item: str = Field(default="", max_length=128)
+    points: str = Field(default="", max_length=40)
+    comment: str = Field(default="", max_length=20_000)
+    seen: str = Field(default="", max_length=200)
+    anonymous: bool = False
+    then: Literal["next", "stay", "result"] = "next"
+
+
+class SeveralPoints(BaseModel):
+    """What is given for several items, as typed: the lists belong together line by line."""
+
+    item: list[str] = Field(default_factory=list, max_length=_MOST_ITEMS)
+    points: list[str] = Field(default_factory=list, max_length=_MOST_ITEMS)
+    seen: list[str] = Field(default_factory=list, max_length=_MOST_ITEMS)
+    comment: str = Field(default="", max_length=20_000)
+
+
+@router.get("")
+def read_waiting(
+    request: Request, services: ServicesDep, visitor: StaffDep, query: Annotated[WaitingQuery, Query()]
+) -> Response:
+    """Show what waits for a person: questions, and the answers to them."""
+    which = WaitingFor(assignment=query.assignment or None, item=query.item or None)
+    listed = judging.waiting(services, visitor.caller, which, offset=(query.page - 1) * _PAGE, limit=_PAGE)
+    return page(
+        request,
+        "judgements.html",
+        listed=listed,
+        assignments={one.id: one for one in services.assignments.of(visitor.caller.course).all()},
+        item_title=partial(item_title, language=language_of(request)),
+        query=query,
+        pages=pages_of(listed.total, _PAGE),
+        names=names(services, visitor.caller),
+        named=named,
+    )
+
+
+@router.get("/{submission_id}")
+def read(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: ServicesDep,
+    visitor: StaffDep,
+    submission_id: SubmissionId,
+    item: Annotated[str, Query(max_length=128)] = "",
+    anonymous: bool = False,
+) -> Response:
+    """Show one answer and the form for one of its items; without `item` the first that waits."""
+    return _desk(request, services, visitor, submission_id, PointsForm(item=item, anonymous=anonymous))
+
+
+@router.post("/{submission_id}", dependencies=[Depends(require_own_form)])
+def judge(
+    request: Request,
+    services: ServicesDep,
+    visitor: StaffDep,
+    submission_id: SubmissionId,
+    form: Annotated[PointsForm, Form()],
+) -> Response:
+    """Keep the points and lead to the next answer; on a refusal show the form with the reason at its field."""
+    submission, _ = access.seen(services, visitor, submission_id)
+    given, errors = _read(form)
+    if given is not None:
+        points, comment = given
+        seen = Seen.one(form.seen) if form.seen else None
+        try:
+            judging.give(
+                services, visitor.caller, submission.id, form.item, points=points, comment=comment, seen=seen
+            )
+        except RefusedError as problem:
+            if problem.code not in AT_FIELDS:
+                raise
+            errors = dict([AT_FIELDS[problem.code]])
+    if errors:
+        return _desk(request, services, visitor, submission.id, form, errors)
+    around = judging.neighbours(services, visitor.caller, submission, form.item)
+    kept: dict[str, object] = {"item": form.item, "anonymous": int(form.anonymous)}
+    if form.then == "next" and around.next is not None:
+        address = f"{HOME}/{around.next}?{urlencode(kept)}"
+    elif form.then == "result":
+        address = f"/submissions/{submission.id}"
+    elif form.then == "next":
+        address = HOME + ("?anonymous=1" if form.anonymous else "")
+    else:
+        address = f"{HOME}/{submission.id}?{urlencode(kept)}"
+    return RedirectResponse(address, status_code=303)
+
+
+@router.get("/{submission_id}/several")
+def read_several(
+    request: Request, services: ServicesDep, visitor: StaffDep, submission_id: SubmissionId
+) -> Response:
+    """Show the form that corrects several items of a submission at once."""
+    return _several(request, services, visitor, submission_id, SeveralPoints())
+
+
+@router.post("/{submission_id}/several", dependencies=[Depends(require_own_form)])
+def judge_several(
+    request: Request,
+    services: ServicesDep,
+    visitor: StaffDep,
+    submission_id: SubmissionId,
+    form: Annotated[SeveralPoints, Form()],
+) -> Response:
+    """Keep the points that differ from what counts, with one reason; on a refusal show the form again."""
+    access.require_sight(services, visitor, submission_id)
+    wanted, errors = _changed(form, judging.items_of(services, visitor.caller, submission_id)[1])
+    comment = form.comment.replace("\r\n", "\n").strip()
+    if not comment or not is_comment(comment, LONGEST_COMMENT):
+        errors["comment"] = "judge.error.reason" if not comment else "judge.error.comment"
+    if not errors and not wanted:
+        errors["form"] = "judge.error.nothing"
+    if not errors:
+        try:
+            judging.give_several(services, visitor.caller, submission_id, wanted, comment)
+        except RefusedError as problem:
+            if problem.code not in AT_FIELDS:
+                raise
+            errors["form"] = _SEVERAL.get(problem.code, AT_FIELDS[problem.code][1])
+    if errors:
+        return _several(request, services, visitor, submission_id, form, errors)
+    return RedirectResponse(f"/submissions/{submission_id}#items", status_code=303)
+
+
+def _changed(
+    form: SeveralPoints, items: Sequence[JudgedItem]
+) -> tuple[list[tuple[str, float, Seen | None]], dict[str, str]]:
+    """Return the points that differ from what counts now, and by item what is wrong with them."""
+    known = {one.id: one for one in items}
+    wanted: list[tuple[str, float, Seen | None]] = []
+    errors: dict[str, str] = {}
+    for item, typed, seen in zip(form.item, form.points, form.seen, strict=False):
+        try:
+            points = typed_points(typed.strip())
+        except ValueError:
+            errors[item] = "judge.error.points"
+            continue
+        if item in known and points > known[item].points:
+            errors[item] = "judge.error.points"
+        elif item not in known or points != _counts(known[item]):
+            wanted.append((item, points, Seen.one(seen)))
+    return wanted, errors
+
+
+def _counts(item: JudgedItem) -> float | None:
+    return item.machine if item.judgement is None else item.judgement.points
+
+
+def _several(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: Services,
+    visitor: Visitor,
+    submission_id: str,
+    form: SeveralPoints,
+    errors: dict[str, str] | None = None,
+) -> Response:
+    submission, items = judging.items_of(services, visitor.caller, submission_id)
+    if not judging.may_correct(services, visitor.caller, submission.assignment):
+        raise RefusedError("forbidden")
+    return page(
+        request,
+        "correct_several.html",
+        status=422 if errors else 200,
+        submission=submission,
+        assignment=published(services, visitor.caller, submission.assignment),
+        corrections={one.id: one for one in items},
+        typed=dict(zip(form.item, form.points, strict=False)),
+        reason=form.comment,
+        errors=errors or {},
+        longest_comment=LONGEST_COMMENT,
+    )
+
+
+_SEVERAL = {"invalid_points": "judge.error.some_points", "points_unchanged": "judge.error.some_same"}
+"""What a form about several items says otherwise."""
+
+AT_FIELDS: Mapping[str, tuple[str, str]] = {
+    "invalid_points": ("points", "judge.error.points"),
+    "points_unchanged": ("points", "judge.error.same"),
+    "invalid_request": ("comment", "judge.error.reason"),
+    "judged_meanwhile": ("form", "judge.error.meanwhile"),
+}
+"""Problems that the form shows: the field, and the id of the sentence about it."""
+
+
+def _read(form: PointsForm) -> tuple[tuple[float, str] | None, dict[str, str]]:
+    """Return the points and the comment that were typed, or None and what is wrong with which field."""
+    errors: dict[str, str] = {}
+    comment = form.comment.replace("\r\n", "\n").strip()
+    if not is_comment(comment, LONGEST_COMMENT):
+        errors["comment"] = "judge.error.comment"
+    try:
+        points = typed_points(form.points.strip())
+    except ValueError:
+        errors["points"] = "judge.error.points"
+    return (None if errors else (points, comment)), errors
+
+
+def typed_points(text: str) -> float:
+    """Return what was typed as points; a comma before one or two digits is a decimal one.
+
+    Raises:
+        ValueError: it is no number from 0, or could be a thousand as well as one.
+    """
+    units, comma, cents = text.partition(",")
+    if comma and len(cents) > _CENT:
+        raise ValueError("a comma for thousands")
+    points = decimal(f"{units}.{cents}" if comma else text)
+    if points < 0.0:
+        raise ValueError("points below zero")
+    return points
+
+
+def _desk(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: Services,
+    visitor: Visitor,
+    submission_id: str,
+    form: PointsForm,
+    errors: dict[str, str] | None = None,
+) -> Response:
+    submission, items = judging.items_of(services, visitor.caller, submission_id)
+    corrects = judging.may_correct(services, visitor.caller, submission.assignment)
+    item = _chosen(items, form.item, corrects=corrects)
+    return page(
+        request,
+        "judge.html",
+        status=422 if errors else 200,
+        submission=submission,
+        items=items,
+        item=item,
+        assignment=published(services, visitor.caller, submission.assignment),
+        answer=str(services.submissions.source(submission.id) or b"", "utf-8", "replace"),
+        form=form if errors else _filled(form, item),
+        errors=errors or {},
+        around=judging.neighbours(services, visitor.caller, submission, item.id),
+        name=named(names(services, visitor.caller), submission.student),
+        longest=LONGEST_COMMENT,
+    )
+
+
+def _filled(form: PointsForm, item: JudgedItem) -> PointsForm:
+    """Return the form with what counts now, if anything does."""
+    given = item.judgement
+    known: dict[str, str] = {}
+    if given is not None:
+        known = {"points": written(given.points), "comment": given.comment}
+    elif item.machine is not None:
+        known = {"points": written(item.machine)}
+    return form.model_copy(update=known)
+
+
+def _chosen(items: Sequence[JudgedItem], item_id: str, *, corrects: bool) -> JudgedItem:
+    """Return the item that was asked for, else of those left to people the first that waits, else the first.
+
+    Raises:
+        RefusedError: the submission has no such item, or the machine judged it and the visitor `corrects` nothing.
+    """
+    wanted = [
+        one
+        for one in items
+        if (one.id == item_id if item_id else one.machine is None) and (corrects or one.machine is None)
+    ]
+    if not wanted:
+        raise RefusedError("item_not_found")
+    return next((one for one in wanted if one.waits), wanted[0])

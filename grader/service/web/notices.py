@@ -1,0 +1,127 @@
+"""The page on which an instructor sets up what group chats and people are told."""
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi.responses import RedirectResponse
+from pydantic import BaseModel, Field
+
+from grader.contracts.errors import RefusedError
+from grader.contracts.notice import GROUPS, MailWishes, NewWebhook, NoticeKind, Outlet, Vendor
+from grader.service.web.access import InstructorDep, ServicesDep, Visitor, require_staff
+from grader.service.web.errors import form_problem
+from grader.service.web.forms import require_own_form
+from grader.service.web.pages import language_of, page
+from grader.use_cases import notices
+
+router = APIRouter(prefix="/class/notices", include_in_schema=False, dependencies=[Depends(require_staff)])
+Done = Annotated[Literal["", "saved", "removed", "sent"], Query()]
+Group = Annotated[Literal[Outlet.CLASS, Outlet.STAFF], Form()]
+_OWN = [Depends(require_own_form)]
+
+
+class WebhookForm(BaseModel):
+    """A group's bot. What was entered is not shown again, not even beside an error."""
+
+    outlet: Literal[Outlet.CLASS, Outlet.STAFF] = Outlet.CLASS
+    vendor: Vendor = Vendor.FEISHU
+    address: str = Field(default="", max_length=2_000)
+    secret: str = Field(default="", max_length=1_000)
+
+
+class MailForm(BaseModel):
+    """What is e-mailed: boxes that are not ticked are not sent."""
+
+    due: bool = False
+    graded: bool = False
+    faults: bool = False
+
+
+@router.get("")
+def read(request: Request, services: ServicesDep, visitor: InstructorDep, done: Done = "") -> Response:
+    """Show what is set up, and how the latest notices fared."""
+    return _page(request, services, visitor, done=done)
+
+
+@router.post("/webhook", dependencies=_OWN)
+def set_webhook(
+    request: Request, services: ServicesDep, visitor: InstructorDep, form: Annotated[WebhookForm, Form()]
+) -> Response:
+    """Set a group's bot."""
+    new = NewWebhook(
+        outlet=form.outlet, vendor=form.vendor, address=form.address.strip(), secret=form.secret.strip()
+    )
+    try:
+        notices.set_webhook(services, visitor.caller, new)
+    except RefusedError as error:
+        return _page(request, services, visitor, error=error, of=form.outlet, vendor=form.vendor)
+    return _back("saved")
+
+
+@router.post("/remove", dependencies=_OWN)
+def remove_webhook(
+    request: Request, services: ServicesDep, visitor: InstructorDep, outlet: Group = Outlet.CLASS
+) -> Response:
+    """Take a group's bot away."""
+    try:
+        notices.remove_webhook(services, visitor.caller, outlet)
+    except RefusedError as error:
+        return _page(request, services, visitor, error=error, of=outlet)
+    return _back("removed")
+
+
+@router.post("/test", dependencies=_OWN)
+def send_test(
+    request: Request,
+    services: ServicesDep,
+    visitor: InstructorDep,
+    outlet: Annotated[Outlet, Form()] = Outlet.CLASS,
+) -> Response:
+    """Send a test message, and say what came of it."""
+    try:
+        notices.send_test(services, visitor.caller, outlet)
+    except RefusedError as error:
+        return _page(request, services, visitor, error=error, of=outlet)
+    return _back("sent")
+
+
+@router.post("/mail", dependencies=_OWN)
+def set_mail(
+    request: Request, services: ServicesDep, visitor: InstructorDep, form: Annotated[MailForm, Form()]
+) -> Response:
+    """Choose what is e-mailed."""
+    try:
+        notices.set_mail(services, visitor.caller, MailWishes(**form.model_dump()))
+    except RefusedError as error:
+        return _page(request, services, visitor, error=error, of=Outlet.MAIL)
+    return _back("saved")
+
+
+def _back(done: str) -> Response:
+    return RedirectResponse(f"/class/notices?done={done}", status_code=303)
+
+
+def _page(  # noqa: PLR0913
+    request: Request,
+    services: ServicesDep,
+    visitor: Visitor,
+    *,
+    error: RefusedError | None = None,
+    of: Outlet | None = None,
+    vendor: Vendor = Vendor.FEISHU,
+    done: str = "",
+) -> Response:
+    problem = None if error is None else form_problem(error, language_of(request))
+    return page(
+        request,
+        "notices.html",
+        status=200 if problem is None else problem.status,
+        setup=notices.setup_of(services, visitor.caller),
+        groups=GROUPS,
+        vendors=tuple(Vendor),
+        kinds=tuple(NoticeKind),
+        problem=problem,
+        problem_of=of,
+        vendor=vendor,
+        done=done,
+    )

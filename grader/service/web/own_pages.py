@@ -1,0 +1,91 @@
+"""The course's own assignments: uploaded, examined, downloaded, removed."""
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Depends, File, Form, Path, Query, Request, Response, UploadFile
+from fastapi.responses import RedirectResponse
+
+from grader.contracts.errors import RefusedError
+from grader.contracts.own_assignment import OwnState
+from grader.service.web.access import (
+    InstructorDep,
+    ServicesDep,
+    StaffDep,
+    Visitor,
+    require_staff,
+    services_of,
+)
+from grader.service.web.errors import form_problem
+from grader.service.web.forms import MOST_FILE_BYTES, require_own_form
+from grader.service.web.pages import language_of, page
+from grader.use_cases import own_assignments
+
+router = APIRouter(prefix="/class/own", include_in_schema=False, dependencies=[Depends(require_staff)])
+Id = Annotated[str, Path(max_length=64)]
+Done = Annotated[Literal["", "uploaded", "removed"], Query()]
+
+
+@router.get("")
+def read_all(request: Request, visitor: StaffDep, done: Done = "") -> Response:
+    """Show what was uploaded, whether it can be used, and what its scripts scored."""
+    return _page(request, visitor, done=done)
+
+
+@router.post("", dependencies=[Depends(require_own_form)])
+def upload(
+    request: Request, services: ServicesDep, visitor: InstructorDep, file: Annotated[UploadFile, File()]
+) -> Response:
+    """Take a folder in, or show what is wrong with it."""
+    try:
+        own_assignments.upload(services, visitor.caller, file.file.read(MOST_FILE_BYTES + 1))
+    except RefusedError as error:
+        return _page(request, visitor, error=error)
+    return RedirectResponse("/class/own?done=uploaded", status_code=303)
+
+
+@router.get("/{assignment_id}/folder.zip")
+def download(services: ServicesDep, visitor: InstructorDep, assignment_id: Id) -> Response:
+    """Send the folder that was uploaded last."""
+    content = own_assignments.folder(services, visitor.caller, assignment_id)
+    headers = {
+        "Content-Disposition": f'attachment; filename="{assignment_id}.zip"',
+        "Cache-Control": "no-store",
+    }
+    return Response(content, 200, headers, "application/zip")
+
+
+@router.post("/{assignment_id}/remove", dependencies=[Depends(require_own_form)])
+def remove(
+    request: Request,
+    services: ServicesDep,
+    visitor: InstructorDep,
+    assignment_id: Id,
+    reason: Annotated[str, Form(max_length=1_000)] = "",
+) -> Response:
+    """Remove an assignment for which nothing was handed in."""
+    try:
+        own_assignments.remove(services, visitor.caller, assignment_id, reason.strip())
+    except RefusedError as error:
+        return _page(request, visitor, error=error, of=assignment_id)
+    return RedirectResponse("/class/own?done=removed", status_code=303)
+
+
+def _page(
+    request: Request, visitor: Visitor, *, error: RefusedError | None = None, of: str = "", done: str = ""
+) -> Response:
+    services = services_of(request)
+    found = own_assignments.own_assignments(services, visitor.caller)
+    known = {one.id: one.title for one in services.assignments.of(visitor.caller.course).all()}
+    problem = None if error is None else form_problem(error, language_of(request))
+    return page(
+        request,
+        "own.html",
+        status=200 if problem is None else problem.status,
+        uploads=found,
+        titles=known,
+        waits=any(one.state is OwnState.WAITING for one in found),
+        problem=problem,
+        problem_of=of,
+        misfits=() if error is None else error.members.get("misfits", ()),
+        done=done,
+    )

@@ -1,0 +1,303 @@
+"""Who is in the course, and what was changed by whom."""
+
+import re
+from typing import Annotated, Literal
+from urllib.parse import quote
+
+from fastapi import APIRouter, Depends, File, Form, Path, Query, Request, Response, UploadFile
+from fastapi.responses import RedirectResponse
+from pydantic import BaseModel, Field
+
+from grader.contracts.errors import RefusedError
+from grader.contracts.identity import Member, Role, RosterEntry, Seen, sections_of
+from grader.formats.sheets.roster import as_csv
+from grader.formats.sheets.writing import csv_table
+from grader.render.audit_lines import Teller
+from grader.service.web.access import (
+    InstructorDep,
+    QueryWhole,
+    ServicesDep,
+    StaffDep,
+    Visitor,
+    require_staff,
+    services_of,
+    visitor_of,
+)
+from grader.service.web.errors import FormProblem, form_problem
+from grader.service.web.forms import MOST_FILE_BYTES, require_own_form
+from grader.service.web.pages import language_of, page
+from grader.use_cases import people, signing_in
+from grader.use_cases.people import ImportPlan, changes, members
+from grader.use_cases.services import Services
+
+router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
+_ENTRIES = 50
+_LARGEST_ID = 2**63 - 1
+_ID = re.compile(r"[A-Za-z0-9_-]{1,64}")
+_SECTION_SEPARATOR = re.compile("[,;，；、]")
+_DAYS = 200
+PersonId = Annotated[str, Path(max_length=64)]
+Done = Annotated[Literal["", "saved", "removed", "imported", "none_missing"], Query()]
+
+
+class MemberForm(BaseModel):
+    """What somebody shall be in the course; fields that are empty are empty then."""
+
+    person: str = Field(default="", max_length=200)
+    name: str = Field(default="", max_length=200)
+    role: Role = Role.STUDENT
+    email: str = Field(default="", max_length=254)
+    sections: str = Field(default="", max_length=1_000)
+
+    @classmethod
+    def of(cls, member: Member) -> "MemberForm":
+        """Return the form that leaves `member` as it is."""
+        return cls(
+            person=member.id,
+            name=member.name,
+            role=member.role,
+            email=member.email,
+            sections=", ".join(member.sections),
+        )
+
+    def entry(self) -> RosterEntry:
+        """Return what the form says."""
+        sections = tuple(one.strip() for one in _SECTION_SEPARATOR.split(self.sections) if one.strip())
+        return RosterEntry(
+            id=self.person.strip(), name=self.name, role=self.role, email=self.email, sections=sections
+        )
+
+
+@router.get("/people")
+def read_people(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: ServicesDep,
+    visitor: StaffDep,
+    search: Annotated[str, Query(max_length=100)] = "",
+    section: Annotated[str, Query(max_length=64)] = "",
+    done: Done = "",
+) -> Response:
+    """Show the roster."""
+    return _people_page(request, services, visitor, search=search, section=section, done=done)
+
+
+@router.post("/people", dependencies=[Depends(require_own_form)])
+def add_member(
+    request: Request, services: ServicesDep, visitor: InstructorDep, form: Annotated[MemberForm, Form()]
+) -> Response:
+    """Add somebody, or show the form again with what is wrong."""
+    try:
+        people.set_member(services, visitor.caller, form.entry())
+    except RefusedError as error:
+        problem = form_problem(error, language_of(request), field="person")
+        return _people_page(request, services, visitor, form=form, problem=problem)
+    return RedirectResponse("/class/people?done=saved", status_code=303)
+
+
+@router.post("/people/preview", dependencies=[Depends(require_own_form)])
+def preview_import(
+    request: Request, services: ServicesDep, visitor: InstructorDep, file: Annotated[UploadFile, File()]
+) -> Response:
+    """Show what importing a class list would change."""
+    try:
+        plan = people.plan_import(services, visitor.caller, file.file.read(MOST_FILE_BYTES + 1))
+    except RefusedError as error:
+        problem = form_problem(error, language_of(request), field="file")
+        return _people_page(request, services, visitor, problem=problem)
+    return _preview_page(request, plan)
+
+
+@router.post("/people/import", dependencies=[Depends(require_own_form)])
+def import_list(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: ServicesDep,
+    visitor: InstructorDep,
+    entries: Annotated[str, Form(max_length=MOST_FILE_BYTES)],
+    seen: Annotated[str, Form(max_length=64)],
+    remove: Annotated[bool, Form()] = False,
+) -> Response:
+    """Import the class list whose preview was confirmed."""
+    content, caller = entries.encode(), visitor.caller
+    try:
+        people.import_list(services, caller, content, skip=True, remove=remove, seen=Seen.one(seen))
+    except RefusedError as error:
+        if error.code == "changed_meanwhile":
+            return _preview_page(request, people.plan_import(services, caller, content), meanwhile=True)
+        problem = form_problem(error, language_of(request), field="file")
+        return _people_page(request, services, visitor, problem=problem)
+    return RedirectResponse("/class/people?done=imported", status_code=303)
+
+
+@router.post("/people/tokens", dependencies=[Depends(require_own_form)])
+def make_missing_tokens(
+    request: Request,
+    services: ServicesDep,
+    visitor: InstructorDep,
+    form: Annotated[str, Form(pattern="^(csv|sheet)$")] = "sheet",
+) -> Response:
+    """Make a token for everybody without one, as a table or as slips to print."""
+    made = people.give_missing_tokens(services, visitor.caller, _DAYS)
+    if not made:
+        return RedirectResponse("/class/people?done=none_missing", status_code=303)
+    if form == "csv":
+        head = ("id", "name", "role", "email", "token")
+        rows = [(one.id, one.name, one.role.value, one.email, token) for one, token in made]
+        headers = {"Content-Disposition": 'attachment; filename="tokens.csv"', "Cache-Control": "no-store"}
+        return Response(csv_table([head, *rows]), media_type="text/csv; charset=utf-8", headers=headers)
+    course, _ = people.myself(services, visitor.caller)
+    return page(request, "token_slips.html", made=made, course=course, address=str(request.base_url))
+
+
+@router.get("/people/{person}")
+def read_member(
+    request: Request, services: ServicesDep, visitor: StaffDep, person: PersonId, done: Done = ""
+) -> Response:
+    """Show one member, to be changed."""
+    return _member_page(request, people.member_of(services, visitor.caller, person), done=done)
+
+
+@router.post("/people/{person}", dependencies=[Depends(require_own_form)])
+def change_member(
+    request: Request,
+    services: ServicesDep,
+    visitor: InstructorDep,
+    person: PersonId,
+    form: Annotated[MemberForm, Form()],
+) -> Response:
+    """Change a member, or show the form again with what is wrong."""
+    member = people.member_of(services, visitor.caller, person)
+    form = form.model_copy(update={"person": person})
+    try:
+        people.set_member(services, visitor.caller, form.entry())
+    except RefusedError as error:
+        return _member_page(request, member, form=form, error=error)
+    return RedirectResponse(f"/class/people/{quote(person, safe='')}?done=saved", status_code=303)
+
+
+@router.post("/people/{person}/remove", dependencies=[Depends(require_own_form)])
+def remove_member(
+    request: Request,
+    services: ServicesDep,
+    visitor: InstructorDep,
+    person: PersonId,
+    reason: Annotated[str, Form(max_length=1_000)] = "",
+) -> Response:
+    """Take a member out of the course."""
+    member = people.member_of(services, visitor.caller, person)
+    try:
+        people.remove_member(services, visitor.caller, person, reason.strip())
+    except RefusedError as error:
+        return _member_page(request, member, error=error)
+    return RedirectResponse("/class/people?done=removed", status_code=303)
+
+
+@router.post("/people/{person}/token", dependencies=[Depends(require_own_form)])
+def make_token(request: Request, services: ServicesDep, visitor: InstructorDep, person: PersonId) -> Response:
+    """Make a token for a member and show it, this once."""
+    member = people.member_of(services, visitor.caller, person)
+    return _member_page(request, member, token=people.give_token(services, visitor.caller, person, _DAYS))
+
+
+@router.post("/people/{person}/unbind", dependencies=[Depends(require_own_form)])
+def unbind(
+    services: ServicesDep,
+    visitor: InstructorDep,
+    person: PersonId,
+    identity: Annotated[str, Form(max_length=16)] = "",
+) -> Response:
+    """Let a member no longer come in by what a provider calls them."""
+    member = people.member_of(services, visitor.caller, person)
+    signing_in.unbind(services, visitor.caller, member.id, identity)
+    return RedirectResponse(f"/class/people/{quote(person, safe='')}?done=saved", status_code=303)
+
+
+@router.get("/audit")
+def read_audit(
+    request: Request,
+    services: ServicesDep,
+    visitor: InstructorDep,
+    before: Annotated[QueryWhole | None, Query(ge=0, le=_LARGEST_ID)] = None,
+) -> Response:
+    """Show changes of grades and settings, newest first."""
+    entries, more = changes(services, visitor.caller, before, _ENTRIES)
+    teller = Teller(language_of(request), services.rules.of(visitor.caller.course).zone)
+    lines = [(one, teller.differences(one.before, one.after), address(one.subject)) for one in entries]
+    return page(request, "audit.html", lines=lines, teller=teller, next_before=more, newest=before is None)
+
+
+def _people_page(  # noqa: PLR0913
+    request: Request,
+    services: Services,
+    visitor: Visitor,
+    *,
+    search: str = "",
+    section: str = "",
+    done: str = "",
+    form: MemberForm | None = None,
+    problem: FormProblem | None = None,
+) -> Response:
+    course, _ = people.myself(services, visitor.caller)
+    everybody = members(services, visitor.caller)
+    wanted = search.strip().lower()
+    found = [
+        one
+        for one in everybody
+        if (wanted in one.id.lower() or wanted in one.name.lower())
+        and (not section or section in one.sections)
+    ]
+    return page(
+        request,
+        "people.html",
+        status=200 if problem is None else problem.status,
+        course=course,
+        members=found,
+        all=len(everybody),
+        sections=sections_of(everybody),
+        search=search,
+        section=section,
+        form=form or MemberForm(),
+        problem=problem,
+        roles=list(Role),
+        done=done,
+    )
+
+
+def _member_page(  # noqa: PLR0913
+    request: Request,
+    member: Member,
+    *,
+    form: MemberForm | None = None,
+    error: RefusedError | None = None,
+    token: str = "",
+    done: str = "",
+) -> Response:
+    problem = None if error is None else form_problem(error, language_of(request))
+    caller = visitor_of(request).caller
+    ways = signing_in.ways_of(services_of(request), caller, member.id) if caller.is_instructor else ()
+    return page(
+        request,
+        "person.html",
+        ways=ways,
+        status=200 if problem is None else problem.status,
+        member=member,
+        form=form or MemberForm.of(member),
+        problem=problem,
+        roles=list(Role),
+        token=token,
+        done=done,
+    )
+
+
+def _preview_page(request: Request, plan: ImportPlan, *, meanwhile: bool = False) -> Response:
+    entries = as_csv(plan.roster.entries)
+    return page(request, "people_import.html", plan=plan, entries=entries, meanwhile=meanwhile)
+
+
+def address(subject: str) -> str:
+    """Return the page of what an entry of the log is about, empty where there is none."""
+    kind, _, name = subject.partition(",")[0].partition(" ")  # what follows a comma is a part of it
+    if kind == "submission" and _ID.fullmatch(name):
+        return f"/submissions/{name}"
+    if kind == "assignment" and _ID.fullmatch(name):
+        return f"/class/rules/{name}"
+    return f"/class/regrades/{name.split()[0]}" if kind == "regrade" and name else ""

@@ -1,0 +1,197 @@
+"""What learning platforms open (LTI 1.3), and the page on which an instructor sets one up.
+
+The platform's form comes from another site: a cookie of this browser ties it to the login that went before, and
+must be one that such a form brings along (``SameSite=None``). In a frame no such cookie is sure to work, so there
+a page offers the same in a window of its own.
+"""
+
+from typing import Annotated, Any
+from urllib.parse import urlencode
+
+from fastapi import APIRouter, Depends, Form, Request, Response
+from fastapi.responses import JSONResponse, RedirectResponse
+from pydantic import BaseModel, Field
+
+from grader.contracts.errors import RefusedError
+from grader.contracts.identity import Seen
+from grader.contracts.platform import NewPlatform
+from grader.outside.lti import Kept
+from grader.service.web.access import InstructorDep, ServicesDep, Visitor, require_staff
+from grader.service.web.errors import FRAMES, form_problem
+from grader.service.web.forms import require_own_form
+from grader.service.web.pages import language_of, page
+from grader.service.web.picking import PICK, framed_by, lead_to, set_cookie
+from grader.service.web.signing_in import arrived, kept_by
+from grader.use_cases import platform_people, platforms, registering
+
+router = APIRouter(prefix="/lti", include_in_schema=False)
+desk = APIRouter(prefix="/class/platforms", include_in_schema=False, dependencies=[Depends(require_staff)])
+COOKIE = "grader_lti"
+_PATIENCE_S = 600
+_LONGEST = 2_000
+_ASKED = ("iss", "login_hint", "lti_message_hint", "client_id", "lti_deployment_id", "target_link_uri")
+_LONGEST_TOKEN = 64 * 1024
+_OURS = {
+    "tool_url": "/",
+    "initiate_url": "/lti/login",
+    "keys_url": "/lti/keys",
+    "redirect_url": "/lti/launch",
+    "pick_url": PICK,
+}
+"""What a platform asks for, by the name of the text that says so."""
+PlatformId = Annotated[str, Form(max_length=16)]
+
+
+class PlatformForm(BaseModel):
+    """What an instructor copies from the platform."""
+
+    title: str = Field(default="", max_length=200)
+    issuer: str = Field(default="", max_length=255)
+    client_id: str = Field(default="", max_length=255)
+    deployment: str = Field(default="", max_length=255)
+    login_url: str = Field(default="", max_length=1_000)
+    token_url: str = Field(default="", max_length=1_000)
+    keys_url: str = Field(default="", max_length=1_000)
+
+    def stripped(self) -> NewPlatform:
+        """Return what it says."""
+        return NewPlatform(**{name: value.strip() for name, value in self.model_dump().items()})
+
+
+@router.get("/login")
+def login_by_get(request: Request, services: ServicesDep) -> Response:
+    """Send a browser to the platform to be recognised."""
+    return _login(request, services, dict(request.query_params))
+
+
+@router.post("/login")
+async def login(request: Request, services: ServicesDep) -> Response:
+    """As `login_by_get`: platforms may do either."""
+    fields = await request.form(max_files=0, max_fields=50)
+    return _login(request, services, {name: str(value) for name, value in fields.items()})
+
+
+@router.get("/keys")
+def keys(services: ServicesDep) -> Response:
+    """Return the keys by which platforms check what the service sends."""
+    return JSONResponse(platforms.public_keys(services), headers={"Cache-Control": "public, max-age=3600"})
+
+
+@router.post("/launch")
+def launch(
+    request: Request,
+    services: ServicesDep,
+    id_token: Annotated[str, Form(max_length=_LONGEST_TOKEN)] = "",
+    state: Annotated[str, Form(max_length=_LONGEST)] = "",
+    error: Annotated[str, Form(max_length=_LONGEST)] = "",
+) -> Response:
+    """Take in whom a platform sends back."""
+    kept = kept_by(request.cookies.get(COOKIE, "")[:_LONGEST], ("state", "nonce"), state)
+    if error or not id_token:
+        raise RefusedError("signin_refused")
+    went = Kept(platform=kept.get("platform", ""), state=kept["state"], nonce=kept["nonce"])
+    came = platforms.finish(services, went, id_token)
+    if came.picking:
+        return lead_to(request, came.picking)
+    response = arrived(request, came.arrival, f"/assignments/{came.assignment}" if came.assignment else "/")
+    response.delete_cookie(COOKIE, path="/lti", httponly=True, secure=True, samesite="none")
+    return response
+
+
+@desk.get("")
+def read(request: Request, services: ServicesDep, visitor: InstructorDep) -> Response:
+    """Show the course's platforms and how to add one."""
+    return _desk(request, services, visitor)
+
+
+@desk.post("", dependencies=[Depends(require_own_form)])
+def add(
+    request: Request, services: ServicesDep, visitor: InstructorDep, form: Annotated[PlatformForm, Form()]
+) -> Response:
+    """Add a platform, or show the form again with what is wrong."""
+    try:
+        platforms.add_platform(services, visitor.caller, form.stripped())
+    except RefusedError as error:
+        problem = form_problem(error, language_of(request))
+        return _desk(request, services, visitor, form, problem=problem)
+    return RedirectResponse("/class/platforms", status_code=303)
+
+
+@desk.post("/invite", dependencies=[Depends(require_own_form)])
+def invite(request: Request, services: ServicesDep, visitor: InstructorDep) -> Response:
+    """Show an address by which the platform adds itself."""
+    return _desk(request, services, visitor, invitation=registering.invite(services, visitor.caller))
+
+
+@desk.post("/remove", dependencies=[Depends(require_own_form)])
+def remove(services: ServicesDep, visitor: InstructorDep, platform: PlatformId = "") -> Response:
+    """Take a platform away."""
+    platforms.remove_platform(services, visitor.caller, platform)
+    return RedirectResponse("/class/platforms", status_code=303)
+
+
+@desk.post("/people", dependencies=[Depends(require_own_form)])
+def preview_people(
+    request: Request, services: ServicesDep, visitor: InstructorDep, platform: PlatformId = ""
+) -> Response:
+    """Ask the platform who is in its course, and show whom that would add."""
+    return _people(request, services, visitor, platform)
+
+
+@desk.post("/people/add", dependencies=[Depends(require_own_form)])
+def add_people(
+    request: Request,
+    services: ServicesDep,
+    visitor: InstructorDep,
+    seen: Annotated[str, Form(max_length=64)],
+    platform: PlatformId = "",
+) -> Response:
+    """Add those whom the instructor has seen, or show them anew where they are others by now."""
+    try:
+        platform_people.add(services, visitor.caller, platform, Seen.one(seen))
+    except RefusedError as error:
+        if error.code == "changed_meanwhile":
+            return _people(request, services, visitor, platform, meanwhile=True)
+        return _desk(request, services, visitor, problem=form_problem(error, language_of(request)))
+    return RedirectResponse("/class/people?done=imported", status_code=303)
+
+
+def _people(
+    request: Request, services: ServicesDep, visitor: Visitor, platform: str, *, meanwhile: bool = False
+) -> Response:
+    try:
+        plan = platform_people.plan(services, visitor.caller, platform)
+    except RefusedError as error:
+        return _desk(request, services, visitor, problem=form_problem(error, language_of(request)))
+    return page(request, "platform_people.html", plan=plan, meanwhile=meanwhile)
+
+
+def _login(request: Request, services: ServicesDep, said: dict[str, str]) -> Response:
+    asked = {name: said[name] for name in _ASKED if name in said and len(said[name]) <= _LONGEST}
+    kept, address = platforms.begin(services, asked)
+    framed = request.headers.get("sec-fetch-dest") in FRAMES
+    picks = asked.get("target_link_uri") == f"{services.providers.public_url}{PICK}"
+    if framed and not picks:  # what is chosen must be brought back from where it was asked for
+        shown = page(request, "lti_window.html", address=f"/lti/login?{urlencode(asked)}")
+        return framed_by(shown, asked["iss"], address)
+    response = RedirectResponse(address, status_code=303)
+    value = urlencode({"platform": kept.platform, "state": kept.state, "nonce": kept.nonce})
+    set_cookie(request, response, COOKIE, value, path="/lti", patience_s=_PATIENCE_S)
+    return response
+
+
+def _desk(
+    request: Request, services: ServicesDep, visitor: Visitor, form: PlatformForm | None = None, **shown: Any
+) -> Response:
+    public_url, problem = services.providers.public_url, shown.get("problem")
+    return page(
+        request,
+        "platforms.html",
+        status=200 if problem is None else problem.status,
+        platforms=platforms.platforms_of(services, visitor.caller),
+        links=platforms.links_of(services, visitor.caller),
+        form=form or PlatformForm(),
+        **{"problem": None, "invitation": "", **shown},
+        ours={name: f"{public_url}{path}" for name, path in _OURS.items()} if public_url else {},
+        troubles=platforms.troubles_of(services, visitor.caller),
+    )

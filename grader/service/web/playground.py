@@ -1,0 +1,59 @@
+"""The playground: a car of one's own in real time, and the assignments that can be tried out."""
+
+import asyncio
+
+from fastapi import APIRouter, Depends, Request, Response
+from fastapi.responses import JSONResponse
+
+from grader.contracts.errors import RefusedError
+from grader.messages import on_page
+from grader.operation.context import note
+from grader.service.routes.live import address_of
+from grader.service.web import access
+from grader.service.web.access import COSTLY, DRAWN, ServicesDep, VisitorDep
+from grader.service.web.errors import form_problem
+from grader.service.web.forms import require_own_form
+from grader.service.web.pages import language_of, page
+from grader.use_cases.assignments import checklist
+from grader.use_cases.live import open_car
+from grader.use_cases.practising import may_practise
+
+router = APIRouter(prefix="/playground", include_in_schema=False)
+_WORDS = ("starting", "connected", "ended", "lost", "again", "copied", "held", "place")
+_SPEEDS_MPS = (0.5, 1, 2)
+
+
+@router.get("", dependencies=[COSTLY])
+def read(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
+    """Show the car's controls, and which assignments have an editor."""
+    access.require_known(visitor)
+    caller, language = visitor.caller, language_of(request)
+    if caller.course is None:
+        raise RefusedError("no_course")
+    offered = services.practice.offered
+    return page(
+        request,
+        "playground.html",
+        assignments=[
+            one for one in checklist(services, caller) if offered and may_practise(services, caller, one)
+        ],
+        off=None if services.live.most else form_problem(RefusedError("live_off"), language),
+        idle_minutes=round(services.live.idle_s / 60),
+        life_minutes=round(services.live.life_s / 60),
+        speeds=_SPEEDS_MPS,
+        words={name: on_page(language, f"playground.{name}") for name in _WORDS},
+    )
+
+
+@router.post("/car", dependencies=[Depends(require_own_form), DRAWN])
+async def have_car(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
+    """Start the visitor's car, or find the one that is there; answer with its address."""
+    access.require_known(visitor)
+    headers = {"Cache-Control": "no-store"}
+    try:
+        car = await open_car(services, visitor.caller, asyncio.get_running_loop().time())
+    except RefusedError as problem:
+        note(code=problem.code)
+        told = form_problem(problem, language_of(request))
+        return JSONResponse({"refused": [told.title, told.fix]}, told.status, headers)
+    return JSONResponse({"url": address_of(request, car)}, headers=headers)

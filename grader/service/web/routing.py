@@ -1,0 +1,73 @@
+"""Putting the pages on the application."""
+
+from fastapi import FastAPI
+from fastapi.staticfiles import StaticFiles
+
+from grader.service.web import (
+    appeals,
+    classroom,
+    course_pages,
+    entrance,
+    errors,
+    gradebook_page,
+    gradings,
+    guide,
+    judging,
+    notices,
+    own_pages,
+    people_pages,
+    picking,
+    platforms,
+    playground,
+    practice,
+    registering,
+    regrading,
+    rule_pages,
+    rules_at_once,
+    rules_of_section,
+    signing_in,
+    similar_pages,
+    student,
+    submission,
+)
+from grader.service.web.pages import FOLDER
+
+ROUTERS = (
+    student.router,
+    student.uploads,
+    playground.router,
+    practice.router,
+    practice.runs,
+    submission.router,
+    entrance.router,
+    signing_in.router,
+    picking.router,
+    registering.router,
+    platforms.router,
+    platforms.desk,
+    notices.router,
+    guide.router,
+    classroom.router,
+    gradings.router,
+    gradebook_page.router,
+    judging.router,
+    appeals.router,
+    appeals.of_submission,
+    regrading.router,
+    rule_pages.router,
+    rules_of_section.router,
+    rule_pages.course_router,
+    rules_at_once.router,
+    people_pages.router,
+    course_pages.router,
+    own_pages.router,
+    similar_pages.router,
+)
+
+
+def install(app: FastAPI) -> None:
+    """Add all pages to `app`; its handlers of failures must stand already."""
+    for router in ROUTERS:
+        app.router.routes.extend(router.routes)  # each is whole: see `grader.api`
+    app.mount("/static", StaticFiles(directory=FOLDER / "static"), name="static")
+    errors.install(app)

@@ -1,0 +1,150 @@
+"""The student's pages: assignments, handing in, earlier attempts."""
+
+from dataclasses import asdict
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, File, Form, Request, Response, UploadFile
+from fastapi.responses import RedirectResponse
+
+from grader.checks import published_rubric
+from grader.contracts.assignment import SUFFIXES, Assignment
+from grader.contracts.errors import RefusedError
+from grader.contracts.text import Language
+from grader.messages import on_page, quantity
+from grader.operation.context import note
+from grader.render.audit_lines import Teller
+from grader.service.requests.middleware import UploadRoute, arrival_of
+from grader.service.web import access
+from grader.service.web.access import COSTLY, ServicesDep, Visitor, VisitorDep
+from grader.service.web.errors import form_problem
+from grader.service.web.forms import require_own_form
+from grader.service.web.pages import language_of, page
+from grader.use_cases.appealing import pending
+from grader.use_cases.assignments import Terms, all_terms, checklist, terms_of, visible_assignment
+from grader.use_cases.commenting import unread
+from grader.use_cases.handing_in import Upload, hand_in, most_upload_bytes, upload_limit
+from grader.use_cases.practising import may_practise
+from grader.use_cases.regrading import unseen_changes
+from grader.use_cases.services import Services
+from grader.use_cases.submissions import PastAttempt, best_of, history
+
+router = APIRouter(include_in_schema=False)
+uploads = APIRouter(include_in_schema=False, route_class=UploadRoute)
+_MOST_ATTEMPTS = 50
+
+
+@router.get("/", dependencies=[COSTLY])
+def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
+    """Show the checklist, with what the student reached so far."""
+    own = [one.submission for one in _attempts(services, visitor)]
+    return page(
+        request,
+        "assignments.html",
+        assignments=checklist(services, visitor.caller),
+        best=best_of(own),
+        latest={one.assignment: one for one in reversed(own)},
+        terms=all_terms(services, visitor.caller),
+        now=services.clock(),
+        unread=unread(services, visitor.caller),
+        appeals=pending(services, visitor.caller),
+        changed=unseen_changes(services, visitor.caller),
+    )
+
+
+@router.get("/assignments/{assignment_id}", dependencies=[COSTLY])
+def read_assignment(
+    request: Request, services: ServicesDep, visitor: VisitorDep, assignment_id: str
+) -> Response:
+    """Show what is asked and how it earns points, and take a file."""
+    return _assignment_page(request, visible_assignment(services, visitor.caller, assignment_id))
+
+
+@uploads.post("/assignments/{assignment_id}", dependencies=[Depends(require_own_form)])
+def take_file(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: ServicesDep,
+    visitor: VisitorDep,
+    assignment_id: str,
+    file: Annotated[UploadFile, File()],
+    student: Annotated[str, Form(max_length=200)] = "",
+) -> Response:
+    """Take a file and lead to its result; on a refusal show the same page with the reason."""
+    assignment = visible_assignment(services, visitor.caller, assignment_id)
+    if not visitor.open:
+        access.require_known(visitor)
+    given = visitor.student or student.strip()
+    upload = Upload(
+        assignment=assignment.id,
+        student=given,
+        file_name=file.filename or "",
+        content=file.file.read(most_upload_bytes(services) + 1),
+        arrived_at=arrival_of(request),
+    )
+    try:
+        submission, repeated = hand_in(services, visitor.caller, upload)
+    except RefusedError as problem:
+        note(code=problem.code)
+        return _assignment_page(request, assignment, problem, student)
+    same = "?same=true" if repeated else ""
+    response = RedirectResponse(f"/submissions/{submission.id}{same}", status_code=303)
+    if visitor.open:
+        access.enter_student(request, response, given)
+    return response
+
+
+@router.get("/submissions", dependencies=[COSTLY])
+def read_attempts(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
+    """Show the student's earlier attempts, newest first."""
+    access.require_known(visitor)
+    titles = {one.id: one.title for one in services.assignments.of(visitor.caller.course).all()}
+    own = _attempts(services, visitor)
+    return page(
+        request,
+        "attempts.html",
+        attempts=own,
+        titles=titles,
+        terms=all_terms(services, visitor.caller),
+        newest={one.submission.assignment: one.submission.id for one in reversed(own)},
+    )
+
+
+def _attempts(services: Services, visitor: Visitor, assignment: str | None = None) -> tuple[PastAttempt, ...]:
+    return () if visitor.student is None else history(services, visitor.caller, visitor.student, assignment)
+
+
+def _assignment_page(
+    request: Request, assignment: Assignment, problem: RefusedError | None = None, given: str = ""
+) -> Response:
+    services: Services = request.app.state.services
+    visitor, language = access.visitor_of(request), language_of(request)
+    terms = None if visitor.caller.course is None else terms_of(services, visitor.caller, assignment.id)
+    closed = None if terms is None or terms.refusal is None else RefusedError(terms.refusal.code)
+    refused = None if problem is None else form_problem(problem, language, field="file")
+    return page(
+        request,
+        "assignment.html",
+        status=200 if refused is None else refused.status,
+        assignment=assignment,
+        rubric=published_rubric(assignment),
+        terms=terms,
+        late="" if terms is None else _late(terms, language),
+        attempts=_attempts(services, visitor, assignment.id)[:_MOST_ATTEMPTS],
+        suffixes=SUFFIXES[assignment.input],
+        max_bytes=upload_limit(services, assignment.input),
+        closed=None if closed is None else form_problem(closed, language),
+        refusal=refused,
+        given=given,
+        practice=services.practice.offered and may_practise(services, visitor.caller, assignment),
+    )
+
+
+def _late(terms: Terms, language: Language) -> str:
+    """Return what handing in after the due date costs, and until when it is possible."""
+    accepted_s = terms.rules.accept_late_s
+    if accepted_s == 0:
+        return on_page(language, "standing.closed")
+    cost = Teller(language, terms.zone).value("late", asdict(terms.rules.late))
+    if accepted_s is None:
+        return cost
+    hours = quantity.exact(accepted_s / 3_600)
+    return cost + on_page(language, "comma") + on_page(language, "rules.accept_short", hours=hours)

@@ -1,0 +1,396 @@
+"""The page of one submission: progress, then the result with its replay, and the data both are drawn from."""
+
+from collections.abc import AsyncIterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from importlib.util import find_spec
+from typing import Annotated, Any
+from urllib.parse import quote
+
+from fastapi import APIRouter, Depends, Form, Header, Query, Request, Response
+from fastapi.concurrency import run_in_threadpool
+from fastapi.responses import JSONResponse, RedirectResponse, StreamingResponse
+from fastapi.sse import EventSourceResponse, ServerSentEvent
+
+from grader.contracts.appeal import LONGEST_TEXT
+from grader.contracts.assignment import Assignment
+from grader.contracts.comment import LONGEST_COMMENT, Comment
+from grader.contracts.errors import RefusedError
+from grader.contracts.figure import FigureSketch
+from grader.contracts.judgement import JudgedItem, judged
+from grader.contracts.outcome import StudentError
+from grader.contracts.progress import Standing
+from grader.contracts.report import CaseRun, GradeReport, report_from
+from grader.contracts.submission import StoredReport, Submission
+from grader.formats.packages.bundle import line_in_text, text_of
+from grader.messages import on_page
+from grader.service.routes.events import LastEventId, events, owner_of, watched
+from grader.service.web import access
+from grader.service.web.access import COSTLY, DRAWN, ServicesDep, SubmissionId, Visitor, VisitorDep
+from grader.service.web.comparison import DiffLine, changes
+from grader.service.web.forms import require_own_form
+from grader.service.web.pages import language_of, page
+from grader.service.web.result import (
+    StreamText,
+    figure_document,
+    figure_parts,
+    replay_words,
+    result_page,
+    stream_text,
+)
+from grader.service.web.source import SourceView, failing_lines, source_view
+from grader.service.web.waiting import left_s, progress
+from grader.use_cases import appealing, commenting, recordings, submissions
+from grader.use_cases.assignments import item_title, published, terms_of
+from grader.use_cases.following import SubjectWatch
+from grader.use_cases.judging import judged_items, may_correct
+from grader.use_cases.regrading import look_at_changes
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import hiding
+
+router = APIRouter(prefix="/submissions/{submission_id}", include_in_schema=False)
+_WRITES_BAGS = find_spec("mcap") is not None
+_FIGURE_WORDS = ("side", "corner", "gap", "goal", "avoid", "reached", "not_reached", "clear", "not_clear")
+Case = Annotated[str | None, Query(max_length=64)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Changed:
+    """What changed in a file since an earlier attempt. `lines` None: the files are too long to be compared."""
+
+    since: Submission
+    lines: Sequence[DiffLine] | None
+
+
+@router.get("", dependencies=[COSTLY])
+def read(  # noqa: PLR0913
+    request: Request,
+    services: ServicesDep,
+    visitor: VisitorDep,
+    submission_id: SubmissionId,
+    case: Case = None,
+    *,
+    same: bool = False,
+) -> Response:
+    """Show where a submission stands, and its grading once there is one. `same`: the file was sent again."""
+    access.require_known(visitor)
+    found = submissions.read(services, visitor.caller, submission_id)
+    submission = found.submission
+    access.require_own(visitor, submission)
+    assignment = published(services, visitor.caller, submission.assignment)
+    return page(
+        request,
+        "submission.html",
+        submission=submission,
+        assignment=assignment,
+        progress=progress(
+            submission.state,
+            found.position,
+            left_s(found.estimated_finish_at, services.clock()),
+            language_of(request),
+            is_open=submissions.is_open(submission),
+        ),
+        late=found.lateness,
+        hiding=hiding(services, submission),
+        same=same,
+        corrections=_corrections(services, visitor, submission, found.grading),
+        source=_source(services, submission, found.grading),
+        line_of=lambda error: _line_of(services, submission, error),
+        **_beside(services, visitor, submission),
+        **_comments(services, visitor, submission),
+        told_changes=look_at_changes(services, visitor.caller, submission),
+        item_title=partial(item_title, language=language_of(request)),
+        **_appeals(services, visitor, submission, found.grading),
+        **_result(request, services, assignment, found.grading, case),
+    )
+
+
+@router.post("/comments", dependencies=[Depends(require_own_form)])
+def write_comment(
+    services: ServicesDep,
+    visitor: VisitorDep,
+    submission_id: SubmissionId,
+    text: Annotated[str, Form(max_length=20_000)] = "",
+    line: Annotated[str, Form(max_length=20)] = "",
+) -> Response:
+    """Keep what staff or the student write about a submission, and lead back to it."""
+    access.require_known(visitor)
+    number = None if not line.strip() else int(line) if line.strip().isdecimal() else 0  # there is no line 0
+    added = commenting.add_comment(services, visitor.caller, submission_id, text, number)
+    return RedirectResponse(f"/submissions/{submission_id}#comment-{added.number}", status_code=303)
+
+
+@router.get("/source")
+def download_source(services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId) -> Response:
+    """Send the file as it was handed in, to be kept: a browser must not show what a student wrote."""
+    submission = access.require_sight(services, visitor, submission_id)
+    headers = {
+        "Content-Disposition": f"attachment; filename*=UTF-8''{quote(submission.file_name, safe='')}",
+        "X-Content-Type-Options": "nosniff",
+        "Cache-Control": "private, no-cache",
+    }
+    content = services.submissions.source(submission.id) or b""
+    return Response(content, media_type="application/octet-stream", headers=headers)
+
+
+@router.get("/state.json")
+def read_state(
+    request: Request, services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId
+) -> Response:
+    """Say where a submission stands: what the progress display asks for again and again."""
+    submission = access.require_sight(services, visitor, submission_id)
+    position, estimated_at = submissions.place(services, submission)
+    document = progress(
+        submission.state,
+        position,
+        left_s(estimated_at, services.clock()),
+        language_of(request),
+        is_open=submissions.is_open(submission),
+    )
+    return JSONResponse(document, headers={"Cache-Control": "no-store"})
+
+
+async def _watched(
+    request: Request,
+    services: ServicesDep,
+    visitor: VisitorDep,
+    submission_id: SubmissionId,
+    last_event_id: LastEventId = None,
+) -> AsyncIterator[SubjectWatch]:
+    await run_in_threadpool(access.require_sight, services, visitor, submission_id)
+    owner = owner_of(visitor.caller, f"visitor {visitor.student}")
+    async with watched(request, services, ("submission", submission_id), owner, last_event_id) as watch:
+        yield watch
+
+
+@router.get("/events", response_class=EventSourceResponse)
+async def follow(
+    request: Request,
+    services: ServicesDep,
+    watch: Annotated[SubjectWatch, Depends(_watched)],
+    last_event_id: LastEventId = None,
+) -> AsyncIterator[ServerSentEvent]:
+    """Send where the submission stands whenever that changes; ends when it is graded."""
+    language, life_s = language_of(request), services.watching.limits.life_s
+
+    def event_of(one: Standing) -> ServerSentEvent:
+        left = left_s(one.estimated_at, services.clock())
+        data = progress(one.state, one.position, left, language, is_open=not one.is_final)
+        return ServerSentEvent(data=data, event="progress", id=one.mark)
+
+    async for event in events(watch, last_event_id, life_s, event_of):
+        yield event
+
+
+@router.get("/trajectory.json", dependencies=[COSTLY])
+def read_trajectory(
+    services: ServicesDep,
+    visitor: VisitorDep,
+    submission_id: SubmissionId,
+    case: Case = None,
+    accept_encoding: Annotated[str | None, Header()] = None,
+) -> Response:
+    """Return what the car did, for the replay."""
+    access.require_sight(services, visitor, submission_id)
+    recording = recordings.trajectory(services, visitor.caller, submission_id, case)
+    headers = {
+        "ETag": f'"{recording.sha256}"',
+        "Vary": "Accept-Encoding",
+        "Cache-Control": "private, no-cache",
+    }
+    if "gzip" not in (accept_encoding or "").lower():
+        return StreamingResponse(recording.parts(), media_type="application/json", headers=headers)
+    headers["Content-Encoding"] = "gzip"  # sent as it is stored
+    return Response(recording.compressed, media_type="application/json", headers=headers)
+
+
+@router.get("/sketch.json", dependencies=[COSTLY])
+def read_sketch(
+    request: Request,
+    services: ServicesDep,
+    visitor: VisitorDep,
+    submission_id: SubmissionId,
+    case: Case = None,
+) -> Response:
+    """Return what the checks saw in the motion; an empty object when they cannot say."""
+    _, stored = access.seen(services, visitor, submission_id)
+    run = None if stored is None else _run_of(judged(stored), case)
+    figure = (
+        None
+        if stored is None or run is None
+        else recordings.measured_figure(services, access.visitor_of(request).caller, stored, run)
+    )
+    document = {} if figure is None else figure_document(figure, language_of(request))
+    return JSONResponse(document, headers={"Cache-Control": "private, no-cache"})
+
+
+@router.get("/recording.mcap", dependencies=[COSTLY])
+def read_bag(
+    services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId, case: Case = None
+) -> Response:
+    """Return one run as a ROS bag, to be saved."""
+    access.require_sight(services, visitor, submission_id)
+    bag = recordings.bag(services, visitor.caller, submission_id, case)
+    headers = {
+        "Content-Disposition": f'attachment; filename="{bag.name}"',
+        "Cache-Control": "private, no-cache",
+    }
+    return Response(bag.content, media_type="application/octet-stream", headers=headers)
+
+
+@router.get("/film.png", dependencies=[COSTLY])
+def read_film(
+    services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId, case: Case = None
+) -> Response:
+    """Return the pictures of a PyBullet world as one that moves."""
+    access.require_sight(services, visitor, submission_id)
+    drawn = recordings.film(services, visitor.caller, submission_id, case)
+    headers = {"ETag": f'"{drawn.tag}"', "Cache-Control": "private, no-cache"}
+    return Response(drawn.content, media_type="image/png", headers=headers)
+
+
+@router.get("/plot.png", dependencies=[DRAWN])
+async def read_plot(
+    request: Request,
+    services: ServicesDep,
+    visitor: VisitorDep,
+    submission_id: SubmissionId,
+    case: Case = None,
+) -> Response:
+    """Return the picture of one run, for browsers without scripts and for comparing."""
+    await run_in_threadpool(access.require_sight, services, visitor, submission_id)
+    language = language_of(request)
+    drawn = await recordings.picture(services, visitor.caller, submission_id, case, language, "png")
+    headers = {
+        "ETag": f'"{drawn.tag}"',
+        "Content-Language": language,
+        "Vary": "Accept-Language",
+        "Cache-Control": "private, no-cache",
+    }
+    return Response(drawn.content, media_type="image/png", headers=headers)
+
+
+def _corrections(
+    services: Services, visitor: Visitor, submission: Submission, stored: StoredReport | None
+) -> dict[str, JudgedItem]:
+    """Return the items by id, for whoever may correct what the machine gave; else none."""
+    if stored is None or not may_correct(services, visitor.caller, submission.assignment):
+        return {}
+    return {one.id: one for one in judged_items(stored)}
+
+
+def _source(services: Services, submission: Submission, stored: StoredReport | None) -> SourceView:
+    runs = () if stored is None else report_from(stored.content).runs
+    source = services.submissions.source(submission.id) or b""
+    return source_view(source, failing_lines(source, runs))
+
+
+def _line_of(services: Services, submission: Submission, error: StudentError) -> int:
+    """Return the line of `source_view` at which an error with a line is."""
+    source = services.submissions.source(submission.id) or b""
+    return line_in_text(source, error.file, error.line or 0)
+
+
+def _beside(services: Services, visitor: Visitor, submission: Submission) -> dict[str, Any]:
+    """Return what stands beside a submission: other attempts, other students, and what the rules say now."""
+    caller = visitor.caller
+    attempts = submissions.history(services, caller, submission.student, submission.assignment)
+    own = caller.course is not None and visitor.student == submission.student
+    return {
+        "attempts": attempts,
+        "changed": _changed(services, submission, [one.submission for one in attempts]),
+        "beside": submissions.beside(services, caller, submission) if visitor.staff else None,
+        "terms": terms_of(services, caller, submission.assignment) if own else None,
+    }
+
+
+def _comments(services: Services, visitor: Visitor, submission: Submission) -> dict[str, Any]:
+    """Return the comments by line, those about the whole under None, and what their authors are called."""
+    found = commenting.look(services, visitor.caller, submission)
+    by_line: dict[int | None, list[Comment]] = {}
+    for one in found:
+        by_line.setdefault(one.line, []).append(one)
+    return {
+        "comments": by_line,
+        "authors": commenting.author_names(services, found, submission.course),
+        "longest_comment": LONGEST_COMMENT,
+        "may_comment": visitor.caller.course is not None,
+    }
+
+
+def _appeals(
+    services: Services, visitor: Visitor, submission: Submission, stored: StoredReport | None
+) -> dict[str, Any]:
+    """Return the appeals by item, and the items about which the visitor may ask now."""
+    known = appealing.look(services, visitor.caller, submission)
+    return {
+        "appeals": known,
+        "appealable": appealing.open_to(services, visitor.caller, submission, stored, known),
+        "longest_appeal": LONGEST_TEXT,
+    }
+
+
+def _changed(services: Services, submission: Submission, attempts: Sequence[Submission]) -> Changed | None:
+    """Return what differs from the student's attempt before this one; `attempts` are all, newest first."""
+    earlier = attempts[[one.id for one in attempts].index(submission.id) + 1 :]
+    if not earlier:
+        return None
+    before, after = (
+        text_of(services.submissions.source(one) or b"") for one in (earlier[0].id, submission.id)
+    )
+    return Changed(since=earlier[0], lines=changes(before, after))
+
+
+def _is_replayed(figure: FigureSketch | None) -> bool:
+    """Whether there is a motion to replay: no log messages alone, and no pictures of a PyBullet world."""
+    return figure is None or figure.view not in ("log", "frames")
+
+
+def _cut_output(services: Services, stored: StoredReport) -> dict[str, tuple[StreamText, StreamText]]:
+    """Return by case what a script had printed when it was ended for printing too much.
+
+    How much that is depends on the moment, so it is no part of the report.
+    """
+    measured = services.past_gradings.measurements(stored)
+    cut = () if measured is None else measured.cut_output
+    return {one.case: (stream_text(one.stdout), stream_text(one.stderr)) for one in cut}
+
+
+def _result(
+    request: Request,
+    services: Services,
+    assignment: Assignment | None,
+    stored: StoredReport | None,
+    case: str | None,
+) -> dict[str, Any]:
+    if stored is None:
+        return {"result": None, "replay": False}
+    language = language_of(request)
+    report = judged(stored)
+    run = _run_of(report, case)
+    if run is None and case is not None:
+        raise RefusedError("no_trajectory", field="case", allowed=list(stored.cases))
+    figure = (
+        None
+        if run is None
+        else recordings.measured_figure(services, access.visitor_of(request).caller, stored, run)
+    )
+    names = {name: on_page(language, f"figure.{name}") for name in _FIGURE_WORDS}
+    result = result_page(report, assignment, language)
+    in_room = assignment is not None and assignment.world.kind == "robot"
+    return {
+        "result": result,
+        "pictures": [part for part in result.runs if in_room and part.case in stored.cases],
+        "run": run,
+        "cut": _cut_output(services, stored),
+        "parts": () if figure is None else figure_parts(figure, names),
+        "replay": run is not None and run.case in stored.cases and _is_replayed(figure),
+        "film": figure is not None and figure.view == "frames",
+        "bags": _WRITES_BAGS,
+        "replay_words": replay_words(language),
+    }
+
+
+def _run_of(report: GradeReport, case: str | None) -> CaseRun | None:
+    """Return the run of `case`, the first when None; None when there is no such run."""
+    return next((run for run in report.runs if case is None or run.case == case), None)

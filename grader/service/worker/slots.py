@@ -1,0 +1,287 @@
+"""One slot of a worker: claims a submission, has it graded in a child process, stores the report.
+
+`WorkerParts` and `SandboxHealth` are what all slots of a worker and its heart share.
+"""
+
+import hashlib
+import logging
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from datetime import timedelta
+from itertools import repeat
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import GraderError, InfrastructureError, NoRoomError, SandboxUnavailableError
+from grader.contracts.grading import (
+    AssignmentSource,
+    GradingJob,
+    GradingResult,
+    SandboxState,
+    SupervisedGrader,
+)
+from grader.contracts.submission import Claim, SubmissionState
+from grader.contracts.telemetry import GradingObserver, Unobserved
+from grader.operation.context import about
+from grader.service.worker.examiner import Uploads
+from grader.store.clock import Clock
+from grader.store.queue import Queue
+from grader.store.work import Doorbell, WorkSource
+from grader.store.workers import Workers
+
+_log = logging.getLogger(__name__)
+_STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, *repeat(4.0, 150))
+"""Before each next try to store a result: often at first, then for ten minutes."""
+_STEP_S = 60.0
+TURN = timedelta(seconds=4)
+"""What a kept slot gives to a grading, though others wait, before it lets one of those go first."""
+_TIMES_ORDINARY = 4.0
+"""Longer than so many times an ordinary grading is long."""
+_ROOM_PAUSE_S = 1.0
+"""Who holds every process id is ended within milliseconds; what the kernel frees takes longer."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorkerParts:
+    """What a worker is built from.
+
+    Attributes:
+        make_grader: returns a new grader; called once per slot.
+        probe: tries the sandbox of this host; called before work is taken, and again while it is not ready.
+        observer: is told how gradings went.
+        work: tells the slots when to look for work; by default the doorbell and a look every `poll_s`.
+        uploads: assignments whose scripts are to be run; by default that is left to other workers.
+    """
+
+    queue: Queue
+    workers: Workers
+    assignments: AssignmentSource
+    make_grader: Callable[[], SupervisedGrader]
+    probe: Callable[[], SandboxState]
+    doorbell: Doorbell
+    clock: Clock
+    observer: GradingObserver = field(default_factory=Unobserved)
+    work: WorkSource | None = None
+    uploads: Uploads | None = None
+
+
+class SandboxHealth:
+    """Whether gradings can be confined on this host. No slot takes work until the sandbox was found ready."""
+
+    def __init__(self, probe: Callable[[], SandboxState]) -> None:
+        self._probe = probe
+        self.state = SandboxState(ready=False, detail="the sandbox was not tried yet")
+
+    def try_out(self) -> bool:
+        """Try the sandbox; return whether it became ready just now."""
+        before = self.state
+        try:
+            self.state = self._probe()
+        except Exception as error:  # whatever it is, nothing may be graded
+            self.state = SandboxState(ready=False, detail=f"the sandbox could not be tried: {error}")
+        if not self.state.ready and self.state.detail != before.detail:
+            _log.error("nothing is graded: %s", self.state.detail)
+        return self.state.ready and not before.ready
+
+    def failed(self, error: SandboxUnavailableError) -> None:
+        """Note that a grading found a layer missing."""
+        _log.error("grading stops: %s", error)
+        self.state = SandboxState(ready=False, isolation=self.state.isolation, detail=str(error))
+
+
+class GradingSlot:
+    """One grading at a time. Only `claim`, `stop`, `abort` and `abandon` may be used from other threads.
+
+    Attributes:
+        name: as which it claims.
+        claim: what is graded now; None between two gradings.
+    """
+
+    def __init__(
+        self, name: str, parts: WorkerParts, sandbox: SandboxHealth, *, in_turn: bool = False
+    ) -> None:
+        """Make the grader, not started yet.
+
+        Args:
+            name: as which it claims.
+            parts: shared with the other slots of the worker.
+            sandbox: shared as well.
+            in_turn: grade nothing before its turn, though the slot is idle, that others might have to wait for
+                long. What somebody hands in beside what is being graded, or whose gradings took long, then leaves
+                this slot to others.
+        """
+        self.name = name
+        self._in_turn = in_turn
+        self._parts = parts
+        self._sandbox = sandbox
+        self._grader = parts.make_grader()
+        self.claim: Claim | None = None
+        self._since = parts.clock()
+        self._abandoned: Claim | None = None
+        self._gives_way = False
+        self._stopping = threading.Event()
+        self._lock = threading.Lock()  # whoever abandons a claim must not kill the grading of the next one
+
+    def warm_up(self) -> None:
+        """Start the grading process before there is work."""
+        try:
+            self._grader.start()
+        except GraderError as error:
+            _log.warning("%s: the grading process did not start: %s", self.name, error)
+
+    def step(self) -> bool:
+        """Grade the submission that is due, then those due after it; False when there was nothing to do.
+
+        Ends after a minute even if more is due, and at once when the worker stops or a try fails.
+        """
+        if not self._sandbox.state.ready:
+            return False
+        claim = self._parts.queue.claim(self.name, in_turn=self._in_turn)
+        if claim is None:
+            return False
+        until_s = time.monotonic() + _STEP_S
+        while claim is not None:
+            self._since, self.claim = self._parts.clock(), claim
+            try:
+                with about(claim):
+                    claim = self._grade(claim, until_s)
+            finally:
+                with self._lock:
+                    ended, self.claim = self.claim, None
+                if self._abandoned is ended:  # the kill may come late: it must not hit the next grading
+                    self._grader.close()
+            self._parts.doorbell.ring()  # for those who watch
+        return True
+
+    def stop(self) -> None:
+        """Take nothing more once the grading under way has ended; from any thread."""
+        self._stopping.set()
+
+    def abort(self) -> None:
+        """Kill the grading under way."""
+        self._grader.abort()
+
+    def abandon(self, claim: Claim, *, gives_way: bool = False) -> None:
+        """Kill the grading of `claim`, which is lost, or gives way to others; do nothing if that has ended."""
+        with self._lock:
+            if self.claim is claim and self._abandoned is not claim:
+                self._abandoned, self._gives_way = claim, gives_way
+                self._grader.abort()
+
+    def give_way(self) -> None:
+        """In a slot that is kept, end a first try that takes long while others' turn has come.
+
+        Long is what takes over `TURN`, and several times as long as an ordinary grading took lately. (Those that
+        take minutes must not decide what is ordinary.) The submission is tried once more behind them, by another
+        slot as soon as one is idle, to its end. That may be long after, so a right script on a busy host must not
+        count as long.
+        """
+        claim, queue = self.claim, self._parts.queue
+        if claim is None or not self._in_turn or claim.tries > 1:
+            return
+        held = self._parts.clock() - self._since
+        if held <= TURN or held.total_seconds() <= _TIMES_ORDINARY * (queue.median_duration_s() or 0.0):
+            return
+        if queue.waits_in_turn():
+            self.abandon(claim, gives_way=True)
+
+    def close(self) -> None:
+        """End the grading process."""
+        self._grader.close()
+
+    def _grade(self, claim: Claim, until_s: float) -> Claim | None:
+        """Grade what is claimed and store the report; return what was claimed next."""
+        begun_s = time.monotonic()
+        running = threading.Event()
+        try:
+            known = self._parts.assignments.of(claim.course)
+            assignment = known.get(claim.assignment).of_course(claim.distro)
+            job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
+            self._grader.start()
+            result = _checked(self._grader.grade(job, running.set), claim)
+            stored, following = self._store(claim, result, assignment, until_s)
+        except SandboxUnavailableError as error:
+            self._sandbox.failed(error)
+            self._parts.queue.hand_back(claim)
+        except NoRoomError as error:
+            self._wait_for_room(claim, error)
+        except Exception as error:
+            # no fault of the student, whatever it is: the child is replaced and the submission tried again
+            self._fail(claim, error, had_run=running.is_set())
+        else:
+            _log.info("%s %s", claim.submission_id, result.report.status if stored else "dropped: fenced off")
+            if stored:
+                self._tell(claim, result, time.monotonic() - begun_s)
+            return following
+        return None
+
+    def _tell(self, claim: Claim, result: GradingResult, grading_s: float) -> None:
+        now, since = self._parts.clock(), claim.queued_at
+        waited_s = None if since is None else max((now - since).total_seconds(), 0.0)
+        self._parts.observer.graded(result.report.status, grading_s, waited_s)
+
+    def _store(
+        self, claim: Claim, result: GradingResult, assignment: Assignment, until_s: float
+    ) -> tuple[bool, Claim | None]:
+        """Store `result`; return whether it was taken, and what was claimed next unless the slot should pause."""
+        for pause_s in _STORE_PAUSES_S:
+            try:
+                return self._stored(claim, result, assignment, until_s)
+            except InfrastructureError as error:
+                _log.warning("%s: the report could not be stored yet: %s", claim.submission_id, error)
+            time.sleep(pause_s)
+        return self._stored(claim, result, assignment, until_s)
+
+    def _stored(
+        self, claim: Claim, result: GradingResult, assignment: Assignment, until_s: float
+    ) -> tuple[bool, Claim | None]:
+        if self._stopping.is_set() or not self._sandbox.state.ready or time.monotonic() >= until_s:
+            return self._parts.queue.finish(claim, result, assignment), None
+        stored, following = self._parts.queue.finish_and_claim(
+            claim, result, assignment, self.name, self._in_turn
+        )
+        if following is not None and self._stopping.is_set():  # told meanwhile
+            self._parts.queue.hand_back(following)
+            following = None
+        return stored, following
+
+    def _wait_for_room(self, claim: Claim, error: NoRoomError) -> None:
+        """Put a submission back that could not be started: it waits, which is no try."""
+        if self._abandoned is claim:
+            self._fail(claim, error, had_run=False)
+            return
+        self._grader.close()
+        self._parts.queue.hand_back(claim, f"{type(error).__name__}: {error}", _ROOM_PAUSE_S)
+        _log.warning("%s waits for room: %s", claim.submission_id, error)
+        self._stopping.wait(_ROOM_PAUSE_S)  # what is due next would find no room either
+
+    def _fail(self, claim: Claim, error: Exception, *, had_run: bool) -> None:
+        self._grader.close()
+        if self._abandoned is claim and self._gives_way:
+            self._parts.queue.put_behind(claim, "it took long while others waited")
+            _log.warning("%s takes long while others wait: it goes on behind them", claim.submission_id)
+            return
+        if self._abandoned is claim:
+            _log.warning("%s: its claim was lost, this grading of it is given up", claim.submission_id)
+            return
+        state = self._parts.queue.fail(claim, f"{type(error).__name__}: {error}", had_run=had_run)
+        if state is SubmissionState.INFRASTRUCTURE_ERROR:
+            self._parts.observer.given_up()
+        elif state is not None:
+            self._parts.observer.retried()
+        # None: the claim is another's by now
+        ends = {None: logging.INFO, SubmissionState.INFRASTRUCTURE_ERROR: logging.ERROR}
+        level = ends.get(state, logging.WARNING)
+        unexpected = error if not isinstance(error, GraderError) else None
+        _log.log(level, "%s, try %d: %s", claim.submission_id, claim.tries, error, exc_info=unexpected)
+
+
+def _checked(result: GradingResult, claim: Claim) -> GradingResult:
+    """Return `result` if it grades the claimed bytes under the claimed assignment."""
+    report = result.report
+    if report.submission_sha256 != hashlib.sha256(claim.source).hexdigest():
+        raise InfrastructureError("the grading process answered with the report of another file")
+    if report.assignment != claim.assignment:
+        raise InfrastructureError("the grading process graded another assignment")
+    return result

@@ -1,0 +1,349 @@
+"""Assignments that instructors upload to their course, over HTTP and with a worker's examiner."""
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from grader.catalog import default_root
+from grader.checks import evaluate_text
+from grader.contracts.errors import InfrastructureError
+from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.record import from_json, to_plain
+from grader.formats.packages.bundle import bundled
+from grader.grading.examination.confined import _read
+from grader.grading.examination.reading import Reading
+from grader.grading.examination.zipped import packed
+from grader.grading.slot import Slot
+from grader.service.worker.examiner import Examiner, Uploads
+from grader.store.audit import Signature
+from grader.store.database import Database
+from grader.store.own_assignments import OwnAssignments
+from grader.use_cases.course_assignments import CourseAssignments
+from grader.use_cases.services import Services
+from tests.fakes.clock import FakeClock
+from tests.fakes.essays import grade_essay
+from tests.fakes.grading import FakeAssignments, Lent, grade_next
+from tests.fakes.packages import NAME, zipped
+
+OWN = "/api/v1/course/assignments"
+FOLDER = default_root() / "calculation"
+FILES = {str(one.relative_to(FOLDER)): one.read_bytes() for one in FOLDER.rglob("*") if one.is_file()}
+SPEC = FILES["assignment.yaml"].replace(b"id: calculation", b"id: walk")
+
+
+def folder(spec: bytes = SPEC, **changed: bytes) -> bytes:
+    named = {name.replace("__", "/").replace("_txt", ".txt"): content for name, content in changed.items()}
+    return packed("walk", {**FILES, "assignment.yaml": spec, **named})
+
+
+def grade(job: GradingJob) -> GradingResult:
+    """Grade a text as the pipeline does."""
+    result = grade_essay(job)
+    verdict = evaluate_text(job.assignment, job.source.decode())
+    return replace(result, report=replace(result.report, mistakes=verdict.mistakes))
+
+
+class TextGrader:
+    """Grades in this process; fails as often as told."""
+
+    def __init__(self) -> None:
+        self.faults = 0
+        self.graded = 0
+
+    def grade(self, job: GradingJob, on_run: Callable[[], None] = lambda: None) -> GradingResult:
+        if self.faults:
+            self.faults -= 1
+            raise InfrastructureError("no room")
+        self.graded += 1
+        return grade(job)
+
+    def start(self) -> None:
+        pass
+
+    abort = close = start
+
+
+class Desk:
+    """An instructor's requests, and a worker that examines when the test says so."""
+
+    def __init__(self, client: httpx.Client, school: Any, services: Services, examiner: Examiner) -> None:
+        self.client, self.school, self.services, self.examiner = client, school, services, examiner
+
+    def upload(self, content: bytes, person: str = "wang", language: str = "en") -> httpx.Response:
+        headers = {**self.school.as_(person), "Accept-Language": language}
+        return self.client.post(OWN, files={"file": ("walk.zip", content)}, headers=headers)
+
+    def listed(self, person: str = "wang") -> list[dict[str, Any]]:
+        answer = self.client.get(OWN, headers=self.school.as_(person))
+        found: list[dict[str, Any]] = answer.json()["assignments"]
+        return found
+
+    def checklist(self, person: str) -> list[str]:
+        answer = self.client.get("/api/v1/assignments", headers=self.school.as_(person)).json()
+        return [one["id"] for one in answer["assignments"]]
+
+    def publish(self) -> None:
+        url, wang = "/api/v1/assignments/walk/rules", self.school.as_("wang")
+        tag = self.client.get(url, headers=wang).headers["ETag"]
+        answer = self.client.put(url, json={"shown": "always"}, headers={**wang, "If-Match": tag})
+        assert answer.status_code == 200, answer.text
+
+
+@pytest.fixture
+def grader() -> TextGrader:
+    return TextGrader()
+
+
+@pytest.fixture
+def confined() -> None:
+    """For a test whose folders are read by a process of their own, as in service."""
+
+
+@pytest.fixture(autouse=True)
+def read_here(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read the folders of all other tests in this process: starting one takes longer than the rest of a test."""
+
+    def answer(folder: Path) -> Reading:
+        return from_json(Reading, json.dumps(_read(folder), default=to_plain))
+
+    if "confined" not in request.fixturenames:
+        monkeypatch.setattr("grader.grading.examination.reading._answer", answer)
+
+
+@pytest.fixture
+def desk(
+    client: httpx.Client,
+    school: Any,
+    services: Services,
+    grader: TextGrader,
+    clock: FakeClock,
+    sqlite_url: str,
+) -> Iterator[Desk]:
+    with closing(Database(sqlite_url)) as database:
+        own = OwnAssignments(database, clock)
+        known = CourseAssignments(FakeAssignments(), own, lambda: clock().timestamp())
+        made = replace(services, assignments=known)
+        examiner = Examiner(
+            Uploads(own=own, make_grader=lambda: grader),
+            known,
+            ready=lambda: True,
+            students_wait=lambda: False,
+        )
+        yield Desk(client, school, made, examiner)
+
+
+@pytest.fixture(autouse=True)
+def served(running: Any, desk: Desk) -> None:
+    running[0].state.services = desk.services
+
+
+@pytest.mark.usefixtures("confined")
+def test_from_a_zip_to_a_student(desk: Desk, upload: Callable[..., httpx.Response]) -> None:
+    answer = desk.upload(folder())
+    assert (answer.status_code, answer.json()["state"]) == (202, "waiting")
+    assert desk.checklist("wang") == ["straight", "square"]
+    assert desk.examiner.step()
+    assert not desk.examiner.step()
+    (ready,) = desk.listed()
+    assert (ready["state"], ready["version"], ready["uploaded_by"]) == ("ready", 1, "wang")
+    wrong = [one for one in FILES if one.startswith("wrong/")]
+    own = ("solution.txt", "starter.txt", *wrong)
+    assert {one["script"]: one["problem"] for one in ready["scripts"]} == dict.fromkeys(own, "")
+    assert desk.checklist("wang") == ["straight", "square", "walk"]  # for the staff to try
+    assert desk.checklist("li") == ["straight", "square"]
+    desk.publish()
+    assert desk.checklist("li") == ["straight", "square", "walk"]
+    assert desk.checklist("li2") == ["straight", "square"]  # of another course
+    response = upload(b"12 s\n", "walk", "", "calculation.txt", headers=desk.school.as_("li"))
+    assert response.status_code == 202, response.text
+    assert grade_next(desk.services.queue, desk.services.assignments, grade)
+    report = desk.client.get(response.headers["Location"], headers=desk.school.as_("li")).json()
+    assert report["score"] == 100.0
+
+
+@pytest.mark.usefixtures("confined")
+def test_a_package_is_asked_for_examined_and_graded(
+    desk: Desk, slot: Slot, grader: TextGrader, upload: Callable[..., httpx.Response]
+) -> None:
+    """Solution, starter and wrong ones as folders, one of them zipped as a student would."""
+    made = default_root() / "make_package"
+    files = {str(one.relative_to(made)): one.read_bytes() for one in made.rglob("*") if one.is_file()}
+    spec = files.pop("assignment.yaml").replace(b"id: make_package", b"id: walk")
+    spec = b"".join(line for line in spec.splitlines(True) if b"wrong" in line or b"file:" not in line)
+    spec += b"  - {file: no_init.zip, score: [32, 32], fails: modules, mistake: package_no_init}\n"
+    kept = {name: text for name, text in files.items() if name.split("/")[0] in ("solution", "starter")}
+    bad = {name[14:]: text for name, text in files.items() if name.startswith("wrong/no_init/")}
+    kept["wrong/no_init.zip"] = zipped({f"build/{NAME}/x.py": "1", **bad})
+    assert desk.upload(packed("walk", {**kept, "assignment.yaml": spec})).status_code == 202
+    lent = Lent(slot)
+    grader.grade = lent.grade  # type: ignore[method-assign]
+    assert desk.examiner.step()
+    (ready,) = desk.listed()
+    scores = {one["script"]: (one["score"], one["problem"]) for one in ready["scripts"]}
+    assert scores["wrong/no_init.zip"] == (32.0, "")
+    assert scores["solution.zip"] == (100.0, "")
+    assert ready["state"] == "ready"
+    desk.publish()
+    handed_in = zipped(
+        {name.removeprefix("solution/"): text for name, text in kept.items() if name.startswith("solution/")}
+    )
+    response = upload(handed_in, "walk", "", "my_package.zip", headers=desk.school.as_("li"))
+    assert response.status_code == 202, response.text
+    assert grade_next(desk.services.queue, desk.services.assignments, lent.grade)
+    report = desk.client.get(response.headers["Location"], headers=desk.school.as_("li")).json()
+    assert report["score"] == 100.0
+    assert bundled(handed_in) in desk.services.assignments.of("ros").given_code()
+
+
+@pytest.mark.usefixtures("confined")
+def test_what_is_wrong_is_told_by_file_line_and_field(desk: Desk) -> None:
+    spec = SPEC.replace(b"points: 80", b"points: many")
+    answer = desk.upload(folder(spec))
+    problem = answer.json()
+    line = spec.decode().split("points: many")[0].count("\n") + 1
+    assert (answer.status_code, problem["code"]) == (422, "invalid_assignment")
+    assert problem["errors"][0]["field"] == f"assignment.yaml:{line}: items.0.points"
+    assert desk.upload(b"no zip", language="zh").json()["detail"].startswith("zip: 这不是 zip 文件")
+    assert desk.listed() == []
+
+
+def test_a_script_that_does_not_get_what_it_must_keeps_the_assignment_away(
+    desk: Desk, clock: FakeClock
+) -> None:
+    desk.upload(folder(wrong__area_txt=b"12 s\n"))
+    assert desk.examiner.step()
+    clock.advance(3)
+    (refused,) = desk.listed()
+    assert refused["state"] == "refused"
+    bad = [one for one in refused["scripts"] if one["problem"]]
+    assert [(one["script"], one["score"]) for one in bad] == [("wrong/area.txt", 100.0)]
+    assert desk.checklist("wang") == ["straight", "square"]
+    desk.upload(folder())
+    assert desk.examiner.step()
+    assert [one["state"] for one in desk.listed()] == ["ready"]  # the refused one is not kept
+
+
+def test_a_rubric_changes_with_its_version_only(desk: Desk, clock: FakeClock) -> None:
+    desk.upload(folder())
+    desk.examiner.step()
+    clock.advance(3)
+    changed = SPEC.replace(b"points: 80", b"points: 70").replace(b"points: 20", b"points: 30")
+    problem = desk.upload(folder(changed)).json()
+    assert problem["errors"][0]["field"] == "assignment.yaml: version"
+    assert "items.answer.points, items.unit.points changed" in problem["errors"][0]["detail"]
+    raised = changed.replace(b"version: 1", b"version: 2")
+    for low, high in ((b"[20, 20]", b"[30, 30]"), (b"[80, 80]", b"[70, 70]")):
+        raised = raised.replace(low, high)
+    assert desk.upload(folder(raised)).status_code == 202
+    assert [(one["version"], one["state"]) for one in desk.listed()] == [(1, "ready"), (2, "waiting")]
+    assert desk.services.assignments.of("ros").get("walk").version == 1
+    desk.examiner.step()
+    clock.advance(3)
+    assert [(one["version"], one["state"]) for one in desk.listed()] == [(2, "ready")]
+    assert desk.services.assignments.of("ros").get("walk").version == 2
+
+
+def test_each_course_has_its_own(desk: Desk, clock: FakeClock) -> None:
+    other = SPEC.replace(b"points: 80", b"points: 60").replace(b"points: 20", b"points: 40")
+    other = other.replace(b"[20, 20]", b"[40, 40]").replace(b"[80, 80]", b"[60, 60]")
+    desk.upload(folder())
+    assert desk.upload(folder(other), "zhao").status_code == 202
+    while desk.examiner.step():
+        pass
+    clock.advance(3)
+    items = [desk.services.assignments.of(one).get("walk").items[0].points for one in ("ros", "other")]
+    assert items == [80.0, 60.0]
+    taken = desk.upload(folder(SPEC.replace(b"id: walk", b"id: square"))).json()
+    assert taken["errors"][0]["field"] == "assignment.yaml: id"
+
+
+def test_what_is_stored_can_be_downloaded_and_removed(
+    desk: Desk, upload: Callable[..., httpx.Response], clock: FakeClock
+) -> None:
+    desk.upload(folder())
+    desk.examiner.step()
+    clock.advance(3)
+    wang = desk.school.as_("wang")
+    assert desk.client.get(f"{OWN}/walk/folder.zip", headers=wang).content == folder()
+    upload(b"12 s\n", "walk", "", "calculation.txt", headers=wang)
+    answer = desk.client.delete(f"{OWN}/walk", headers=wang)
+    assert (answer.status_code, answer.json()["code"]) == (409, "assignment_in_use")
+    desk.upload(folder(SPEC.replace(b"id: walk", b"id: run")))
+    assert desk.client.delete(f"{OWN}/run", headers=wang).status_code == 204
+    assert [one["assignment"] for one in desk.listed()] == ["walk"]
+    actions = [one.action for one in desk.services.audit.entries("ros", 5)]
+    assert actions[0] == "assignment.remove"
+    assert "assignment.upload" in actions
+
+
+def test_what_another_machine_removed_takes_nothing_in(
+    desk: Desk, upload: Callable[..., httpx.Response], clock: FakeClock
+) -> None:
+    desk.upload(folder())
+    desk.examiner.step()
+    desk.listed()
+    assert "walk" in desk.checklist("wang")
+    desk.services.own_assignments.remove("walk", Signature(clock(), "ros", "wang"))
+    assert "walk" in desk.checklist("wang")  # for half a second
+    answer = upload(b"12 s\n", "walk", "", "calculation.txt", headers=desk.school.as_("wang"))
+    assert (answer.status_code, answer.json()["code"]) == (422, "unknown_assignment")
+    assert desk.client.get("/api/v1/submissions", headers=desk.school.as_("wang")).json()["submissions"] == []
+
+
+def test_a_fault_of_the_service_refuses_nothing_at_first(
+    desk: Desk, grader: TextGrader, clock: FakeClock
+) -> None:
+    desk.upload(folder())
+    grader.faults = 1
+    assert desk.examiner.step()
+    (waiting,) = desk.listed()
+    assert (waiting["state"], "no room" in waiting["trouble"]) == ("waiting", True)
+    assert not desk.examiner.step()  # not at once
+    clock.advance(60)
+    assert desk.examiner.step()
+    assert desk.listed()[0]["state"] == "ready"
+    desk.upload(folder(SPEC.replace(b"version: 1", b"version: 2")))
+    grader.faults = 100
+    while desk.examiner.step():
+        clock.advance(600)
+    given_up = desk.listed()[-1]
+    assert (given_up["state"], given_up["version"]) == ("refused", 2)
+    assert (
+        "could not run"
+        in desk.client.get(OWN, headers={**desk.school.as_("wang"), "Accept-Language": "en"}).json()[
+            "assignments"
+        ][-1]["misfits"][0]["detail"]
+    )
+
+
+def test_a_copy_of_the_course_has_them_too(desk: Desk, clock: FakeClock) -> None:
+    desk.upload(folder())
+    desk.examiner.step()
+    clock.advance(3)
+    desk.publish()
+    made = desk.client.post(
+        "/api/v1/courses", json={"id": "next", "move_days": 364}, headers=desk.school.as_("wang")
+    ).json()
+    next_term = {"Authorization": f"Bearer {made['token']}"}
+    listed = desk.client.get(OWN, headers=next_term).json()["assignments"]
+    assert [(one["assignment"], one["state"]) for one in listed] == [("walk", "ready")]
+    clock.advance(3)
+    assert "walk" in [one.id for one in desk.services.assignments.of("next").all()]
+
+
+def test_what_this_version_cannot_use_disables_only_itself(desk: Desk, clock: FakeClock) -> None:
+    desk.upload(folder())
+    own = desk.services.own_assignments
+    claim = own.claim()
+    assert claim is not None
+    assert own.finish(claim, b"{}", ready=True, reading=b'{"assignment": {"id": "walk"}}')
+    clock.advance(3)
+    assert desk.checklist("wang") == ["straight", "square"]
+    assert list(desk.services.assignments.of("ros").troubles()) == ["walk"]
+    assert desk.services.assignments.of("other").troubles() == {}

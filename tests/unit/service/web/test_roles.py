@@ -1,0 +1,331 @@
+"""Every page as every role: a new page without a line here fails."""
+
+import shutil
+from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
+from pathlib import Path
+
+import httpx
+import pytest
+from fastapi.routing import APIRoute
+
+from grader.contracts.grading import AssignmentSource
+from grader.contracts.identity import Role, RosterEntry
+from grader.contracts.regrade import Wanted
+from grader.operation.settings import Settings
+from grader.service.web.access import SESSION_COOKIE
+from grader.service.web.forms import COOKIE, FIELD
+from grader.service.web.routing import ROUTERS
+from grader.store.audit import Signature
+from grader.use_cases.services import Services
+from tests.fakes import server
+from tests.fakes.clock import FakeClock
+from tests.fakes.courses import PreparedCourses
+from tests.unit.service.web.conftest import PAGE, grade_all, put_in
+
+FORM_TOKEN = "t" * 32
+OPERATIONS = sorted(
+    f"{method} {route.path}"
+    for router in ROUTERS
+    for route in router.routes
+    if isinstance(route, APIRoute)
+    for method in route.methods
+)
+
+# `classmate` is another student of the course, `stranger` the instructor of another one
+ROLES = ("nobody", "owner", "classmate", "assistant", "instructor", "stranger")
+EVERYBODY = (200,) * 6
+OWN = (303, 200, 404, 200, 200, 404)
+MEMBERS = (303, 200, 200, 200, 200, 200)
+STAFF = (303, 403, 403, 200, 200, 200)
+COURSE = (303, 403, 403, 200, 200, 404)  # of this course: a stranger is told that there is none
+INSTRUCTORS = (303, 403, 403, 403, 200, 200)
+CHANGES = (303, 403, 403, 403, 303, 404)
+EXPECTED: dict[str, tuple[int, ...]] = {
+    "GET /": EVERYBODY,
+    "GET /enter": EVERYBODY,
+    "GET /guide": EVERYBODY,
+    "POST /enter": (303,) * 6,
+    "POST /leave": (303,) * 6,
+    "GET /enter/with/{provider_id}": (404,) * 6,  # there is no such provider
+    "GET /enter/with/{provider_id}/back": (404,) * 6,
+    "GET /lti/keys": (409,) * 6,
+    "GET /lti/login": (409,) * 6,  # the service's own address is not set up
+    "POST /lti/login": (409,) * 6,
+    "POST /lti/launch": (403,) * 6,  # nobody was sent away
+    "GET /lti/pick/{secret}": (410,) * 6,  # who has no secret, or one that is over
+    "POST /lti/pick/{secret}": (410,) * 6,
+    "POST /lti/pick/{secret}/token": (410,) * 6,
+    "GET /lti/register/{secret}": (410,) * 6,
+    "POST /lti/register/{secret}": (410,) * 6,
+    "GET /class/platforms": INSTRUCTORS,
+    "POST /class/platforms/invite": (303, 403, 403, 403, 409, 409),  # not set up
+    "POST /class/platforms": (303, 403, 403, 403, 409, 409),  # not set up
+    "POST /class/platforms/remove": (303, 403, 403, 403, 404, 404),
+    "POST /class/platforms/people": (303, 403, 403, 403, 404, 404),
+    "POST /class/platforms/people/add": (303, 403, 403, 403, 404, 404),
+    "GET /class/notices": INSTRUCTORS,
+    "POST /class/notices/webhook": (303, 403, 403, 403, 422, 422),  # no address
+    "POST /class/notices/remove": (303, 403, 403, 403, 404, 404),
+    "POST /class/notices/test": (303, 403, 403, 403, 404, 404),  # nothing is set up
+    "POST /class/notices/mail": (303, 403, 403, 403, 303, 303),  # nothing is wanted
+    "POST /enter/bind": (403,) * 6,  # nobody was recognised a moment ago
+    "POST /enter/course": (403,) * 6,
+    "GET /assignments/{assignment_id}": EVERYBODY,
+    "POST /assignments/{assignment_id}": (303,) * 6,
+    "GET /playground": MEMBERS,
+    "POST /playground/car": MEMBERS,
+    "GET /assignments/{assignment_id}/practice": MEMBERS,
+    "POST /assignments/{assignment_id}/practice": MEMBERS,
+    "GET /submissions": MEMBERS,
+    "GET /submissions/{submission_id}": OWN,
+    "GET /submissions/{submission_id}/events": OWN,
+    "GET /submissions/{submission_id}/state.json": OWN,
+    "GET /submissions/{submission_id}/trajectory.json": OWN,
+    "GET /submissions/{submission_id}/sketch.json": OWN,
+    "GET /submissions/{submission_id}/plot.png": OWN,
+    "GET /submissions/{submission_id}/film.png": (303, 404, 404, 404, 404, 404),  # no PyBullet world
+    "GET /submissions/{submission_id}/recording.mcap": OWN,
+    "GET /submissions/{submission_id}/source": OWN,
+    "POST /submissions/{submission_id}/comments": (303, 303, 404, 303, 303, 404),
+    "GET /class": STAFF,
+    "GET /class/assignments/{assignment_id}": STAFF,
+    "GET /class/assignments/{assignment_id}/students": STAFF,
+    "GET /class/students/{student}": COURSE,
+    "GET /class/compare": COURSE,
+    "GET /class/service": STAFF,
+    "GET /class/similar/{assignment_id}": STAFF,
+    "GET /class/similar/{assignment_id}/pair": (303, 403, 403, 404, 404, 404),  # nobody is like themselves
+    "GET /class/submissions/{submission_id}/gradings": COURSE,
+    "GET /class/submissions/{submission_id}/gradings/compare": COURSE,
+    "GET /class/submissions/{submission_id}/gradescope.json": COURSE,
+    "GET /class/submissions/{submission_id}/prairielearn.json": COURSE,
+    "GET /class/gradebook": STAFF,
+    "GET /class/gradebook.csv": STAFF,
+    "GET /class/gradebook.xlsx": STAFF,
+    "POST /class/gradebook/fill": STAFF,
+    "GET /class/regrades": STAFF,
+    "POST /class/regrades": (303, 403, 403, 403, 303, 422),
+    "GET /class/regrades/{regrade_id}": COURSE,
+    "GET /class/regrades/{regrade_id}/state.json": COURSE,
+    "GET /class/regrades/{regrade_id}/changes/{submission_id}": COURSE,
+    "POST /class/regrades/{regrade_id}": CHANGES,
+    "POST /class/course": (303, 403, 403, 403, 303, 303),
+    "GET /class/rules": STAFF,
+    "POST /class/rules": (303, 403, 403, 403, 422, 422),  # no assignment is chosen
+    "GET /class/rules/{assignment_id}": STAFF,
+    "POST /class/rules/{assignment_id}": (303, 403, 403, 403, 303, 303),
+    "POST /class/rules/{assignment_id}/extensions": (303, 403, 403, 403, 303, 422),
+    "GET /class/rules/{assignment_id}/section": INSTRUCTORS,
+    "POST /class/rules/{assignment_id}/section": (303, 403, 403, 403, 422, 422),  # without a due date
+    "GET /class/judgements": STAFF,
+    "GET /class/judgements/{submission_id}": (303, 403, 403, 404, 404, 404),  # nobody judges a motion
+    "POST /class/judgements/{submission_id}": (303, 403, 403, 404, 404, 404),
+    "GET /class/judgements/{submission_id}/several": (303, 403, 403, 403, 200, 404),
+    "POST /class/judgements/{submission_id}/several": (303, 403, 403, 403, 422, 404),  # nothing is changed
+    "GET /class/appeals": STAFF,
+    "GET /class/appeals/{submission_id}": (303, 403, 403, 404, 404, 404),  # nobody asked
+    "POST /class/appeals/{submission_id}": (303, 403, 403, 404, 404, 404),
+    "POST /submissions/{submission_id}/appeals": (303, 403, 404, 403, 403, 404),  # the rules take none
+    "POST /submissions/{submission_id}/appeals/withdraw": (303, 404, 404, 403, 403, 404),
+    "GET /class/people": STAFF,
+    "POST /class/people": (303, 403, 403, 403, 303, 303),
+    "POST /class/people/preview": (303, 403, 403, 403, 200, 200),
+    "POST /class/people/import": (303, 403, 403, 403, 200, 200),  # another plan than the one that was seen
+    "POST /class/people/tokens": (303, 403, 403, 403, 303, 303),
+    "GET /class/people/{person}": COURSE,
+    "POST /class/people/{person}": CHANGES,
+    "POST /class/people/{person}/token": (303, 403, 403, 403, 200, 404),
+    "POST /class/people/{person}/unbind": (303, 403, 403, 403, 404, 404),  # nothing is bound
+    "POST /class/people/{person}/remove": CHANGES,
+    "GET /class/course": STAFF,
+    "GET /class/own": STAFF,
+    "POST /class/own": (303, 403, 403, 403, 422, 422),  # it is no zip
+    "GET /class/own/{assignment_id}/folder.zip": (303, 403, 403, 403, 404, 404),
+    "POST /class/own/{assignment_id}/remove": (303, 403, 403, 403, 404, 404),
+    "GET /class/course/export.zip": INSTRUCTORS,
+    "POST /class/course/erase": (303, 403, 403, 403, 303, 303),
+    "POST /class/course/forget": (303, 403, 403, 403, 422, 422),  # the second id is another one
+    "POST /class/course/copy": (303, 403, 403, 403, 200, 422),  # the id is taken by then
+    "POST /class/course/archive": (303, 403, 403, 403, 409, 303),  # its re-grade is not decided
+    "GET /class/audit": INSTRUCTORS,
+}
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A course with something of everything: its database, the time there, and `school`."""
+
+    file: Path
+    now: datetime
+    school: dict[str, str]
+
+
+@pytest.fixture(scope="module")
+def prepared(
+    courses: PreparedCourses, shipped: AssignmentSource, tmp_path_factory: pytest.TempPathFactory
+) -> Prepared:
+    """Made once, for every test to copy: making it takes longer than most tests with it."""
+    file = Path(shutil.copy(courses.file, tmp_path_factory.mktemp("roles") / "grader.db"))
+    with server.services(Settings(database_url=f"sqlite:///{file}"), FakeClock()) as made:
+        services = replace(made, assignments=shipped)
+        school = _fill(services, courses.tokens)
+        now = services.clock()
+    return Prepared(file, now, school)
+
+
+def _fill(services: Services, tokens: dict[str, str]) -> dict[str, str]:
+    services.courses.create("other", "Other", "UTC", "test")
+    services.courses.import_roster("other", [RosterEntry(id="zhao", name="", role=Role.INSTRUCTOR)], "test")
+    submission = put_in(services, student="li", course="ros").rpartition("/")[2]
+    put_in(services, student="li", course="ros", assignment="spin")
+    signed = Signature(services.clock(), "ros", "wang")
+    regrade = services.regrades.open(Wanted(assignment="square"), signed).id
+    grade_all(services)
+    bound = RosterEntry(id="tb", name="tb", role=Role.ASSISTANT, sections=("B",))
+    services.courses.import_roster("ros", [bound], "test")
+    shown = {
+        "elsewhere": services.tokens.issue("ros", "tb", timedelta(days=1), "test")[1],
+        "owner": tokens["li"],
+        "classmate": tokens["han"],
+        "assistant": tokens["ta"],
+        "instructor": tokens["wang"],
+        "stranger": services.tokens.issue("other", "zhao", timedelta(days=1), "test")[1],
+    }
+    return {
+        "submission_id": submission,
+        "regrade_id": regrade,
+        "assignment_id": "square",
+        "student": "li",
+        "person": "li",
+        "provider_id": "campus",
+        **{role: services.callers.open_session(token) for role, token in shown.items()},
+    }
+
+
+@pytest.fixture
+def sqlite_url(tmp_path: Path, prepared: Prepared) -> str:
+    return f"sqlite:///{shutil.copy(prepared.file, tmp_path / 'grader.db')}"
+
+
+@pytest.fixture
+def school(services: Services, prepared: Prepared) -> dict[str, str]:
+    """Ids that stand in the addresses, and everybody's session."""
+    services.clock.now = prepared.now
+    return {**prepared.school, "secret": "x" * 43}
+
+
+def test_every_page_has_a_line() -> None:
+    assert set(OPERATIONS) == set(EXPECTED)
+
+
+LOOKS = [one for one in OPERATIONS if one.startswith("GET")]
+
+
+def test_pages_open_for_the_right_roles(client: httpx.Client, school: dict[str, str]) -> None:
+    answered = {one: answers(client, school, one) for one in LOOKS}
+    assert answered == {one: EXPECTED[one] for one in LOOKS}
+
+
+def test_an_assistant_of_another_section_finds_nobody(client: httpx.Client, school: dict[str, str]) -> None:
+    """Pages about one student or submission; whatever is about the class is there for every assistant."""
+    about_one = ("{submission_id}", "{student}", "{person}", "/compare", "/pair")
+    assistant = ROLES.index("assistant")
+    expected = {
+        one: 404
+        if EXPECTED[one][assistant] in (200, 403) and any(part in one for part in about_one)
+        else EXPECTED[one][assistant]
+        for one in LOOKS
+    }
+    assert {one: answers(client, school, one, ("elsewhere",))[0] for one in LOOKS} == expected
+
+
+@pytest.mark.parametrize("operation", sorted(set(OPERATIONS) - set(LOOKS)))
+def test_forms_are_taken_from_the_right_roles(
+    client: httpx.Client, school: dict[str, str], operation: str
+) -> None:
+    assert answers(client, school, operation) == EXPECTED[operation]
+
+
+@pytest.mark.parametrize(
+    ("token", "site"), [("", "same-origin"), ("x" * 32, "none"), (FORM_TOKEN, "cross-site")]
+)
+def test_no_form_of_another_site_is_taken(
+    client: httpx.Client, school: dict[str, str], token: str, site: str
+) -> None:
+    """Not even from an instructor's browser, by any address."""
+    cookies = f"{COOKIE}={FORM_TOKEN}; {SESSION_COOKIE}={school['instructor']}"
+    headers = {**PAGE, "Cookie": cookies, "Sec-Fetch-Site": site}
+    for operation in sorted(set(OPERATIONS) - set(LOOKS)):
+        method, path = operation.split()
+        if path.startswith("/lti/"):
+            continue  # another site, the learning platform, sends these: they carry proofs of their own
+        sent = {"files": {"file": ("a.csv", b"id,name\nnew,x\n")}, "data": {FIELD: token, "id": "next"}}
+        answer = client.request(method, path.format_map(school), headers=headers, **sent)
+        assert answer.status_code == httpx.codes.FORBIDDEN, operation
+        assert "Set-Cookie" not in answer.headers, operation
+
+
+def test_nothing_is_kept_on_the_way(client: httpx.Client, school: dict[str, str]) -> None:
+    """What is somebody's is in no cache that others share."""
+    headers = {**PAGE, "Cookie": f"{SESSION_COOKIE}={school['instructor']}"}
+    for operation in LOOKS:
+        with client.stream("GET", operation.split()[1].format_map(school), headers=headers) as answer:
+            assert {"no-store", "private"} & set(answer.headers["Cache-Control"].split(", ")), operation
+
+
+def answers(
+    client: httpx.Client, school: dict[str, str], operation: str, roles: tuple[str, ...] = ROLES
+) -> tuple[int, ...]:
+    """The status that each role gets."""
+    method, path = operation.split()
+    path = path.format_map(school)
+    query = {"first": school["submission_id"], "second": school["submission_id"]}
+    if path.endswith("/section"):
+        query = {"name": "A"}
+    if path.endswith("gradings/compare"):
+        query = {"first": "1", "second": "1"}
+    data = {
+        FIELD: FORM_TOKEN,
+        "student": "li",
+        "assignment": "spin",
+        "decision": "discard",
+        "reason": "x",
+        "points": "1",
+        "person": "new",
+        "text": "x",
+        "distro": "humble",
+        "id": "next",
+        "older_than": "400",
+        "again": "other",
+        "archived": "true",
+    }
+    if operation == "POST /class/rules":
+        data.pop("assignment")
+    if "appeals" in path:
+        data["decision"] = "refused"
+    if operation == "POST /class/people/import":
+        data |= {"entries": "id,name\nnew,x\n", "seen": "x"}
+    if operation == "POST /class/platforms/people/add":
+        data["seen"] = "x"
+    answered = []
+    for role in roles:
+        cookies = f"{COOKIE}={FORM_TOKEN}"
+        if role != "nobody":
+            cookies += f"; {SESSION_COOKIE}={school[role]}"
+        headers = {**PAGE, "Cookie": cookies}
+        kwargs = {} if method == "GET" else {"data": data}
+        if operation == "POST /assignments/{assignment_id}":
+            kwargs["files"] = {"file": ("square.py", role.encode())}
+        if operation == "POST /assignments/{assignment_id}/practice":
+            kwargs["files"] = {"file": ("square.py", b"x = 1\n")}
+        if operation == "POST /class/people/preview":
+            kwargs["files"] = {"file": ("class.csv", b"id,name\nnew,x\n")}
+        if operation == "POST /class/own":
+            kwargs["files"] = {"file": ("walk.zip", b"none")}
+        if operation == "POST /class/gradebook/fill":
+            kwargs["files"] = {"file": ("sheet.csv", b"id,points\nli,\n")}
+            kwargs["data"] = {**data, "column": "points", "assignment": ""}
+        answer = client.request(method, path, params=query, headers=headers, **kwargs)
+        answered.append(answer.status_code)
+    return tuple(answered)
