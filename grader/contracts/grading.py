@@ -36,12 +36,18 @@ class GradingResult(Record):
     Attributes:
         trajectories: per case id, the bytes of `grader.contracts.encode_trajectory`.
         requests: per case id, the first calls of the world's services; not stored.
+        encoded: `report` in its one byte form, if that is at hand already.
     """
 
     report: GradeReport
     trajectories: Mapping[str, bytes]
     measurements: Measurements
     requests: Mapping[str, tuple[WorldRequest, ...]] = field(default_factory=dict)
+    encoded: bytes | None = None
+
+    def report_bytes(self) -> bytes:
+        """Return the one byte form of the report (`GradeReport.canonical_bytes`)."""
+        return self.report.canonical_bytes() if self.encoded is None else self.encoded
 
 
 class RunProgress(Record):

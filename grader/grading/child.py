@@ -75,7 +75,7 @@ def _serve(channel: Channel, sandbox: Sandbox) -> None:
         while (request := channel.receive()) is not None:
             job = job_from_message(request)
             on_progress = partial(_tell, channel) if request.get("tells") else None
-            channel.send(_answer(pipeline, job, lambda: channel.send({"kind": "running"}), on_progress))
+            channel.send(*_answer(pipeline, job, lambda: channel.send({"kind": "running"}), on_progress))
             # Nobody waits now, so do here what would cost time while somebody does. Automatic collection is off
             # (`launch`).
             with suppress(GraderError):  # the next grading meets the fault again, and can report it
@@ -98,11 +98,11 @@ def _answer(
     job: GradingJob,
     on_run: Callable[[], None],
     on_progress: Callable[[RunProgress], None] | None,
-) -> dict[str, Any]:
+) -> tuple[dict[str, Any], list[bytes]]:
     try:
         return result_message(pipeline.grade(job, on_run, on_progress))
     except GraderError as error:
-        return _fault(error)
+        return _fault(error), []
 
 
 def _refuse(channel: Channel, error: GraderError) -> int:

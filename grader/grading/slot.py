@@ -1,18 +1,17 @@
 """A slot: one supervised grading process, seen from the parent.
 
-The child (`child`) holds PyBullet, the sandbox's zygote and the checks. Parent and child exchange length-prefixed
-JSON over two pipes and trust each other. When the child dies or does not answer in time, the job fails with an
+The child (`child`) holds PyBullet, the sandbox's zygote and the checks. Parent and child exchange messages over
+two pipes (`Channel`) and trust each other. When the child dies or does not answer in time, the job fails with an
 `InfrastructureError`; the next one starts a new child, so the caller may try again.
 """
 
-import base64
 import json
 import os
 import select
 import signal
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from types import TracebackType
 from typing import Any, Final, Self
@@ -20,7 +19,7 @@ from typing import Any, Final, Self
 from grader.contracts.errors import InfrastructureError, NoRoomError, SandboxUnavailableError, lacks_room
 from grader.contracts.grading import GradingJob, GradingResult, RunProgress, WorldRequest
 from grader.contracts.record import from_plain, to_plain
-from grader.contracts.report import GradeReport, Measurements
+from grader.contracts.report import Measurements, report_from
 from grader.grading.launch import Child, launch
 from grader.jail import bounds
 
@@ -49,7 +48,11 @@ class SlotConfig:
 
 
 class Channel:
-    """JSON messages over a pair of pipes: four bytes of length, little-endian, then UTF-8."""
+    """Messages over a pair of pipes: four bytes of length, little-endian, JSON in UTF-8, then blobs.
+
+    What is bytes already (a script, a report, trajectories) is a blob: in JSON it would be escaped on one side and
+    read again on the other. The message says under ``blobs`` how long each is.
+    """
 
     def __init__(self, reading: int, writing: int) -> None:
         """Take over two descriptors; they are not handed on to other processes."""
@@ -59,14 +62,18 @@ class Channel:
             os.set_inheritable(descriptor, False)
             os.set_blocking(descriptor, False)
 
-    def send(self, message: dict[str, Any], budget_s: float | None = None) -> None:
-        """Send one message, of plain values and contracts.
+    def send(
+        self, message: dict[str, Any], blobs: Sequence[bytes] = (), budget_s: float | None = None
+    ) -> None:
+        """Send one message, of plain values and contracts, with what is bytes already.
 
         Raises:
             OSError: the other end is closed, or (TimeoutError) did not take it within `budget_s`.
         """
+        if blobs:
+            message = {**message, "blobs": [len(one) for one in blobs]}
         data = json.dumps(message, ensure_ascii=False, default=to_plain).encode()
-        view = memoryview(len(data).to_bytes(_LENGTH_BYTES, "little") + data)
+        view = memoryview(b"".join((len(data).to_bytes(_LENGTH_BYTES, "little"), data, *blobs)))
         deadline_s = _deadline(budget_s)
         while view:
             try:
@@ -75,7 +82,7 @@ class Channel:
                 _wait(self._writing, select.POLLOUT, deadline_s)
 
     def receive(self, budget_s: float | None = None) -> dict[str, Any] | None:
-        """Receive one message; None when the other end is closed, in the middle of one or not.
+        """Receive one message, its ``blobs`` as bytes; None when the other end is closed, in a message or not.
 
         Raises:
             OSError: (TimeoutError) it did not come within `budget_s`.
@@ -83,15 +90,19 @@ class Channel:
         """
         deadline_s = _deadline(budget_s)
         header = self._exactly(_LENGTH_BYTES, deadline_s)
-        size = int.from_bytes(header, "little")
-        if size > _MESSAGE_MAX_BYTES:
-            raise ValueError(f"a message of {size} bytes was announced")
+        size = _bounded(int.from_bytes(header, "little"))
         data = self._exactly(size, deadline_s)
         if len(header) < _LENGTH_BYTES or len(data) < size:
             return None
         message = json.loads(data)
         if not isinstance(message, dict):
             raise ValueError("a message is no object")
+        if "blobs" in message:
+            sizes = _sizes(message["blobs"])
+            whole = self._exactly(_bounded(sum(sizes)), deadline_s)
+            if len(whole) < sum(sizes):
+                return None
+            message["blobs"] = list(_cut(whole, sizes))
         return message
 
     def close(self) -> None:
@@ -158,7 +169,7 @@ class Slot:
         self.start()
         # From one answer to the next, not for all runs: the child says when each of them begins.
         budget_s, has_run = bounds.longest_run_s(job.assignment.limits.wall_s) + _SPARE_S, False
-        self._send(_request(job, tells=on_progress is not None), budget_s)
+        self._send(_request(job, tells=on_progress is not None), budget_s, [job.source])
         try:
             while (kind := (answer := self._receive(budget_s)).get("kind")) in ("running", "progress"):
                 if kind == "running":
@@ -204,10 +215,10 @@ class Slot:
     ) -> None:
         self.close()
 
-    def _send(self, message: dict[str, Any], budget_s: float) -> None:
+    def _send(self, message: dict[str, Any], budget_s: float, blobs: Sequence[bytes] = ()) -> None:
         assert self._channel is not None
         try:
-            self._channel.send(message, budget_s)
+            self._channel.send(message, blobs, budget_s)
         except BrokenPipeError:
             return  # it has ended; `_receive` reports how
         except OSError as error:
@@ -235,16 +246,18 @@ class Slot:
 
     def _result(self, answer: dict[str, Any]) -> GradingResult:
         try:
+            report, *trajectories = answer["blobs"]
             return GradingResult(
-                report=from_plain(GradeReport, answer["report"]),
-                trajectories={case: text.encode() for case, text in answer["trajectories"].items()},
+                report=report_from(report),
+                encoded=report,
+                trajectories=dict(zip(answer["trajectories"], trajectories, strict=True)),
                 measurements=from_plain(Measurements, answer["measurements"]),
                 requests={
                     case: tuple(from_plain(WorldRequest, one) for one in made)
                     for case, made in answer["requests"].items()
                 },
             )
-        except (KeyError, AttributeError, ValueError) as error:
+        except (KeyError, AttributeError, TypeError, ValueError) as error:
             raise self._failed(error) from error
 
     def _failed(self, error: Exception) -> InfrastructureError:
@@ -293,27 +306,46 @@ class _Process:
 
 def job_from_message(message: dict[str, Any]) -> GradingJob:
     """Rebuild the job that `Slot.grade` sent."""
-    return from_plain(GradingJob, {**message["job"], "source": base64.b64decode(message["source"])})
+    (source,) = message["blobs"]
+    return from_plain(GradingJob, {**message["job"], "source": source})
 
 
-def result_message(result: GradingResult) -> dict[str, Any]:
-    """Return the message that carries `result` to the parent."""
-    return {
+def result_message(result: GradingResult) -> tuple[dict[str, Any], list[bytes]]:
+    """Return the message that carries `result` to the parent, and its blobs: the report, then trajectories."""
+    message = {
         "kind": "result",
-        "report": result.report,
-        "trajectories": {case: data.decode() for case, data in result.trajectories.items()},
+        "trajectories": list(result.trajectories),
         "measurements": result.measurements,
         "requests": result.requests,
     }
+    return message, [result.report_bytes(), *result.trajectories.values()]
 
 
 def _request(job: GradingJob, *, tells: bool = False) -> dict[str, Any]:
     return {
         "kind": "grade",
         "job": {"file_name": job.file_name, "assignment": job.assignment},
-        "source": base64.b64encode(job.source).decode(),
         "tells": tells,
     }
+
+
+def _bounded(size: int) -> int:
+    if size > _MESSAGE_MAX_BYTES:
+        raise ValueError(f"a message of {size} bytes was announced")
+    return size
+
+
+def _sizes(announced: Any) -> list[int]:
+    if not isinstance(announced, list) or not all(type(one) is int and one >= 0 for one in announced):
+        raise ValueError("the sizes of a message's blobs are no numbers")
+    return announced
+
+
+def _cut(whole: bytes, sizes: Sequence[int]) -> Iterator[bytes]:
+    begin = 0
+    for size in sizes:
+        yield whole[begin : begin + size]
+        begin += size
 
 
 def _deadline(budget_s: float | None) -> float | None:

@@ -44,7 +44,7 @@ def grading_values(
 ) -> Values:
     """Return the row of the grading itself."""
     report = result.report
-    content = report.canonical_bytes()
+    content = result.report_bytes()
     return {
         "submission_id": claim.submission_id,
         "attempt": claim.attempt,

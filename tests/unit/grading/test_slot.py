@@ -58,19 +58,23 @@ def read(size):
         data += part
     return data
 def receive():
-    return json.loads(read(int.from_bytes(read(4), "little")))
+    message = json.loads(read(int.from_bytes(read(4), "little")))
+    for size in message.get("blobs", ()): read(size)
+    return message
 def write(data):
     while data: data = data[os.write(answers, data):]
-def send(message):
-    data = json.dumps(message).encode()
-    write(len(data).to_bytes(4, "little") + data)
+def send(message, *blobs):
+    data = json.dumps(dict(message, blobs=[len(one) for one in blobs]) if blobs else message).encode()
+    write(len(data).to_bytes(4, "little") + data + b"".join(blobs))
 config = receive()
-RESULT = {{"kind": "result", "report": {REPORT!r}, "trajectories": {{"default": "t" * 200_000}},
+REPORT = json.dumps({REPORT!r}).encode()
+RESULT = {{"kind": "result", "trajectories": ["default"],
           "measurements": dict({MEASUREMENTS!r}, isolation=config["mode"]), "requests": {{}}}}
+BLOBS = REPORT, b"t" * 200_000
 def serve():
     while True:
         receive()
-        send(RESULT)
+        send(RESULT, *BLOBS)
 """
 
 
@@ -128,7 +132,7 @@ while True:
     job = receive()
     send({{"kind": "running"}})
     if job["tells"]: send({{"kind": "progress", "progress": {told!r}}})
-    send(RESULT)
+    send(RESULT, *BLOBS)
 """)
     runs, seen = [], []
     with Slot(SlotConfig()) as one:
@@ -221,7 +225,7 @@ def test_a_child_has_the_time_of_one_run_from_one_answer_to_the_next(
         return receive(self, budget_s)
 
     monkeypatch.setattr(slot.Channel, "receive", noting)
-    children.append("receive(); send({'kind': 'running'}); send(RESULT)")
+    children.append("receive(); send({'kind': 'running'}); send(RESULT, *BLOBS)")
     cases = tuple(Case(id=f"case{number}") for number in range(20))
     with Slot(SlotConfig()) as one:
         one.grade(replace(JOB, assignment=replace(ASSIGNMENT, limits=Limits(wall_s=120.0), cases=cases)))
@@ -236,8 +240,12 @@ def test_a_child_has_the_time_of_one_run_from_one_answer_to_the_next(
         pytest.param("write(b'\\xff\\xff\\xff\\xff')", id="4 GiB announced"),
         pytest.param("send({})", id="no kind"),
         pytest.param("send({'kind': 'result'})", id="no report"),
-        pytest.param("send(dict(RESULT, report=3))", id="report is a number"),
-        pytest.param("send(dict(RESULT, trajectories=[1]))", id="trajectories are a list"),
+        pytest.param("send(RESULT, b'3', b'')", id="report is a number"),
+        pytest.param("send(RESULT, REPORT)", id="no blob for the trajectory"),
+        pytest.param("send(dict(RESULT, trajectories=1), *BLOBS)", id="trajectories are a number"),
+        pytest.param("send(dict(RESULT, blobs=[-1, 1]))", id="a blob of less than nothing"),
+        pytest.param("send(dict(RESULT, blobs=[1 << 40]))", id="a TiB of blobs announced"),
+        pytest.param("send(dict(RESULT, blobs=[9])); write(b'half')", id="half a blob"),
         pytest.param("send({'kind': 'fault', 'message': 'the car melted'})", id="a fault"),
         pytest.param("write(b'\\x10\\0\\0\\0half')", id="half an answer"),
         pytest.param("os.close(answers)", id="closes its end and goes on"),
@@ -330,7 +338,7 @@ def test_the_whole_group_ends_with_the_slot(children: list[str], tmp_path: Path)
 def test_a_child_whose_parent_is_gone_ends_without_a_word(capfd: pytest.CaptureFixture[str]) -> None:
     with Slot(SlotConfig(mode="dev")) as one:
         assert one._channel is not None
-        one._channel.send(slot._request(JOB), PATIENCE_S)
+        one._channel.send(slot._request(JOB), [JOB.source], PATIENCE_S)
         one._channel.close()
         one._channel = None
         assert process_of(one).wait(PATIENCE_S) == 0

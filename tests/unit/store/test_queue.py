@@ -4,6 +4,7 @@ from collections import Counter
 from dataclasses import replace
 from itertools import count
 
+import psycopg._queries
 import pytest
 from sqlalchemy import inspect, text
 from sqlalchemy.event import listen
@@ -323,10 +324,16 @@ def test_on_postgresql_a_result_and_the_next_claim_are_one_statement(
     claim = claimed(queue)
     asked: list[str] = []
     listen(postgres_database.engine, "before_cursor_execute", lambda *about: asked.append(about[2]))
-    _, following = queue.finish_and_claim(claim, result_of(claim), assignment(), "w")
+    result = result_of(claim)
+    result = replace(result, report=replace(result.report, mistakes=("published_once",)))
+    _, following = queue.finish_and_claim(claim, result, assignment(), "w")
     assert following is not None
     (statement,) = asked
     assert "set_config('synchronous_commit', 'off', true)" in statement
+    assert "INSERT INTO graded_mistake" in statement
+    assert (
+        len(statement) <= psycopg._queries.MAX_CACHED_STATEMENT_LENGTH
+    )  # longer ones are read anew each time
     with postgres_database.reading() as session:
         assert session.execute(text("SHOW synchronous_commit")).scalar_one() == "on"
         assert session.execute(text("SELECT count(*) FROM procrastinate_jobs")).scalar_one() == 1
