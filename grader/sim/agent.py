@@ -64,7 +64,7 @@ class ScriptedGraph:
     def publish(self, topic: str, t_ns: int, payload: bytes) -> None:
         """Publish to the car and to the script."""
         if topic in self._world.command_topics:
-            self._world.command(topic, t_ns, *twist_of(payload))
+            self._world.command(topic, (t_ns,), *twist_of(payload))
         self._world.outbox.publish(topic, t_ns, payload)
 
     def listen(self, topic: str, identity: int, t_ns: int) -> None:
@@ -166,10 +166,11 @@ class Agent:
         self._bridge.take_event(event)
         self._read()
 
-    def heard(self, topic: str, t_ns: int, payload: bytes) -> None:
+    def heard(self, topic: str, times_ns: Sequence[int], payload: bytes) -> None:
         """Take a message that the script published on one of `topics`, and go on with what waited for it."""
-        self._world.outbox.publish(topic, t_ns, payload)
-        self.run(t_ns)
+        for t_ns in times_ns:
+            self._world.outbox.publish(topic, t_ns, payload)
+            self.run(t_ns)
 
     def _is_there(self) -> bool:
         """Whether what the present step speaks to exists."""

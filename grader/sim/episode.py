@@ -2,7 +2,7 @@
 
 import hashlib
 import struct
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
@@ -37,6 +37,8 @@ from grader.sim.frames import (
     Link,
     NoteFrame,
     Publish,
+    RareFrame,
+    Repeat,
     Request,
     Response,
 )
@@ -162,7 +164,8 @@ class Episode:
         self._journal = Journal()
         self._calls = ServiceCalls(spec.calls, self._graph, spec.interfaces)
         self._agent = _agent(spec, self._world, self._graph) if spec.agent else None
-        self._sinks: dict[int, Callable[[int, bytes], None]] = {}
+        self._sinks: dict[int, Callable[[Sequence[int], bytes], None]] = {}
+        self._published: Publish | None = None  # the frame before, if it was that, or repeated it
         self._now_ns = 0
         self._requests: list[WorldRequest] = []
         self._asked_ns: int | None = None  # the last time, while script and world take turns
@@ -242,8 +245,16 @@ class Episode:
     def _take(self, frame: Frame, link: Link) -> None:
         """Act on one frame; its time must not be earlier than that of the one before."""
         if isinstance(frame, Publish):
-            self._publish(frame)
-        elif isinstance(frame, NoteFrame):
+            self._published = frame
+            self._publish(*frame)
+        elif isinstance(frame, Repeat):
+            self._repeat(frame)
+        else:
+            self._published = None
+            self._take_other(frame, link)
+
+    def _take_other(self, frame: RareFrame, link: Link) -> None:
+        if isinstance(frame, NoteFrame):
             self._note(frame)
         elif isinstance(frame, Advance):
             self._check_time(frame.t_ns)
@@ -276,14 +287,33 @@ class Episode:
             raise ProtocolError("CALLS came in a world without PyBullet")
         self._bullet.take(frame.recorded)
 
-    def _publish(self, frame: Publish) -> None:
-        identity, t_ns, payload = frame
+    def _publish(self, identity: int, t_ns: int, payload: bytes) -> None:
         self._pass_time(t_ns)
         if t_ns > self._now_ns:  # beyond the horizon
             return
         self._graph.get(identity, PUBLISHER)
         if sink := self._sinks.get(identity):
-            sink(t_ns, payload)
+            sink((t_ns,), payload)
+
+    def _repeat(self, frame: Repeat) -> None:
+        """Take a message that was published again and again, with nothing else between."""
+        identity, times_ns = frame
+        if self._published is None or self._published.id != identity:
+            raise ProtocolError("REPEAT.id is not that of the frame before")
+        if list(times_ns) != sorted(times_ns):
+            raise ProtocolError("REPEAT.times go back")
+        payload = self._published.payload
+        if self._agent is not None:  # it may act between two of them
+            for t_ns in times_ns:
+                self._publish(identity, t_ns, payload)
+            return
+        self._check_time(times_ns[0])
+        self._pass_time(times_ns[-1])
+        if not (taken := _up_to(self._spec.horizon_ns, times_ns)):
+            return
+        self._graph.get(identity, PUBLISHER, uses=len(taken))
+        if sink := self._sinks.get(identity):
+            sink(taken, payload)
 
     def _pass_time(self, t_ns: int) -> None:
         """Go on to `t_ns`; what a script does after Ctrl+C happens at the horizon, as its EXIT does."""
@@ -365,14 +395,15 @@ class Episode:
             self._world.outbox.unsubscribe(entity.id)
             self._connect(entity)
 
-    def _log(self, t_ns: int, payload: bytes) -> None:
+    def _log(self, times_ns: Sequence[int], payload: bytes) -> None:
         """Take a log record; bytes that are not one are dropped, as in `_command`."""
         try:
-            self._journal.log(t_ns, payload)
+            for t_ns in times_ns:
+                self._journal.log(t_ns, payload)
         except ProtocolError:
             self._journal.note("unreadable_message", ROSOUT)
 
-    def _command(self, topic: str, created_ns: int, t_ns: int, payload: bytes) -> None:
+    def _command(self, topic: str, created_ns: int, times_ns: Sequence[int], payload: bytes) -> None:
         """Take a Twist. A script may publish raw bytes; those that are not a Twist are dropped, as DDS does."""
         if len(payload) != _TWIST.size or payload[:4] != HEADER:
             self._journal.note("unreadable_message", topic)
@@ -380,8 +411,8 @@ class Episode:
         _, x, y, _, _, _, turn = _TWIST.unpack(payload)
         if x or turn:
             self._has_moved = True
-            self._is_heard |= t_ns - created_ns > DISCOVERY_NS
-        self._world.command(topic, t_ns, x, y, turn)
+            self._is_heard |= times_ns[-1] - created_ns > DISCOVERY_NS
+        self._world.command(topic, times_ns, x, y, turn)
 
     def _advance(self, frame: Advance, link: Link) -> None:
         """Answer ADVANCE: run to the first instant at which something is due, or as far as is asked."""
@@ -508,6 +539,11 @@ def _seen_in(received: ReceivedCommands, trajectory: Trajectory) -> Iterator[str
 
 _CONTESTED: Final = 20  # more changes from a drive to a turn than any figure has
 _LONGEST_VALUES: Final = 200
+
+
+def _up_to(horizon_ns: int, times_ns: Sequence[int]) -> Sequence[int]:
+    """Return the times that are not beyond the horizon."""
+    return times_ns if times_ns[-1] <= horizon_ns else [t_ns for t_ns in times_ns if t_ns <= horizon_ns]
 
 
 def _asked(service_type: str, payload: bytes) -> str | None:

@@ -64,6 +64,13 @@ class Publish(NamedTuple):
     payload: bytes
 
 
+class Repeat(NamedTuple):
+    """The message of the PUBLISH before was published again at these times."""
+
+    id: int
+    times_ns: tuple[int, ...]
+
+
 class Request(NamedTuple):
     """A request to a service of the world."""
 
@@ -119,7 +126,8 @@ class Exit(NamedTuple):
     detail: str
 
 
-Frame: TypeAlias = Entity | Gone | Publish | Request | Response | Advance | NoteFrame | CallsFrame | Exit
+RareFrame: TypeAlias = Entity | Gone | Request | Response | Advance | NoteFrame | CallsFrame | Exit
+Frame: TypeAlias = Publish | Repeat | RareFrame
 
 
 class Event(NamedTuple):

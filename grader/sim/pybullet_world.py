@@ -1,6 +1,6 @@
 """The world of a script that brings PyBullet: nothing beside it, and its recorded calls."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from grader.sim.feeds import Outbox
@@ -51,7 +51,9 @@ class PybulletWorld:
     def listen(self, topic: str, identity: int, t_ns: int, *, late: bool = False) -> None:
         """There is nothing to hear."""
 
-    def command(self, topic: str, t_ns: int, linear_x: float, linear_y: float, angular_z: float) -> None:
+    def command(
+        self, topic: str, times_ns: Sequence[int], linear_x: float, linear_y: float, angular_z: float
+    ) -> None:
         """There is no car."""
 
     def request(self, service: str, request: Request) -> bool:

@@ -1,5 +1,6 @@
 """The velocity commands that came, for the trajectory and for the account of the run."""
 
+from collections.abc import Sequence
 from typing import Final
 
 from grader.contracts.trajectory import Command
@@ -29,35 +30,40 @@ class ReceivedCommands:
         self.last_ns: int | None = None
 
     def take(
-        self, update: int, t_ns: int, asked: tuple[float, float, float], obeyed: tuple[float, float, bool]
+        self,
+        came: Sequence[tuple[int, int]],
+        asked: tuple[float, float, float],
+        obeyed: tuple[float, float, bool],
     ) -> None:
-        """Take a command of time `t_ns`.
+        """Take a command that came once or several times in a row.
 
         Args:
-            update: which update of the car acts on it; of several commands the last counts.
-            t_ns: when it came.
+            came: for each time, which update of the car acts on it (of several commands the last counts), and when
+                it was; in order.
             asked: its speeds ahead and to the left, and its yaw rate.
             obeyed: speed and yaw rate as the car takes them, and whether the command was finite.
         """
         v, w, finite = obeyed
         ahead, left, turn = asked
+        times = len(came)
         if not finite:
-            self.nonfinite += 1
+            self.nonfinite += times
         elif v != ahead or w != turn:
-            self.clamped += 1
+            self.clamped += times
         if v or w:
-            self.motions += 1
+            self.motions += times
         if bool(v) != bool(w):
-            self.contested += self._last == (update, not v)
-            self._last = (update, bool(v))
+            self.contested += self._last == (came[0][0], not v)  # only the first follows one of another kind
+            self._last = (came[-1][0], bool(v))
         if left:
-            self.lateral += 1
-        self.count += 1
+            self.lateral += times
+        self.count += times
         if self.first_ns is None:
-            self.first_ns = t_ns
-        self.last_ns = t_ns
+            self.first_ns = came[0][1]
+        self.last_ns = came[-1][1]
         told = (_recorded(ahead), _recorded(turn)) if finite else (v, w)
-        self._recorder.command(update, Command(t_ns, *told))
+        for update, t_ns in came:
+            self._recorder.command(update, Command(t_ns, *told))
 
 
 def _recorded(asked: float) -> float:

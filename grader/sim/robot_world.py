@@ -1,7 +1,7 @@
 """A TurtleBot3 Burger in a room, as a script meets it: the topics of its simulation in Gazebo on Humble."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -153,13 +153,16 @@ class RobotWorld:
         elif late:
             self.outbox.add(Event(MESSAGE_EVENT, identity, 0, t_ns, feed.build(SIM_START_NS)))
 
-    def command(self, topic: str, t_ns: int, linear_x: float, linear_y: float, angular_z: float) -> None:
+    def command(
+        self, topic: str, times_ns: Sequence[int], linear_x: float, linear_y: float, angular_z: float
+    ) -> None:
         """Take a message on the command topic: it acts from the next tick of the drive until the next command."""
-        self.advance(t_ns)
         obeyed = clamp_twist(linear_x, angular_z)
-        update = last_beat_at(t_ns) // DRIVE_BEATS
-        self.received.take(update, t_ns, (linear_x, linear_y, angular_z), obeyed)
-        self._body.command(obeyed[0], obeyed[1])
+        for t_ns in times_ns:
+            self.advance(t_ns)
+            update = last_beat_at(t_ns) // DRIVE_BEATS
+            self.received.take([(update, t_ns)], (linear_x, linear_y, angular_z), obeyed)
+            self._body.command(obeyed[0], obeyed[1])
 
     def request(self, service: str, request: Request) -> bool:
         """Drop a request: the world has no services."""

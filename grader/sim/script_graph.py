@@ -79,8 +79,8 @@ class ScriptGraph:
             self._services[entry.entity.name, entry.entity.type].remove(identity)
         return entry.entity
 
-    def get(self, identity: int, what: int) -> Entity:
-        """Return the living entity of that id and kind, and count one use of it.
+    def get(self, identity: int, what: int, uses: int = 1) -> Entity:
+        """Return the living entity of that id and kind, and count its uses.
 
         Raises:
             ProtocolError: there is none.
@@ -88,7 +88,7 @@ class ScriptGraph:
         entry = self._entries.get(identity)
         if entry is None or not entry.alive or entry.entity.what != what:
             raise ProtocolError(f"id {identity} is not a {_KINDS[what]}")
-        entry.count += 1
+        entry.count += uses
         return entry.entity
 
     def on(self, topics: frozenset[str]) -> list[Entity]:

@@ -1,6 +1,6 @@
 """What an episode needs of a world, whichever it is."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 from grader.sim.feeds import Outbox
@@ -49,8 +49,10 @@ class SimulatedWorld(Protocol):
         `late`: it is TRANSIENT_LOCAL, and wants what is kept for those who come late.
         """
 
-    def command(self, topic: str, t_ns: int, linear_x: float, linear_y: float, angular_z: float) -> None:
-        """Take a message on a command topic."""
+    def command(
+        self, topic: str, times_ns: Sequence[int], linear_x: float, linear_y: float, angular_z: float
+    ) -> None:
+        """Take a message on a command topic, which was published at each of these times in order."""
 
     def request(self, service: str, request: Request) -> bool:
         """Queue a request to one of `services`; false when too many wait."""

@@ -1,6 +1,7 @@
 """turtlesim's rules for a velocity command: the graded turtle, which is the car, and those a script spawns."""
 
 import math
+from collections.abc import Sequence
 from typing import Final, Protocol
 
 from grader.contracts.assignment import WINDOW_M, World
@@ -93,18 +94,20 @@ class Turtle:
             self._car.command(0.0, 0.0)
         self._car.advance(end_ns)
 
-    def receive(self, t_ns: int, linear_x: float, linear_y: float, angular_z: float) -> None:
-        """Take a velocity command of time `t_ns`, not earlier than any instant advanced to.
+    def receive(self, times_ns: Sequence[int], linear_x: float, linear_y: float, angular_z: float) -> None:
+        """Take a velocity command of these times, in order and not earlier than any instant advanced to.
 
         A sideways component is only counted: turtlesim 1.4 slides sideways, a car on two wheels cannot.
         """
         v, w, finite = clamp_command(linear_x, angular_z)
-        if (v, w) != self._car.commanded or t_ns >= self._drop_ns or t_ns - self._car.now_ns >= _LAG_NS:
-            self.advance(t_ns)
-        update = next_update(t_ns)
-        self.commands.take(update, t_ns, (linear_x, linear_y, angular_z), (v, w, finite))
-        if self.alive:
-            self._obey(update, v, w)
+        came = [(next_update(t_ns), t_ns) for t_ns in times_ns]
+        self.commands.take(came, (linear_x, linear_y, angular_z), (v, w, finite))
+        car = self._car
+        for update, t_ns in came:
+            if (v, w) != car.commanded or t_ns >= self._drop_ns or t_ns - car.now_ns >= _LAG_NS:
+                self.advance(t_ns)
+            if self.alive:
+                self._obey(update, v, w)
 
     def drive(self, v_mps: float, w_radps: float) -> None:
         """Set the velocity from the next update on, as a rotation goal does."""

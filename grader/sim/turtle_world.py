@@ -4,7 +4,7 @@ import json
 import math
 import re
 from collections import deque
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
@@ -175,16 +175,22 @@ class TurtleWorld:
         self.advance(t_ns)
         self.outbox.subscribe(topic, identity)
 
-    def command(self, topic: str, t_ns: int, linear_x: float, linear_y: float, angular_z: float) -> None:
-        """Take a message on a command topic."""
+    def command(
+        self, topic: str, times_ns: Sequence[int], linear_x: float, linear_y: float, angular_z: float
+    ) -> None:
+        """Take a message on a command topic, which was published at each of these times in order."""
         commanded = self._commands[topic]
-        if self.next_due() is not None:
-            self.advance(t_ns)
-            commanded.action.interrupt()
-        if commanded.name == GRADED:
-            self.turtle.receive(t_ns, linear_x, linear_y, angular_z)
-        else:
-            self._others[commanded.name].receive(t_ns, linear_x, angular_z)
+        if commanded.name == GRADED and self.next_due() is None:  # commands make nothing due by themselves
+            self.turtle.receive(times_ns, linear_x, linear_y, angular_z)
+            return
+        for t_ns in times_ns:
+            if self.next_due() is not None:
+                self.advance(t_ns)
+                commanded.action.interrupt()
+            if commanded.name == GRADED:
+                self.turtle.receive((t_ns,), linear_x, linear_y, angular_z)
+            else:
+                self._others[commanded.name].receive(t_ns, linear_x, angular_z)
 
     def request(self, service: str, request: Request) -> bool:
         """Queue a request to one of `services` for the next update; false when too many wait."""

@@ -29,11 +29,12 @@ from grader.sim.frames import (
     Gone,
     NoteFrame,
     Publish,
+    Repeat,
     Request,
     Response,
 )
 
-PROTOCOL: Final = 4
+PROTOCOL: Final = 5
 MAX_NAME_BYTES: Final = 1_024
 MAX_ENTITY_NAME_BYTES: Final = 255  # as in rmw, the middleware's interface
 MAX_NODE_NAME_BYTES: Final = 501  # a namespace of 245, a slash and a name of 255, as in rmw
@@ -41,6 +42,7 @@ MAX_MESSAGE_BYTES: Final = 4_096
 MAX_DETAIL_BYTES: Final = 16_384
 
 ENTITY, GONE, PUBLISH, REQUEST, RESPONSE, ADVANCE, NOTE, EXIT = 0x10, 0x11, 0x12, 0x13, 0x14, 0x15, 0x20, 0x21
+REPEAT: Final = 0x16
 CALLS: Final = 0x30
 START, EVENTS = 0x80, 0x81
 
@@ -49,6 +51,7 @@ _TYPE: Final = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*){1,2}", re.ASCII)
 
 _U8, _U16, _U32, _I32, _I64 = (struct.Struct("<" + code) for code in "BHIiq")
 _PUBLISH_HEAD: Final = struct.Struct("<BHq")
+_REPEAT_HEAD: Final = struct.Struct("<BHH")
 _CALL_HEAD: Final = struct.Struct("<BHIq")
 _ADVANCE: Final = struct.Struct("<Bqq")
 _CALLS_HEAD: Final = struct.Struct("<Bq")
@@ -188,6 +191,20 @@ def _read_publish(body: bytes) -> Publish:
     return Publish(identity, t_ns, body[_PUBLISH_HEAD.size :])
 
 
+def _read_repeat(body: bytes) -> Repeat:
+    """Read REPEAT: one time for each message, all the same as the one before."""
+    try:
+        _, identity, count = _REPEAT_HEAD.unpack_from(body)
+        times_ns = struct.unpack_from(f"<{count}q", body, _REPEAT_HEAD.size)
+    except struct.error:
+        raise ProtocolError("REPEAT.times is cut off") from None
+    if not times_ns or min(times_ns) < 0:
+        raise ProtocolError("REPEAT.times is empty or has a negative one")
+    if left := len(body) - _REPEAT_HEAD.size - count * _I64.size:
+        raise ProtocolError(f"REPEAT.end is followed by {left} bytes")
+    return Repeat(identity, times_ns)
+
+
 def _read_call(name: str, body: bytes) -> tuple[int, int, int, bytes]:
     try:
         _, identity, sequence, t_ns = _CALL_HEAD.unpack_from(body)
@@ -254,6 +271,7 @@ _READERS: Final[dict[int, Callable[[bytes], Frame]]] = {
     ENTITY: _read_entity,
     GONE: _read_gone,
     PUBLISH: _read_publish,
+    REPEAT: _read_repeat,
     REQUEST: _read_request,
     RESPONSE: _read_response,
     ADVANCE: _read_advance,

@@ -48,6 +48,10 @@ def publish(identity: int, t_ns: int, payload: bytes) -> bytes:
     return struct.pack("<BHq", 0x12, identity, t_ns) + payload
 
 
+def repeat(identity: int, *times_ns: int) -> bytes:
+    return struct.pack(f"<BHH{len(times_ns)}q", 0x16, identity, len(times_ns), *times_ns)
+
+
 def request(identity: int, sequence: int, t_ns: int, payload: bytes) -> bytes:
     return struct.pack("<BHIq", 0x13, identity, sequence, t_ns) + payload
 

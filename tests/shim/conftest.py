@@ -55,7 +55,8 @@ class Run:
     """What a script did, as the episode sees it.
 
     Attributes:
-        frames: every frame as ``{"kind": "PUBLISH", "t_ns": ..., ...}`` in order.
+        frames: every frame as ``{"kind": "PUBLISH", "t_ns": ..., ...}`` in order; a REPEAT as the PUBLISH frames
+            that it stands for.
     """
 
     stdout: str = ""
@@ -137,6 +138,9 @@ def decode(body: bytes) -> dict[str, Any]:
         frame = {"kind": "GONE", "id": r.take("H"), "t_ns": r.take("q")}
     elif kind == 0x12:
         frame = {"kind": "PUBLISH", "id": r.take("H"), "t_ns": r.take("q"), "cdr": r.rest()}
+    elif kind == 0x16:
+        frame = {"kind": "REPEAT", "id": r.take("H")}
+        frame |= {"times_ns": [r.take("q") for _ in range(r.take("H"))]}
     elif kind in (0x13, 0x14):
         frame = {
             "kind": "REQUEST" if kind == 0x13 else "RESPONSE",
@@ -176,11 +180,18 @@ class Episode:
                 body = stream.read(size)
                 self.run.raw.append(head + body)
                 frame = decode(body)
-                self.run.frames.append(frame)
+                self.run.frames += self.repeated(frame) if frame["kind"] == "REPEAT" else [frame]
                 if frame["kind"] == "ADVANCE":
                     self.end.sendall(self.answer(frame["t_ns"], frame["together_ns"]))
                 elif frame["kind"] == "REQUEST":
                     self.respond(frame)
+
+    def repeated(self, frame: dict[str, Any]) -> list[dict[str, Any]]:
+        before = self.run.frames[-1]
+        assert (before["kind"], before["id"]) == ("PUBLISH", frame["id"])
+        assert frame["times_ns"]
+        assert frame["times_ns"] == sorted(frame["times_ns"])
+        return [before | {"t_ns": t_ns} for t_ns in frame["times_ns"]]
 
     def respond(self, frame: dict[str, Any]) -> None:
         service = self.services.get(self.run.entities[frame["id"]]["name"])

@@ -100,10 +100,24 @@ def test_frames_are_sent_in_batches_and_every_one_arrives(run_bare: RunScript) -
     run = run_bare(
         HEAD + f"a = {TWIST}\nlink.publish(a, bytes(52))\nsent = []\nchannel = link._channel\nclass Spy:\n"
         "    def sendall(self, data): sent.append(len(data)); channel.sendall(data)\nlink._channel = Spy()\n"
-        "for _ in range(1000): link.publish(a, bytes(52))\nprint(len(sent), min(sent) >= 16384)\n"
+        "for _ in range(2500): link.publish(a, bytes(52))\nprint(sent)\n"
     )
-    assert run.stdout == "4 True\n"
-    assert len(run.of("PUBLISH")) == 1001
+    assert run.stdout == "[8009, 8009]\n"  # a thousand times of eight bytes each; the rest comes before EXIT
+    assert len(run.of("PUBLISH")) == 2501
+    assert len(run.raw) < 10
+
+
+def test_repetitions_end_where_anything_else_is_published(run_bare: RunScript) -> None:
+    run = run_bare(
+        HEAD
+        + f"a = {TWIST}\nb = link.register('publisher', '/n', '/turtle1/cmd_vel', 'geometry_msgs/msg/Twist')\n"
+        "for ident, data in ((a, b'x'), (a, b'x'), (b, b'x'), (a, b'x'), (a, b'x'), (a, b'y'), (a, b'y')):\n"
+        "    time.sleep(0.1); link.publish(ident, data)\n"
+    )
+    told = [(f["id"], f["cdr"], f["t_ns"] // 100_000_000) for f in run.of("PUBLISH")]
+    assert [cdr for _, cdr, _ in told] == [b"x"] * 5 + [b"y"] * 2
+    assert [ident - told[0][0] for ident, *_ in told] == [0, 0, 1, 0, 0, 0, 0]
+    assert [at for *_, at in told] == [1, 2, 3, 4, 5, 6, 7]
 
 
 def test_what_a_killed_script_did_is_known(run_bare: RunScript) -> None:
@@ -117,7 +131,8 @@ def test_what_a_killed_script_did_is_known(run_bare: RunScript) -> None:
         "print([total(link.publish, a, b'v1') for _ in range(3)], total(link.publish, a, b'v2'), sent[-1])\n"
         "for pause_s in (0.9, 0.1): time.sleep(pause_s); print(total(link.publish, a, b'v2'))\n"
     )
-    assert run.stdout == "1 1 1\n[0, 0, 0] 1 4\n0\n1\n"
+    assert run.stdout == "1 1 1\n[0, 0, 0] 1 1\n0\n1\n"
+    assert [frame["cdr"] for frame in run.of("PUBLISH")] == [b"v1"] * 4 + [b"v2"] * 3
 
 
 def test_a_flood_of_news_is_sent_in_batches(run_bare: RunScript) -> None:

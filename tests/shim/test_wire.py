@@ -33,6 +33,8 @@ def write(f: dict[str, Any]) -> bytes:
             frame = wire.gone(f["id"], f["t_ns"])
         case "PUBLISH":
             frame = wire.publish(f["id"], f["t_ns"], payload)
+        case "REPEAT":
+            frame = wire.repeat(f["id"], f["times_ns"])
         case "REQUEST" | "RESPONSE":
             kind = wire.REQUEST if f["kind"] == "REQUEST" else wire.RESPONSE
             frame = wire.service(kind, f["id"], f["sequence"], f["t_ns"], payload)

@@ -30,6 +30,10 @@ if TYPE_CHECKING:
         coupled: bool
         quiet_ns: int
 
+        @property
+        def reckons(self) -> bool:
+            """Whether a pose is due at `quiet_ns`, and nobody has to be asked for it."""
+
         def advance(self, target_ns: int, together_ns: int) -> int:
             """Let the world run to the first event up to `target_ns`, deliver it, return the instant reached.
 
@@ -346,6 +350,23 @@ class Kernel:
             self._skip_to(target_ns)
             return True
         return False
+
+    def skip_to_pose(self, before_ns: int) -> bool:
+        """Let a wait pass at once up to the next pose that is reckoned, if nothing else can happen until then.
+
+        Returns:
+            False, and nothing was done: the caller has to `wait`. So it is if no pose is reckoned, if it comes at
+            `before_ns` or later, or if another thread, a signal or an alarm may come first.
+        """
+        world = self._coupled()
+        if world is None or len(self.threads) != 1 or self._signals or not world.reckons:
+            return False
+        pose_ns = world.quiet_ns
+        if not self.now_ns < pose_ns < min(before_ns, self._limit_ns, self._alarm_ns):
+            return False
+        self._skip_to(world.advance(pose_ns, 0))
+        self.replan()
+        return True
 
     def on_interrupt(self, callback: Callable[[], None]) -> None:
         """Have `callback` run at each Ctrl+C, before KeyboardInterrupt."""

@@ -35,6 +35,9 @@ REPETITIONS_WAIT_NS = 1_000_000_000
 """Virtual time since the last flush after which the next frame is sent with what is buffered. Each flush costs
 both processes some 15 us."""
 
+MOST_REPETITIONS = 1_000
+"""How many repetitions of a message travel in one frame."""
+
 COUNT_EVERY = 100
 """A topic nobody in the world listens to: every how many messages one empty PUBLISH is sent."""
 
@@ -102,6 +105,8 @@ class Link:
         self._flushed_ns = -REPETITIONS_WAIT_NS
         self._prompt = PROMPT_FLUSHES
         self._last: dict[int, bytes] = {}
+        self._repeated = 0  # the publisher whose message was the last frame; 0: that was something else
+        self._repetitions_ns: list[int] = []  # when that message was published again
         self._reckoning: Reckoning | None = None
         self._reckoned: list[tuple[int, bytes]] = []  # poses that are due, with their times
         self._listeners: tuple[int, ...] = ()  # the subscriptions they are for
@@ -117,6 +122,11 @@ class Link:
         self._requests: set[tuple[int, int]] = set()
         self._names: dict[str, set[tuple[str, str]]] = {}
         self._living: dict[int, tuple[str, tuple[str, str]]] = {}
+
+    @property
+    def reckons(self) -> bool:
+        """Whether a pose is due at `quiet_ns`, and nobody has to be asked for it."""
+        return self._reckoning is not None
 
     def connect_world(self, world: dict[str, Any]) -> None:
         """Take `world`, what START says of the simulator, as the other end of the channel."""
@@ -226,19 +236,29 @@ class Link:
                 return
             cdr = b""
         now_ns = self._kernel.now_ns
-        frame = _wire.publish(ident, now_ns, cdr)
         reckoning = self._reckoning
         if reckoning is not None and ident in reckoning.publishers:
             if reckoning.next_ns <= now_ns:
                 self._reckon(now_ns)
             reckoning.command(now_ns, cdr)
-        if self._last.get(ident) == cdr:
-            self._send(frame)
-        else:
+        if self._last.get(ident) != cdr:
             self._last[ident] = cdr
-            self._tell(frame)
+            self._tell(_wire.publish(ident, now_ns, cdr))
+        elif self._repeated != ident:
+            self._send(_wire.publish(ident, now_ns, cdr))
+        else:
+            self._repeat(now_ns)
+        self._repeated = ident
         if ident in self._told:
             self._expect()  # who reads it may ask for something then
+
+    def _repeat(self, now_ns: int) -> None:
+        """Note that the last frame's message was published again: so long as nothing else is, only when counts."""
+        if self._channel is None:
+            return
+        self._repetitions_ns.append(now_ns)
+        if now_ns - self._flushed_ns >= REPETITIONS_WAIT_NS or len(self._repetitions_ns) == MOST_REPETITIONS:
+            self.flush()
 
     def request(self, ident: int, sequence: int, cdr: bytes) -> None:
         """Send a request of client `ident` to a service of the world."""
@@ -360,6 +380,8 @@ class Link:
 
     def flush(self) -> None:
         """Send what is buffered."""
+        if self._repetitions_ns:
+            self._put_repetitions()
         if self._channel is not None and self._buffer:
             data = bytes(self._buffer)
             self._buffer.clear()
@@ -402,9 +424,16 @@ class Link:
     def _send(self, frame: bytes, wait_ns: int = REPETITIONS_WAIT_NS) -> None:
         if self._channel is None:
             return
+        if self._repetitions_ns:
+            self._put_repetitions()
+        self._repeated = 0
         self._buffer += frame
         if len(self._buffer) >= FLUSH_BYTES or self._kernel.now_ns - self._flushed_ns >= wait_ns:
             self.flush()
+
+    def _put_repetitions(self) -> None:
+        self._buffer += _wire.repeat(self._repeated, self._repetitions_ns)
+        self._repetitions_ns.clear()
 
     def _receive(self) -> bytes:
         """Return the body of the next frame."""

@@ -63,6 +63,8 @@ class Reckoning:
         self._resting = resting
         self._window_m = window_m
         self._at_rest: bytes | None = None
+        self._taken = b""  # the last command, and its (v, w)
+        self._asked = (0.0, 0.0)
 
     def update(self) -> bytes:
         """Run the next update; return the pose that it publishes."""
@@ -80,14 +82,13 @@ class Reckoning:
 
     def command(self, t_ns: int, cdr: bytes) -> None:
         """Take what was published as a command at `t_ns`, which no update up to then has seen."""
-        if len(cdr) != _TWIST.size or cdr[:4] != _HEADER:
+        if cdr == self._taken:
+            v, w = self._asked
+        elif len(cdr) != _TWIST.size or cdr[:4] != _HEADER:
             return
-        _, v, _, _, _, _, w = _TWIST.unpack(cdr)
-        if not (-MOST <= v <= MOST and -MOST <= w <= MOST):
-            if math.isfinite(v) and math.isfinite(w):
-                v, w = min(max(v, -MOST), MOST), min(max(w, -MOST), MOST)
-            else:
-                v = w = 0.0
+        else:
+            v, w = self._asked = _bounded(cdr)
+            self._taken = cdr
         self._order((v, w))
         update = t_ns // UPDATE_NS + 1
         self._drop_ns = (update + LIFE_NS // UPDATE_NS + 1) * UPDATE_NS - 1 if v or w else NEVER_NS
@@ -112,6 +113,16 @@ class Reckoning:
     def _published(self) -> bytes:
         v, w = self._velocity
         return _POSE.pack(_HEADER, self._x_m, self._y_m, _fold(self._heading_rad), abs(v), w)
+
+
+def _bounded(cdr: bytes) -> tuple[float, float]:
+    """Return (v, w) of a Twist as the car takes it."""
+    _, v, _, _, _, _, w = _TWIST.unpack(cdr)
+    if -MOST <= v <= MOST and -MOST <= w <= MOST:
+        return v, w
+    if math.isfinite(v) and math.isfinite(w):
+        return min(max(v, -MOST), MOST), min(max(w, -MOST), MOST)
+    return 0.0, 0.0
 
 
 def _fold(angle_rad: float) -> float:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     """What `Reckoning` is made of, in order."""
 
 ENTITY, GONE, PUBLISH, REQUEST, RESPONSE, ADVANCE, NOTE, EXIT = 0x10, 0x11, 0x12, 0x13, 0x14, 0x15, 0x20, 0x21
+REPEAT = 0x16
 CALLS = 0x30
 START, EVENTS = 0x80, 0x81
 
@@ -94,6 +95,12 @@ def gone(ident: int, t_ns: int) -> bytes:
 def publish(ident: int, t_ns: int, cdr: bytes) -> bytes:
     """Return PUBLISH."""
     return _PUBLISH.pack(11 + len(cdr), PUBLISH, ident, t_ns) + cdr
+
+
+def repeat(ident: int, times_ns: list[int]) -> bytes:
+    """Return REPEAT: the message of the PUBLISH before, again at these times."""
+    count = len(times_ns)
+    return struct.pack(f"<IBHH{count}q", 5 + 8 * count, REPEAT, ident, count, *times_ns)
 
 
 def service(kind: int, ident: int, sequence: int, t_ns: int, cdr: bytes) -> bytes:

@@ -525,7 +525,8 @@ class SingleThreadedExecutor(Executor):
         self._woken.clear()
         call = self._skip_to_lone_timer(watch, deadline_ns)
         if call is None:
-            self._block(watch, deadline_ns)
+            if not self._skip_to_pose(watch, deadline_ns):
+                self._block(watch, deadline_ns)
             watch.settle()
             place = watch.lone()
             in_time = deadline_ns is None or kernel.now_ns < deadline_ns
@@ -551,6 +552,13 @@ class SingleThreadedExecutor(Executor):
             return None
         kernel.be_late(late_ns)
         return _Call(self, TIMER, timer)
+
+    def _skip_to_pose(self, watch: Watch, deadline_ns: int | None) -> bool:
+        """Wait for the next pose; False, and nothing was done, if something is ready or may come before it."""
+        due_ns = kernel.horizon_ns if watch.deadline_ns is None else watch.deadline_ns
+        if deadline_ns is not None and deadline_ns < due_ns:
+            due_ns = deadline_ns
+        return not watch.ready() and kernel.skip_to_pose(due_ns) and watch.ready()
 
     def _spin_once_impl(self, timeout_sec: float | TimeoutObject | None = None) -> None:
         handler: Task | _Call | None = None

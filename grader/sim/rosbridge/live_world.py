@@ -90,7 +90,7 @@ class LiveWorld:
         """Publish to the car and to whoever hears the topic."""
         if topic in self._world.command_topics:
             x, y, turn = _STOP if self.stopped else twist_of(payload)
-            self._world.command(topic, t_ns, x, y, turn)
+            self._world.command(topic, (t_ns,), x, y, turn)
         self._world.outbox.publish(topic, t_ns, payload)
 
     def listen(self, topic: str, identity: int, t_ns: int) -> None:
@@ -124,7 +124,7 @@ class LiveWorld:
         self.stopped = engage
         if engage:
             for topic in tuple(self._world.command_topics):
-                self._world.command(topic, t_ns, *_STOP)
+                self._world.command(topic, (t_ns,), *_STOP)
 
     def next_due(self) -> int | None:
         """Return the next instant at which something may become due, None when never."""

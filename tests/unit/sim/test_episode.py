@@ -4,8 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from grader.contracts.assignment import ServiceCall, World
+from grader.contracts.record import to_plain
+from grader.contracts.trajectory import encode_trajectory
 from grader.sim.bullet import BulletCar
 from grader.sim.episode import Episode, EpisodeSpec
 from tests.fakes import jail
@@ -28,7 +32,7 @@ def test_start_says_what_the_world_is(car: BulletCar) -> None:
     )
     Episode(spec, car).run(link)
     assert link.source == spec.source
-    assert link.start["protocol"] == 4
+    assert link.start["protocol"] == 5
     assert (link.start["file_name"], link.start["args"], link.start["stdin"]) == (
         "hello.py",
         ["--fast"],
@@ -126,6 +130,11 @@ def test_frames_after_exit_are_not_read(car: BulletCar) -> None:
         ([jail.driver(2, 10), jail.publish(2, 9, b"")], "time went back"),
         ([jail.node(1, 10), jail.advance(9)], "time went back"),
         ([jail.node(1, 10), jail.ended(9)], "time went back"),
+        ([jail.driver(), jail.repeat(2, 5)], "REPEAT.id"),
+        ([jail.driver(), jail.publish(2, 5, b""), jail.repeat(3, 5)], "REPEAT.id"),
+        ([jail.driver(), jail.publish(2, 5, b""), jail.note("a"), jail.repeat(2, 6)], "REPEAT.id"),
+        ([jail.driver(), jail.publish(2, 5, b""), jail.repeat(2, 7, 6)], "REPEAT.times go back"),
+        ([jail.driver(), jail.publish(2, 5, b""), jail.repeat(2, 4)], "time went back"),
         ([jail.note("Shout!")], "NOTE.code"),
         ([jail.note("started"), jail.ended(0, reason=3)], "EXIT.reason"),
         ([jail.driver(), jail.ended(0, reason=3)], "EXIT.reason"),
@@ -141,6 +150,36 @@ def test_broken_rules_end_the_belief(car: BulletCar, frames: list[bytes], words:
     assert result.violation is not None
     assert words in result.violation
     assert result.exit is None
+
+
+GAPS_NS = st.sampled_from(
+    [0, 1_000, 7 * MS, 16 * MS, 50 * MS, 999 * MS, SECOND, SECOND + 16 * MS, 3 * SECOND]
+)
+TWISTS = st.sampled_from(
+    [jail.twist(1.0), jail.twist(), jail.twist(0.0, 1.5), jail.twist(500.0), b"no twist"]
+)
+
+
+@settings(max_examples=60)
+@given(st.lists(st.tuples(GAPS_NS, st.sampled_from([2, 3]), TWISTS, st.integers(1, 4)), max_size=12))
+def test_repetitions_come_to_the_same_in_one_frame_and_in_many(
+    car: BulletCar, drives: list[tuple[int, int, bytes, int]]
+) -> None:
+    begun = [jail.node(), jail.driver(2), jail.driver(3)]
+    single, repeated, t_ns = list(begun), list(begun), 0
+    for gap_ns, publisher, twist, times in drives:
+        at = [t_ns + gap_ns * number for number in range(1, times + 1)]
+        t_ns = at[-1]
+        single += [jail.publish(publisher, each, twist) for each in at]
+        repeated.append(jail.publish(publisher, at[0], twist))
+        if at[1:]:
+            repeated.append(jail.repeat(publisher, *at[1:]))
+    ended = jail.ended(t_ns)
+    results = [play(car, [*frames, ended], horizon_s=8.0) for frames in (single, repeated)]
+    one, other = (to_plain(result) for result in results)
+    driven = [encode_trajectory(fields.pop("trajectory")) for fields in (one, other)]
+    assert driven[0] == driven[1]
+    assert one == other
 
 
 def test_the_seed_of_the_rough_cars_noise_is_not_told(car: BulletCar) -> None:

@@ -30,6 +30,8 @@ def test_golden_frames_are_read(body: bytes, fields: dict[str, Any]) -> None:
     assert type(frame).__name__ == KINDS.get(kind, kind.capitalize())
     if "payload" in fields:
         fields["payload"] = bytes.fromhex(fields["payload"])
+    if "times_ns" in fields:
+        fields["times_ns"] = tuple(fields["times_ns"])
     assert frame._asdict() == fields
 
 
@@ -76,6 +78,8 @@ def test_nothing_may_follow_the_last_field(body: bytes, fields: dict[str, Any]) 
         (jail.entity(1, 2, reliability=0), "ENTITY.reliability is 0"),
         (jail.entity(1, 2, durability=3), "ENTITY.durability is 3"),
         (jail.publish(1, -1, b""), "PUBLISH.t is negative"),
+        (jail.repeat(1), "REPEAT.times is empty"),
+        (jail.repeat(1, 5, -1), "REPEAT.times is empty or has a negative one"),
         (jail.request(1, 1, -5, b""), "REQUEST.t is negative"),
         (jail.response(1, 1, -5, b""), "RESPONSE.t is negative"),
         (jail.advance(-1), "ADVANCE.t is negative"),
