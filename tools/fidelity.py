@@ -102,7 +102,8 @@ def _interfaces() -> Iterator[str]:
     yield "|---|---|---|---|"
     for folder in sorted(path for path in (ROOT / "interfaces").iterdir() if path.is_dir()):
         counts = [len(list(folder.glob(f"{kind}/*.{kind}"))) for kind in ("msg", "srv", "action")]
-        yield f"| `{folder.name}` | " + " | ".join(str(count or "") for count in counts) + " |"
+        if any(counts):  # `jazzy` holds packages, and is none
+            yield f"| `{folder.name}` | " + " | ".join(str(count or "") for count in counts) + " |"
 
 
 def _cell(text: str) -> str:

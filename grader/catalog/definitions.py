@@ -1,8 +1,8 @@
 """One interface definition (``.msg``, ``.srv``, ``.action``), translated into the lines that the shim reads.
 
-Types get their IDL names, and services and actions their derived structures, as rosidl_adapter and rosidl_parser
-(Humble) do it; defaults and constants become Python literals. What those refuse is refused here as well. The forms
-of a line are described in `tools/generate_interfaces.py`, which translates ROS's own definitions with this module.
+As in rosidl_adapter and rosidl_parser (Humble), types get their IDL names, and services and actions their derived
+structures. Defaults and constants become Python literals. What rosidl refuses is refused here as well.
+`tools/generate_interfaces.py` describes the forms of a line; it translates ROS's own definitions with this module.
 """
 
 import ast
@@ -15,14 +15,15 @@ from typing import Final
 from grader.contracts.text import Text
 
 PARTS: Final = {"msg": 1, "srv": 2, "action": 3}
-"""How many structures a definition of each kind consists of; lines of ``---`` stand between them."""
+"""Kind of definition -> number of its structures, which lines of ``---`` separate."""
 
+# The patterns of rosidl_adapter.parser; it has one for packages and fields alike.
 PACKAGE: Final = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
 INTERFACE: Final = re.compile(r"[A-Z][A-Za-z0-9]*")
 MAX_FIELDS: Final = 200
-"""Fields and constants of one structure."""
+"""Most fields and constants of one structure. ROS's largest message for robots, BatteryState, has 39."""
 
-_CONSTANT: Final = re.compile(r"[A-Z](_?[A-Z0-9])*")
+_CONSTANT: Final = re.compile(r"[A-Z](_?[A-Z0-9])*")  # matches what rosidl's does, without its backtracking
 _INTEGERS: Final = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
 _IDL_NAMES: Final = {
     "bool": "boolean",
@@ -34,7 +35,8 @@ _IDL_NAMES: Final = {
     "wstring": "wstring",
     **{name: name for name in _INTEGERS},
 }
-_MEANT: Final = {
+# Names that a type does not have, and the type that their author probably means.
+_LIKELY_TYPES: Final = {
     "float": "float64",
     "double": "float64",
     "int": "int32",
@@ -50,16 +52,31 @@ _TYPE: Final = re.compile(
     r"(?P<base>[A-Za-z][\w/]*)(?:<=(?P<bound>\d{1,9}))?(?P<array>\[(?:(?:<=)?\d{1,9})?\])?"
 )
 _LINE: Final = re.compile(r"(?P<type>\S+)\s+(?P<name>\w+)\s*(?:=\s*(?P<constant>.+)|(?P<default>[^\s=].*))?")
+_LARGEST: Final = {"float": 3.402823466e38, "double": math.inf}  # as rosidl_generator_py checks a value
+_RESERVED: Final = ("get_fields_and_field_types",)  # a method of each generated class
+_SUFFIXES: Final = {
+    "msg": ("",),
+    "srv": ("_Request", "_Response"),
+    "action": ("_Goal", "_Result", "_Feedback"),
+}
 _UUID: Final = "unique_identifier_msgs/UUID"
-_LARGEST: Final = {"float": 3.402823466e38, "double": math.inf}
+_DERIVED: Final = (
+    ("_SendGoal_Request", (f"{_UUID} goal_id", "{name}_Goal goal")),
+    ("_SendGoal_Response", ("bool accepted", "builtin_interfaces/Time stamp")),
+    ("_GetResult_Request", (f"{_UUID} goal_id",)),
+    ("_GetResult_Response", ("int8 status", "{name}_Result result")),
+    ("_FeedbackMessage", (f"{_UUID} goal_id", "{name}_Feedback feedback")),
+)
+_Lines = list[tuple[int, str]]
+"""Lines of one structure, each with its number in the file."""
 
 
 class DefinitionError(Exception):
     """A line of a definition is not understood, or not allowed.
 
     Attributes:
-        line: its number, from 1.
-        told: what is wrong and what to do.
+        line: the line's number, from 1.
+        told: what is wrong, and what to do.
     """
 
     def __init__(self, line: int, told: Text) -> None:
@@ -69,7 +86,7 @@ class DefinitionError(Exception):
 
 
 class _RefusedError(ValueError):
-    """As `DefinitionError`, where the line is not known."""
+    """A `DefinitionError` whose line number is still to be added."""
 
     def __init__(self, zh: str, en: str) -> None:
         super().__init__(en)
@@ -77,16 +94,16 @@ class _RefusedError(ValueError):
 
 
 def translated(package: str, kind: str, name: str, text: str) -> str:
-    """Return the lines of one interface, with its head ``package/kind/Name module_name``.
+    """Return the lines of one interface, of which the first is ``package/kind/Name module_name``.
 
     Args:
-        package: name of its package.
+        package: the name of its package.
         kind: ``msg``, ``srv`` or ``action``.
         name: its own name.
         text: the content of the file.
 
     Raises:
-        DefinitionError: the first line that cannot stay as it is.
+        DefinitionError: for the first line that is refused.
     """
     lines = [f"{package}/{kind}/{name} {module_name(name)}"]
     for suffix, part in zip(_SUFFIXES[kind], _parts(kind, text), strict=True):
@@ -98,23 +115,8 @@ def translated(package: str, kind: str, name: str, text: str) -> str:
     return "\n".join(lines)
 
 
-_SUFFIXES: Final = {
-    "msg": ("",),
-    "srv": ("_Request", "_Response"),
-    "action": ("_Goal", "_Result", "_Feedback"),
-}
-_DERIVED: Final = (
-    ("_SendGoal_Request", (f"{_UUID} goal_id", "{name}_Goal goal")),
-    ("_SendGoal_Response", ("bool accepted", "builtin_interfaces/Time stamp")),
-    ("_GetResult_Request", (f"{_UUID} goal_id",)),
-    ("_GetResult_Response", ("int8 status", "{name}_Result result")),
-    ("_FeedbackMessage", (f"{_UUID} goal_id", "{name}_Feedback feedback")),
-)
-_Lines = list[tuple[int, str]]
-
-
 def module_name(name: str) -> str:
-    """Return the name of the Python module of an interface without its underscore: ``twist_stamped``."""
+    """Return the name of an interface's Python module without the leading underscore: ``twist_stamped``."""
     name = re.sub("(.)([A-Z][a-z]+)", r"\1_\2", name)
     return re.sub("([a-z0-9])([A-Z])", r"\1_\2", name).lower()
 
@@ -147,7 +149,7 @@ def _without_comment(line: str) -> str:
             quote = "" if char == quote and before != "\\" else quote
         elif char == "#":
             return line[:i]
-        elif char in "\"'" and before in " \t=[,":
+        elif char in "\"'" and before in " \t=[,":  # inside a word, as in don't, it quotes nothing
             quote = char
         before = char
     return line
@@ -194,9 +196,6 @@ def _member(line: str, package: str, seen: set[str]) -> str:
     return f"{name} {idl}" if default is None else f"{name} {idl} {_literal(idl, default)}"
 
 
-_RESERVED: Final = ("get_fields_and_field_types",)
-
-
 def _constant(name: str, idl: str, text: str) -> str:
     if not _CONSTANT.fullmatch(name):
         raise _RefusedError(
@@ -227,15 +226,16 @@ def _idl_type(text: str, package: str) -> str:
     if base in _IDL_NAMES:
         return _IDL_NAMES[base] + (f"<{bound}>" if bound else "") + array
     owner, _, name = base.rpartition("/")
-    own = name.endswith(("_Goal", "_Result", "_Feedback")) and not owner  # of an action, beside it
-    if not own and not (INTERFACE.fullmatch(name) and (not owner or PACKAGE.fullmatch(owner))):
+    # the derived structures of an action use its own, which have these names and stand in the same file
+    of_action = name.endswith(_SUFFIXES["action"]) and not owner
+    if not of_action and not (INTERFACE.fullmatch(name) and (not owner or PACKAGE.fullmatch(owner))):
         raise _unknown_type(base)
-    return f"{owner or package}/{'action' if own else 'msg'}/{name}{array}"
+    return f"{owner or package}/{'action' if of_action else 'msg'}/{name}{array}"
 
 
 def _unknown_type(base: str) -> _RefusedError:
     owner, _, name = base.partition("/msg/")
-    meant = f"{owner}/{name}" if name else _MEANT.get(base, "")
+    meant = f"{owner}/{name}" if name else _LIKELY_TYPES.get(base, "")
     if meant:
         return _RefusedError(f"没有类型 {base!r}：写成 {meant}", f"there is no type {base!r}; write {meant}")
     return _RefusedError(
@@ -244,12 +244,12 @@ def _unknown_type(base: str) -> _RefusedError:
 
 
 def meant_type(full_name: str) -> str:
-    """Return what is probably meant by a message that does not exist, e.g. ``here/msg/Header``; or nothing."""
-    return _MEANT.get(full_name.rpartition("/")[2], "")
+    """Return what an unknown message probably is: ``std_msgs/Header`` for ``here/msg/Header``; or nothing."""
+    return _LIKELY_TYPES.get(full_name.rpartition("/")[2], "")
 
 
 def _literal(idl: str, text: str) -> str:
-    """Translate a default or constant into the Python literal rosidl_generator_py would write."""
+    """Translate a default or constant into the Python literal that rosidl_generator_py writes."""
     base, bracket, count = idl.partition("[")
     if "/" in base:
         raise _RefusedError(
@@ -299,8 +299,9 @@ def _scalar(idl: str, value: object) -> str:
     if base == "octet" and type(value) is int and 0 <= value <= 255:
         return repr(bytes([value]))
     if base in _INTEGERS and type(value) is int:
-        bits, signed = int(base.strip("uint")), not base.startswith("u")
-        if -signed * 2 ** (bits - 1) <= value < 2 ** (bits - signed):
+        bits = int(base.strip("uint"))
+        low, high = (0, 2**bits) if base.startswith("u") else (-(2 ** (bits - 1)), 2 ** (bits - 1))
+        if low <= value < high:
             return repr(value)
     raise _RefusedError(
         f"{str(value)[:40]!r} 不是 {idl} 类型的值：改正",

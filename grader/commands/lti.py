@@ -1,4 +1,4 @@
-"""`grader lti`: the learning platforms of a course, and the keys by which the service signs what they are sent."""
+"""`grader lti`: the learning platforms of a course, and the keys with which the service signs its requests."""
 
 import argparse
 import sys
@@ -56,14 +56,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="the old one is known to others: use the new one at once, and no old one / 旧密钥已泄露：立即停用",
     )
     for one in (listing, add, remove, rotate):
-        if one is not rotate:
+        if one is not rotate:  # the keys are the service's, not a course's
             add_course_option(one)
         add_data_option(one)
         add_language_option(one)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Do it; 2, as a GraderError, when there is no such platform or a field is wrong."""
+    """Carry the action out.
+
+    Raises:
+        GraderError: there is no such platform, or a field is wrong.
+    """
     with opened(arguments) as storage:
         platforms = Platforms(storage.database, utc_now)
         if arguments.action == "rotate":
@@ -82,15 +86,15 @@ def _list(_: OpenedStore, platforms: Platforms, course: str, arguments: argparse
         for link in links:
             if link.platform == one.id:
                 scores = Text(zh="接收成绩", en="takes scores") if link.line_item else Text(zh="-", en="-")
-                told = (link.title or link.resource, link.assignment or "-", scores.get(arguments.lang))
-                sys.stdout.write("\t" + "\t".join(told) + "\n")
+                columns = (link.title or link.resource, link.assignment or "-", scores.get(arguments.lang))
+                sys.stdout.write("\t" + "\t".join(columns) + "\n")
 
 
 def _add(_: OpenedStore, platforms: Platforms, course: str, arguments: argparse.Namespace) -> None:
     new = NewPlatform(**{name: getattr(arguments, name).strip() for name in NewPlatform.__dataclass_fields__})
-    wrong = misfit(new)
-    if wrong is not None:
-        option = f"--{wrong.replace('_', '-')}"
+    field = misfit(new)
+    if field is not None:
+        option = f"--{field.replace('_', '-')}"
         raise CourseError(
             f"{option}: copy it from the platform as it stands; addresses begin with https://",
             f"{option}：请照平台显示的原样填写；地址以 https:// 开头",
@@ -98,7 +102,7 @@ def _add(_: OpenedStore, platforms: Platforms, course: str, arguments: argparse.
     try:
         added = platforms.add(new, Signature(utc_now(), course, actor()))
     except RefusedError as error:
-        raise _told(error) from None
+        raise _worded(error) from None
     sys.stdout.write(f"{added.id}\n")
 
 
@@ -109,7 +113,7 @@ def _remove(_: OpenedStore, platforms: Platforms, course: str, arguments: argpar
 
 
 def _rotate(platforms: Platforms, arguments: argparse.Namespace) -> None:
-    from grader.outside.lti.scores import new_key
+    from grader.outside.lti.scores import new_key  # its cryptography is needed for this action alone
 
     platforms.rotate_key(new_key, at_once=arguments.now)
     hours = KEY_READ_WITHIN.total_seconds() / 3600
@@ -123,6 +127,7 @@ def _rotate(platforms: Platforms, arguments: argparse.Namespace) -> None:
         )
 
 
-def _told(error: RefusedError) -> GraderError:
+def _worded(error: RefusedError) -> GraderError:
+    """Return the error with the text that commands have for its code."""
     text = _REFUSED.get(error.code)
     return error if text is None else CourseError(text.en, text.zh)

@@ -1,4 +1,4 @@
-"""What the script has on the ROS graph, checked and bounded, and the assignment's calls of its services."""
+"""The script's entities on the ROS graph, checked and bounded, and the assignment's calls of its services."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -20,8 +20,9 @@ from grader.sim.frames import (
 )
 from grader.sim.interfaces import WORLD, Types, with_interfaces
 
+# Both as in the shim (`rclpy/_link.py`), which cannot be imported here.
 MAX_ENTITIES: Final = 512
-COUNT_EVERY: Final = 100  # messages that one PUBLISH stands for on a topic without a listener in the world
+COUNT_EVERY: Final = 100  # messages for which one PUBLISH is sent on a topic that the world does not hear
 
 _KINDS: Final = {
     NODE: "node",
@@ -48,7 +49,7 @@ class ScriptGraph:
 
     def __init__(self) -> None:
         self._entries: dict[int, _Entry] = {}
-        # Services by name and type: each question of the script looks for those that the assignment calls.
+        # Ids of the living services by name and type: each ADVANCE looks for those that the assignment calls.
         self._services: dict[tuple[str, str], list[int]] = {}
 
     def add(self, entity: Entity) -> None:
@@ -66,10 +67,10 @@ class ScriptGraph:
             self._services.setdefault((entity.name, entity.type), []).append(entity.id)
 
     def remove(self, identity: int) -> Entity:
-        """Mark an entity as gone; it stays in the account.
+        """Mark an entity as gone; `nodes` and `endpoints` still list it.
 
         Raises:
-            ProtocolError: there is no such entity, or no longer.
+            ProtocolError: there is no such entity, or it is gone already.
         """
         entry = self._entries.get(identity)
         if entry is None or not entry.alive:
@@ -109,9 +110,10 @@ class ScriptGraph:
         return tuple(entry.entity.node for entry in self._entries.values() if entry.entity.what == NODE)
 
     def endpoints(self, carried: frozenset[str]) -> tuple[Endpoint, ...]:
-        """Return everything else in order of creation, without what every node has.
+        """Return all other entities in order of creation, except the publishers that every node has.
 
-        Messages on a topic in `carried` were counted one by one; of the others only each hundredth was told.
+        On topics in `carried` each message was counted. On others each count after the first stands for
+        `COUNT_EVERY` messages.
         """
         found = []
         for entry in self._entries.values():
@@ -131,7 +133,7 @@ class ScriptGraph:
 class ServiceCalls:
     """Requests that an assignment sends to the script's own services, as `ros2 service call` would.
 
-    Sequence numbers are their places in the list, from 1.
+    The sequence number of a request is its place in the list, from 1.
 
     Raises:
         AssignmentError: a call has an unknown type or values that do not fit it.
@@ -154,7 +156,7 @@ class ServiceCalls:
         return tuple(self._results)
 
     def next_ns(self) -> int | None:
-        """Return when the next call can be sent, None while no service for one exists."""
+        """Return when the next call is due, or None while the script offers no service that waits for one."""
         return min((result.call.at_ns for result, _ in self._ready()), default=None)
 
     def due(self, t_ns: int) -> list[Event]:
@@ -171,7 +173,7 @@ class ServiceCalls:
         """Take the script's response.
 
         Raises:
-            ProtocolError: it was not asked, has answered already, or the response cannot be read.
+            ProtocolError: there was no such request, it is answered already, or the response cannot be read.
         """
         index = response.sequence - 1
         if not 0 <= index < len(self._results):
@@ -187,7 +189,7 @@ class ServiceCalls:
         )
 
     def _ready(self) -> list[tuple[ServiceResult, int]]:
-        """Return the calls not yet sent whose service exists, with its id."""
+        """Return the unsent calls whose service exists, each with the id of that service."""
         ready = []
         for result in self._results:
             if result.sent_ns is None:

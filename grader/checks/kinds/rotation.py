@@ -17,8 +17,11 @@ from grader.geometry.segmentation import segment
 from grader.messages import say
 from grader.messages.quantity import number
 
-MAX_STARTS = 200  # bounds the work: parts of the path are tried from at most this many samples on
-PLACE_M = 0.2  # as far as turning may stray in the meantime to count in full
+MAX_STARTS = 200  # samples at which a part of the path may begin: to try all costs the square of their number
+PLACE_M = 0.2  # a turn that stays within this distance of where it began counts in full
+SAME_DEG = 4.0  # a turn this close to an angle that tells a mistake is taken for that angle, as of a polygon
+FULL_TURN_DEG = 360.0
+MIN_TURN_DEG = 3.0  # a smaller turn is none
 ROTATE = "/turtle1/rotate_absolute/_action/send_goal"
 MEASURES = {
     "commands": MeasureKind(form="count"),
@@ -29,7 +32,7 @@ MEASURES = {
 
 
 def examine(assignment: Assignment, run: Run) -> Findings:
-    """Measure the rotation and how far the car strayed from its place."""
+    """Measure how far the car turned, and how far it strayed meanwhile."""
     drive = drive_of(run)
     measures = {"commands": Measure(float(run.outcome.command_count + _goals(run)))}
     if drive is not None:
@@ -40,7 +43,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
 
 
 def _goals(run: Run) -> int:
-    """Return how many goals turtlesim's own action for turning was given."""
+    """Return how many goals the script sent to turtlesim's own action for turning."""
     return sum(each.count for each in run.outcome.endpoints if (each.kind, each.name) == ("client", ROTATE))
 
 
@@ -59,21 +62,21 @@ def _rotation(path: Path) -> dict[str, Measure]:
 def _in_one_place(path: Path) -> float:
     """Return the largest turn of any part of the path that stayed in one place.
 
-    Of a part that strayed further than `PLACE_M` one full turn at most counts, less by the square of how much
-    further: else laps of a wide circle, or corners far from each other, would sum up to a turn on the spot.
+    A part that strayed further counts as one full turn at most, divided by the square of its largest distance in
+    units of `PLACE_M`. Otherwise laps of a wide circle, or corners far apart, would sum up to a turn on the spot.
     """
     largest = 0.0
     for first in range(0, len(path), 1 + len(path) // MAX_STARTS):
         turned = np.abs(path.heading_rad[first:] - path.heading_rad[first])
         strayed = np.hypot(path.x_m[first:] - path.x_m[first], path.y_m[first:] - path.y_m[first])
-        wide = np.maximum.accumulate(strayed) / PLACE_M
-        counted = np.where(wide <= 1.0, turned, np.minimum(turned, math.tau) / np.maximum(wide, 1.0) ** 2)
+        places = np.maximum.accumulate(strayed) / PLACE_M
+        counted = np.where(places <= 1.0, turned, np.minimum(turned, math.tau) / np.maximum(places, 1.0) ** 2)
         largest = max(largest, float(np.max(counted)))
     return largest
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
-    """Return the view of heading over time with the wanted turn, the counted one, and a place left."""
+    """Return the view of heading over time: the wanted and the counted turn, and a drift that cost points."""
     item, drive = assignment.item_on("turned_deg"), drive_of(run)
     wanted_deg = None if item is None else item.low
     if drive is None:
@@ -87,18 +90,13 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
         angle_deg=math.copysign(turned_deg, float(ahead[int(np.argmax(np.abs(ahead)))])),
         ok=fits(assignment, "turned_deg", turned_deg),
     )
-    left = SketchLabel(at_m=here, text=say("figure.aside", value=number(drift_m, "m")), ok=False)
+    strayed = SketchLabel(at_m=here, text=say("figure.aside", value=number(drift_m, "m")), ok=False)
     return FigureSketch(
         view="heading",
         corners=(turn,),
-        labels=(left,) if fits(assignment, "drift_m", drift_m) is False else (),
+        labels=(strayed,) if fits(assignment, "drift_m", drift_m) is False else (),
         wanted_turn_deg=wanted_deg,
     )
-
-
-SAME_DEG = 4.0
-FULL_TURN_DEG = 360.0
-MIN_TURN_DEG = 3.0
 
 
 def rotation_mistakes(
@@ -109,7 +107,8 @@ def rotation_mistakes(
     if drive is None:
         return tuple(found)
     path = drive.path
-    turned = math.degrees(float(np.max(np.abs(path.heading_rad - path.heading_rad[0]))))  # on whatever way
+    # Wherever the car turned; the measure `turned_deg` counts what it turned in one place.
+    turned = math.degrees(float(np.max(np.abs(path.heading_rad - path.heading_rad[0]))))
     short = fits(assignment, "turned_deg", turned) is False
     drift = measures.get("drift_m", UNMEASURED).value
     fastest = fastest_radps(run)
@@ -128,7 +127,7 @@ def rotation_mistakes(
 
 
 def _strayed(turned: float, drift: float, drive: Drive, spoilt: tuple[str, ...]) -> Mistake:
-    """Say how the car left its place: without turning, on straight runs, or in a circle."""
+    """Say how the car left its place: it only drove, it drove between turns, or it drove in a circle."""
     distance = number(drift, "m")
     if not turned > MIN_TURN_DEG:
         return mistake("only_drove", distance=distance)
@@ -139,15 +138,15 @@ def _strayed(turned: float, drift: float, drive: Drive, spoilt: tuple[str, ...])
 
 
 def _short_turn(turned: float, drive: Drive, run: Run) -> Iterator[Mistake]:
-    """Say why the turn ended before it was whole."""
+    """Say why the car turned too little."""
     angle = number(turned, "deg")
     rates = [command.w_radps for command in run.trajectory.commands]
     if rates and min(rates) < 0.0 < max(rates):
         yield mistake("turned_both_ways", ("turned_deg",), turned=angle)
         return
     codes = {math.degrees(1.0): "turned_one_radian", 180.0: "half_turn"}
-    for telling, code in codes.items():
-        if abs(turned - telling) <= SAME_DEG:
+    for angle_deg, code in codes.items():
+        if abs(turned - angle_deg) <= SAME_DEG:
             yield mistake(code, ("turned_deg",), turned=angle)
             return
     held = commanded_at_end(run)

@@ -1,4 +1,4 @@
-"""Mistakes told by how a driven path differs from the wanted one."""
+"""Mistakes that are recognised by how a driven path differs from the wanted one."""
 
 import math
 from collections.abc import Iterator
@@ -30,11 +30,15 @@ from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
 FULL_CIRCLE_DEG = 350.0  # from here on an arc is called a circle
-BEGUN_SHARE = 0.05  # of the size: who is nearer to the first part has driven that, and no more
-SAME_SHARE = 0.15  # of the wanted length: two shares that differ by more do not tell of the same part
-OVERLONG_SHARE = 1.15  # who drove more has driven something else as well
-FAR_SHARE = 0.06  # of the size: who is nearer has done the same thing, only not well
-_SHAPE = (
+BEGUN_SHARE = 0.05  # of the size: a drive this near to the first part is that part, and no more
+SAME_SHARE = 0.15  # of the wanted length: driven and covered shares that differ by more are not the same part
+OVERLONG_SHARE = 1.15  # of the wanted length: a longer drive has something else in it as well
+FAR_SHARE = 0.06  # of the size: a drive that is nearer is the wanted one, driven badly
+# A path driven the other way round, or elsewhere, is tried twice: roughly, and closely where that is promising.
+MUCH_BETTER_SHARE = 0.6  # of the rough distance: a variant that leaves more is not tried closely
+LEFT_SHARE = 0.25  # of the close distance: a variant that leaves no more explains the drive
+SIZE_FACTOR = 5.0  # a variant that is larger or smaller by more fits by chance
+_SHAPE_MEASURES = (
     "off_pct",
     "mean_off_pct",
     "covered_pct",
@@ -44,15 +48,14 @@ _SHAPE = (
     "round_pct",
     "gap_pct",
 )
-MUCH_BETTER_SHARE = 0.6  # what leaves more at equal distances is not looked at closely
-LEFT_SHARE = 0.25  # of the distance: what leaves no more explains it
-_OF_ARCS = ("round_pct", "off_pct", "mean_off_pct", "covered_pct", "gap_pct")
-_DRIVES = ("distance_m", *_SHAPE)
+_WHOLE_MEASURES = ("off_pct", "mean_off_pct", "covered_pct", "gap_pct")
+_ARC_MEASURES = ("round_pct", *_WHOLE_MEASURES)
+_DRIVE_MEASURES = ("distance_m", *_SHAPE_MEASURES)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Seen:
-    """What a recogniser looks at."""
+    """What the recognition of a mistake may look at."""
 
     assignment: Assignment
     run: Run
@@ -62,13 +65,13 @@ class _Seen:
 
     @property
     def driven_share(self) -> float:
-        """How much of the wanted length was driven."""
+        """The driven length as a share of the wanted one."""
         wanted_m = self.figure.track.length_m * self.figure.placed.scale
         return self.figure.end_m / wanted_m if wanted_m > 0.0 else 0.0
 
     @property
     def is_begun(self) -> bool:
-        """Whether what was driven is as wanted, as far as it goes: then the next step is to drive on."""
+        """Whether the drive is right as far as it goes: then the next step is to drive on."""
         wanted = self.assignment.path
         if wanted is None:
             return False
@@ -78,13 +81,17 @@ class _Seen:
 
     @property
     def is_too_little(self) -> bool:
-        """Whether much of the wanted length was not driven, and costs points."""
+        """Whether much of the wanted length is missing, and that costs points."""
         short = self.driven_share < UNFINISHED_SHARE
         return short and self.loses("covered_pct", 100.0 * self.figure.covered_share)
 
     @property
-    def is_missing_alone(self) -> bool:
-        """Whether as much was driven as was reached of the path: of a trace no piece tells whether it is right."""
+    def is_only_incomplete(self) -> bool:
+        """Whether nothing else tells that more is wrong than the missing part.
+
+        Lines and arcs are compared piece by piece. A trace has no pieces: it is only incomplete if the driven
+        share is the covered one.
+        """
         if self.drive.cut_short or all(each.kind != "trace" for each in self.figure.track.stretches):
             return True
         return abs(self.driven_share - self.figure.covered_share) <= SAME_SHARE
@@ -95,7 +102,7 @@ class _Seen:
 
 
 def named_corner(driven_deg: float, wanted_deg: float) -> dict[str, str | Text]:
-    """Return how far a corner was turned and was to be turned, for a sentence about it."""
+    """Return the driven and the wanted angle of a corner, as fields of a sentence."""
     turned_deg = as_turned_deg(driven_deg)
     driven = number(abs(turned_deg), "deg")
     return {
@@ -105,7 +112,7 @@ def named_corner(driven_deg: float, wanted_deg: float) -> dict[str, str | Text]:
 
 
 def name_of(stretch: Stretch) -> Text:
-    """Return what a piece is called: line 2, circle 1."""
+    """Return the name of a piece: line 2, circle 1."""
     kind = "line" if stretch.kind == "line" else "arc"
     if kind == "arc" and abs(stretch.angle_deg) >= FULL_CIRCLE_DEG:
         kind = "circle"
@@ -123,7 +130,7 @@ def path_mistakes(
     found = [*script_mistakes(run), *asleep(run)]
     if drive is None:
         return tuple(found)
-    found += command_mistakes(run, assignment.world, turns=_SHAPE, drives=_DRIVES)
+    found += command_mistakes(run, assignment.world, turns=_SHAPE_MEASURES, drives=_DRIVE_MEASURES)
     found += _wall(run)
     if figure is not None:
         seen = _Seen(assignment, run, drive, figure, stretches)
@@ -136,42 +143,43 @@ def path_mistakes(
 def _wall(run: Run) -> Iterator[Mistake]:
     for contact in run.trajectory.contacts[:1]:
         time, wall = number(contact.start_ns / 1e9, "s"), say(f"wall.{contact.wall}")
-        yield mistake("wall_hit", _SHAPE, time=time, wall=wall)
+        yield mistake("wall_hit", _SHAPE_MEASURES, time=time, wall=wall)
 
 
 def _shape(seen: _Seen) -> Iterator[Mistake]:
-    """Name the one difference that explains the others best, then those of single pieces."""
+    """Name the first difference that explains all others; if there is none, those of single pieces."""
     size = seen.figure.size_m
     away = seen.figure.apart_m
     if size <= 0.0:
         return
     off = seen.loses("off_pct", 100.0 * away / size)
-    asked = off or seen.assignment.item_on("off_pct") is None  # pieces that are all wrong have one cause, too
-    if not seen.figure.begun and asked and (code := _other_way(seen, away / size)) is not None:
-        yield mistake(code, _SHAPE)
+    # A rubric without `off_pct` scores the pieces: one cause may spoil them all, so it is looked for as well.
+    has_one_cause = off or seen.assignment.item_on("off_pct") is None
+    if not seen.figure.begun and has_one_cause and (code := _other_way(seen, away / size)) is not None:
+        yield mistake(code, _SHAPE_MEASURES)
         return
     corners = inner_corners_m(seen.figure, seen.drive)
     count, wanted = len(corners or ()) + 1, len(seen.figure.track.stretches)
     if off and corners is not None and count != wanted and not seen.drive.cut_short:
-        yield mistake("path_count", _SHAPE, count=count, wanted=wanted)
+        yield mistake("path_count", _SHAPE_MEASURES, count=count, wanted=wanted)
         return
     of_pieces = list(_pieces(seen))
-    if seen.is_too_little and (seen.is_begun or (not of_pieces and seen.is_missing_alone)):
+    if seen.is_too_little and (seen.is_begun or (not of_pieces and seen.is_only_incomplete)):
         yield from _unfinished(seen)
         return
     yield from of_pieces
     if off and seen.driven_share > OVERLONG_SHARE:
-        yield mistake("path_too_long", _SHAPE, share=number(100.0 * seen.driven_share, "%"))
+        yield mistake("path_too_long", _SHAPE_MEASURES, share=number(100.0 * seen.driven_share, "%"))
     elif off:
-        yield mistake("path_apart", _SHAPE, away=number(away, "m"))
+        yield mistake("path_apart", _SHAPE_MEASURES, away=number(away, "m"))
 
 
 def _other_way(seen: _Seen, share: float) -> str | None:
-    """Return what was done otherwise as a whole: a mirror image, the other direction, another size or place."""
+    """Return what the whole path was driven as instead: mirrored, from its end, elsewhere or in another size."""
     wanted = seen.assignment.path
     if wanted is None or share < FAR_SHARE:
         return None
-    freer: dict[str, WantedPath] = {
+    variants: dict[str, WantedPath] = {  # the first that fits is told
         "path_mirrored": replace(wanted, mirror=True),
         "path_reversed": replace(wanted, any_direction=True),
         "path_elsewhere": replace(wanted, any_start=True),
@@ -179,12 +187,14 @@ def _other_way(seen: _Seen, share: float) -> str | None:
     }
     start = seen.assignment.world.start
     rough = roughly_off(seen.drive, wanted, start)
-    for code, other in freer.items():
-        # a look at equal distances is cheap, and tells most of what does not explain it
+    for code, other in variants.items():
+        # Comparing points at equal distances is cheap, and rules most variants out.
         if other == wanted or roughly_off(seen.drive, other, start) > MUCH_BETTER_SHARE * rough:
             continue
         figure = figure_in(seen.drive, other, start)
-        if figure is None or figure.size_m <= 0.0 or not 0.2 < figure.placed.scale < 5.0:
+        if figure is None or figure.size_m <= 0.0:
+            continue
+        if not 1.0 / SIZE_FACTOR < figure.placed.scale < SIZE_FACTOR:
             continue
         left = figure.apart_m / figure.size_m
         if left < LEFT_SHARE * share and not seen.loses("off_pct", 100.0 * left):
@@ -195,11 +205,11 @@ def _other_way(seen: _Seen, share: float) -> str | None:
 def _unfinished(seen: _Seen) -> Iterator[Mistake]:
     share = number(100.0 * seen.figure.covered_share, "%")
     code = "path_too_slow" if seen.drive.cut_short else "path_unfinished"
-    yield mistake(code, (*_SHAPE, "settled"), share=share)
+    yield mistake(code, (*_SHAPE_MEASURES, "settled"), share=share)
 
 
 def _pieces(seen: _Seen) -> Iterator[Mistake]:
-    """Tell of pieces that are not as they should be: circles, then corners, then lines."""
+    """Name the wrong pieces: arcs first, then the worst corner, then the worst line."""
     scale, figure = seen.figure.placed.scale, seen.figure
     if len(seen.stretches) < len(figure.track.stretches):
         return
@@ -211,7 +221,7 @@ def _pieces(seen: _Seen) -> Iterator[Mistake]:
         if seen.loses("corner_error_deg", abs(driven - wanted)):
             yield mistake(
                 "path_corner",
-                ("corner_error_deg", "off_pct", "mean_off_pct", "covered_pct", "gap_pct"),
+                ("corner_error_deg", *_WHOLE_MEASURES),
                 number=worst + 1,
                 **named_corner(driven, wanted),
             )
@@ -220,7 +230,7 @@ def _pieces(seen: _Seen) -> Iterator[Mistake]:
         if seen.loses("length_error_pct", 100.0 * error):
             yield mistake(
                 "path_length",
-                ("length_error_pct", "off_pct", "mean_off_pct", "covered_pct", "gap_pct"),
+                ("length_error_pct", *_WHOLE_MEASURES),
                 piece=name_of(each.wanted),
                 driven=number(each.length_m, "m"),
                 wanted=number(scale * each.wanted.length_m, "m"),
@@ -229,24 +239,28 @@ def _pieces(seen: _Seen) -> Iterator[Mistake]:
 
 
 def _arcs(seen: _Seen, scale: float) -> Iterator[Mistake]:
-    """Tell of the first that holds: an arc to the wrong side, one that is none, one of another radius."""
+    """Name the first of these: an arc that bends the wrong way, one that is not round, one of another radius."""
     arcs = [each for each in _by_error(seen.stretches, "arc", scale) if not math.isnan(each.radius_m)]
     mirror = -1.0 if seen.figure.placed.mirrored else 1.0
     for each in arcs:
         if each.swept_rad * each.wanted.angle_deg * mirror < 0.0:
-            yield mistake("path_sense", _SHAPE, piece=name_of(each.wanted))
+            yield mistake("path_sense", _SHAPE_MEASURES, piece=name_of(each.wanted))
             return
     for each in arcs:
         if seen.loses("round_pct", 100.0 * each.deviation_m / each.radius_m):
-            told, piece = number(each.deviation_m, "m"), name_of(each.wanted)
-            yield mistake("path_not_round", ("radius_error_pct", *_OF_ARCS), piece=piece, deviation=told)
+            yield mistake(
+                "path_not_round",
+                ("radius_error_pct", *_ARC_MEASURES),
+                piece=name_of(each.wanted),
+                deviation=number(each.deviation_m, "m"),
+            )
             return
     for each in arcs:
         wanted_m = scale * each.wanted.radius_m
         if seen.loses("radius_error_pct", 100.0 * abs(each.radius_m - wanted_m) / wanted_m):
             yield mistake(
                 "path_radius",
-                ("radius_error_pct", *_OF_ARCS),
+                ("radius_error_pct", *_ARC_MEASURES),
                 piece=name_of(each.wanted),
                 driven=number(each.radius_m, "m"),
                 wanted=number(wanted_m, "m"),
@@ -255,7 +269,7 @@ def _arcs(seen: _Seen, scale: float) -> Iterator[Mistake]:
 
 
 def _by_error(stretches: list[DrivenStretch], kind: str, scale: float) -> list[DrivenStretch]:
-    """Return the pieces of a kind, the one that is furthest off first."""
+    """Return the pieces of a kind, the one with the largest error first."""
 
     def error(each: DrivenStretch) -> float:
         driven = each.length_m if kind == "line" else each.radius_m
@@ -266,7 +280,7 @@ def _by_error(stretches: list[DrivenStretch], kind: str, scale: float) -> list[D
 
 
 def _ending(seen: _Seen) -> Iterator[Mistake]:
-    """Tell of what was driven after the path."""
+    """Say what was driven after the path."""
     if seen.figure.repeated:
         return
     publisher = ScriptText(seen.run.source).publisher or "publisher"

@@ -1,4 +1,4 @@
-"""The wanted path as a line in the plane: its pieces laid end to end, and the ways in which it may be driven."""
+"""The wanted path as a line in the plane: its pieces end to end, and the ways in which it may be driven."""
 
 import cmath
 import itertools
@@ -14,24 +14,25 @@ from grader.contracts.assignment import PathPiece, WantedPath
 from grader.contracts.record import PositionalRecord
 from grader.geometry.matching import Floats, Points
 
-SAMPLES = (
-    160  # of a whole path: fine enough for a tenth of its smallest usual piece, and matched in milliseconds
-)
-CLOSED_SHARE = 0.02  # of the length: a path that ends this near to its start is a closed one
-MIN_CORNER_RAD = math.radians(15.0)  # between two pieces; a smaller one is no corner
-_FINE_DEG = 6.0  # between two points of an arc
+# Points of a whole path: they resolve a tenth of its smallest usual piece. Matching them takes milliseconds,
+# and grows with the square of their number.
+SAMPLES = 160
+CLOSED_SHARE = 0.02  # of the length: a path that ends this near to its start is closed
+MIN_CORNER_RAD = math.radians(15.0)  # a smaller change of direction between two pieces is no corner
+_ARC_STEP_DEG = 6.0  # between two points of an arc; the chord is off by 0.14 % of the radius
+_MIN_ARC_STEPS = 8
 
 
 class Stretch(PositionalRecord):
-    """A piece that is driven along: a line or an arc.
+    """A piece that is driven along: a line, an arc or a trace.
 
     Attributes:
-        kind: a ``goto`` is a line; a ``trace`` is what the solution drives.
-        number: which of its kind it is, in the order driven, from 1.
+        kind: a piece ``goto`` becomes a line; a ``trace`` is the path that the solution drives.
+        number: its number among those of its kind, in the order driven, from 1.
         points: from its start to its end.
-        length_m: along it.
-        begins_rad, ends_rad: direction of travel at its ends.
-        radius_m, angle_deg: of an arc; of a line 0.
+        length_m: the length along it.
+        begins_rad, ends_rad: the direction of travel at its ends.
+        radius_m, angle_deg: of an arc, otherwise 0.
     """
 
     kind: Literal["line", "arc", "trace"]
@@ -49,8 +50,8 @@ class Track:
     """One way to drive the wanted path.
 
     Attributes:
-        stretches: in the order driven.
-        reversed: from the end to the start.
+        stretches: its pieces, in the order driven.
+        reversed: it is driven from the end of the wanted path to its start.
     """
 
     stretches: tuple[Stretch, ...]
@@ -58,12 +59,12 @@ class Track:
 
     @property
     def length_m(self) -> float:
-        """Of all stretches."""
+        """The length of all stretches together."""
         return sum(stretch.length_m for stretch in self.stretches)
 
     @property
     def shares(self) -> list[float]:
-        """Where each stretch ends, as a share of the length."""
+        """The share of the length at which each stretch ends."""
         ends = np.cumsum([stretch.length_m for stretch in self.stretches])
         return [float(end / ends[-1]) for end in ends]
 
@@ -74,13 +75,13 @@ class Track:
 
     @property
     def has_corners(self) -> bool:
-        """Whether the direction changes at once anywhere on the way."""
+        """Whether the direction jumps between any two stretches."""
         pairs = itertools.pairwise(self.stretches)
         return any(abs(corner_rad(before, after)) >= MIN_CORNER_RAD for before, after in pairs)
 
     @property
     def turns_one_way(self) -> bool:
-        """Whether it turns to one side alone, in its arcs and at its corners; not known of a trace."""
+        """Whether all its arcs and corners turn to the same side; False for a trace, whose turns are not known."""
         corners = [corner_rad(before, after) for before, after in itertools.pairwise(self.stretches)]
         turns = [turn for turn in corners if abs(turn) >= MIN_CORNER_RAD]
         turns += [math.radians(each.angle_deg) for each in self.stretches if each.kind == "arc"]
@@ -107,28 +108,28 @@ def sampled(points: Points, count: int = SAMPLES) -> Points:
 
 
 def size_m(points: Points) -> float:
-    """Return the diagonal of the box around points: what distances are compared with."""
+    """Return the diagonal of the box around points; distances are given as shares of it."""
     return math.hypot(float(np.ptp(points.real)), float(np.ptp(points.imag)))
 
 
 def track_of(wanted: WantedPath) -> Track | None:
-    """Return the path as its pieces say, from the origin along the x axis; None where nothing is driven."""
+    """Return the path that begins at the origin, along the x axis; None where nothing is driven."""
     stretches = _numbered([_traced(wanted.trace)] if wanted.trace else list(_stretches(wanted.pieces)))
     return Track(stretches) if stretches else None
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=64)  # `mistakes` asks for four variants of each path, and for each several times
 def tracks(wanted: WantedPath) -> tuple[Track, ...]:
     """Return the ways in which the path may be driven: forth and back, and from each corner of a closed one."""
     given = track_of(wanted)
     if given is None:
         return ()
     ways = [given]
-    # a closed path of left turns driven backwards is one of right turns: as wrong as its mirror image
+    # Driven backwards, a closed path of left turns is one of right turns, which is as wrong as its mirror image.
     if wanted.any_direction and (wanted.mirror or not (given.is_closed and given.turns_one_way)):
         ways.append(reverse(given))
     if given.is_closed and wanted.any_start and wanted.any_direction:
-        ways += [_from(way, first) for way in ways for first in range(1, len(way.stretches))]
+        ways += [_begun_at(way, first) for way in ways for first in range(1, len(way.stretches))]
     return tuple(ways)
 
 
@@ -147,12 +148,13 @@ def reverse(track: Track) -> Track:
     return Track(_numbered(turned), reversed=True)
 
 
-def _from(track: Track, first: int) -> Track:
+def _begun_at(track: Track, first: int) -> Track:
+    """Return a closed track driven from the start of its stretch `first` on."""
     return Track(_numbered([*track.stretches[first:], *track.stretches[:first]]), track.reversed)
 
 
 def _numbered(stretches: Sequence[Stretch]) -> tuple[Stretch, ...]:
-    """Return the stretches numbered in the order driven, lines and arcs apart."""
+    """Return the stretches numbered in the order driven, each kind by itself."""
     counts = {"line": 0, "arc": 0, "trace": 0}
     found = []
     for each in stretches:
@@ -179,7 +181,7 @@ def _stretches(pieces: Sequence[PathPiece]) -> Iterator[Stretch]:
             continue
         yield stretch
         here = stretch.points[-1]
-        # who backs up along a line still looks the other way
+        # A line of negative length is driven backing up: the car still faces as before, not along the stretch.
         heading_rad = heading_rad if piece.kind == "line" else stretch.ends_rad
 
 
@@ -197,7 +199,9 @@ def _arc(here: complex, heading_rad: float, piece: PathPiece) -> Stretch:
     """Return an arc that begins at `here`; it bends to the left if its angle is positive."""
     angle_rad = math.radians(piece.angle_deg)
     centre = here + cmath.rect(piece.radius_m, heading_rad + math.copysign(math.pi / 2.0, angle_rad))
-    angles = np.linspace(0.0, angle_rad, max(8, math.ceil(abs(piece.angle_deg) / _FINE_DEG)) + 1)
+    angles = np.linspace(
+        0.0, angle_rad, max(_MIN_ARC_STEPS, math.ceil(abs(piece.angle_deg) / _ARC_STEP_DEG)) + 1
+    )
     points = tuple(centre + (here - centre) * cmath.exp(1j * angle) for angle in angles.tolist())
     return Stretch(
         "arc",

@@ -18,47 +18,51 @@ from grader.messages import say
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
-_GOALS = ("reached", "missed_m", "time_s", "detour_pct")
-_END = ("end_off_m", "heading_error_deg")
-_CAUSES = ("place_no_feedback", "place_away", "place_lost")
-_DRIVES = ("distance_m", *_GOALS, *_END)
-LEAST_M = 0.02  # who drove less has not driven
-AWAY_SHARE = 0.9  # of the distance at the start: who never came nearer drove the wrong way
-CIRCLED_RAD = 2.5 * math.tau  # turned on the way: who turns so much and does not arrive runs round the goal
-LOST_TIMES, LOST_M = 1.25, 0.5  # who ends so much further from a goal than at best was not too slow
-NEAR_TIMES = 12.0  # of the goal's size: who circles further off does not circle the goal
+_GOAL_MEASURES = ("reached", "missed_m", "time_s", "detour_pct")
+_END_MEASURES = ("end_off_m", "heading_error_deg")
+_WRONG_WAY = ("place_no_feedback", "place_away", "place_lost")
+_DRIVE_MEASURES = ("distance_m", *_GOAL_MEASURES, *_END_MEASURES)
+LEAST_M = 0.02  # a shorter way is no drive
+AWAY_SHARE = 0.9  # of the distance at the start: a car that never came nearer drove the wrong way
+CIRCLED_RAD = 2.5 * math.tau  # a car that turned further than this and did not arrive circles the goal
+NEAR_TIMES = 12.0  # the radius of the goal: a car that never came nearer circles something else
+# A car that ends this much further from a goal than it was at best did not lack time: it drove past the goal.
+LOST_TIMES, LOST_M = 1.25, 0.5
 
 
 def place_mistakes(
-    assignment: Assignment, run: Run, drive: Drive | None, way: Way | None, seen: Sequence[Visit]
+    assignment: Assignment, run: Run, drive: Drive | None, way: Way | None, visits: Sequence[Visit]
 ) -> tuple[Mistake, ...]:
     """Return what probably went wrong on the way to the places."""
     found = [*script_mistakes(run), *asleep(run)]
     if drive is None or way is None:
         return tuple(found)
-    found += command_mistakes(run, assignment.world, turns=(*_GOALS, *_END), drives=_DRIVES)
+    found += command_mistakes(
+        run, assignment.world, turns=(*_GOAL_MEASURES, *_END_MEASURES), drives=_DRIVE_MEASURES
+    )
     touched = list(_touched(assignment, run, way))
-    if all(visit.done_s is not None for visit in seen):
-        found += [*touched, *_ending(assignment, run, drive, way, seen)]
+    if all(visit.done_s is not None for visit in visits):
+        found += [*touched, *_ending(assignment, run, drive, way, visits)]
     elif float(drive.path.along_m[-1]) < LEAST_M:
-        found += touched  # who never drove is told to drive: where to comes after that
+        found += touched  # `command_mistakes` says to drive; where to is the next question
     else:
-        cause = _missed(assignment, run, drive, way, seen)
-        # who drove the wrong way met the wall for that reason
-        found += [cause, *touched] if cause.code in _CAUSES else [*touched, cause]
+        cause = _missed(assignment, run, drive, way, visits)
+        # A car on the wrong way met the wall because of it; otherwise the wall may be why the goal was missed.
+        found += [cause, *touched] if cause.code in _WRONG_WAY else [*touched, cause]
     found += lost_at_home(run)
     return tuple(found)
 
 
 def _touched(assignment: Assignment, run: Run, way: Way) -> Iterator[Mistake]:
+    """Name the first thing that the car touched, and the first place to avoid that it entered."""
+    spoilt = ("contacts", "clearance_m", *_GOAL_MEASURES)
     for contact in run.trajectory.contacts[:1]:
         time = number(contact.start_ns / 1e9, "s")
         if assignment.world.kind == "robot":
-            spoilt = ("contacts", "clearance_m", *_GOALS)
             yield mistake("place_hit", spoilt, time=time, what=name_of(contact.wall))
             continue
         wall = say(f"wall.{contact.wall}")
-        yield mistake("place_wall", ("contacts", "clearance_m", *_GOALS), time=time, wall=wall)
+        yield mistake("place_wall", spoilt, time=time, wall=wall)
     avoid = () if assignment.places is None else assignment.places.avoid
     for i in entered(avoid, way)[:1]:
         region = avoid[i - 1]
@@ -66,25 +70,26 @@ def _touched(assignment: Assignment, run: Run, way: Way) -> Iterator[Mistake]:
         yield mistake("place_entered", ("entered", "clearance_m"), at=at)
 
 
-def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, seen: Sequence[Visit]) -> Mistake:
-    """Say why the first goal that was not reached was not."""
-    first = next(visit for visit in seen if visit.done_s is None)
+def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, visits: Sequence[Visit]) -> Mistake:
+    """Say why the car did not reach the first goal that it missed."""
+    first = next(visit for visit in visits if visit.done_s is None)
     values = {
-        "reached": sum(visit.done_s is not None for visit in seen),
-        "goals": len(seen),
+        "reached": sum(visit.done_s is not None for visit in visits),
+        "goals": len(visits),
         "goal": first.number,
         "nearest": _nearest(first),
-        "allowed": _allowed(first),
+        "allowed": _goal_extent(first),
     }
-    spoilt = (*_GOALS, *_END)
+    spoilt = (*_GOAL_MEASURES, *_END_MEASURES)
     if first.entered_s is not None:
-        return _entered_in_vain(assignment, seen, first)
+        return _entered_in_vain(visits, first)
     if _ignores_the_pose(assignment, run):
-        return mistake("place_no_feedback", spoilt, topic=_telling(assignment), **values)
+        return mistake("place_no_feedback", spoilt, topic=_pose_topic(assignment), **values)
     if drive.moving_at_end and _circles(drive, first):
         return mistake("place_circled", (*spoilt, "settled"), **values)
-    last_m = _off_m(way, first)
-    if first.nearest_m > AWAY_SHARE * first.first_m and values["reached"] == 0 and not _nears(first, last_m):
+    last_m = _final_distance_m(way, first)
+    stayed_away = first.nearest_m > AWAY_SHARE * first.first_m and values["reached"] == 0
+    if stayed_away and not _was_approaching(first, last_m):
         return mistake("place_away", spoilt, first=number(first.first_m, "m"), **values)
     if drive.cut_short and last_m > LOST_TIMES * first.nearest_m + LOST_M:
         return mistake("place_lost", spoilt, **values)
@@ -94,78 +99,80 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, seen: Sequ
 
 
 def _nearest(visit: Visit) -> Text | str:
-    """Return how near the car came: to the middle of a circle, to the edge of a box."""
+    """Return the least distance of the car from the middle of a circle, or from the edge of a box."""
     if visit.goal.region.kind == "circle":
         return number(visit.nearest_m, "m")
     return say("place.edge", value=number(visit.outside_m, "m"))
 
 
-def _allowed(visit: Visit) -> Text:
+def _goal_extent(visit: Visit) -> Text:
+    """Return how large the goal is, in the words of `_nearest`."""
     region = visit.goal.region
     if region.kind == "circle":
         return say("place.within", value=number(region.radius_m, "m"))
     return say("place.box", width=number(region.width_m, "m"), height=number(region.height_m, "m"))
 
 
-def _entered_in_vain(assignment: Assignment, seen: Sequence[Visit], first: Visit) -> Mistake:
-    """Say why a goal that the car was in does not count: too late, too short, or out of turn."""
+def _entered_in_vain(visits: Sequence[Visit], first: Visit) -> Mistake:
+    """Say why a goal that the car entered does not count: it came too late, left too soon or broke the order."""
     goal = first.goal
     came_s = first.entered_s or 0.0
     if goal.by_s is not None and came_s > goal.by_s:
         came, by = number(came_s, "s"), number(goal.by_s, "s")
-        return mistake("place_late", _GOALS, goal=first.number, came=came, by=by)
+        return mistake("place_late", _GOAL_MEASURES, goal=first.number, came=came, by=by)
     if first.stayed_s < goal.hold_s:
         stayed, hold = number(first.stayed_s, "s"), number(goal.hold_s, "s")
-        return mistake("place_not_held", _GOALS, goal=first.number, stayed=stayed, hold=hold)
+        return mistake("place_not_held", _GOAL_MEASURES, goal=first.number, stayed=stayed, hold=hold)
     came_in = sorted(
-        (visit for visit in seen if visit.entered_s is not None), key=lambda visit: visit.entered_s or 0.0
+        (visit for visit in visits if visit.entered_s is not None), key=lambda visit: visit.entered_s or 0.0
     )
     order = " → ".join(str(visit.number) for visit in came_in)
-    wanted = " → ".join(str(visit.number) for visit in seen)
-    return mistake("place_order", _GOALS, order=order, wanted=wanted)
+    wanted = " → ".join(str(visit.number) for visit in visits)
+    return mistake("place_order", _GOAL_MEASURES, order=order, wanted=wanted)
 
 
 def _ignores_the_pose(assignment: Assignment, run: Run) -> bool:
-    """Whether the car starts somewhere else in each case, and the script never asks where."""
+    """Whether the cases start at different places, and the script never subscribes to the car's pose."""
     starts = {case.start for case in assignment.cases}
-    tells = _telling(assignment).removeprefix("/turtle1")  # a second turtle's will do, too
-    heard = any(each.kind == "subscription" and each.name.endswith(tells) for each in run.outcome.endpoints)
+    suffix = _pose_topic(assignment).removeprefix("/turtle1")  # the pose of another turtle counts as well
+    heard = any(each.kind == "subscription" and each.name.endswith(suffix) for each in run.outcome.endpoints)
     return len(starts) > 1 and not heard
 
 
-def _telling(assignment: Assignment) -> str:
-    """Return the topic that tells where the car is."""
+def _pose_topic(assignment: Assignment) -> str:
+    """Return the topic on which the world publishes where the car is."""
     is_robot = assignment.world.kind == "robot"
     return assignment.world.topics.get("/odom", "/odom") if is_robot else "/turtle1/pose"
 
 
 def _circles(drive: Drive, goal: Visit) -> bool:
+    """Whether the car, driving to the end, went round and round near a goal."""
     turned = float(np.ptp(drive.path.heading_rad))
     region = goal.goal.region
-    wide_m = region.radius_m or math.hypot(region.width_m, region.height_m) / 2.0
-    return turned > CIRCLED_RAD and goal.nearest_m < NEAR_TIMES * wide_m
+    radius_m = region.radius_m or math.hypot(region.width_m, region.height_m) / 2.0
+    return turned > CIRCLED_RAD and goal.nearest_m < NEAR_TIMES * radius_m
 
 
-def _off_m(way: Way, visit: Visit) -> float:
-    """Return how far the car is from the middle of a goal in the end."""
+def _final_distance_m(way: Way, visit: Visit) -> float:
+    """Return how far from the middle of a goal the car's way ends."""
     region = visit.goal.region
     return math.hypot(float(way.x_m[-1]) - region.x_m, float(way.y_m[-1]) - region.y_m)
 
 
-def _nears(visit: Visit, last_m: float) -> bool:
-    """Whether the car was still coming nearer to a goal when its motion ended, however slowly."""
+def _was_approaching(visit: Visit, last_m: float) -> bool:
+    """Whether the car was still coming nearer to a goal at the end of its way, however slowly."""
     return last_m <= visit.nearest_m + LEAST_M and visit.nearest_m < visit.first_m - LEAST_M
 
 
 def _ending(
-    assignment: Assignment, run: Run, drive: Drive, way: Way, seen: Sequence[Visit]
+    assignment: Assignment, run: Run, drive: Drive, way: Way, visits: Sequence[Visit]
 ) -> Iterator[Mistake]:
-    """Tell of what was wrong after all places were visited."""
+    """Say what was wrong after the car had visited all goals."""
     if drive.moving_at_end:
         publisher = ScriptText(run.source).publisher or "publisher"
-        yield mistake("place_never_stops", ("settled", *_END), publisher=publisher)
+        yield mistake("place_never_stops", ("settled", *_END_MEASURES), publisher=publisher)
         return
-    off_m = _off_m(way, seen[-1])
+    off_m = _final_distance_m(way, visits[-1])
     if fits(assignment, "end_off_m", off_m) is False:
         yield mistake("place_left", ("end_off_m",), away=number(off_m, "m"))
     wanted_deg = None if assignment.places is None else assignment.places.end_heading_deg
