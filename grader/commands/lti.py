@@ -1,4 +1,4 @@
-"""`grader lti`: the learning platforms of a course, and the keys by which the service signs what they are sent."""
+"""`grader lti`: the learning platforms of a course, and the keys that sign the service's messages to them."""
 
 import argparse
 import sys
@@ -20,7 +20,7 @@ from grader.store.clock import utc_now
 from grader.store.platforms import KEY_READ_WITHIN, Platforms
 from grader.use_cases.platforms import misfit
 
-_REFUSED = {
+_REFUSAL_TEXTS = {
     "platform_exists": Text(
         zh="这个平台已经添加过：一个客户端 ID 只属于一门课程",
         en="this platform was added before: a client ID is of one course",
@@ -29,7 +29,7 @@ _REFUSED = {
         zh="这门课程的学习平台太多了", en="the course has too many learning platforms"
     ),
 }
-_NOT_THERE = Text(
+_NO_SUCH_PLATFORM = Text(
     zh="没有这样的学习平台（grader lti list）", en="there is no such platform (grader lti list)"
 )
 
@@ -63,7 +63,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Do it; 2, as a GraderError, when there is no such platform or a field is wrong."""
+    """Carry out the action; a missing platform or a wrong field raises GraderError, which is exit code 2."""
     with opened(arguments) as storage:
         platforms = Platforms(storage.database, utc_now)
         if arguments.action == "rotate":
@@ -82,8 +82,8 @@ def _list(_: OpenedStore, platforms: Platforms, course: str, arguments: argparse
         for link in links:
             if link.platform == one.id:
                 scores = Text(zh="接收成绩", en="takes scores") if link.line_item else Text(zh="-", en="-")
-                told = (link.title or link.resource, link.assignment or "-", scores.get(arguments.lang))
-                sys.stdout.write("\t" + "\t".join(told) + "\n")
+                cells = (link.title or link.resource, link.assignment or "-", scores.get(arguments.lang))
+                sys.stdout.write("\t" + "\t".join(cells) + "\n")
 
 
 def _add(_: OpenedStore, platforms: Platforms, course: str, arguments: argparse.Namespace) -> None:
@@ -98,13 +98,13 @@ def _add(_: OpenedStore, platforms: Platforms, course: str, arguments: argparse.
     try:
         added = platforms.add(new, Signature(utc_now(), course, actor()))
     except RefusedError as error:
-        raise _told(error) from None
+        raise _with_text(error) from None
     sys.stdout.write(f"{added.id}\n")
 
 
 def _remove(_: OpenedStore, platforms: Platforms, course: str, arguments: argparse.Namespace) -> None:
     if not platforms.remove(arguments.platform, Signature(utc_now(), course, actor())):
-        raise CourseError(_NOT_THERE.en, _NOT_THERE.zh)
+        raise CourseError(_NO_SUCH_PLATFORM.en, _NO_SUCH_PLATFORM.zh)
     tell(arguments, zh="已移除", en="removed")
 
 
@@ -123,6 +123,6 @@ def _rotate(platforms: Platforms, arguments: argparse.Namespace) -> None:
         )
 
 
-def _told(error: RefusedError) -> GraderError:
-    text = _REFUSED.get(error.code)
+def _with_text(error: RefusedError) -> GraderError:
+    text = _REFUSAL_TEXTS.get(error.code)
     return error if text is None else CourseError(text.en, text.zh)

@@ -1,4 +1,4 @@
-"""uvicorn's websocket, bounded: it reads nothing more from a client that does not read what it was sent."""
+"""uvicorn's websocket with a bound: it stops reading from a client that does not read."""
 
 import asyncio
 import logging
@@ -9,8 +9,10 @@ from uvicorn.protocols.websockets.wsproto_impl import WSProtocol
 from grader.sim.rosbridge.frames import MAX_FRAME_BYTES
 
 UNREAD_S: Final = 10.0
-_quiet: Final = logging.getLogger(__name__)
-_quiet.setLevel(logging.WARNING)
+"""How long a client may leave unread what it was sent before its connection ends."""
+
+_warnings_only: Final = logging.getLogger(__name__)
+_warnings_only.setLevel(logging.WARNING)
 
 
 class WebSocketSettings(TypedDict):
@@ -24,45 +26,45 @@ class WebSocketSettings(TypedDict):
 
 SETTINGS: Final = WebSocketSettings(
     ws_max_size=MAX_FRAME_BYTES,
-    ws_ping_interval=20.0,
+    ws_ping_interval=20.0,  # uvicorn's own default, like the timeout
     ws_ping_timeout=20.0,
     ws_per_message_deflate=False,  # a small frame could grow to any size
 )
 
 
 class BoundedWebSocket(WSProtocol):
-    """A connection that ends when its client has not read for a while.
+    """A connection that ends when its client has not read for `unread_s`.
 
-    Pings are answered by uvicorn itself: without this, a client that sends them and never reads fills the memory.
+    uvicorn answers pings by itself: without this bound, a client could fill the memory with them.
     """
 
     unread_s = UNREAD_S
-    _unread: asyncio.TimerHandle | None = None
+    _timer: asyncio.TimerHandle | None = None
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
-        self.logger = _quiet  # its lines would tell the addresses, which open cars
+        self.logger = _warnings_only  # uvicorn logs addresses, and an address opens a car
 
     def pause_writing(self) -> None:
-        """Wait for the client to read."""
+        """Stop reading, and give the client `unread_s` to read."""
         super().pause_writing()
-        if self._unread is None:
+        if self._timer is None:
             self.transport.pause_reading()
-            self._unread = self.loop.call_later(self.unread_s, self.transport.abort)
+            self._timer = self.loop.call_later(self.unread_s, self.transport.abort)
 
     def resume_writing(self) -> None:
-        """Go on."""
+        """Read again: the client has read."""
         super().resume_writing()
-        self._stop_waiting()
+        self._cancel_timer()
         if not self.read_paused and not self.transport.is_closing():
             self.transport.resume_reading()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Wait for nothing more."""
-        self._stop_waiting()
+        """Cancel the timer, which would abort a connection that is gone."""
+        self._cancel_timer()
         super().connection_lost(exc)
 
-    def _stop_waiting(self) -> None:
-        if self._unread is not None:
-            self._unread.cancel()
-            self._unread = None
+    def _cancel_timer(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None

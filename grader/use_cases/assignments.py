@@ -1,4 +1,4 @@
-"""Published assignments, and what they are to one student: what is shown, the dates, what is left."""
+"""Published assignments, and the terms of each for one student: what is shown, due dates, attempts left."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,12 +21,12 @@ class Terms:
     """The rules of one assignment as they hold for one member of a course now.
 
     Attributes:
-        due: with the member's extension.
+        due: the due date, with the member's extension.
         attempts_left: in all; None: any number.
-        counted: the attempt that counts; None while there is none, or while it would tell about hidden items.
-        refusal: why the rules would accept no file from this student now; None: they would.
-        kept_share: of the points of what is handed in now, after lateness.
-        hides: whether students do not see some of the items now.
+        counted: the attempt that counts; None: there is none yet, or its score would reveal hidden items.
+        refusal: why the rules would refuse a file from this student now; None: they would accept it.
+        kept_share: the share of its points that a file handed in now keeps, after lateness.
+        hides: whether some items are hidden from students now.
     """
 
     rules: Rules
@@ -69,7 +69,8 @@ def require_published(
     """Return an assignment with all its items.
 
     Raises:
-        RefusedError: with `code`, about `field` of the request: it is not published. Names those that are.
+        RefusedError: the assignment is not published. The error has `code` and `field`, and names the
+            published ones.
     """
     assignment = published(services, caller, assignment_id)
     if assignment is None:
@@ -93,72 +94,76 @@ def visible_assignment(services: Services, caller: Caller, assignment_id: str) -
 
 
 def checklist(services: Services, caller: Caller) -> tuple[Assignment, ...]:
-    """Return all published assignments that the caller sees now in order, as the caller may see them."""
-    known, now = services.rules.of(caller.course), services.clock()
+    """Return the published assignments that the caller sees now, in order, without hidden items."""
+    course_rules, now = services.rules.of(caller.course), services.clock()
     is_student = caller.role is Role.STUDENT
     every = services.assignments.of(caller.course).all()
-    seen = [one for one in every if not is_student or known.of(one.id).shown_at(now)]
+    seen = [one for one in every if not is_student or course_rules.of(one.id).shown_at(now)]
     return shown_assignments(services, caller, seen)
 
 
 def in_course(services: Services, caller: Caller) -> tuple[Assignment, ...]:
-    """Return the assignments that belong to the caller's course: all but its drafts, whole."""
-    known = services.rules.of(caller.course)
+    """Return the assignments that belong to the caller's course: all but drafts, with hidden items."""
+    course_rules = services.rules.of(caller.course)
     every = services.assignments.of(caller.course).all()
-    return tuple(one for one in every if known.of(one.id).shown is not Shown.DRAFT)
+    return tuple(one for one in every if course_rules.of(one.id).shown is not Shown.DRAFT)
 
 
 def terms_of(services: Services, caller: Caller, assignment_id: str) -> Terms:
-    """Return the rules of an assignment as they hold for the caller; without courses nothing is ruled."""
+    """Return the terms of an assignment for the caller; without courses the rules allow everything."""
     person = caller.person
     attempts = () if person is None else services.submissions.attempts(person, assignment_id, caller.course)
     return _terms(services.rules.of(caller.course), caller, assignment_id, attempts, services.clock())
 
 
 def all_terms(services: Services, caller: Caller) -> dict[str, Terms]:
-    """Return by published assignment the rules as they hold for a member of a course; nothing without courses."""
+    """Return the terms of each published assignment by its id, for a member of a course; empty without courses."""
     if caller.course is None:
         return {}
-    known, now = services.rules.of(caller.course), services.clock()
+    course_rules, now = services.rules.of(caller.course), services.clock()
     own = (
         () if caller.person is None else services.submissions.of_student(caller.person, course=caller.course)
     )
     in_order = as_attempts(sorted(own, key=lambda one: (one.received_at, one.id)))
-    of = {one.id: one.assignment for one in own}
+    assignment_of = {one.id: one.assignment for one in own}
     return {
         published.id: _terms(
-            known, caller, published.id, [one for one in in_order if of[one.id] == published.id], now
+            course_rules,
+            caller,
+            published.id,
+            [one for one in in_order if assignment_of[one.id] == published.id],
+            now,
         )
         for published in services.assignments.of(caller.course).all()
     }
 
 
 def _terms(
-    known: CourseRules, caller: Caller, assignment_id: str, attempts: Sequence[Attempt], now: datetime
+    course_rules: CourseRules, caller: Caller, assignment_id: str, attempts: Sequence[Attempt], now: datetime
 ) -> Terms:
     is_student, person = caller.role is Role.STUDENT, caller.person
-    rules = known.of(assignment_id, person if is_student else None)
-    extension = NO_EXTENSION if person is None else known.extension(assignment_id, person)
+    rules = course_rules.of(assignment_id, person if is_student else None)
+    extension = NO_EXTENSION if person is None else course_rules.extension(assignment_id, person)
     hides = bool(rules.hidden_at(now))
     return Terms(
         rules=rules,
-        zone=known.zone,
+        zone=course_rules.zone,
         due=rules.due_for(extension),
         attempts_used=sum(one.costs for one in attempts),
         attempts_left=rules.attempts_left(extension, attempts),
         counted=None if is_student and hides else rules.counting(extension, attempts),
-        refusal=_refusal(known, rules, extension, attempts, now) if is_student else None,
+        refusal=_refusal(course_rules, rules, extension, attempts, now) if is_student else None,
         kept_share=rules.kept_share(extension, now),
         hides=hides,
     )
 
 
 def _refusal(
-    known: CourseRules, rules: Rules, extension: Extension, attempts: Sequence[Attempt], now: datetime
+    course_rules: CourseRules, rules: Rules, extension: Extension, attempts: Sequence[Attempt], now: datetime
 ) -> Refusal | None:
-    if known.archived:
+    if course_rules.archived:
         return Refusal(code="course_archived")
-    return rules.refusal(extension, attempts, now, known.zone)
+    return rules.refusal(extension, attempts, now, course_rules.zone)
 
 
 def item_title(assignment: Assignment | None, item_id: str, language: Language) -> str:

@@ -44,10 +44,10 @@ def test_a_client_that_reads_again_goes_on() -> None:
         protocol.pause_writing()
         protocol.resume_writing()
         transport.resume_reading.assert_called_once()
-        assert protocol._unread is None
+        assert protocol._timer is None
         protocol.pause_writing()
         protocol.connection_lost(None)
-        assert protocol._unread is None
+        assert protocol._timer is None
         return transport
 
     asyncio.run(story()).abort.assert_not_called()
