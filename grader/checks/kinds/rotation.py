@@ -18,7 +18,7 @@ from grader.messages import say
 from grader.messages.quantity import number
 
 MAX_STARTS = 200  # bounds the work: parts of the path are tried from at most this many samples on
-PLACE_M = 0.2  # as far as turning may stray in the meantime to count in full
+PLACE_M = 0.2  # a turn that strays no further counts in full
 ROTATE = "/turtle1/rotate_absolute/_action/send_goal"
 MEASURES = {
     "commands": MeasureKind(form="count"),
@@ -59,8 +59,8 @@ def _rotation(path: Path) -> dict[str, Measure]:
 def _in_one_place(path: Path) -> float:
     """Return the largest turn of any part of the path that stayed in one place.
 
-    Of a part that strayed further than `PLACE_M` one full turn at most counts, less by the square of how much
-    further: else laps of a wide circle, or corners far from each other, would sum up to a turn on the spot.
+    A part that strayed further than `PLACE_M` counts as one full turn at most, divided by the square of how many
+    times further it strayed. Otherwise laps of a wide circle, or corners far apart, would add up to a rotation.
     """
     largest = 0.0
     for first in range(0, len(path), 1 + len(path) // MAX_STARTS):

@@ -1,4 +1,4 @@
-"""Mistakes told by how a driven path differs from the wanted one."""
+"""Mistakes recognised from how a driven path differs from the wanted one."""
 
 import math
 from collections.abc import Iterator
@@ -30,10 +30,10 @@ from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
 FULL_CIRCLE_DEG = 350.0  # from here on an arc is called a circle
-BEGUN_SHARE = 0.05  # of the size: who is nearer to the first part has driven that, and no more
-SAME_SHARE = 0.15  # of the wanted length: two shares that differ by more do not tell of the same part
-OVERLONG_SHARE = 1.15  # who drove more has driven something else as well
-FAR_SHARE = 0.06  # of the size: who is nearer has done the same thing, only not well
+BEGUN_SHARE = 0.05  # of the size: a drive this near to the first part is that part, and no more
+SAME_SHARE = 0.15  # of the wanted length: shares that differ by more are of different parts
+OVERLONG_SHARE = 1.15  # of the wanted length: a longer drive has something else in it
+FAR_SHARE = 0.06  # of the size: a drive nearer than this is the wanted path, driven badly
 _SHAPE = (
     "off_pct",
     "mean_off_pct",
@@ -44,8 +44,8 @@ _SHAPE = (
     "round_pct",
     "gap_pct",
 )
-MUCH_BETTER_SHARE = 0.6  # what leaves more at equal distances is not looked at closely
-LEFT_SHARE = 0.25  # of the distance: what leaves no more explains it
+MUCH_BETTER_SHARE = 0.6  # of the rough distance: an explanation that leaves more is not matched closely
+LEFT_SHARE = 0.25  # of the distance: an explanation must leave less
 _OF_ARCS = ("round_pct", "off_pct", "mean_off_pct", "covered_pct", "gap_pct")
 _DRIVES = ("distance_m", *_SHAPE)
 
@@ -68,7 +68,7 @@ class _Seen:
 
     @property
     def is_begun(self) -> bool:
-        """Whether what was driven is as wanted, as far as it goes: then the next step is to drive on."""
+        """Whether the drive is right as far as it goes, so that the next step is to drive on."""
         wanted = self.assignment.path
         if wanted is None:
             return False
@@ -84,7 +84,10 @@ class _Seen:
 
     @property
     def is_missing_alone(self) -> bool:
-        """Whether as much was driven as was reached of the path: of a trace no piece tells whether it is right."""
+        """Whether the missing part is the only fault: then the driven and the covered share agree.
+
+        This matters for a trace only: of other paths each piece is checked by itself.
+        """
         if self.drive.cut_short or all(each.kind != "trace" for each in self.figure.track.stretches):
             return True
         return abs(self.driven_share - self.figure.covered_share) <= SAME_SHARE
@@ -146,7 +149,8 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
     if size <= 0.0:
         return
     off = seen.loses("off_pct", 100.0 * away / size)
-    asked = off or seen.assignment.item_on("off_pct") is None  # pieces that are all wrong have one cause, too
+    # Without such an item, too: pieces that are all wrong have one cause.
+    asked = off or seen.assignment.item_on("off_pct") is None
     if not seen.figure.begun and asked and (code := _other_way(seen, away / size)) is not None:
         yield mistake(code, _SHAPE)
         return
@@ -167,7 +171,7 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
 
 
 def _other_way(seen: _Seen, share: float) -> str | None:
-    """Return what was done otherwise as a whole: a mirror image, the other direction, another size or place."""
+    """Return how the whole path differs: mirrored, reversed, or of another size or place."""
     wanted = seen.assignment.path
     if wanted is None or share < FAR_SHARE:
         return None
@@ -180,7 +184,7 @@ def _other_way(seen: _Seen, share: float) -> str | None:
     start = seen.assignment.world.start
     rough = roughly_off(seen.drive, wanted, start)
     for code, other in freer.items():
-        # a look at equal distances is cheap, and tells most of what does not explain it
+        # comparing at equal distances is cheap, and rules out most explanations
         if other == wanted or roughly_off(seen.drive, other, start) > MUCH_BETTER_SHARE * rough:
             continue
         figure = figure_in(seen.drive, other, start)
@@ -229,7 +233,7 @@ def _pieces(seen: _Seen) -> Iterator[Mistake]:
 
 
 def _arcs(seen: _Seen, scale: float) -> Iterator[Mistake]:
-    """Tell of the first that holds: an arc to the wrong side, one that is none, one of another radius."""
+    """Say the first that holds: an arc to the wrong side, a piece that is no arc, an arc of another radius."""
     arcs = [each for each in _by_error(seen.stretches, "arc", scale) if not math.isnan(each.radius_m)]
     mirror = -1.0 if seen.figure.placed.mirrored else 1.0
     for each in arcs:

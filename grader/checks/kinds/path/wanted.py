@@ -179,7 +179,7 @@ def _stretches(pieces: Sequence[PathPiece]) -> Iterator[Stretch]:
             continue
         yield stretch
         here = stretch.points[-1]
-        # who backs up along a line still looks the other way
+        # a car that backs up along a line faces away from where it goes
         heading_rad = heading_rad if piece.kind == "line" else stretch.ends_rad
 
 

@@ -1,4 +1,4 @@
-"""Mistakes told by which places were visited, and how near the car came to the others."""
+"""Mistakes recognised from which places were visited, and how near the car came to the others."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -22,11 +22,11 @@ _GOALS = ("reached", "missed_m", "time_s", "detour_pct")
 _END = ("end_off_m", "heading_error_deg")
 _CAUSES = ("place_no_feedback", "place_away", "place_lost")
 _DRIVES = ("distance_m", *_GOALS, *_END)
-LEAST_M = 0.02  # who drove less has not driven
-AWAY_SHARE = 0.9  # of the distance at the start: who never came nearer drove the wrong way
-CIRCLED_RAD = 2.5 * math.tau  # turned on the way: who turns so much and does not arrive runs round the goal
-LOST_TIMES, LOST_M = 1.25, 0.5  # who ends so much further from a goal than at best was not too slow
-NEAR_TIMES = 12.0  # of the goal's size: who circles further off does not circle the goal
+LEAST_M = 0.02  # a shorter way does not count as driving
+AWAY_SHARE = 0.9  # of the distance at the start: a car that never came nearer drove the wrong way
+CIRCLED_RAD = 2.5 * math.tau  # a car that turns more than this without arriving circles the goal
+LOST_TIMES, LOST_M = 1.25, 0.5  # a car that ends this much further from a goal than at best was not too slow
+NEAR_TIMES = 12.0  # of the goal's size: a circle further off is not one round the goal
 
 
 def place_mistakes(
@@ -41,10 +41,10 @@ def place_mistakes(
     if all(visit.done_s is not None for visit in seen):
         found += [*touched, *_ending(assignment, run, drive, way, seen)]
     elif float(drive.path.along_m[-1]) < LEAST_M:
-        found += touched  # who never drove is told to drive: where to comes after that
+        found += touched  # a car that never drove needs the hint to drive, not the hint where to
     else:
         cause = _missed(assignment, run, drive, way, seen)
-        # who drove the wrong way met the wall for that reason
+        # a car that drove the wrong way met the wall for that reason
         found += [cause, *touched] if cause.code in _CAUSES else [*touched, cause]
     found += lost_at_home(run)
     return tuple(found)
@@ -80,7 +80,7 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, seen: Sequ
     if first.entered_s is not None:
         return _entered_in_vain(assignment, seen, first)
     if _ignores_the_pose(assignment, run):
-        return mistake("place_no_feedback", spoilt, topic=_telling(assignment), **values)
+        return mistake("place_no_feedback", spoilt, topic=_pose_topic(assignment), **values)
     if drive.moving_at_end and _circles(drive, first):
         return mistake("place_circled", (*spoilt, "settled"), **values)
     last_m = _off_m(way, first)
@@ -128,12 +128,12 @@ def _entered_in_vain(assignment: Assignment, seen: Sequence[Visit], first: Visit
 def _ignores_the_pose(assignment: Assignment, run: Run) -> bool:
     """Whether the car starts somewhere else in each case, and the script never asks where."""
     starts = {case.start for case in assignment.cases}
-    tells = _telling(assignment).removeprefix("/turtle1")  # a second turtle's will do, too
+    tells = _pose_topic(assignment).removeprefix("/turtle1")  # a second turtle's will do, too
     heard = any(each.kind == "subscription" and each.name.endswith(tells) for each in run.outcome.endpoints)
     return len(starts) > 1 and not heard
 
 
-def _telling(assignment: Assignment) -> str:
+def _pose_topic(assignment: Assignment) -> str:
     """Return the topic that tells where the car is."""
     is_robot = assignment.world.kind == "robot"
     return assignment.world.topics.get("/odom", "/odom") if is_robot else "/turtle1/pose"
