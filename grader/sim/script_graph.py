@@ -111,7 +111,7 @@ class ScriptGraph:
     def endpoints(self, carried: frozenset[str]) -> tuple[Endpoint, ...]:
         """Return everything else in order of creation, without what every node has.
 
-        Messages on a topic in `carried` were counted one by one; of the others only each hundredth was told.
+        Messages on a topic in `carried` were counted one by one; the shim reports each hundredth of the others.
         """
         found = []
         for entry in self._entries.values():
