@@ -53,7 +53,7 @@ RUN_SCRIPT: Final = "rclpy._process.runner:run"
 _CHECK_SYNTAX: Final = "rclpy._process.syntax:run"
 
 _RUNS_PER_ZYGOTE: Final = 500
-"""A zygote is replaced after so many forks, so that nothing that leaks into it can build up."""
+"""Forks after which a zygote is replaced, so that leaks in it cannot build up."""
 
 
 def script_sandbox(mode: str) -> "Sandbox":

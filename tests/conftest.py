@@ -40,7 +40,7 @@ _ALIVE = pytest.StashKey[int]()
 _GARBAGE = (5_000, 20, 50)
 """How much is allocated between looks for garbage: with Python's usual numbers they take 5 % of a run's time."""
 _TO_TESTS = ("GRADER_REQUIRE_", "GRADER_TEST_", "GRADER_OPENAPI_", "GRADER_IMAGE")
-_OF_PEOPLE = {"DATABASE_URL", "FORCE_COLOR", "NO_COLOR", "COLUMNS"}
+_USER_VARIABLES = {"DATABASE_URL", "FORCE_COLOR", "NO_COLOR", "COLUMNS"}
 _PROXIES = {"HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY"}
 
 
@@ -72,7 +72,7 @@ def pytest_collection() -> Generator[None, object, object]:
 def _forget_settings() -> None:
     """Let tests not meet what the environment tells the grader and its libraries."""
     # those of the image download a package, which may take a proxy
-    unwanted = _OF_PEOPLE if "GRADER_IMAGE" in os.environ else _OF_PEOPLE | _PROXIES
+    unwanted = _USER_VARIABLES if "GRADER_IMAGE" in os.environ else _USER_VARIABLES | _PROXIES
     for name in list(os.environ):
         for_the_grader = name.startswith("GRADER_") and not name.startswith(_TO_TESTS)
         if for_the_grader or name.upper() in unwanted:

@@ -128,10 +128,10 @@ class Catalog:
         return attempts
 
     def guess_assignment(self, file_name: str) -> str | None:
-        """Return the id of the assignment that `file_name` tells, or None.
+        """Return the id of the assignment whose file patterns match `file_name`, or None.
 
-        Of several the one with the longest matching pattern (``*square_input*.py`` before ``*square*.py``),
-        then the first on the checklist. Further sets are asked if none matches.
+        If several match, the longest pattern wins (``*square_input*.py`` before ``*square*.py``), then the order
+        of the checklist. Further sets are searched if none matches.
         """
         return self._guess(file_name, self._folders()) or self._guess(file_name, self._further())
 
@@ -243,7 +243,7 @@ def _refused(place: str, told: Text) -> AssignmentError:
 
 
 def _content(path: Path) -> bytes | None:
-    """Return what an assignment's files say, None if they cannot be read: whoever reads them next says why."""
+    """Return the content of an assignment's files, or None if they cannot be read; the next reader reports why."""
     try:
         return content(path)
     except OSError:

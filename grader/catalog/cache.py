@@ -59,7 +59,7 @@ class AssignmentMemory:
             return None
 
     def keep(self, path: Path, source: bytes, assignment: Assignment) -> None:
-        """Keep `assignment`, which is what validating `source`, the content of the files at `path`, gave."""
+        """Keep `assignment`, the result of validating `source`, which is the content of the files at `path`."""
         self._known[path] = source, assignment
 
 
@@ -80,7 +80,7 @@ class AssignmentCache:
             return None
 
     def keep(self, path: Path, source: bytes, assignment: Assignment) -> None:
-        """Keep `assignment`, which is what validating `source`, the content of the files at `path`, gave."""
+        """Keep `assignment`, the result of validating `source`, which is the content of the files at `path`."""
         file = self._file(path)
         draft = file.with_name(f"{file.name}.{os.getpid()}")  # renamed when whole: others may read meanwhile
         with suppress(OSError):

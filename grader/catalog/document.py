@@ -60,7 +60,7 @@ class _StrictLoader(_Loader):  # type: ignore[misc]
 
 
 _SENT_AS: Mapping[str, str] = {"publish": "", "read": "", "call": "_Request", "goal": "_Goal"}
-"""What the name of the structure ends in that a tool sends or reads, after the type's own."""
+"""By tool: the suffix of the structure that it sends or reads, after the name of the type."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,8 @@ INTERFACES: Final = "interfaces"
 REFERENCE: Final = "reference.json"
 """What the solution drives, recorded by ``grader assignments validate`` for a path that says so."""
 SOLUTION: Final = "solution.py"
-_BESIDE: Final = ("package.xml", "CMakeLists.txt", "README.md")
-"""What stands in a package's folder as well and is not read."""
+_IGNORED_FILES: Final = ("package.xml", "CMakeLists.txt", "README.md")
+"""Files at the top of an interface package that are not interfaces."""
 
 
 def interface_files(folder: Path) -> list[Path]:
@@ -18,11 +18,11 @@ def interface_files(folder: Path) -> list[Path]:
     if not root.is_dir():
         return []
     found = [path for path in sorted(root.rglob("*")) if not path.is_dir() and path.name[0] != "."]
-    return [path for path in found if path.name not in _BESIDE or path.parent.parent != root]
+    return [path for path in found if path.name not in _IGNORED_FILES or path.parent.parent != root]
 
 
 def is_there(path: Path) -> bool:
-    """Whether an assignment's own file is there; a zip may stand there as the folder that it is made of."""
+    """Whether an assignment's own file exists; a folder of the same name may stand for a zip."""
     return path.is_file() or (path.suffix == ".zip" and path.with_suffix("").is_dir())
 
 
@@ -50,9 +50,9 @@ def content(spec: Path) -> bytes:
     Raises:
         OSError: one of the files cannot be read.
     """
-    said = spec.read_bytes()
+    whole = spec.read_bytes()
     recorded = [spec.with_name(name) for name in (REFERENCE, SOLUTION)]
     for path in interface_files(spec.parent) + (recorded if recorded[0].is_file() else []):
         text = path.read_bytes()
-        said += f"\0{path.relative_to(spec.parent)}\0{len(text)}\0".encode() + text
-    return said
+        whole += f"\0{path.relative_to(spec.parent)}\0{len(text)}\0".encode() + text
+    return whole

@@ -20,7 +20,7 @@ STANDARD: Final = Path(__file__).resolve().parents[1] / "shim" / "rosidl_data" /
 MAX_FILES: Final = 64
 MAX_FILE_BYTES: Final = 16_384
 MAX_MESSAGE_BYTES: Final = 60_000
-"""What a message may take at least, its texts and sequences empty; larger ones fit in no frame."""
+"""Bound on a message whose texts and sequences are empty; a larger one would fit in no frame."""
 
 _WIDTHS: Final = {"boolean": 1, "octet": 1, "float": 4, "double": 8, "string": 4, "wstring": 4}
 _FORM: Final = Text(
@@ -185,7 +185,7 @@ def _size(name: str, known: Mapping[str, Fields], sizes: dict[str, int]) -> _Mis
 def _least_bytes(name: str, known: Mapping[str, Fields], sizes: dict[str, int]) -> int:
     """Return about how many bytes a message without recursion takes at least, padding left out."""
     if name not in sizes:
-        sizes[name] = 1  # for what contains itself, which is told on its own
+        sizes[name] = 1  # ends the recursion of a type that contains itself, which `_recursion` reports
         sizes[name] = sum(_field_bytes(each, known, sizes) for each in known.get(name, {}).values()) or 1
     return sizes[name]
 

@@ -17,7 +17,7 @@ Trace = tuple[tuple[float, float], ...]
 
 
 def with_reference(assignment: Assignment, folder: Path) -> Assignment:
-    """Return the assignment with what its solution drives, where it wants that and it is recorded."""
+    """Return the assignment with its solution's recorded path, if it asks for one and one is recorded."""
     if assignment.path is None or not assignment.path.by_solution:
         return assignment
     return replace(assignment, path=replace(assignment.path, trace=_recorded(folder)))

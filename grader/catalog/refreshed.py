@@ -54,11 +54,11 @@ class RefreshedAssignments:
         self._read()
 
     def of(self, course: str | None) -> "RefreshedAssignments":
-        """Return the same ones: folders belong to no course."""
+        """Return the same assignments for every course: folders belong to none."""
         return self
 
     def look_again(self) -> None:
-        """Read the folders at the next question."""
+        """Read the folders again when the next assignment is asked for."""
         with self._lock:
             self._read_at_s = -math.inf
 

@@ -23,7 +23,7 @@ from grader.contracts.assignment import Region, Room, Solid, StartPose, Stripe
 from grader.geometry.room import clearance_m
 
 EDGE_M: Final = 0.1  # how thick outer walls are; they stand outside of the bounds
-_NARROW_M: Final = 0.3  # between a drawn solid and whatever else: a robot gets by
+_NARROW_M: Final = 0.3  # least gap around a drawn solid, so that a robot gets past it
 _TRIES: Final = 200
 _LEAST_M, _MOST_M = 0.5, 20.0  # width and height of a room
 

@@ -94,7 +94,7 @@ Interface = Annotated[str, Field(pattern=INTERFACE_PATTERN)]
 
 
 def _one_value(value: object) -> object:
-    """Return the value of an option; of a list or fields its text, which the check then says is none of its."""
+    """Return the value of an option. A list or mapping becomes its text, which the check then refuses."""
     return value if isinstance(value, bool | int | float | str) else json.dumps(value, default=str)
 
 

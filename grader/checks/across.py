@@ -17,9 +17,9 @@ from grader.messages.quantity import number_beside
 def together_scored(
     check: Check, assignment: Assignment, runs: Sequence[Run], found: Sequence[Findings]
 ) -> dict[str, RubricItem]:
-    """Return the items that are scored across the runs: by the worst of them, or by the mean of what was measured.
+    """Return the items that are scored across the runs: by the worst run, or by the mean of all runs.
 
-    What such an item needs is looked at in the same way.
+    The items that such an item needs are combined in the same way.
     """
     titles = {case.id: case.title for case in assignment.cases}
     names = [_name(titles.get(run.case, EMPTY), run.case) for run in runs]
@@ -32,7 +32,7 @@ def together_scored(
         combined[spec.measure] = _combined(spec, spec.across, found)
         scored = score_items(check, assignment.items, Findings(combined, mistakes))
         item = next(each for each in scored if each.id == spec.id)
-        items[spec.id] = replace(item, message=_told(spec, item, check, names, found))
+        items[spec.id] = replace(item, message=_run_message(spec, item, check, names, found))
     return items
 
 
@@ -41,7 +41,7 @@ def _name(title: Text, case_id: str) -> Text:
 
 
 def _combined(spec: ItemSpec, across: Across, found: Sequence[Findings]) -> Measure:
-    """Return the measure of an item over all runs; one that could not be taken in any of them cannot be taken."""
+    """Return the measure of an item over all runs; it is unmeasured if one of the runs leaves it unmeasured."""
     measures = [findings.measures.get(spec.measure, UNMEASURED) for findings in found]
     worst = measures[_worst(spec, found)]
     if across == "worst" or not math.isfinite(worst.value):
@@ -55,7 +55,7 @@ def _worst(spec: ItemSpec, found: Sequence[Findings]) -> int:
     return errors.index(max(errors))
 
 
-def _told(
+def _run_message(
     spec: ItemSpec, item: RubricItem, check: Check, names: Sequence[Text], found: Sequence[Findings]
 ) -> Text:
     """Say which run was the worst, or what was measured on average."""

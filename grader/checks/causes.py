@@ -1,9 +1,9 @@
-"""Why a mistake happened: what the script shows of the line that is to be changed.
+"""Why a mistake happened: the line of the script that should be changed.
 
-A check tells what the car did, and that alone is a mistake's code: *sides missing*, *only stops*. Often the
-script shows the one line that explains it. `with_causes` then puts the cause in the place of the mistake that it
-explains, and nowhere else: each cause names the mistakes it can lead to, so a line that did no harm is never
-told. Where the script does not show the cause for certain the mistake stays as it was.
+A check knows only what the car did, and a mistake's code says no more: *sides missing*, *only stops*. Often one
+line of the script explains it. `with_causes` then puts that cause in the mistake's place. Each cause names the
+mistakes that it can lead to, so a line that did no harm is never mentioned. Where the script does not show the
+cause for certain, the mistake stays as it was.
 """
 
 import itertools
@@ -39,8 +39,8 @@ def with_causes(assignment: Assignment, run: Run, findings: Findings) -> Finding
     script = ScriptText(run.source)
     if not script.is_short:
         return findings
-    told = tuple(_cause(Searched(assignment, run, script, findings, each)) for each in findings.mistakes)
-    return replace(findings, mistakes=told)
+    causes = tuple(_cause(Searched(assignment, run, script, findings, each)) for each in findings.mistakes)
+    return replace(findings, mistakes=causes)
 
 
 def _cause(seen: Searched) -> Mistake:
@@ -135,7 +135,7 @@ def _counts_ticks(seen: Searched) -> Mistake | None:
             rf"{re.escape(found[1])} ?(\+= ?1|= ?{re.escape(found[1])} ?\+ ?1)\s*$"
         )
         count = value_of(found[3], seen.script) if found and counted else None
-        if found and count and count >= 1 and (count * period_s <= _EARLY_S or count <= _FEW):
+        if found and count and count >= 1 and (count * period_s <= _EARLY_S or count <= _FEW_TICKS):
             took = number(count * period_s, "s")
             values = {"name": found[1], "count": f"{count:g}", "period": number(period_s, "s"), "took": took}
             return mistake("counts_ticks", line=line, **values)
@@ -143,13 +143,13 @@ def _counts_ticks(seen: Searched) -> Mistake | None:
 
 
 _EARLY_S: Final = 1.0  # a motion of more was counted in ticks, and has another fault
-_FEW: Final = 10
+_FEW_TICKS: Final = 10
 _RADIANS: Final = 6.3  # more is meant as degrees
 _TOLERANCE: Final = 0.03  # of 15 degrees
 
 
 def _radians_twice(seen: Searched) -> Mistake | None:
-    """Find ``math.radians`` of what is in radians already."""
+    """Find ``math.radians`` of an angle that is in radians already."""
     for line, found in _calls_of("radians", seen.script):
         if _in_radians(found[1], seen.script.lines[line - 1], seen.script):
             return mistake("radians_twice", line=line, written=found[0], inner=found[1].strip())
@@ -191,7 +191,7 @@ def _angle_of_pose(written: str, script: ScriptText) -> bool:
 
 
 def _degrees_for_radians(seen: Searched) -> Mistake | None:
-    """Find ``math.degrees`` of what is in degrees already."""
+    """Find ``math.degrees`` of an angle that is in degrees already."""
     for line, found in _calls_of("degrees", seen.script):
         value = value_of(found[1], seen.script)
         if value is not None and abs(value) > 2 * _RADIANS:
@@ -266,10 +266,10 @@ def _start_once(seen: Searched) -> Mistake | None:
 
 def _wrong_time(seen: Searched) -> Mistake | None:
     """Find a turn that is given the time of the drive."""
-    turned = _given(seen.script, r"(?i)turn|rotate|spin|zhuan", _OF_DRIVE)
-    driven = _given(seen.script, r"(?i)move|drive|straight|forward|go|zou", _OF_TURN)
+    turned = _given(seen.script, r"(?i)turn|rotate|spin|zhuan", _DRIVE_TIME)
+    driven = _given(seen.script, r"(?i)move|drive|straight|forward|go|zou", _TURN_TIME)
     assigned = (re.match(r"[ \t]*((?:self\.)?\w+) ?=(?!=)", text) for text in seen.script.lines)
-    known = [found[1] for found in assigned if found is not None and re.search(_OF_TURN, found[1])]
+    known = [found[1] for found in assigned if found is not None and re.search(_TURN_TIME, found[1])]
     if not turned or not known:
         return None
     values = {"line": turned[0][0], "given": turned[0][1], "wanted": known[0]}
@@ -290,8 +290,8 @@ def _given(script: ScriptText, function: str, argument: str) -> list[tuple[int, 
     ]
 
 
-_OF_DRIVE: Final = r"(?i)(?:move|drive|straight|side|forward|line)\w*time"
-_OF_TURN: Final = r"(?i)(?:turn|rotate|spin)\w*time"
+_DRIVE_TIME: Final = r"(?i)(?:move|drive|straight|side|forward|line)\w*time"
+_TURN_TIME: Final = r"(?i)(?:turn|rotate|spin)\w*time"
 
 
 # ------------------------------------------------------------------------------------------------- loops
@@ -305,7 +305,12 @@ def _empty_function(seen: Searched) -> Mistake | None:
         name = seen.script.lines[line - 1].split("def ")[1].partition("(")[0].strip()
         behind = seen.script.lines[line - 1].rpartition(":")[2].strip()
         body = [text for _, text in seen.script.body(line) if text != '""'] or [behind]
-        if body == ["pass"] and seen.script.calls(name) and name not in heard and not re.search(_AFTER, name):
+        if (
+            body == ["pass"]
+            and seen.script.calls(name)
+            and name not in heard
+            and not re.search(_HARMLESS, name)
+        ):
             empty.append((line, name))
     if not empty:
         return None
@@ -313,8 +318,8 @@ def _empty_function(seen: Searched) -> Mistake | None:
     return mistake("empty_function", lines=lines, names=", ".join(f"{name}()" for _, name in empty[:4]))
 
 
-_AFTER: Final = r"(?i)log|print|wait|sleep|stop|clean|close|exit|shut|finish|done|handler|signal|__"
-"""What functions are called that are empty without harm to a motion."""
+_HARMLESS: Final = r"(?i)log|print|wait|sleep|stop|clean|close|exit|shut|finish|done|handler|signal|__"
+"""Names of functions that may be empty without harm to a motion."""
 
 
 def _removes_in_loop(seen: Searched) -> Mistake | None:
@@ -340,7 +345,7 @@ def _leaves_loop(seen: Searched) -> Mistake | None:
 
 
 def _timer_ends(seen: Searched) -> Mistake | None:
-    """Find a thread that ends the program when it did end."""
+    """Find a ``threading.Timer`` that ends the program, and at the time at which the run ended."""
     ended_s = seen.run.outcome.duration_ns / 1e9
     for line in seen.script.lines_with(r"\bTimer\( ?[\w.]+ ?, ?[\w.]+"):
         found = re.search(r"\bTimer\( ?([\w.]+) ?, ?(?:\w+\.)*(\w+)", seen.script.lines[line - 1])
@@ -555,7 +560,7 @@ _ENDS: Final = re.compile(r"\b(shutdown|destroy_timer|destroy_node|cancel|exit)\
 
 
 def _ends_in_callback(seen: Searched) -> Mistake | None:
-    """Find what ends timer or program in a timer's callback, each time and so the first time."""
+    """Find a call in a timer's callback that ends the timer or the program at the first tick."""
     for _, name in seen.script.callbacks("timer"):
         made = seen.script.definition(name)
         body = seen.script.body(made.line) if made else ()
@@ -619,7 +624,7 @@ def _long_period(seen: Searched) -> Mistake | None:
 
 
 def _class_not_made(seen: Searched) -> Mistake | None:
-    """Find the class with the publisher, of which the script makes no object."""
+    """Find a class that has the publisher, but of which the script creates no object."""
     for line in seen.script.lines_with(r"\bcreate_publisher\("):
         above: int | None = line
         while above is not None and not re.match(r"class (\w+)", seen.script.lines[above - 1]):
@@ -652,7 +657,7 @@ def _waits_for_two(seen: Searched) -> Mistake | None:
 
 
 def _hidden_int(seen: Searched) -> Mistake | None:
-    """Find the whole number that a field for a float was given, whose error ``except`` hides."""
+    """Find a whole number that was given to a float's field, if an ``except`` hides the error."""
     lines = seen.script.lines_with(r"\.(linear|angular)\.[xyz] ?= ?-?\d+$")
     if not lines or (hidden := seen.script.swallowed) is None:
         return None

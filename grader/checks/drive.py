@@ -77,7 +77,7 @@ def is_motion(command: Command) -> bool:
 
 
 def pushed_m(trajectory: Trajectory, until_ns: int) -> float:
-    """Return how much further the car was told to go where a wall held it most, up to `until_ns`."""
+    """Return the longest way that a wall kept the car from driving, as commanded, up to `until_ns`."""
     return max(
         (_pushed_m(trajectory, one) for one in trajectory.contacts if one.start_ns <= until_ns), default=0.0
     )
@@ -87,8 +87,8 @@ def _pushed_m(trajectory: Trajectory, contact: Contact) -> float:
     at = min(int(np.searchsorted(trajectory.t_ns, contact.start_ns)), len(trajectory) - 1)
     heading_rad = float(trajectory.heading_rad[at])
     across = math.cos(heading_rad) if contact.wall in ("left", "right") else math.sin(heading_rad)
-    told = (one.v_mps for one in reversed(trajectory.commands) if one.t_ns <= contact.start_ns)
-    return abs(across * next(told, 0.0)) * (contact.end_ns - contact.start_ns) / 1e9
+    speeds = (one.v_mps for one in reversed(trajectory.commands) if one.t_ns <= contact.start_ns)
+    return abs(across * next(speeds, 0.0)) * (contact.end_ns - contact.start_ns) / 1e9
 
 
 def _counted(trajectory: Trajectory, *, until_contact: bool) -> int:
@@ -115,10 +115,10 @@ def _pausing(run: Run) -> bool:
 
 
 def _last_driven_ns(trajectory: Trajectory) -> int:
-    """Return when the car last moved or was last told to move: at a wall it stands still but is told to move.
+    """Return when the car last moved or was last commanded to: at a wall it stands still under a command.
 
     A script that keeps publishing zero until the horizon counts as at rest.
     """
     moving = (np.abs(trajectory.v_mps) > MOVING_MPS) | (np.abs(trajectory.w_radps) > MOVING_RADPS)
-    told = (command.t_ns for command in reversed(trajectory.commands) if is_motion(command))
-    return max(int(t_ns) for t_ns in (*trajectory.t_ns[moving][-1:], next(told, 0)))
+    commanded = (command.t_ns for command in reversed(trajectory.commands) if is_motion(command))
+    return max(int(t_ns) for t_ns in (*trajectory.t_ns[moving][-1:], next(commanded, 0)))

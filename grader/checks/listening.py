@@ -36,7 +36,7 @@ def waits_in_vain(run: Run, world: World, *, surely: bool = False) -> Mistake | 
     Args:
         run: of a script that went on to its end.
         world: in which it ran.
-        surely: whether only a service, or a topic whose name is nearly right, is told.
+        surely: report only what is certain: a service, or a topic whose name is nearly right.
     """
     if run.agent or run.calls:
         return None  # the agent's topics and services are not known here

@@ -1,4 +1,4 @@
-"""Mistakes that any script can make, told by how it ended and by what it sent to the car.
+"""Mistakes that any script can make, recognised from how it ended and what it sent to the car.
 
 `grader.messages.exceptions` knows what an exception means. The checks themselves recognise what went wrong in the
 motion that they measure. Each code has a text ``mistake.<code>`` in the catalogs.
@@ -86,13 +86,13 @@ def noted(outcome: RunOutcome, code: str) -> str | None:
 
 def _in_thread(note: str, script: ScriptText) -> Text:
     """Return what became of a thread and, where its exception is known, what that means."""
-    told = say("mistake.thread_crashed", detail=note)
+    crash = say("mistake.thread_crashed", detail=note)
     found = _IN_THREAD.fullmatch(note)
     if found is None:
-        return told
+        return crash
     error = StudentError(type=found[2], message=found[3] or "", line=int(found[1]), traceback="")
     code, reason = meaning(error, "crashed", script)
-    return told if code == "crashed" else join([told, reason], _SPACE)
+    return crash if code == "crashed" else join([crash, reason], _SPACE)
 
 
 def _killed(outcome: RunOutcome) -> Mistake:
@@ -152,7 +152,7 @@ def robot_mistakes(run: Run, world: World) -> tuple[Mistake, ...]:
 
 
 def _unfit_commands(run: Run, world: World) -> tuple[Mistake, ...] | None:
-    """Return why no command moves anything, which may be known already (nothing); None: there are some that do."""
+    """Return why no command moves anything, empty if that is known already; None if some commands do."""
     outcome, commands = run.outcome, run.trajectory.commands
     if outcome.command_count == 0:
         return _silence(run, world)
@@ -240,16 +240,16 @@ def _spin_in_callback(run: Run) -> Mistake | None:
 
 
 def lost_at_home(run: Run) -> Iterator[Mistake]:
-    """Recognise a script all of whose motions were published before turtlesim, at home, has found its publisher.
+    """Recognise a script that publishes all its motions before turtlesim, at home, would find its publisher.
 
-    Who asked first whether somebody listens has no such note.
+    A script that first waits for a subscriber gets no such note.
     """
     if noted(run.outcome, "unheard") is not None:
         yield mistake("lost_at_home")
 
 
 def unheard(run: Run, measure: str) -> dict[str, Measure]:
-    """Return that `measure` cannot count, if at home nobody would have heard the commands."""
+    """Return `measure` as unmeasured if at home nobody would have heard the commands."""
     lost = any(lost_at_home(run))
     return {measure: Measure(math.nan, {"why": say("item.unheard")})} if lost else {}
 
@@ -542,8 +542,8 @@ def _timeouts(
 ) -> tuple[Mistake, ...]:
     """Recognise motions that were cut short because nothing was published for a second while the script went on.
 
-    The last motion of several was not: nothing came after it that shows how long it was meant to take, and a car
-    that turtlesim has stopped has stopped.
+    The last of several motions is left out: no later command shows how long it was meant to take, and a car that
+    turtlesim stopped does stand still.
     """
     commands = trajectory.commands
     moves = [i for i, command in enumerate(commands) if is_motion(command)]

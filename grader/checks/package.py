@@ -38,7 +38,7 @@ def examined(check: Check, findings: Findings, run: Run) -> Findings:
 
 
 def _placed(mistakes: Sequence[Mistake], run: Run) -> Iterator[Mistake]:
-    """Yield mistakes; what ended the run is said with the file that it is in."""
+    """Yield the mistakes; the one that ended the run names its file."""
     error = run.outcome.error
     has_place = run.outcome.status is RunStatus.CRASHED and error is not None and error.file
     for number, each in enumerate(mistakes):

@@ -91,7 +91,7 @@ def score_items(
     credits = _credits(specs, findings)
     titles = {spec.id: spec.title for spec in specs}
     scored: list[RubricItem] = []
-    shares: dict[str, float] = {}  # before an item is scaled: what the others need of it
+    shares: dict[str, float] = {}  # earned shares before scaling: what `needs` of other items looks at
     for spec in specs:
         blank = _blank(check, spec, portion.of(spec.points), portion.prefix)
         blockers = [titles[need] for need in spec.needs if shares.get(need, 1.0) <= 0.0]
@@ -164,9 +164,9 @@ def item_status(earned: float, share: float) -> ItemStatus:
 
 
 def _lowered(item: RubricItem, message: str, share: float, items: Sequence[Text]) -> RubricItem:
-    """Say beside what was seen why the item earns only `share` of that: because of `items`."""
-    told = say(message, seen=item.message, share=number(100.0 * share, "%"), items=enumerated(list(items)))
-    return replace(item, message=told)
+    """Add to the item's message that it earns only `share` of its points because of `items`."""
+    longer = say(message, seen=item.message, share=number(100.0 * share, "%"), items=enumerated(list(items)))
+    return replace(item, message=longer)
 
 
 def _target(spec: ItemSpec) -> tuple[float | None, float | None]:
@@ -194,6 +194,6 @@ def _hint(check: Kind, spec: ItemSpec, measure: Measure, mistakes: Sequence[Mist
     for mistake in mistakes:
         if mistake.explains(spec.measure):
             return mistake.text
-    if "why" in measure.details:  # it was kept from being measured by what the other items tell
+    if "why" in measure.details:  # unmeasured because of what other items report
         return EMPTY
     return say(f"{text_id(check, spec.measure)}.hint")

@@ -17,7 +17,7 @@ def summarise(
     items: Sequence[RubricItem], findings: Sequence[Findings], outcomes: Sequence[RunOutcome]
 ) -> Scoring:
     """Return the items with summary, hint and recognised mistakes; without mistakes where nothing was lost."""
-    if not items:  # nothing is asked, as in a mere run: what went wrong is told all the same
+    if not items:  # no rubric, as for `grader run`: mistakes are still shown
         mistakes = _distinct(findings)
         hint = mistakes[0].text if mistakes else EMPTY
         codes = tuple(mistake.code for mistake in mistakes)
@@ -60,7 +60,7 @@ def _all_passed(outcomes: Sequence[RunOutcome]) -> Text:
 
 
 def _later(findings: Sequence[Findings], outcomes: Sequence[RunOutcome]) -> Text:
-    """Return what the error means that ended the script when it had done all that was asked."""
+    """Return what an error means that ended the script after it had done all that was asked."""
     for seen, outcome in zip(findings, outcomes, strict=False):
         if outcome.status is RunStatus.CRASHED and outcome.error and seen.mistakes:
             return seen.mistakes[0].text

@@ -142,7 +142,7 @@ def _prepared(command: str, argv: list[str]) -> tuple[ModuleType, argparse.Names
 
 
 def run(argv: Sequence[str]) -> int:
-    """Run one command and return the process's exit code. Bad input is told in one line, without a traceback."""
+    """Run one command and return the process's exit code. Bad input is reported in one line, with no traceback."""
     Parser.language = _language(argv)
     parser = Parser(
         prog="grader",

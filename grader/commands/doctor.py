@@ -150,7 +150,7 @@ def run_doctor(shim: Path = SHIM_PATH, entry: str = RUN_SCRIPT) -> Diagnosis:
             outer=own_bound(),
             error=str(error),
         )
-    findings = tuple(_finding(layer, missing, proof) for layer in _told(missing))
+    findings = tuple(_finding(layer, missing, proof) for layer in _shown_layers(missing))
     ready = not any(finding.state in (State.MISSING, State.BROKEN) for finding in findings)
     return Diagnosis(
         exit_code=0 if ready else 1,
@@ -170,8 +170,8 @@ def _outer_line(outer: Bound, language: Language) -> str:
     return f"✓ {_OUTER_BOUND.get(language).format(outer.version, outer.memory_bytes // MIB, tasks)}"
 
 
-def _told(missing: tuple[str, ...]) -> list[Layer]:
-    """Return the layers to tell of: what takes Landlock's place only where it is missing."""
+def _shown_layers(missing: tuple[str, ...]) -> list[Layer]:
+    """Return the layers to report; the one that replaces Landlock only where Landlock is missing."""
     return [layer for layer in Layer if layer is not Layer.OWN_ROOT or Layer.LANDLOCK in missing]
 
 

@@ -78,7 +78,7 @@ class _App:
         self._starting = asyncio.Lock()
 
     async def __call__(self, scope: MutableMapping[str, Any], receive: Any, send: Any) -> None:
-        """Serve one websocket; whatever else comes is told what this is."""
+        """Serve one websocket; answer any other request with what this server is."""
         from grader.live.connection import is_own_origin, refuse, serve
 
         if scope["type"] == "lifespan":

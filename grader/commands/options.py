@@ -13,7 +13,7 @@ JSON_HELP = "print the whole report as JSON / 以 JSON 输出完整报告"
 
 
 def add_language_option(parser: argparse.ArgumentParser) -> None:
-    """Declare the language of what is told."""
+    """Declare the language of the command's output."""
     parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
 
 

@@ -19,8 +19,8 @@ from grader.render.documents import to_prairielearn
 
 _ROOT: Final = Path("/grade")
 _VARIABLE: Final = "GRADER_ASSIGNMENT"
-_MOST_BYTES: Final = 1_000_000  # of results.json, which PrairieLearn takes up to 1 MB of
-_MOST_DATA_BYTES: Final = 1 << 20
+_MOST_BYTES: Final = 1_000_000  # PrairieLearn accepts a results.json of up to 1 MB
+_MOST_DATA_BYTES: Final = 1 << 20  # of data.json, which an instructor writes
 _MOST_PICTURES: Final = 4
 
 
@@ -37,9 +37,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write results.json; 0 whatever the score is.
+    """Write results.json and return 0, whatever the score.
 
-    A fault of the grader (raised as GraderError) writes none: PrairieLearn then calls the job failed.
+    A fault of the grader raises GraderError and writes no file: PrairieLearn then calls the job failed.
     """
     root: Path = arguments.root
     assignment = Catalog(arguments.assignments).get(arguments.assignment or _assignment_id(root))
@@ -74,7 +74,7 @@ def _document(student: Path, assignment: Assignment, language: Language) -> dict
     document = to_prairielearn(result.report, language)
     pictures = _pictures(assignment, result, language) if document["gradable"] else []
     with_pictures = {**document, "images": pictures}
-    return (
+    return (  # better no pictures than no result
         with_pictures
         if len(json.dumps(with_pictures, ensure_ascii=False).encode()) <= _MOST_BYTES
         else document

@@ -18,7 +18,7 @@ from grader.store.audit import Signature
 from grader.store.clock import utc_now
 from grader.store.regrades import Regrades
 
-_TOLD = {
+_MESSAGE_IDS = {
     "unknown": "problem.regrade_not_found.title",
     "not_applied": "problem.regrade_not_applied.title",
     "superseded": "problem.regrade_superseded.title",
@@ -43,7 +43,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Do it."""
+    """Carry out the action."""
     with opened(arguments) as storage:
         {"list": _list, "undo": _undo}[arguments.action](storage, arguments)
     return 0
@@ -60,7 +60,7 @@ def _undo(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     try:
         undone = Regrades(storage.database).undo(arguments.id, signed, arguments.reason)
     except RegradeError as error:
-        told = say(_TOLD[error.code])
+        told = say(_MESSAGE_IDS[error.code])
         raise CourseError(f"{arguments.id}: {told.en}", f"{arguments.id}：{told.zh}") from None
     tell(
         arguments,

@@ -1,6 +1,6 @@
 """`grader regrade-folder`: grade a class that was handed in somewhere else, without a service.
 
-It reads what Gradescope's "Download Submissions" gives, as a zip or unpacked, or any folder with a file or a
+It reads an export of Gradescope's "Download Submissions", zipped or unpacked, or any folder that has a file or a
 folder for each submission.
 """
 
@@ -31,6 +31,7 @@ from grader.grading.slot import Slot, SlotConfig
 from grader.messages import quantity
 
 _METADATA: Final = "submission_metadata.yml"
+# Far more than a class hands in, and little enough that a wrong zip fills no disk.
 _MOST_MEMBERS: Final = 20_000
 _MOST_BYTES: Final = 1 << 30  # of an unpacked export
 _MOST_METADATA_BYTES: Final = 32 << 20
@@ -51,7 +52,7 @@ _EXIT_FAULT: Final = 1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entry:
-    """One submission: whose it is, as far as that is told, and where its files are."""
+    """One submission: where its files are and, if the export says so, whose it is."""
 
     name: str
     path: Path
@@ -75,7 +76,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Grade everything; 0 done, 1 the grader failed at some, whose scores are empty."""
+    """Grade every submission; return 1 if the grader failed at some, whose scores stay empty, else 0."""
     assignment = Catalog(arguments.assignments).get(arguments.assignment)
     if arguments.reports is not None:
         arguments.reports.mkdir(parents=True, exist_ok=True)
@@ -102,7 +103,7 @@ def unpacked(export: Path) -> Iterator[Path]:
     """Yield the folder of an export; a zip is unpacked into one that is removed afterwards.
 
     Raises:
-        RefusedError: it is no zip or folder, or a zip that must not be unpacked.
+        RefusedError: it is neither a zip nor a folder, or the zip must not be unpacked.
     """
     if export.is_dir():
         yield export
@@ -121,7 +122,7 @@ def unpacked(export: Path) -> Iterator[Path]:
 
 
 def _unpack(archive: zipfile.ZipFile, folder: Path, export: Path) -> None:
-    """Unpack ordinary files only, none of them outside `folder`, and of each no more than can be handed in."""
+    """Unpack into `folder`, and refuse a zip with anything but ordinary files inside it."""
     members = [member for member in archive.infolist() if not member.is_dir()]
     if len(members) > _MOST_MEMBERS or sum(member.file_size for member in members) > _MOST_BYTES:
         raise _refused(
@@ -131,13 +132,14 @@ def _unpack(archive: zipfile.ZipFile, folder: Path, export: Path) -> None:
         )
     for member in members:
         parts = PurePosixPath(member.filename.replace("\\", "/")).parts
-        kind = member.external_attr >> 28
+        kind = member.external_attr >> 28  # of a Unix file: 8 is an ordinary one, 0 is not said
         if not parts or parts[0] == "/" or ".." in parts or "\0" in member.filename or kind not in (0, 8):
             raise _refused(
                 export,
                 zh=f"里有不该有的文件名 {member.filename!r}",
                 en=f"has a file called {member.filename!r}",
             )
+        # One byte too many is enough for `read_file` to refuse the file.
         most = _MOST_METADATA_BYTES if parts[-1] == _METADATA else MAX_SOURCE_BYTES + 1
         place = folder.joinpath(*parts)
         place.parent.mkdir(parents=True, exist_ok=True)
@@ -171,7 +173,7 @@ def entries(folder: Path, endings: tuple[str, ...]) -> list[Entry]:
 
 
 def _metadata(path: Path) -> dict[str, dict[str, str]]:
-    """Return what Gradescope tells of each submission. Its YAML is read as text only: no tag makes an object."""
+    """Return what Gradescope says of each submission. All values are read as text, so no tag makes an object."""
     if not path.is_file():
         return {}
     try:
@@ -191,13 +193,13 @@ def _about(each: dict[str, Any]) -> dict[str, str]:
         if isinstance(submitters, list) and submitters and isinstance(submitters[0], dict)
         else {}
     )
-    told = {
+    fields = {
         "id": first.get(":sid"),
         "email": first.get(":email"),
         "name": first.get(":name"),
         "score_there": each.get(":score"),
     }
-    return {key: value for key, value in told.items() if isinstance(value, str)}
+    return {key: value for key, value in fields.items() if isinstance(value, str)}
 
 
 def _row(slot: Slot, assignment: Assignment, entry: Entry, arguments: argparse.Namespace) -> dict[str, str]:

@@ -45,11 +45,11 @@ ANSWER_S: Final = 180.0
 HEADER_BYTES: Final = 16 * 1024
 _PIECE_BYTES: Final = 4 * 1024
 _CRUMBS: Final = 4
-"""A body in chunks is cut off where its content is less than one part in so many of what was sent. A chunk costs
-the event loop as much as a small request: 30,000 of a byte each kept everybody waiting for seconds."""
+"""A chunked body is cut off when less than one part in `_CRUMBS` of what was sent is content. A chunk costs the
+event loop as much as a small request: 30,000 of a byte each kept everybody waiting for seconds."""
 _REQUESTS: Final = 1_500  # connections besides streams: browsers keep some open after each page
 _OTHER_FILES: Final = 256  # the database, the log, gradings
-_FEWEST: Final = 16  # with fewer connections it would be no service
+_FEWEST: Final = 16  # fewer connections would not serve a class
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

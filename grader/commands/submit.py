@@ -149,8 +149,8 @@ def _await(client: httpx.Client, url: str, arguments: argparse.Namespace) -> dic
     pause_s = _PAUSE_S
     progress = Console(stderr=True, markup=False, emoji=False, highlight=False)
     with progress.status("") as display:
-        for told in _told(client, url):
-            display.update(_standing(told, arguments))
+        for latest in _announced_standings(client, url):
+            display.update(_standing(latest, arguments))
         while True:
             document: dict[str, Any] = _asked(client, "GET", url).json()
             if document["status"] not in _OPEN_STATES:
@@ -163,23 +163,23 @@ def _await(client: httpx.Client, url: str, arguments: argparse.Namespace) -> dic
     return document
 
 
-def _told(client: httpx.Client, url: str) -> Iterator[dict[str, Any]]:
-    """Yield where the submission stands whenever the service says so, until it is graded.
+def _announced_standings(client: httpx.Client, url: str) -> Iterator[dict[str, Any]]:
+    """Yield where the submission stands, as the service's events say, until it is graded.
 
-    Ends early where events do not get through; then the service has to be asked.
+    Ends early if events do not get through; then the caller has to poll.
     """
     while True:
-        told: dict[str, Any] | None = None
+        latest: dict[str, Any] | None = None
         try:
             with client.stream("GET", url + "/events") as response:
                 if response.headers.get("Content-Type", "").startswith("text/event-stream"):
                     for line in response.iter_lines():
                         if line.startswith("data:"):  # the service writes an event's data on one line
-                            told = json.loads(line.removeprefix("data:"))
-                            yield told
+                            latest = json.loads(line.removeprefix("data:"))
+                            yield latest
         except (httpx.TransportError, ValueError):
             return
-        if told is None or not told["open"]:
+        if latest is None or not latest["open"]:
             return
         time.sleep(_REOPEN_S)
 

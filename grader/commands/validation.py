@@ -76,7 +76,7 @@ def validate(
 
 
 def validate_seeds(catalog: Catalog, assignment_ids: Iterable[str], language: Language, seeds: int) -> int:
-    """Grade the files of the assignments with so many seeds; return 0 when all scores are as expected.
+    """Grade the files of the assignments with `seeds` seeds; return 0 when all scores are as expected.
 
     A row has the lowest and the highest score of a script, and the first seed that makes a problem.
     """
@@ -96,13 +96,13 @@ def validate_seeds(catalog: Catalog, assignment_ids: Iterable[str], language: La
                         )
             for script, found in scores.items():
                 low, high = written(min(found)), written(max(found))
-                told = problems.get(script, "")
+                problem = problems.get(script, "")
                 table.add_row(
-                    "✗" if told else "✓",
+                    "✗" if problem else "✓",
                     assignment_id,
                     script,
                     f"{low} - {high}",
-                    styled.Text(told, style="red"),
+                    styled.Text(problem, style="red"),
                 )
             failed |= bool(problems)
     console().print(table)

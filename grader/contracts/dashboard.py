@@ -1,4 +1,4 @@
-"""What an instructor is told about a class, counted by the store."""
+"""What an instructor sees of a class, as the store counts it."""
 
 from dataclasses import dataclass
 from datetime import datetime

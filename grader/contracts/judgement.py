@@ -60,15 +60,14 @@ class JudgedItem:
 
     @property
     def waits(self) -> bool:
-        """Whether it is left to people, and nobody has judged it, or not since it has these points."""
+        """Whether it is left to people and still to be judged, perhaps again because its points changed."""
         return self.machine is None and self.judgement is None
 
 
 def standing(item: str, points: float, judgements: Iterable[Judgement]) -> Judgement | None:
-    """Return the latest judgement of an item that was made out of as many `points` as it has, or None.
+    """Return the judgement that stands for an item worth `points`, or None.
 
-    When the rubric gives an item other points, what was decided about it stands no longer; nor does what was
-    taken back.
+    A judgement no longer stands once the rubric gives the item other points, or once it was taken back.
     """
     own = [one for one in judgements if one.item == item]
     taken_back = max((one.revision for one in own if one.out_of == 0.0 < points), default=0)
@@ -156,7 +155,7 @@ def _judged(item: RubricItem, score: ItemScore, judgements: Sequence[Judgement])
 
 
 def _corrected(machine: str, given: str, comment: str) -> Text:
-    """Return how a student is told that somebody changed what the machine gave."""
+    """Return the sentence that tells a student that somebody changed the machine's points."""
     return Text(
         zh=f"教师把得分从 {machine} 改为 {given}" + (f"：{comment}" if comment else "。"),
         en=f"A teacher changed the points from {machine} to {given}" + (f": {comment}" if comment else "."),

@@ -415,7 +415,7 @@ class Rules:
     def counting(self, extension: Extension, attempts: Sequence[Attempt]) -> Counted | None:
         """Return the attempt that counts; None while no attempt has a score.
 
-        The first one counts of attempts that keep the same score. With ``last`` the last graded one counts.
+        Of attempts that keep the same score the first one counts; with ``last``, the last graded one.
         """
         graded = sorted(
             (one for one in attempts if one.costs and one.score is not None),

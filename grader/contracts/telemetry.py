@@ -1,4 +1,4 @@
-"""What is measured of the running service, and who is told about gradings."""
+"""What is measured of the running service, and the observer of its gradings."""
 
 from dataclasses import dataclass
 from datetime import datetime
@@ -33,7 +33,7 @@ class ServiceState:
 
 
 class GradingObserver(Protocol):
-    """Is told how gradings of this process went. Called from many threads; must be quick and not raise."""
+    """Observes how gradings of this process went. Called from many threads; must be quick and not raise."""
 
     def graded(self, verdict: GradeStatus, grading_s: float, waited_s: float | None) -> None:
         """A grading was stored, `grading_s` after its claim and `waited_s` after it was queued."""

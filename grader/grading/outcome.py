@@ -127,7 +127,8 @@ def merge(episode: EpisodeResult, jail: JailReport, distro: Distro = "humble") -
         logs=tuple(_masked_log(record, distro) for record in episode.logs),
         logs_dropped=episode.logs_dropped,
         notes=tuple(
-            replace(note, text=_masked(note.text, distro)) for note in (*_told(episode), *_answers(episode))
+            replace(note, text=_masked(note.text, distro))
+            for note in (*_shown_notes(episode), *_answers(episode))
         ),
         command_count=episode.command_count,
         nonfinite_commands=episode.nonfinite_commands,
@@ -136,8 +137,8 @@ def merge(episode: EpisodeResult, jail: JailReport, distro: Distro = "humble") -
     )
 
 
-def _told(episode: EpisodeResult) -> Iterator[Note]:
-    """Yield the notes that a report may show. That a thread fails after Ctrl+C, as at home, is no mistake."""
+def _shown_notes(episode: EpisodeResult) -> Iterator[Note]:
+    """Yield the notes that a report may show. A thread that fails after Ctrl+C, as at home, is no mistake."""
     interrupted = False
     for note in episode.notes:
         interrupted = interrupted or note.code == INTERRUPTED_NOTE

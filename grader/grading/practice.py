@@ -28,7 +28,8 @@ class PracticeRun:
 
     Attributes:
         answer: fails with a `RefusedError` when submissions wait for longer than the run does, and with what a
-            grader raises. Who needs it no more cancels it; a run that has begun comes to its end.
+            grader raises. Cancelling it keeps a run from beginning; a run that has begun
+            comes to its end.
         progress: how far the run is; None before it has begun.
     """
 
@@ -181,7 +182,7 @@ class PracticeRuns:
                 return
             self._let_submissions_go_first()
             run.answer.set_result(grader.grade(run.job, lambda: tell(RunProgress()), tell))
-        except Exception as error:  # whoever waits is told, whatever it is
+        except Exception as error:  # whatever it is, it belongs to whoever waits
             if not isinstance(error, RefusedError):
                 grader.close()
             if run.answer.running() or run.answer.set_running_or_notify_cancel():

@@ -19,8 +19,8 @@ shared mappings, which the limit on private memory does not count."""
 
 THREAD_STACK_BYTES: Final = 4 * MIB
 CPU_BACKSTOP: Final = 3
-"""The kernel's own CPU limit stands so many times above the one that the supervisor enforces to the millisecond.
-The kernel counts by ticks: on a busy host it took 4.3 s for 5, and its kill looks like somebody else's."""
+"""The kernel's own CPU limit, as a multiple of the one that the supervisor enforces to the millisecond. The kernel
+counts by ticks: on a busy host it took 4.3 s for 5, and its kill cannot be told from anybody else's."""
 
 
 def resource_limits(cpu_s: float, memory_bytes: int, threads: int | None) -> dict[int, int]:

@@ -1,8 +1,8 @@
 """Keep on one core what takes turns: this process and a confined one, or the threads of that. For speed only.
 
-Whoever wakes a thread on another core waits until that core has left its sleep: on a virtual machine a question
-and its answer take half a millisecond, and some 15 us on one core. The kernel's scheduler does not see that the
-two never run at the same time, and spreads them. Where it does not let us say so, nothing happens here.
+Waking a thread on another core has to wait until that core has left its sleep: on a virtual machine a question
+and its answer take half a millisecond, but some 15 us on one core. The kernel's scheduler does not see that the
+two never run at the same time, and spreads them. Where the host allows no affinity, nothing happens here.
 """
 
 import _socket

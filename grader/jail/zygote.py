@@ -38,8 +38,8 @@ from .confine import Budget, Layers, confine
 _LENGTH_BYTES = 4
 _FDS_PER_FORK = 3
 _FIRST_FREE_FD = bounds.CHANNEL_FD + 1
-_NUMBER_OF_FILES = 128  # more than it ever holds, and fewer than the 256 that `confine` closes
-_BLOCKS_PER_SIZE = 48  # a request needs fewer of each size
+_NUMBER_OF_FILES = 128  # more than it ever opens, and below the 256 descriptors that `confine` closes
+_BLOCKS_PER_SIZE = 48  # more than a request takes of any size
 _BYTES_PER_SIZE = range(15, 480, 16)
 """Lengths of `bytes` that take one block of each size of Python's allocator: 48 to 512 bytes with their header.
 Larger blocks come from the C library."""

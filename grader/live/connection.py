@@ -67,7 +67,7 @@ async def serve(receive: Receive, send: Send, car: LiveCar) -> None:
 
 
 async def _receive_all(receive: Receive, client: LiveClient) -> None:
-    """Hand frames over until the connection ends. Whoever sends too many is let go."""
+    """Hand frames over until the connection ends. A client that sends too many is disconnected."""
     clock = asyncio.get_running_loop().time
     frames = _Allowance(FRAMES_PER_S, FRAMES_AT_ONCE, clock())
     size = _Allowance(BYTES_PER_S, BYTES_AT_ONCE, clock())
@@ -83,7 +83,7 @@ async def _receive_all(receive: Receive, client: LiveClient) -> None:
 
 
 class _Allowance:
-    """So much a second, and at most so much at once."""
+    """A token bucket: an amount per second, and a largest amount at once."""
 
     def __init__(self, per_s: float, at_once: float, now_s: float) -> None:
         self._per_s, self._most, self._left, self._at_s = per_s, at_once, at_once, now_s
@@ -96,7 +96,7 @@ class _Allowance:
 
 
 async def _send_all(send: Send, client: LiveClient) -> None:
-    """Send what the car has for the client, then close. A client that does not read is let go."""
+    """Send what the car has for the client, then close. A client that does not read is disconnected."""
     with contextlib.suppress(OSError):  # uvicorn's, of a connection that has ended
         try:
             while (text := await client.next()) is not None:

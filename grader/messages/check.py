@@ -26,7 +26,7 @@ _PREFIXES: Final = {"say": "", "sentence": "", "mistake": "mistake.", "word": "w
 
 _MSGID: Final = re.compile(r'^msgid "(.+)"$', re.MULTILINE)
 _IN_TEMPLATE: Final = re.compile(r"""["']([a-z0-9_.]+)["']""")
-_SAID: Final = re.compile(r"""\bsay\(\s*["']([a-z0-9_.]+)["']\s*[,)]""")
+_SAY_CALL: Final = re.compile(r"""\bsay\(\s*["']([a-z0-9_.]+)["']\s*[,)]""")
 _JOINED: Final = re.compile(r"""["']([a-z0-9_.]+\.)["'] ~""")
 _CHINESE: Final = re.compile("[\u3000-\u303f\u4e00-\u9fff\uff00-\uffef]")
 
@@ -150,7 +150,7 @@ class _Source:
         text = path.read_text(encoding="utf-8")
         self.literals.update(_IN_TEMPLATE.findall(text))
         self.patterns.update(re.escape(start) + "(.+)" for start in _JOINED.findall(text))
-        for key in _SAID.findall(text):
+        for key in _SAY_CALL.findall(text):
             self.named.setdefault(f"page.{key}", str(path.relative_to(_ROOT)))
 
 

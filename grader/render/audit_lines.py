@@ -119,7 +119,7 @@ class Teller:
         if _empty(value):
             return _text(value)
         try:
-            return self._told(name, _KINDS.get(name), value)
+            return self._in_words(name, _KINDS.get(name), value)
         except (LookupError, TypeError, ValueError, AttributeError):
             return _text(value)
 
@@ -152,13 +152,13 @@ class Teller:
     def late(self, late: Mapping[str, Any], *, in_full: bool) -> str:
         """Return what lateness costs by the JSON of a late rule; `in_full`: with every line of its table."""
         kinds, chosen = kinds_of(LateRule), late["kind"]
-        told = {name: self._told(name, kinds[name], late[name]) for name in LATE_PARAMETERS[chosen]}
+        told = {name: self._in_words(name, kinds[name], late[name]) for name in LATE_PARAMETERS[chosen]}
         tables = [text for name, text in told.items() if isinstance(kinds[name], fields.Table)]
         return (
             tables[0] if in_full and tables else on_page(self.language, f"rules.late_short.{chosen}", **told)
         )
 
-    def _told(self, name: str, kind: FieldKind | None, value: Any) -> str:
+    def _in_words(self, name: str, kind: FieldKind | None, value: Any) -> str:
         match kind:
             case _ if value is None:
                 return _text(value)
@@ -178,7 +178,7 @@ class Teller:
                 return _text(value)
 
     def _line(self, name: str, kind: fields.Table, line: Mapping[str, Any]) -> str:
-        told = {part: self._told(part, of, line[part]) for part, of in kinds_of(kind.of).items()}
+        told = {part: self._in_words(part, of, line[part]) for part, of in kinds_of(kind.of).items()}
         return on_page(self.language, f"rules.{name}.line", **told)
 
 

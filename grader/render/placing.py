@@ -80,7 +80,7 @@ class Board:
         page = self.axes.bbox.extents
         box, least = page, float("inf")
         for offset, price in places:
-            if price < least:  # to cover something only makes a place dearer
+            if price < least:  # the price is a lower bound: covering something only adds to it
                 tried = _box(anchor + offset, half)
                 cost = self._cost(tried, page) + price
                 if cost < least:

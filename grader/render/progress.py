@@ -1,4 +1,4 @@
-"""How far a long command has come, told on standard error to whoever watches a terminal."""
+"""The progress of a long command, on standard error if that is a terminal."""
 
 from collections.abc import Generator, Sequence
 

@@ -150,7 +150,7 @@ class Agent:
             self._send(self._results[self._index].step)
 
     def reach(self, t_ns: int) -> None:
-        """Learn that it is `t_ns`, until when there was nothing to do: what comes next is not earlier."""
+        """Move the agent's clock to `t_ns`, up to which nothing was due."""
         self._now_ns = max(self._now_ns, t_ns)
 
     def answer(self, response: Response) -> None:

@@ -161,7 +161,7 @@ class Feeds:
 
     @property
     def pose_listeners(self) -> tuple[int, ...]:
-        """Who hears the pose; nobody while anybody hears anything else."""
+        """Who hears the pose; empty while anybody hears another topic of the turtle."""
         pose, *others = self._feeds
         return self._outbox.only_listeners(pose, others)
 

@@ -1,8 +1,8 @@
 """The PyBullet calls that a script has recorded, as the trusted side takes them: read strictly, kept as they came.
 
 What comes in was written by a hostile process. Each call is read with every length checked, numbers must be
-finite and within bounds, and only functions of the table can be named. A call itself may be any: a second confined
-process carries it out (`grader.sim.replay`). Here is found what in the calls no motor does: `tricks`.
+finite and within bounds, and only functions of the table can be named. Any such call is allowed: a second confined
+process carries it out (`grader.sim.replay`). This module finds the calls that do what no motor does: `tricks`.
 """
 
 import math
@@ -97,13 +97,13 @@ class Call(NamedTuple):
         return self.args[place] if place < len(self.args) else None
 
     def number(self, place: int, name: str, default: float = 0.0) -> float:
-        """Return an argument that is to be a number; one that is none is what was not passed."""
+        """Return a number by its place or its name; `default` if it was not passed or is no number."""
         value = self.value(place, name)
         return float(value) if isinstance(value, int | float) else default
 
     @property
     def client(self) -> int:
-        """The physics client that it speaks to; only the first one is looked at."""
+        """The physics client that it addresses; only the calls of the first one count."""
         place = 0 if self.name in ("stepSimulation", "disconnect") else len(self.args)
         return int(self.number(place, "physicsClientId"))
 
@@ -277,7 +277,7 @@ class RecordedCalls:
         self.simulated_s += self._step_s
 
     def _begin_anew(self, number: int) -> None:
-        """Let the world count that a reset has begun: what came before it is gone."""
+        """Begin a new world with the reset `number`: what came before it does not count."""
         self.first_call, self._pending = number, []
         self.tricks = [trick for trick in self.tricks if trick.before_start and trick.kind == "time_step"]
         self.steps, self.simulated_s = 0, 0.0

@@ -1,7 +1,7 @@
-"""Have recorded PyBullet calls carried out in a second confined process, and read what it tells.
+"""Have recorded PyBullet calls carried out in a second confined process, and read its account of them.
 
-That process has run nothing of the student's, but PyBullet is written in C++ and gets a stranger's arguments
-there: so its frames are read as strictly as a script's, and it is confined as one.
+That process runs no code of the student's, but it passes a stranger's arguments to PyBullet, which is written in
+C++. So it is confined like a script's process, and its frames are read as strictly.
 """
 
 import json
@@ -24,10 +24,10 @@ FINISH: Final = 0x31
 BODY, SAMPLE, PICTURE, APPLIED, ENDED = 0x40, 0x41, 0x42, 0x43, 0x44
 
 MOST_BODIES: Final = 10_000
-"""Of all worlds together, one after the other; at a time there are 64."""
-MOST_SAMPLES: Final = 60_000
+"""Most bodies of a replay, in all its worlds together. A world has 64 at most (`rclpy._pybullet.replay`)."""
+MOST_SAMPLES: Final = 60_000  # 1,000 simulated seconds; a horizon is 600 s at most
 PICTURES: Final = 12
-MOST_PICTURES: Final = 14
+MOST_PICTURES: Final = 14  # those asked for, and a few that the process takes when the script disconnects
 _MOST_SIDE: Final = 480
 _MOST_JOINTS: Final = 64
 _MOST_CONTACTS: Final = 32
@@ -43,7 +43,7 @@ _PICTURE_HEAD, _APPLIED_HEAD, _ENDED_HEAD = (
 
 
 class _Sample:
-    """One sample, as it came."""
+    """One sample as it was received; its numbers may be NaN."""
 
     __slots__ = ("calls", "joints", "link", "object", "pushes", "robot_joints", "steps", "t_ns")
 
@@ -99,11 +99,12 @@ _BYTE: Final = struct.Struct("<B")
 
 
 class Replay:
-    """One replay of `recorded`; `run` it on a link to a process that waits for START."""
+    """One replay of `recorded`. `run` needs a link to a process that waits for START."""
 
     def __init__(self, recorded: RecordedCalls, watch: Watch, pictures: int = PICTURES) -> None:
         self._recorded = recorded
         self._watch = watch
+        # One picture less than wanted: the process takes the last one by itself, at the end.
         self._pictured = (
             [recorded.steps * i // (pictures - 1) for i in range(pictures - 1)] if pictures else []
         )
@@ -115,10 +116,10 @@ class Replay:
         self._state = ""
 
     def run(self, link: Link) -> bool:
-        """Carry out all calls; false: the process ended before it was done.
+        """Have all calls carried out; return False if the process ended before that.
 
         Raises:
-            ProtocolError: what it told cannot be read.
+            ProtocolError: one of its frames cannot be read.
         """
         fields = {
             "replay": {
@@ -132,14 +133,14 @@ class Replay:
         link.send(bytes((START,)) + struct.pack("<I", len(text)) + text)
         for frame in self._recorded.frames:
             link.send(struct.pack("<Bq", CALLS, 0) + frame)
-            if not self._hear(link, until=APPLIED):
+            if not self._take_until(link, until=APPLIED):
                 return self._end is not None
         link.send(bytes((FINISH,)))
-        self._hear(link, until=ENDED)
+        self._take_until(link, until=ENDED)
         return self._end is not None
 
-    def _hear(self, link: Link, until: int) -> bool:
-        """Take frames up to one of the kind `until`; false: ENDED came, or nothing more."""
+    def _take_until(self, link: Link, until: int) -> bool:
+        """Take frames up to one of the kind `until`; return False when ENDED came or the process is gone."""
         while (body := link.receive()) is not None:
             self._take(body)
             if body[0] == ENDED:
@@ -227,16 +228,19 @@ class Replay:
         return self._applied
 
     def account(self, end: ReplayEnd | None = None) -> Replayed:
-        """Return what was seen, up to what is not finite; `end`: why it did not come to its own end."""
-        first = self._recorded.first_call
+        """Return the account, up to the first sample that is not finite.
+
+        `end` says how a replay ended whose process could not say so itself.
+        """
+        first = self._recorded.first_call  # what comes before it is of a world that was reset
         samples = _in_order([one for one in self._samples if first == 0 or one.calls > first])
         finite = next((i for i, one in enumerate(samples) if not one.is_finite), len(samples))
-        told = end or self._end or "crashed"
-        if finite < len(samples) or (told == "complete" and self._recorded.not_finite is not None):
-            told = "not_finite"
+        ended = end or self._end or "crashed"
+        if finite < len(samples) or (ended == "complete" and self._recorded.not_finite is not None):
+            ended = "not_finite"
         samples = samples[:finite]
         return Replayed(
-            end=told,
+            end=ended,
             steps=samples[-1].steps if samples else 0,
             calls=self._recorded.count,
             gravity=self._recorded.gravity,
@@ -254,7 +258,7 @@ class Replay:
 
 
 def _in_order(samples: list[_Sample]) -> list[_Sample]:
-    """Return the samples whose time goes on."""
+    """Leave out each sample that is not later than the one before it."""
     kept: list[_Sample] = []
     for sample in samples:
         if not kept or sample.t_ns > kept[-1].t_ns:
@@ -263,7 +267,7 @@ def _in_order(samples: list[_Sample]) -> list[_Sample]:
 
 
 def _rows(rows: list[tuple[float, ...]], width: int | None = None) -> Floats:
-    """Return rows of one width, the longest one's; what is missing is NaN."""
+    """Return a table as wide as its longest row; missing numbers are NaN."""
     wide = max(map(len, rows), default=0) if width is None else width
     table = np.full((len(rows), wide), np.nan)
     for i, row in enumerate(rows):
@@ -276,7 +280,7 @@ def _finished(t_ns: int, width: int, height: int, rows: bytearray) -> Picture:
 
 
 def planar(replayed: Replayed) -> Trajectory:
-    """Return the object's way seen from above; where there is none, the robot's link's; else a point at rest."""
+    """Return the path of the object from above; without one that of the robot's link, else a point at rest."""
     place = replayed.object if np.isfinite(replayed.object).any() else replayed.link
     there = np.isfinite(place).all(axis=1) if len(place) else np.zeros(0, dtype=bool)
     if not there.any():

@@ -52,8 +52,8 @@ class WheelDrive:
     """Speeds of the tyres, left and right, on their way to the last command.
 
     Attributes:
-        speeds_mps: what the motors are told.
-        radii: of the wheels, relative to what the robot believes; those of a rough one differ, by seed.
+        speeds_mps: what the motors are set to.
+        radii: of the wheels, relative to their nominal radius; those of a rough robot are drawn by seed.
     """
 
     def __init__(self, seed: int | None) -> None:
@@ -85,7 +85,7 @@ class WheelDrive:
 
 
 class Odometry:
-    """Where the robot believes to be, from how far its wheels have turned; zero at the start, as on the robot."""
+    """The pose that adds up from how far the wheels have turned; zero at the start, as on the robot."""
 
     def __init__(self) -> None:
         self.x_m = self.y_m = self.heading_rad = 0.0

@@ -35,13 +35,13 @@ _SOLVER_ITERATIONS: Final = 8  # fewer let the wheels slide on after a stop; see
 _WHEELS: Final = (0, 1)
 _TORQUES_NM: Final = (1.0, 1.0)
 _MASS_X_M, _MASS_Z_M = -0.03, 0.055  # of the centre of mass in the base's frame, as the URDF has it
-_SETTLING_STEPS: Final = 24
-_RAY, _FLOOR, _WALL, _RAMP, _OUTLINE, _TYRE = 1, 2, 4, 8, 16, 32  # groups of what can touch what
-_BOUNCE_NS: Final = 250_000_000  # who touches the same wall again within this has not left it
-_STILL_MPS, _STILL_RADPS = 5e-4, 2e-3  # a robot that has stopped creeps by a quarter of that in the solver
+_SETTLING_STEPS: Final = 24  # 0.1 s in which the robot sinks onto the floor, before time starts
+_RAY, _FLOOR, _WALL, _RAMP, _OUTLINE, _TYRE = 1, 2, 4, 8, 16, 32  # groups for collision filters
+_BOUNCE_NS: Final = 250_000_000  # contacts of one solid that are no further apart are one: a robot bounces
+_STILL_MPS, _STILL_RADPS = 5e-4, 2e-3  # the solver makes a stopped robot creep by a quarter of that
 _LEVEL: Final = 0.004  # of the quaternion's x and y: half a degree
-_FAR_M: Final = 1_000.0
-_OTHER, _FORCE_N = 2, 9  # places in what PyBullet tells of a contact point
+_FAR_M: Final = 1_000.0  # no room is so large: a pose beyond it means that the physics broke down
+_OTHER, _FORCE_N = 2, 9  # indices in PyBullet's tuple of a contact point
 
 
 class RobotBody:
@@ -54,9 +54,9 @@ class RobotBody:
         pose: of the point on the floor below the middle of the axle.
         velocity: (v, w) measured over the last beat.
         wheels_rad: how far the wheels have turned, left and right, as their sensors tell.
-        odometry: where the robot believes to be.
+        odometry: the pose that the wheels' sensors add up to.
         commanded: the twist that acts from the next tick of the drive on.
-        resting: stopped and told to stay so: beats would change nothing.
+        resting: at rest under a zero command, so that beats would change nothing.
         steps_run: physics steps computed.
     """
 
@@ -76,10 +76,10 @@ class RobotBody:
         """Start an episode at time 0 with the robot at rest in pose `start`.
 
         Args:
-            watcher: is told what the robot does.
+            watcher: receives what the robot does.
             start: x and y in m, heading in rad.
             room: what stands around it.
-            rough_seed: of the differences between its wheels; None: there are none.
+            rough_seed: draws how its wheels differ; None: they do not.
 
         Raises:
             InfrastructureError: PyBullet failed.
@@ -95,9 +95,9 @@ class RobotBody:
             if self._used:
                 _bullet.resetSimulation(physicsClientId=self._client)
             self._used = True
-            self._body = _build(self._client, start)
+            self._body = _build_world(self._client, start)
             self._names = {
-                _stand(self._client, solid): name
+                _add_solid(self._client, solid): name
                 for solid, name in zip(room.solids, names_of(room.solids), strict=True)
             }
             for _ in range(_SETTLING_STEPS):
@@ -112,7 +112,7 @@ class RobotBody:
         if (v_mps, w_radps) == self.commanded:
             return
         if self.resting:
-            self.observe()  # the end of the rest
+            self.observe()  # the end of the rest, during which nothing was sampled
             self.resting = False
         self.commanded = (v_mps, w_radps)
         self._drive.aim(v_mps, w_radps)
@@ -121,7 +121,7 @@ class RobotBody:
         """Go on to the last beat at or before `t_ns`. A resting robot gets there without physics.
 
         Raises:
-            InfrastructureError: PyBullet failed, or the robot left the realm of numbers.
+            InfrastructureError: PyBullet failed, or the robot's pose is not finite.
         """
         last = last_beat_at(t_ns)
         if not self.resting:
@@ -167,7 +167,7 @@ class RobotBody:
         for step in range(first, first + STEPS_PER_BEAT):
             _step_once(client)
             if touched := _touching(self._body, -1, -1, -2, client):
-                self._feel(touched, step)
+                self._note_contacts(touched, step)
         self.steps_run += STEPS_PER_BEAT
         before = self.pose
         self.beat += 1
@@ -178,7 +178,7 @@ class RobotBody:
         if self.beat % DRIVE_BEATS == 0:
             self.odometry.update(*self.wheels_rad, DRIVE_S)
             if self.commanded == (0.0, 0.0):
-                self._rest()
+                self._rest_if_still()
 
     def _steer(self) -> None:
         rates = self._drive.tick()
@@ -216,16 +216,16 @@ class RobotBody:
         middle = before[2] + 0.5 * turned
         self.velocity = ((dx * math.cos(middle) + dy * math.sin(middle)) / BEAT_S, turned / BEAT_S)
 
-    def _rest(self) -> None:
-        """Find that the robot stands still for good."""
+    def _rest_if_still(self) -> None:
+        """Begin a rest if the robot, which is commanded to stand still, does."""
         v, w = self.velocity
         still = abs(v) < _STILL_MPS and abs(w) < _STILL_RADPS
         if still and self._drive.settled:
             self.velocity = (0.0, 0.0)
-            self.odometry.update(*self.wheels_rad, DRIVE_S)
+            self.odometry.update(*self.wheels_rad, DRIVE_S)  # the same angles again: its speeds become zero
             self.resting = True
 
-    def _feel(self, touched: Iterable[tuple[Any, ...]], step: int) -> None:
+    def _note_contacts(self, touched: Iterable[tuple[Any, ...]], step: int) -> None:
         """Note each solid that pushes against the outline in physics step `step`."""
         start_ns, end_ns = step_time_ns(step), step_time_ns(step + 1)
         for body in sorted({point[_OTHER] for point in touched if point[_FORCE_N] > 0.0}):
@@ -236,12 +236,12 @@ class RobotBody:
 
 
 def names_of(solids: Iterable[Solid]) -> list[str]:
-    """Return what contacts call each solid: the side of an outer wall, of anything else its kind."""
-    sides = iter(("left", "bottom", "right", "top"))
+    """Return the name of each solid in contacts: the side of an outer wall, else the solid's kind."""
+    sides = iter(("left", "bottom", "right", "top"))  # the order in which a room lists its outer walls
     return [next(sides) if solid.kind == "edge" else solid.kind for solid in solids]
 
 
-def _build(client: int, start: PlanarPose) -> int:
+def _build_world(client: int, start: PlanarPose) -> int:
     """Lay the floor in an empty world and put the robot on it; return its body."""
     _bullet.setRealTimeSimulation(0, physicsClientId=client)
     _bullet.setPhysicsEngineParameter(
@@ -249,7 +249,7 @@ def _build(client: int, start: PlanarPose) -> int:
         numSubSteps=0,
         numSolverIterations=_SOLVER_ITERATIONS,
         deterministicOverlappingPairs=1,
-        enableConeFriction=1,  # the pyramid's edges steer a robot that drives diagonally
+        enableConeFriction=1,  # the default, a pyramid, steers a robot that drives diagonally
         physicsClientId=client,
     )
     _bullet.setGravity(0.0, 0.0, _GRAVITY_MPS2, physicsClientId=client)
@@ -280,7 +280,7 @@ def _build(client: int, start: PlanarPose) -> int:
     return body
 
 
-def _stand(client: int, solid: Solid) -> int:
+def _add_solid(client: int, solid: Solid) -> int:
     """Put a solid into the world; return its body."""
     half = (solid.length_m / 2.0, solid.width_m / 2.0, solid.height_m / 2.0)
     if solid.kind == "cylinder":

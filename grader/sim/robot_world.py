@@ -53,7 +53,7 @@ class _Feed(NamedTuple):
     """What is published on a topic.
 
     Attributes:
-        beats: one message in so many beats; 0: only to those who come, TRANSIENT_LOCAL.
+        beats: beats from one message to the next; 0: one message for each subscription, TRANSIENT_LOCAL.
         build: returns the message of an instant.
         reliable: else it is offered BEST_EFFORT, as sensor data are.
     """
@@ -193,7 +193,7 @@ class RobotWorld:
         """Nothing is reckoned."""
 
     def advance(self, t_ns: int) -> None:
-        """Run until `t_ns`, through every beat that tells somebody, but never past the horizon."""
+        """Run until `t_ns`, through every beat that publishes to somebody, but never past the horizon."""
         end_ns = min(t_ns, self._horizon_ns)
         while (due_ns := self.next_due()) is not None and due_ns <= end_ns:
             beat = self._due_beat() or 0

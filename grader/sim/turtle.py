@@ -48,7 +48,7 @@ class Turtle:
 
     Attributes:
         alive: false between /kill and the next turtle of the same name; until then commands have no effect.
-        commands: what it was told.
+        commands: the velocity commands that it received.
     """
 
     def __init__(self, car: BulletCar, recorder: Recorder, world: World, horizon_ns: int) -> None:

@@ -80,7 +80,7 @@ class TurtleWorld:
 
     All happens in turtlesim's updates, every 16 ms. An update serves the requests that came since the last one,
     moves the turtles and publishes. A turtle that the script spawns has topics, services and an action of its own;
-    the script is told when they come and go.
+    the script learns when they come and go.
 
     Attributes:
         turtle: the graded one.
@@ -109,7 +109,7 @@ class TurtleWorld:
         self._now_ns = 0
         self._reckoned = False  # whether the script reckons the poses by itself
         self._heard = False  # whether anybody listens; asked several times an update
-        self._heard_at = -1  # as of so many changes of the outbox
+        self._heard_at = -1  # the outbox's number of changes at that answer
         self._handlers: dict[str, Callable[[Values, int], Values]] = {
             "/clear": self._clear,
             "/reset": self._reset,

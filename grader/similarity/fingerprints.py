@@ -14,7 +14,7 @@ GRAM_TOKENS: Final = 12
 """Places with fewer tokens in common are not found."""
 
 WINDOW: Final = 8
-"""Of so many runs of tokens one is kept: whatever has 19 tokens in common is found."""
+"""Of each window of this many runs of tokens one is kept, so that any 19 tokens in common are found."""
 
 _HASH_BYTES = 8
 Hashes = NDArray[np.uint64]

@@ -18,7 +18,7 @@ IN_ARCHIVE = frozenset({
     "signin.unbind", "platform.remove", "token.issue", "token.revoke",
     "webhook.remove",
 })  # fmt: skip
-"""What is done to an archived course, too: everything else changes what the archive keeps."""
+"""Actions that an archived course allows. Every other action would change what the archive keeps."""
 
 
 @dataclass(frozen=True, slots=True)

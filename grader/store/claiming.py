@@ -110,10 +110,10 @@ def take(connection: Connection, worker: str, now: datetime, lease_s: float, in_
 
 
 def due_early(connection: Connection, now: datetime) -> str | None:
-    """Return what would be due first if everybody's turn had come; None if it may take long.
+    """Return the submission due first if everybody's turn had come; None if grading it may take long.
 
-    That is known of what was tried before, and of a student whose other gradings are under way, are to be tried
-    again, or took long.
+    It may if it was tried before, or if other gradings of its student are under way, wait for another try or took
+    long.
     """
     first = connection.execute(_DUE_EARLY, instants(now, in_turn=False)).first()
     if first is None or first.tries:

@@ -39,7 +39,7 @@ Place = tuple[str, str]
 
 Mark = tuple[Any, ...]
 _PASSING = (SubmissionState.QUEUED, SubmissionState.RUNNING, SubmissionState.INFRASTRUCTURE_ERROR)
-_FEW = 200  # students are asked for by name; with more of them, reading the whole class costs no more
+_FEW_STUDENTS = 200  # up to here asked for by name; for more, reading the whole class costs no more
 
 
 @dataclass(frozen=True, slots=True)
@@ -241,7 +241,7 @@ def _among(places: Collection[Place]) -> ColumnElement[bool]:
     """Return a condition that holds for `places`, and perhaps for others."""
     students, assignments = ({place[i] for place in places} for i in range(2))
     among = col(SubmissionRow.assignment).in_(assignments)
-    return among if len(students) > _FEW else and_(among, col(SubmissionRow.student).in_(students))
+    return among if len(students) > _FEW_STUDENTS else and_(among, col(SubmissionRow.student).in_(students))
 
 
 def _submissions(among: ColumnElement[bool]) -> Any:

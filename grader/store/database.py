@@ -85,7 +85,7 @@ class Database:
     """One database; safe to share between threads. Close it when done.
 
     Attributes:
-        announcer: is told of every row that a transaction makes ``queued``.
+        announcer: announces every row that a transaction makes ``queued``.
     """
 
     def __init__(self, url: str, connections: int = _CONNECTIONS) -> None:

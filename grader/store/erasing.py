@@ -25,7 +25,7 @@ from grader.store.tables import (
 )
 
 AT_ONCE = 200
-"""So many submissions are erased by one statement, or in one transaction of many."""
+"""Submissions erased by one statement, and in one transaction where there are more."""
 
 _NOTHING = "null"
 _ENDED = (SubmissionState.GRADED.value, SubmissionState.INFRASTRUCTURE_ERROR.value)

@@ -65,8 +65,8 @@ class Identities:
     ) -> None:
         """Bind a subject to the student of one of these ids, or of that address, in each course that is taught.
 
-        A course where the subject is known is left out. A role is never believed: staff bind by a token. Where the
-        subject, the ids or an address are not of one student alone, nothing is bound. `within`: one course alone.
+        Courses where the subject is known are left out. A provider's word gives nobody a role: staff bind by a
+        token. Where more than one student of a course fits, nobody is bound. `within`: in this course only.
         """
         member = MemberRow
         if not persons and not email:
@@ -98,8 +98,8 @@ class Identities:
     def bind(self, provider: str, subject: str, course: str, person: str, *, by_token: bool) -> bool:
         """Let whoever comes as `subject` in as a member; return whether they are that member now.
 
-        A subject that is another member of the course already stays that one. By an id alone, without a token, a
-        member to whom another subject of the provider is bound is not bound again.
+        A subject that is bound to another member of the course stays bound to that one. Without a token, a member
+        to whom another subject of the provider is bound is not bound again.
         """
         with self._database.writing() as session:
             one_at_a_time(session, "identity", course)

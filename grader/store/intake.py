@@ -48,11 +48,11 @@ from grader.store.tables import (
 from grader.store.work import Announcer, announcement_of
 
 LATELY = timedelta(minutes=10)
-"""Far longer than anybody waits, so that whoever waits for a first grading goes before anybody's second."""
+"""Far longer than anybody waits, so that a first grading goes before anybody's second."""
 _COST_WEIGHT = 10
 _MOST_LATELY = 100
-"""So many of a person's latest submissions decide about the next one's turn, and as many of those that wait: an
-upload costs the same after any number of others."""
+"""Bound on the latest and on the waiting submissions of a person that decide about the next one's turn, so that
+an upload costs the same after any number of others."""
 _KEY_LIFE = timedelta(days=7)
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 _SMALLEST_STEP = timedelta(microseconds=1)

@@ -1,8 +1,8 @@
-"""Notices: where a course wants them, what is to be sent, and of which states of things they told.
+"""Notices: where a course wants them, what is to be sent, and which states they reported.
 
-What a notice tells of is noted in the transaction that adds it, so two processes that look at once, or one that
-dies and looks again, add it once. It is taken on before it is sent; a process that dies between sending and noting
-so sends the same once more, after `PATIENCE`.
+The state that a notice reports is stored in the transaction that adds the notice. So it is added once, even if two
+processes look at the same time, or one dies and looks again. A process claims a notice before it sends it. If it
+dies before it has noted that, the notice is sent once more, after `PATIENCE`.
 """
 
 import secrets

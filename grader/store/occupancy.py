@@ -26,7 +26,7 @@ _LOOKS = 20
 _LEAVING_S = 0.05  # between two looks at who seems to leave
 _NAME_LENGTH = 63  # longer ones PostgreSQL cuts
 _NAMED = 5
-_THERE = text(
+_OTHER_USERS = text(
     "SELECT DISTINCT coalesce(application_name, 'another role''s process') AS name"
     " FROM pg_locks JOIN pg_stat_activity USING (pid)"
     " WHERE locktype = 'advisory' AND classid = :space AND objid = :number AND objsubid = 2 AND granted"
@@ -149,7 +149,7 @@ def _take(session: Session, name: str) -> None:
     for _ in range(_LOOKS):
         if session.execute(select(func.pg_try_advisory_xact_lock(*_LOCK))).scalar_one():
             return
-        there = session.execute(_THERE, {"space": space, "number": number}).scalars().all()
+        there = session.execute(_OTHER_USERS, {"space": space, "number": number}).scalars().all()
         if there:
             break
         time.sleep(_LEAVING_S)

@@ -1,4 +1,4 @@
-"""What learning platforms were told: compared with what counts now, the difference is what to tell next.
+"""The scores that learning platforms have. Where they differ from what counts now, they are sent next.
 
 So whatever changes a score (a grading, a person, a rule, a date) is sent, with no transaction having to note it,
 and a process that dies between telling and noting tells the same once more.
@@ -71,11 +71,11 @@ class PlatformScores:
             return tuple(as_contract(one, PlatformScore) for one in rows)
 
     def claim(self, link: PlatformLink, course: str, person: str, sha256: str) -> PlatformScore | None:
-        """Take it on to send the score of that digest; return what was known of it.
+        """Claim the sending of the score of that digest; return what was known of it.
 
-        None: another process sends or has sent it, it is too early after a failure, the activity is gone with its
-        platform, or nobody there is known as the member any more. Until `sent` it is unknown what the platform
-        has: whoever sends may die, or not hear that it was taken.
+        None: another process sends or has sent it, it is too early after a failure, the platform was removed, or
+        the member is not known there any more. Until `sent` is called, nobody knows what the platform has: the
+        process may die, or get no answer.
         """
         now, row = self._clock(), PlatformScoreRow
         with self._database.writing() as session:

@@ -181,13 +181,13 @@ class Regrades:
 
     def told(self, submission_id: str) -> tuple[ToldChange, ...]:
         """Return what re-grades changed of a submission, the latest first."""
-        own = _told().where(col(ToldChangeRow.submission_id) == submission_id)
+        own = _told_changes().where(col(ToldChangeRow.submission_id) == submission_id)
         return self._read_told(own.order_by(col(ToldChangeRow.at).desc(), col(ToldChangeRow.undone).desc()))
 
     def unseen(self, course: str, student: str) -> tuple[ToldChange, ...]:
         """Return what re-grades changed of a student's submissions that the student has not seen, oldest first."""
         theirs = (col(SubmissionRow.course) == course, col(SubmissionRow.student) == student)
-        unseen = _told().where(*theirs, col(ToldChangeRow.seen_at).is_(None))
+        unseen = _told_changes().where(*theirs, col(ToldChangeRow.seen_at).is_(None))
         return self._read_told(unseen.order_by(col(ToldChangeRow.at), col(ToldChangeRow.submission_id)))
 
     def seen(self, submission_id: str, now: datetime) -> None:
@@ -358,7 +358,7 @@ def _note_change(
     )
 
 
-def _told() -> Select[Any]:
+def _told_changes() -> Select[Any]:
     row: Any = ToldChangeRow
     return (
         select(row, RegradeRow)
@@ -381,8 +381,8 @@ def _told_change(row: ToldChangeRow, regrade: RegradeRow) -> ToldChange:
 
 def _judgements_in_log(change: ScoreChange) -> dict[str, list[str]]:
     """Return what became of people's judgements, for the audit log."""
-    told = {"judgements kept": list(change.kept), "judgements void": list(change.void)}
-    return {name: items for name, items in told.items() if items}
+    fates = {"judgements kept": list(change.kept), "judgements void": list(change.void)}
+    return {name: items for name, items in fates.items() if items}
 
 
 def _past(grading: GradingRow, regrade: RegradeRow | None, standing: int | None) -> PastGrading:

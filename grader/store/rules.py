@@ -47,11 +47,11 @@ ABOUT = (
 OF_COURSE = (_course_of.archived_at, _course_of.distro, _member_of.person)
 """Columns of `ABOUT_FROM`: since when the course is archived, its release of ROS 2, the student if it has one."""
 
-_ASKED = select(
+_ONE_ROW = select(
     literal(1).label("asked")
 ).subquery()  # one row, which the outer joins keep whatever is missing
 ABOUT_FROM = (
-    outerjoin(_ASKED, table_of(CourseRow), _course_of.id == bindparam("course"))
+    outerjoin(_ONE_ROW, table_of(CourseRow), _course_of.id == bindparam("course"))
     .outerjoin(
         table_of(MemberRow),
         and_(_member_of.course == _course_of.id, _member_of.person == bindparam("student")),

@@ -29,11 +29,11 @@ class StandingScores:
 
 
 def item_scores(session: Session, attempts: Mapping[str, int]) -> dict[str, list[ItemScore]]:
-    """Return by submission what the machine gave for each item in one of its gradings, by number."""
+    """Return by submission what the machine gave for each item in the grading number `attempts` names."""
     scores: dict[str, list[ItemScore]] = {id_: [] for id_ in attempts}
     item = GradedItemRow
-    told = (col(item.item), col(item.points), col(item.earned), col(item.status))
-    statement = select(col(item.submission_id), col(item.attempt), *told)
+    columns = (col(item.item), col(item.points), col(item.earned), col(item.status))
+    statement = select(col(item.submission_id), col(item.attempt), *columns)
     for part in in_lots(attempts):
         for submission, attempt, name, points, earned, status in session.execute(
             statement.where(col(item.submission_id).in_(part))

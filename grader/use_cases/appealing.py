@@ -54,7 +54,7 @@ class AppealPage:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pending:
-    """What a student is told of their appeals: those that wait, and those whose answer is new."""
+    """The appeals that a student is reminded of: those that wait, and those whose answer is new."""
 
     open: Sequence[Appeal]
     answered: Sequence[Appeal]
@@ -146,7 +146,7 @@ def open_to(
 
 
 def pending(services: Services, caller: Caller) -> Pending | None:
-    """Return what a student of a course is told of their appeals; None when there is nothing."""
+    """Return the appeals that a student of a course is reminded of; None when there are none."""
     if caller.course is None or caller.person is None or caller.role is not Role.STUDENT:
         return None
     found = services.appeals.of_student(caller.course, caller.person)

@@ -145,9 +145,9 @@ class RateLimit:
         raise RefusedError("too_many_requests", retry_after_s=math.ceil(wait_s))
 
     def charge(self, key: str, requests: float) -> None:
-        """Count a request that `take` let through as so many more, because it cost more than others do.
+        """Charge a request that `take` let through as `requests` more, because it cost more than others do.
 
-        What `key` owes at most is what it gets in a minute.
+        A key never owes more than it gets in a minute.
         """
         with self._lock:
             bucket = self._refilled(key)

@@ -71,7 +71,7 @@ class _Export:
         self._files: list[dict[str, Any]] = []
 
     def parts(self) -> Iterator[bytes]:
-        """Yield what of the zip is there, file by file. Whoever stops reading leaves no zip open."""
+        """Yield the zip, file by file. A reader that stops early leaves no zip open."""
         with zipfile.ZipFile(self._out, "w", zipfile.ZIP_DEFLATED) as self._zip:
             for name, content in self._of_course():
                 yield self._put(name, content, self._begun_at)

@@ -31,7 +31,7 @@ async def open_car(services: Services, caller: Caller, now_s: float) -> OpenCar:
         RefusedError: the caller is no member of a course; no cars are offered, or too many are driven.
         InfrastructureError: the car could not be started.
     """
-    return _told(services, await services.live.open(_owner(caller)), now_s)
+    return _open_car(services, await services.live.open(_owner(caller)), now_s)
 
 
 def car_of(services: Services, caller: Caller, now_s: float) -> OpenCar:
@@ -43,7 +43,7 @@ def car_of(services: Services, caller: Caller, now_s: float) -> OpenCar:
     place = services.live.of(_owner(caller))
     if place is None:
         raise RefusedError("live_not_found")
-    return _told(services, place, now_s)
+    return _open_car(services, place, now_s)
 
 
 def end_car(services: Services, caller: Caller) -> None:
@@ -70,6 +70,6 @@ def _owner(caller: Caller) -> str:
     return name
 
 
-def _told(services: Services, place: LivePlace, now_s: float) -> OpenCar:
+def _open_car(services: Services, place: LivePlace, now_s: float) -> OpenCar:
     left = timedelta(seconds=place.ends_s - now_s)
     return OpenCar(key=place.key, expires_at=services.clock() + left, clients=place.car.clients)

@@ -14,7 +14,7 @@ _log = logging.getLogger(__name__)
 
 
 def send_notices(services: Services, stopped: Callable[[], bool] = lambda: False) -> int:
-    """Write and send what every course is to be told of, until `stopped`; return how many notices were taken."""
+    """Write and send the notices of every course, until `stopped`; return how many were taken."""
     for course in services.notices.courses():
         try:
             write_notices(services, course)

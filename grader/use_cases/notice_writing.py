@@ -1,6 +1,6 @@
-"""What a course is to be told of now: looked at again and again; what notices told of is compared with what is.
+"""Which notices a course should get now: its present state is compared with what earlier notices reported.
 
-A group learns no name and nobody's points: of work that was graded only how much it is.
+A group learns no names and nobody's points. Of graded work it learns only how much there is.
 """
 
 import hashlib
@@ -22,14 +22,14 @@ from grader.store.rules import CourseRules
 from grader.use_cases.services import Services
 
 _DUE_FROM: Final = time(9)
-"""When, the day before an assignment is due, people are told of it; on the course's clock."""
+"""The hour, on the course's clock, of reminders on the day before an assignment is due."""
 
 _GRADED_AT: Final = time(18)
-"""When a group is told how much was graded since the day before."""
+"""The hour of a group's daily notice of how much was graded since the day before."""
 
 _GRADED_UNTIL = timedelta(hours=6)
 _GATHERED = timedelta(minutes=30)
-"""Nobody gets notices about gradings or faults more often: what happens meanwhile is told together."""
+"""Shortest time between two notices about gradings or faults; what happens meanwhile is put into one."""
 
 _LOOKED_BACK = timedelta(days=7)
 _STALLED = timedelta(minutes=15)
@@ -86,7 +86,7 @@ class _Look:
 
 
 def write_notices(services: Services, course: str) -> int:
-    """Add what the course is to be told of now; return how many notices that are."""
+    """Add the notices that the course should get now; return how many there are."""
     wishes, groups = services.notices.wishes(course), services.notices.webhooks(course)
     look = _look(services, course)
     lately = services.notices.made_since(course, look.now - _GATHERED)
@@ -99,14 +99,14 @@ def write_notices(services: Services, course: str) -> int:
 
 
 def count_as_told(services: Services, course: str, group: Outlet | None, wishes: MailWishes) -> None:
-    """Let what has happened until now be no news for a group or for people who are told from now on."""
+    """Count the present state as reported, so that a new outlet gets no old news."""
     look = _look(services, course)
     drafts = (*_for_groups(look, set() if group is None else {group}), *_for_people(look, wishes))
     services.notices.add(course, [replace(one, body="") for one in drafts if _is_to_be_gathered(one)])
 
 
 def _is_to_be_gathered(draft: Draft) -> bool:
-    """Return whether it tells of what happens at any time; else the clock says when it is told."""
+    """Return whether notices of this kind may come at any time; the others come at a fixed hour."""
     graded = draft.kind is NoticeKind.GRADED and draft.outlet is Outlet.MAIL
     return graded or draft.kind is NoticeKind.FAULTS
 
@@ -214,7 +214,7 @@ def _due_for_one(look: _Look, student: str, told: Mapping[tuple[str, str], str])
 
 
 def _graded_for_all(look: _Look, told: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
-    """Tell once a day how much was graded: an average of few, or who passed, would say what somebody reached."""
+    """Report once a day how much was graded; a mean of few or a pass rate would reveal somebody's points."""
     today = look.now.astimezone(look.zone).date()
     end = datetime.combine(today, _GRADED_AT, look.zone)
     if look.now < end or look.now > end + _GRADED_UNTIL or told.get(("", "graded"), "") >= str(today):

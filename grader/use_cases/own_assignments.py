@@ -33,7 +33,7 @@ def own_assignments(services: Services, caller: Caller) -> tuple[OwnAssignment, 
     require_staff(caller)
     if caller.course is None:
         return ()
-    services.assignments.look_again()  # who is told that one can be used finds it everywhere
+    services.assignments.look_again()  # so that an assignment shown as usable here can be used everywhere
     return services.own_assignments.of(caller.course)
 
 

@@ -1,7 +1,7 @@
 """Practice: running a script of an assignment for its author's eyes. It costs no attempt, and nothing is kept.
 
-What is told is what a graded submission would tell the caller, and less: there are no points, only the first of
-the assignment's cases is run, and where the world has noise it is another noise than the one that counts.
+The answer shows less than a graded submission would show the caller: there are no points, only the first of the
+assignment's cases is run, and where the world has noise it is not the noise that counts.
 """
 
 import asyncio
@@ -124,7 +124,9 @@ class UnderWay:
         except SandboxUnavailableError as error:
             raise RefusedError("practice_off") from error
         note(assignment=self._assignment.id, code="practised")
-        return await asyncio.to_thread(_told, self._services, self._caller, self._assignment, result)
+        return await asyncio.to_thread(
+            _shown_practice, self._services, self._caller, self._assignment, result
+        )
 
 
 def _wake(loop: asyncio.AbstractEventLoop, ended: asyncio.Event, _: object) -> None:
@@ -136,7 +138,7 @@ def _wake(loop: asyncio.AbstractEventLoop, ended: asyncio.Event, _: object) -> N
 async def practising(
     services: Services, caller: Caller, assignment_id: str, file_name: str, source: bytes
 ) -> AsyncIterator[UnderWay]:
-    """Run a script once for practice, behind all submissions; who leaves the context needs it no more.
+    """Run a script once for practice, behind all submissions; leaving the context gives the run up.
 
     The caller has no other run until this one has ended.
 
@@ -192,7 +194,7 @@ def _job(services: Services, caller: Caller, assignment_id: str, file_name: str,
     return GradingJob(file_name=name, source=source, assignment=for_practice(known.of_course(course.distro)))
 
 
-def _told(services: Services, caller: Caller, ran: Assignment, result: GradingResult) -> Practice:
+def _shown_practice(services: Services, caller: Caller, ran: Assignment, result: GradingResult) -> Practice:
     report = shown_report(services, caller, result.report)
     known = practisable(services, caller, ran.id)
     visible = {item.id for item in known.items}

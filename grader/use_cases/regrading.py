@@ -1,6 +1,6 @@
 """Grading again: first on trial, with what would change, then applied with a reason or discarded.
 
-An applied re-grade can be undone as a whole. Students are told what either did to their points.
+An applied re-grade can be undone as a whole. Students see what either did to their points.
 """
 
 from dataclasses import replace
@@ -46,7 +46,7 @@ def open_regrade(services: Services, caller: Caller, wanted: Wanted) -> Regrade:
 
 
 def all_regrades(services: Services, caller: Caller) -> tuple[Regrade, ...]:
-    """Return the re-grades of the caller's course, newest first, but those of other people's students alone.
+    """Return the caller's course's re-grades, newest first, without those of other assistants' students only.
 
     Raises:
         RefusedError: the caller may not see the class.
@@ -150,12 +150,12 @@ def told_changes(services: Services, caller: Caller, submission_id: str) -> tupl
     Raises:
         RefusedError: the caller may not see it.
     """
-    return _told(services, caller, visible_submission(services, caller, submission_id))
+    return _shown_changes(services, caller, visible_submission(services, caller, submission_id))
 
 
 def look_at_changes(services: Services, caller: Caller, submission: Submission) -> tuple[ToldChange, ...]:
     """Return what `told_changes` does, and note that the submission's student has seen it."""
-    found = _told(services, caller, submission)
+    found = _shown_changes(services, caller, submission)
     if caller.role is Role.STUDENT and any(not one.seen for one in found):
         services.regrades.seen(submission.id, services.clock())
     return found
@@ -173,7 +173,7 @@ def unseen_changes(services: Services, caller: Caller) -> tuple[str, ...]:
     return tuple(dict.fromkeys(one.submission for one in shown if one is not None))
 
 
-def _told(services: Services, caller: Caller, submission: Submission) -> tuple[ToldChange, ...]:
+def _shown_changes(services: Services, caller: Caller, submission: Submission) -> tuple[ToldChange, ...]:
     found = services.regrades.told(submission.id)
     if not found or caller.role is not Role.STUDENT:
         return found
@@ -183,7 +183,7 @@ def _told(services: Services, caller: Caller, submission: Submission) -> tuple[T
 
 
 def _without(told: ToldChange, hidden: frozenset[str]) -> ToldChange | None:
-    """Return a change without hidden items, which scores would tell about, too; None when nothing is left."""
+    """Return a change without hidden items, and without scores, which reveal them; None if nothing is left."""
     if not hidden:
         return told
     change = told.change

@@ -1,4 +1,4 @@
-"""Keeping learning platforms told of what counts: looked at again and again, and only differences are sent."""
+"""Keeping the scores on learning platforms up to date: looks regularly, and sends only what differs."""
 
 import hashlib
 import logging
@@ -19,7 +19,7 @@ _A_SECOND = timedelta(seconds=1)
 
 
 def send_scores(services: Services, stopped: Callable[[], bool] = lambda: False) -> int:
-    """Tell every platform what it does not know yet, until `stopped`; return how many scores were taken."""
+    """Send every platform the scores that it does not have yet, until `stopped`; return how many were taken."""
     taken = 0
     silent: set[str] = set()
     for platform, link in services.platform_scores.targets():
@@ -75,9 +75,9 @@ def _wanted(services: Services, platform: Platform, link: PlatformLink) -> Itera
 def _score(
     services: Services, people: Mapping[str, str], progress: StudentProgress, *, hidden: bool
 ) -> Score | None:
-    """Return what a platform shall know; None: nothing that counts is there yet.
+    """Return the score that a platform should have; None: nothing counts yet.
 
-    While items are hidden, or a person still gives points, it is told that there is work, and no points.
+    While items are hidden, or a person still gives points, the score says that there is work, without points.
     """
     if progress.max_score is None or (progress.counted_score is None and not progress.waits_for_person):
         return None

@@ -152,7 +152,7 @@ def _recognised(services: Services, held: str) -> tuple[str, str]:
 def _within(services: Services, provider: str) -> str | None:
     """Return the only course that `provider` opens; None: it opens any.
 
-    Who teaches a course can say anything by a platform of it. So that names no members of another course.
+    An instructor can set up a platform that says anything, so it must not name members of another course.
     """
     id_ = platform_of(provider)
     if id_ is None:

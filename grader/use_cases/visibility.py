@@ -1,8 +1,7 @@
 """What a caller may see: whose submissions, and what of a student's own the rules do not hide until a date.
 
-Hidden are rubric items, and whatever would give them away. A student's copy of a report is the report without
-them: score and points are those of the rest, and the sentences about the whole are left out. It has a digest of
-its own.
+Rules hide rubric items, and with them whatever would give them away. A student's copy of a report leaves hidden
+items and the sentences about the whole out; score and points are those of the other items. It has its own digest.
 """
 
 import hashlib
@@ -37,7 +36,7 @@ class Hiding:
 
 
 def hiding(services: Services, submission: Submission) -> Hiding:
-    """Return what students do not see of a submission now; which items that are is for staff alone."""
+    """Return the items of a submission that are hidden from students now. Only staff may see which these are."""
     rules = services.rules.of(submission.course).of(submission.assignment)
     return Hiding(items=rules.hidden_at(services.clock()), until=rules.hidden_until)
 
@@ -190,7 +189,7 @@ def _without(report: dict[str, Any], hidden: frozenset[str]) -> dict[str, Any]:
 
 
 def _silent(item: dict[str, Any], titles: Iterable[Mapping[str, str]]) -> dict[str, Any]:
-    """Return an item without its sentence where that tells how hidden ones, which it needs, have done."""
+    """Return an item without its message if that names hidden items that it needs."""
     named = any(title[language] in item["message"][language] for title in titles for language in LANGUAGES)
     return {**item, "message": _EMPTY} if named and item["status"] != ItemStatus.PASSED.value else item
 

@@ -28,8 +28,8 @@ MEASURES = {
 }
 _STILL_M: Final = 0.02
 _STILL_DEG: Final = 2.0
-_ENDLESS: Final = 2.0  # times the wanted turn
-_NEAR: Final = 0.1  # of a wanted motion: as near the same or the opposite one counts as that
+_ENDLESS: Final = 2.0  # times the wanted turn: a turn beyond it does not end by itself
+_NEAR: Final = 0.1  # of a wanted motion: within it, a motion counts as the opposite one
 
 Place = tuple[float, float, float]
 """x and y in metres, heading in degrees, unwrapped."""
@@ -78,7 +78,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
         "answered": Measure(100.0 * answers / max(len(calls), 1), {"answers": answers, "calls": len(calls)}),
         "move_error": _move_error(motions),
         "turn_error": _turn_error(motions),
-        "told_error": _told_error(run),
+        "told_error": _report_error(run),
         "alive": Measure(float(alive), {"seconds": number(run.outcome.duration_ns / 1e9, "s")}),
     }
     found = unanswered(run, calls) or tuple(_mistakes(run, motions))
@@ -136,24 +136,24 @@ def _turn_error(motions: list[_Motion]) -> Measure:
     return Measure(worst.turn_error_deg, {"wanted": wanted, "turned": turned})
 
 
-def _told(run: Run) -> Iterator[tuple[Place, Place]]:
-    """Yield where the car was, and where the script said it was."""
+def _reported_places(run: Run) -> Iterator[tuple[Place, Place]]:
+    """Yield the true and the reported place of the car, for each answer that tells a place."""
     for one in run.agent:
         if one.step.tells and one.answered_ns is not None:
             x, y = (_number((one.values or {}).get(field)) for field in one.step.tells)
             yield _place(run.trajectory, one.answered_ns), (x, y, 0.0)
 
 
-def _told_error(run: Run) -> Measure:
-    """Return how far the farthest answer lies from the car; unmeasured unless all answers tell a place."""
+def _report_error(run: Run) -> Measure:
+    """Return the largest distance of an answer from the car; unmeasured unless every answer tells a place."""
     wanted = sum(bool(one.step.tells) for one in run.agent)
-    pairs = list(_told(run))
-    errors = [math.dist(true[:2], told[:2]) for true, told in pairs]
+    pairs = list(_reported_places(run))
+    errors = [math.dist(true[:2], reported[:2]) for true, reported in pairs]
     if len(errors) < wanted or not errors or not all(map(math.isfinite, errors)):
         return UNMEASURED
     worst = max(range(len(errors)), key=errors.__getitem__)
-    true, told = pairs[worst]
-    return Measure(errors[worst], {"told": _point(told), "true": _point(true)})
+    true, reported = pairs[worst]
+    return Measure(errors[worst], {"told": _point(reported), "true": _point(true)})
 
 
 def _number(value: Any) -> float:
@@ -165,20 +165,20 @@ def _point(place: Place) -> str:
 
 
 def _mistakes(run: Run, motions: list[_Motion]) -> Iterator[Mistake]:
-    """Yield what makes the car move otherwise than it was asked to."""
+    """Yield why the car moved otherwise than the agent asked."""
     moves = [(one.step.moves_m, one.ahead_m, one.step.target) for one in motions if one.step.moves_m]
     turns = [(one.step.turns_deg, one.turned_deg, one.step.target) for one in motions if one.step.turns_deg]
     once = tuple(_single_commands(run, motions))
     if once and (_off(moves, _STILL_M) or _off(turns, _STILL_DEG)):
         yield from once
         return
-    spoken = all(map(_says_number, motions))
-    yield from _wrong_motions(moves, _STILL_M, "move_error", "m", spoken=spoken)
-    yield from _wrong_motions(turns, _STILL_DEG, "turn_error", "deg", spoken=spoken)
-    pairs = list(_told(run))
-    stood = [math.dist(a[0][:2], b[0][:2]) for a, b in pairwise(pairs)]
-    said = [math.dist(a[1][:2], b[1][:2]) for a, b in pairwise(pairs)]
-    if any(true > 0.1 and told < _STILL_M for true, told in zip(stood, said, strict=True)):
+    by_number = all(map(_has_number, motions))
+    yield from _wrong_motions(moves, _STILL_M, "move_error", "m", by_number=by_number)
+    yield from _wrong_motions(turns, _STILL_DEG, "turn_error", "deg", by_number=by_number)
+    pairs = list(_reported_places(run))
+    driven_m = [math.dist(a[0][:2], b[0][:2]) for a, b in pairwise(pairs)]
+    reported_m = [math.dist(a[1][:2], b[1][:2]) for a, b in pairwise(pairs)]
+    if any(far > 0.1 and change < _STILL_M for far, change in zip(driven_m, reported_m, strict=True)):
         yield mistake("told_stale", ("told_error",))
 
 
@@ -187,14 +187,14 @@ def _endless_turns(motions: list[_Motion]) -> Iterator[Mistake]:
     first = next((one for one in motions if one.step.turns_deg), None)
     if (
         first is not None
-        and _says_number(first)
+        and _has_number(first)
         and abs(first.turned_deg) > _ENDLESS * abs(first.step.turns_deg or 0.0)
     ):
         yield mistake("tool_takes_degrees", ("answered", "turn_error"), tool=first.step.target)
 
 
-def _says_number(motion: _Motion) -> bool:
-    """Return whether the request says how far: a tool without such a field cannot take it wrongly."""
+def _has_number(motion: _Motion) -> bool:
+    """Return whether the request has a number: a tool that gets none cannot misread one."""
     return any(
         isinstance(each, int | float) and not isinstance(each, bool) for each in motion.step.values.values()
     )
@@ -215,23 +215,26 @@ def _single_commands(run: Run, motions: list[_Motion]) -> Iterator[Mistake]:
 
 
 def _wrong_motions(
-    motions: list[tuple[float, float, str]], still: float, measure: str, unit: Any, *, spoken: bool
+    motions: list[tuple[float, float, str]], still: float, measure: str, unit: Any, *, by_number: bool
 ) -> Iterator[Mistake]:
-    """Yield what is wrong about motions of one kind: (wanted, done, by which tool). `spoken`: by numbers."""
+    """Yield what is wrong about motions of one kind, each (wanted, done, tool).
+
+    `by_number`: all their requests have a number.
+    """
     wrong = _off(motions, still)
     if not wrong:
         return
     wanted, done, tool = wrong[0]
-    told: Mapping[str, object] = {"tool": tool, "wanted": number(wanted, unit), "done": number(done, unit)}
+    values: Mapping[str, object] = {"tool": tool, "wanted": number(wanted, unit), "done": number(done, unit)}
     amounts = [abs(each[1]) for each in motions]
     if all(abs(each[1]) <= still for each in motions):
-        yield mistake("tool_moves_nothing", (measure,), **told)
-    elif not spoken:
+        yield mistake("tool_moves_nothing", (measure,), **values)
+    elif not by_number:
         return
     elif all(abs(each[1] + each[0]) <= max(_NEAR * abs(each[0]), still) for each in wrong):
-        yield mistake("tool_ignores_sign", (measure,), **told)
+        yield mistake("tool_ignores_sign", (measure,), **values)
     elif len({abs(each[0]) for each in motions}) > 1 and max(amounts) - min(amounts) <= still:
-        yield mistake("tool_ignores_request", (measure,), **told)
+        yield mistake("tool_ignores_request", (measure,), **values)
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:

@@ -84,7 +84,7 @@ def _keeps_facing(drive: Drive) -> Bools:
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     """Return the net displacement beside the wanted straight line, and where the car left it."""
     drive = drive_of(run, until_contact=True)
-    if drive is None or drive.path.extent_m < 0.01:
+    if drive is None or drive.path.extent_m < 0.01:  # nothing that a plot could show
         return FigureSketch()
     backward = assignment.options["direction"] == "backward"
     measures = _motion(drive, backward=backward)
@@ -131,8 +131,8 @@ def _problem_with_direction(value: Option) -> Text | None:
     return None if value in DIRECTIONS else one_of(DIRECTIONS)
 
 
-MIN_MOTION_M = 0.05  # less was not meant as driving
-_TO_AND_FRO = 4  # from here on the sign of the speed was not changed on purpose
+MIN_MOTION_M = 0.05  # a shorter way was not meant as driving
+_LEAST_SIGN_CHANGES = 4  # of the speed: a script that changes it this often does not do so on purpose
 SPOT_RADIUS_M = 0.1  # an arc tighter than this is a turn on the spot
 
 
@@ -148,7 +148,7 @@ def motion_mistakes(
     }
     lost = {name for name, value in values.items() if fits(assignment, name, value) is False}
     changes = sum(one.v_mps * other.v_mps < 0.0 for one, other in itertools.pairwise(run.trajectory.commands))
-    if lost and changes >= _TO_AND_FRO:
+    if lost and changes >= _LEAST_SIGN_CHANGES:
         found.append(mistake("to_and_fro", times=changes))
     if "turned_deg" not in lost or not _right_speed(drive, backward=backward):
         found += _wrong_way(values["advance_m"], backward=backward)
@@ -175,7 +175,7 @@ def _wrong_way(advance_m: float, *, backward: bool) -> Iterator[Mistake]:
 
 
 def _right_speed(drive: Drive, *, backward: bool) -> bool:
-    """Whether the car's speed had the right sign: then it was turning that led it the wrong way."""
+    """Whether the car's speed had the right sign, so that only turning can have led it the wrong way."""
     return float(drive.path.signed_m[-1]) * (-1.0 if backward else 1.0) > MIN_MOTION_M
 
 

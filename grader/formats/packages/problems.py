@@ -32,7 +32,7 @@ _TO_INSTALL: Final = re.compile(
 )
 _MOST_READ: Final = 20
 """Modules that are parsed to see whether they have what entries name: work of the grader, not of the script."""
-_MOST_LOOKED_AT, _MOST_TOLD = 200, 20
+_MOST_LOOKED_AT, _MOST_SHOWN = 200, 20
 _TESTS: Final = ("test/", "tests/")
 
 
@@ -46,7 +46,7 @@ def problems(
     every = (problem for package in looked_at for problem in _of_package(package, files, chosen))
     found = list(islice(every, _MOST_LOOKED_AT))
     found += _unmatched(looked_at, wanted, found)
-    return tuple(sorted(found, key=lambda problem: not problem.fatal)[:_MOST_TOLD])
+    return tuple(sorted(found, key=lambda problem: not problem.fatal)[:_MOST_SHOWN])
 
 
 def unread(packages: Sequence[Package]) -> str:

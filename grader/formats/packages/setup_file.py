@@ -251,7 +251,7 @@ class SetupFile:
         return _bounded(left + right)
 
     def _may(self, steps: int) -> bool:
-        """Count so many steps; return whether they are still within what one file may take."""
+        """Count `steps`; return whether the file is still within its bound."""
         self._steps_left -= steps
         return self._steps_left >= 0
 

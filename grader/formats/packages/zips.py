@@ -26,12 +26,14 @@ def read_zip(content: bytes, keep: Keep = all_files, bounds: ZipBounds = BOUNDS)
         return read_archive(content, keep, bounds)
     except ArchiveError as error:
         large = error.fault in (Fault.LARGE, Fault.LARGE_FILE, Fault.DENSE)
-        raise RefusedError("too_large" if large else "bad_archive", _told(error), field="file") from error
+        raise RefusedError(
+            "too_large" if large else "bad_archive", _refusal_text(error), field="file"
+        ) from error
 
 
-def _told(error: ArchiveError) -> Text:
+def _refusal_text(error: ArchiveError) -> Text:
     if error.path:
-        return _told_of_file(error.fault, _shown(error.path))
+        return _refusal_text_of_file(error.fault, _shown(error.path))
     if error.fault is Fault.OTHER_FORMAT:
         return Text(
             zh=f"这是 {error.format} 压缩包，改名字没有用：请压缩成 zip 格式再交。",
@@ -54,7 +56,7 @@ def _told(error: ArchiveError) -> Text:
     )
 
 
-def _told_of_file(fault: Fault, path: str) -> Text:
+def _refusal_text_of_file(fault: Fault, path: str) -> Text:
     large = Text(
         zh=f"解压后太大（到 {path} 为止）：只压缩源代码，不要 build、install、log、.git、图片和录像。",
         en=f"it unpacks to too much (at {path}): zip the sources only, without build, install, log, .git, "

@@ -24,7 +24,7 @@ from grader.grading.examination import OwnScript, OwnScripts
 from grader.jail import readers
 
 _MAX_ANSWER_BYTES: Final = 32 * 1024 * 1024
-_MOST_TOLD: Final = 50
+_MOST_SHOWN: Final = 50
 _AT_ONCE: Final = threading.BoundedSemaphore(2)
 _UNNAMED: Final = "assignment"
 _ID: Final = re.compile(rb"""^id:[ \t]*["']?([a-z][a-z0-9_]{0,39})["']?[ \t]*(#.*)?\r?$""", re.MULTILINE)
@@ -94,7 +94,9 @@ def misfits_of(error: AssignmentError, root: str = "") -> tuple[Misfit, ...]:
     problems: Iterable[tuple[str, Text]] = error.problems or [
         ("", Text(zh=error.told("zh"), en=error.told("en")))
     ]
-    return tuple(_misfit(place, told, f"{root}/" if root else "") for place, told in [*problems][:_MOST_TOLD])
+    return tuple(
+        _misfit(place, told, f"{root}/" if root else "") for place, told in [*problems][:_MOST_SHOWN]
+    )
 
 
 def _misfit(place: str, told: Text, root: str) -> Misfit:

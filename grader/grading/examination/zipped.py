@@ -98,7 +98,7 @@ _NO_SPEC = Text(
     zh="没有 assignment.yaml：打包作业的整个文件夹",
     en="there is no assignment.yaml; pack the assignment's folder",
 )
-_TOLD: Final = {
+_FAULT_TEXTS: Final = {
     Fault.MANY: _MANY,
     Fault.NAME: _NAME,
     Fault.LONG: _LONG,
@@ -127,7 +127,9 @@ def unpacked(content: bytes) -> dict[str, bytes]:
         found = read_archive(content, _wanted, _BOUNDS)
     except ArchiveError as error:
         whole = not error.path or error.fault is Fault.LARGE
-        raise refusals([("zip" if whole else _safe(error.path), _TOLD.get(error.fault, _NO_ZIP))]) from None
+        raise refusals(
+            [("zip" if whole else _safe(error.path), _FAULT_TEXTS.get(error.fault, _NO_ZIP))]
+        ) from None
     return _with_packages(_without_folder(found))
 
 

@@ -41,7 +41,7 @@ class Launch:
         claimed: ids that the person may have in a class list.
         resource, title: of the activity. assignment: where the activity says that it leads; may be empty.
         line_item: where its scores go; empty: nowhere.
-        people_url: where the people of the platform's course are told; empty: nowhere.
+        people_url: where the platform lists the people of its course; empty: nowhere.
         until_s: when the message ends.
         picking: what the platform asks to be chosen, where no activity was opened but new ones are made.
     """

@@ -37,7 +37,7 @@ class Listed:
 
 
 def address_in(claims: Mapping[str, Any]) -> str:
-    """Return where a message says that the people of its course are told; empty: nowhere."""
+    """Return the address at which the platform lists the people of its course; empty: there is none."""
     said = claims.get(ROSTER_CLAIM)
     address = said.get("context_memberships_url") if isinstance(said, dict) else None
     fits = isinstance(address, str) and len(address) <= _LONGEST and is_confidential(address)

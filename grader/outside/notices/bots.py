@@ -21,7 +21,7 @@ from grader.outside.signin.channel import UnreachableError, decoded, is_confiden
 MOST_BYTES: Final = 2_000
 """Of a message: WeCom takes 2,048."""
 
-_LONGEST_SAID = 200
+_LONGEST_DETAIL = 200
 _TOO_MANY_REQUESTS = 429
 _PATHS = {
     Vendor.FEISHU: "/open-apis/bot/v2/hook/",
@@ -150,7 +150,7 @@ def _require_taken(vendor: Vendor, status: int, answer: bytes) -> None:
     if code == 0 and status == 200:
         return
     words = said.msg or said.errmsg or said.old_msg
-    detail = f"{status}, {code}: {''.join(one for one in words if one.isprintable())}"[:_LONGEST_SAID]
+    detail = f"{status}, {code}: {''.join(one for one in words if one.isprintable())}"[:_LONGEST_DETAIL]
     if status == _TOO_MANY_REQUESTS:
         raise NotSentError("too_often", detail)
     if code is None:

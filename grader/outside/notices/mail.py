@@ -17,7 +17,7 @@ from grader.outside.notices.failure import Failure, NotSentError
 from grader.outside.signin.channel import trusting
 
 PATIENCE_S: Final = 10.0
-_LONGEST_SAID = 200
+_LONGEST_DETAIL = 200
 _BUSY = (421, 450, 451, 452, 454)
 _TLS, _PLAIN = "smtps", "smtp"
 _PORTS = {_TLS: 465, _PLAIN: 587}
@@ -78,17 +78,17 @@ class MailChannel:
                 connection.send_message(message, self.sender, [letter.to])
         except smtplib.SMTPRecipientsRefused as error:
             status, words = error.recipients[letter.to]
-            raise NotSentError(_of_letter(status), _said(status, words)) from None
+            raise NotSentError(_of_letter(status), _one_line(status, words)) from None
         except smtplib.SMTPAuthenticationError as error:
-            raise NotSentError("security", _said(error.smtp_code, error.smtp_error)) from None
+            raise NotSentError("security", _one_line(error.smtp_code, error.smtp_error)) from None
         except smtplib.SMTPDataError as error:  # what other letters need not have
             raise NotSentError(
-                _of_letter(error.smtp_code), _said(error.smtp_code, error.smtp_error)
+                _of_letter(error.smtp_code), _one_line(error.smtp_code, error.smtp_error)
             ) from None
         except smtplib.SMTPResponseException as error:
-            raise NotSentError("refused", _said(error.smtp_code, error.smtp_error)) from None
+            raise NotSentError("refused", _one_line(error.smtp_code, error.smtp_error)) from None
         except (smtplib.SMTPException, OSError, UnicodeError) as error:
-            raise NotSentError("unreachable", f"{type(error).__name__}: {error}"[:_LONGEST_SAID]) from None
+            raise NotSentError("unreachable", f"{type(error).__name__}: {error}"[:_LONGEST_DETAIL]) from None
 
     @contextmanager
     def _connected(self) -> Iterator[smtplib.SMTP]:
@@ -123,7 +123,7 @@ class MailChannel:
             message["From"] = Address(addr_spec=self.sender)
             message["To"] = Address(addr_spec=letter.to)
         except (ValueError, MessageError, IndexError) as error:
-            raise NotSentError("recipient", f"no address: {error}"[:_LONGEST_SAID]) from None
+            raise NotSentError("recipient", f"no address: {error}"[:_LONGEST_DETAIL]) from None
         message["Subject"] = " ".join(letter.heading.split())
         message["Date"] = format_datetime(letter.at)
         message["Message-ID"] = f"<{letter.id}@{self.sender.rpartition('@')[2]}>"
@@ -136,6 +136,6 @@ def _of_letter(code: int) -> Failure:
     return "refused" if code in _BUSY else "recipient"
 
 
-def _said(code: int, words: bytes | str) -> str:
+def _one_line(code: int, words: bytes | str) -> str:
     text = words.decode(errors="replace") if isinstance(words, bytes) else words
-    return f"{code} {''.join(one if one.isprintable() else ' ' for one in text)}"[:_LONGEST_SAID]
+    return f"{code} {''.join(one if one.isprintable() else ' ' for one in text)}"[:_LONGEST_DETAIL]

@@ -433,8 +433,8 @@ def _view(read: ShownSubmission, language: Language) -> SubmissionView:
         late_s=lateness.late_s,
         kept_share=lateness.kept_share,
         kept_score=lateness.kept_score,
-        summary=_said(report.get("summary"), language),
-        hint=_said(report.get("hint"), language),
+        summary=_in_language(report.get("summary"), language),
+        hint=_in_language(report.get("hint"), language),
         mistakes=report.get("mistakes", []),
         rubric=[item_view(item, language) for item in report.get("items", [])],
         runs=[run_view(run) for run in report.get("runs", [])],
@@ -453,13 +453,13 @@ def _whole(stored: StoredReport) -> Mapping[str, Any]:
     return judged(stored).to_dict() if stored.judgements else dict(json.loads(stored.content))
 
 
-def _said(text: Mapping[str, str] | None, language: Language) -> str:
+def _in_language(text: Mapping[str, str] | None, language: Language) -> str:
     return "" if text is None else text[language]
 
 
 def item_view(item: Mapping[str, Any], language: Language) -> RubricItemView:
     """Return an item of a report's plain data in `language`."""
-    texts = {name: _said(item[name], language) for name in ("title", "message", "hint")}
+    texts = {name: _in_language(item[name], language) for name in ("title", "message", "hint")}
     return RubricItemView.model_validate({**item, **texts})
 
 

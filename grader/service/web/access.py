@@ -1,4 +1,4 @@
-"""Who looks at a page, and what they may see. The only place of the pages that knows.
+"""Who looks at a page, and what they may see. No other module of the pages decides that.
 
 The browser keeps the session that a bearer token opened (`grader.use_cases.callers`), in a cookie that lasts as
 long as the browser is open. While the service has no courses, a student says their id and is believed, as on

@@ -95,7 +95,7 @@ def erase_old_work(
     older_than: Annotated[QueryWhole, Form(ge=1, le=MOST_DAYS_OLD)],
     reason: Annotated[str, Form(max_length=1_000)] = "",
 ) -> Response:
-    """Erase the submissions that are older than so many days."""
+    """Erase the submissions that are older than the given number of days."""
     course_life.erase_old_work(services, visitor.caller, older_than, reason.strip())
     return RedirectResponse("/class/course?done=erased", status_code=303)
 

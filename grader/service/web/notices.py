@@ -1,4 +1,4 @@
-"""The page on which an instructor sets up what group chats and people are told."""
+"""The page on which an instructor sets up notices to group chats and people."""
 
 from typing import Annotated, Literal
 

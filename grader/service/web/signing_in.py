@@ -40,7 +40,7 @@ def go(request: Request, services: ServicesDep, provider_id: ProviderId, next: N
     """Send a browser to a provider; or take in at once whom a proxy has recognised."""
     provider = services.providers.sending(provider_id)
     if provider is None:
-        said = _said_by_proxy(request, services, provider_id)
+        said = _person_by_proxy(request, services, provider_id)
         return arrived(request, signing_in.arrive(services, provider_id, said), own_address(next))
     attempt = SignInAttempt()
     response = RedirectResponse(signing_in.send_away(services, provider, attempt), status_code=303)
@@ -130,7 +130,7 @@ def _keep(request: Request, response: Response, name: str, value: str) -> None:
     )
 
 
-def _said_by_proxy(request: Request, services: ServicesDep, provider_id: str) -> Person:
+def _person_by_proxy(request: Request, services: ServicesDep, provider_id: str) -> Person:
     entry = services.providers.header(provider_id)
     if entry is None:
         raise RefusedError("not_found")

@@ -1,4 +1,4 @@
-"""What a student who waits is told: the state, the place in line, and how long it will take about."""
+"""What a waiting student reads: the state, the place in line, and about how long it will take."""
 
 import math
 from datetime import datetime

@@ -5,8 +5,8 @@ not ready; it says how the worker is; it mends what crashed workers left; and it
 those whose turn it is, if what it grades takes long while they wait. What matters most to the gradings
 under way comes first, so that trouble with what comes later takes nothing from them.
 
-A claim that is lost never comes back: somebody else grades the submission, or has graded it. Its slot is told at
-the second beat in a row that finds it lost, because at the first the slot may just have stored its result.
+A claim that is lost never comes back: somebody else grades the submission, or has graded it. Its slot
+abandons it at the second beat in a row that finds it lost: at the first, the slot may just have stored its result.
 """
 
 import logging
@@ -21,7 +21,7 @@ from grader.service.worker.slots import GradingSlot, SandboxHealth, WorkerParts
 
 _log = logging.getLogger(__name__)
 _LOOK_S = 0.5  # between looks whether a kept slot should give way
-_AT_MOST = 4  # times a lease: afterwards leases are judged even while the database keeps failing
+_AT_MOST = 4  # leases: after this long, leases are ended even while the database keeps failing
 
 
 class Heart:
@@ -40,7 +40,7 @@ class Heart:
         Args:
             worker_id: as which the worker is reported.
             slots: whose claims are renewed.
-            parts: the store, and who is told.
+            parts: the store, and who observes gradings.
             sandbox: tried again at every beat while it is not ready and no slot is busy.
             heartbeat_s: pause between two beats.
         """
@@ -131,7 +131,7 @@ class Heart:
                 if time.monotonic() >= next_beat_s:
                     next_beat_s = time.monotonic() + self._heartbeat_s
                     self.beat()
-                else:  # whoever waits for a kept slot does not wait for a beat as well
+                else:  # between beats, so that a kept slot gives way sooner than the next beat
                     self._give_way()
             except Exception as error:  # a heart that stopped would give away every grading of this worker
                 if not self._stopped.is_set():  # then nobody waits for it any more

@@ -35,11 +35,11 @@ _STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, *repeat(4.0, 150))
 """Before each next try to store a result: often at first, then for ten minutes."""
 _STEP_S = 60.0
 TURN = timedelta(seconds=4)
-"""What a kept slot gives to a grading, though others wait, before it lets one of those go first."""
+"""How long a kept slot goes on with a grading while others wait, before it lets one of those go first."""
 _TIMES_ORDINARY = 4.0
-"""Longer than so many times an ordinary grading is long."""
+"""A grading counts as long when it takes this many times as long as an ordinary one."""
 _ROOM_PAUSE_S = 1.0
-"""Who holds every process id is ended within milliseconds; what the kernel frees takes longer."""
+"""A script that holds every process id is ended within milliseconds, but the kernel frees them later."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,7 +49,7 @@ class WorkerParts:
     Attributes:
         make_grader: returns a new grader; called once per slot.
         probe: tries the sandbox of this host; called before work is taken, and again while it is not ready.
-        observer: is told how gradings went.
+        observer: observes how gradings went.
         work: tells the slots when to look for work; by default the doorbell and a look every `poll_s`.
         uploads: assignments whose scripts are to be run; by default that is left to other workers.
     """
@@ -241,7 +241,7 @@ class GradingSlot:
         stored, following = self._parts.queue.finish_and_claim(
             claim, result, assignment, self.name, self._in_turn
         )
-        if following is not None and self._stopping.is_set():  # told meanwhile
+        if following is not None and self._stopping.is_set():  # `stop` was called meanwhile
             self._parts.queue.hand_back(following)
             following = None
         return stored, following

@@ -39,7 +39,7 @@ class Worker:
         self._parts = parts
         self._config = config
         self._sandbox = SandboxHealth(parts.probe)
-        # One slot is kept for those whose turn it is. Not where a slot must use what it was told of (permits).
+        # One slot is kept for those whose turn it is; not with permits, where a slot must use the permit it got.
         keeps_one = config.slots > 1 and parts.work is None
         self._slots = [
             GradingSlot(f"{self.id}/{number}", parts, self._sandbox, in_turn=number == 0 and keeps_one)

@@ -46,10 +46,10 @@ def read_points(
         assert set(wanted) <= set(layout.names), "Requests field is not in the fields of the PointCloud!"
         points = points[wanted]
     if skip_nans and not cloud.is_dense:
-        whole = numpy.ones(len(points), dtype=bool)
+        valid = numpy.ones(len(points), dtype=bool)
         for name in points.dtype.names:
-            whole &= ~numpy.isnan(points[name])
-        points = points[whole]
+            valid &= ~numpy.isnan(points[name])
+        points = points[valid]
     if uvs is not None:
         points = points[numpy.fromiter(uvs, int)]
     if reshape_organized_cloud and cloud.height > 1:
@@ -118,9 +118,10 @@ def create_cloud(header: Any, fields: list[Any], points: Any) -> Any:
 
 
 def _is_table(numpy: Any, points: Any, fields: list[Any]) -> bool:
-    """Whether `points` is a plain array with a column of numbers for each field, all of which are to be floats.
+    """Whether `points` is a plain array of numbers with a column for each field, and every field is a float.
 
-    Such an array is packed by columns. Integers are packed point by point: what does not fit is refused there.
+    Such an array is packed column by column, which is faster. Integers are packed point by point, because only
+    then numpy refuses a value that does not fit.
     """
     return (
         isinstance(points, numpy.ndarray)

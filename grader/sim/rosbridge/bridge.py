@@ -306,7 +306,7 @@ class Bridge:
         try:
             subscription.add(frame)
             own[topic] = subscription
-        finally:  # a wish that was refused leaves nothing
+        finally:  # a subscription that was refused leaves nothing
             self._release(topic)
             self._drop_relays()
         if frame.compression not in (None, "none"):

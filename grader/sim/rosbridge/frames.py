@@ -14,7 +14,7 @@ from grader.contracts.errors import GraderError
 
 MAX_FRAME_BYTES: Final = 65_536
 MAX_FRAGMENTS: Final = 1_000
-_LONGEST_TOLD: Final = 300
+_LONGEST_MESSAGE: Final = 300
 
 Identity: TypeAlias = Annotated[str, Meta(max_length=256)] | int | float | None
 """A frame's ``id``; it comes back in whatever answers the frame."""
@@ -32,7 +32,7 @@ class FrameError(GraderError):
     """A frame that cannot be taken; the message says what is wrong, for whoever wrote the client."""
 
     def __init__(self, message: str, identity: Identity = None) -> None:
-        super().__init__(message[:_LONGEST_TOLD])
+        super().__init__(message[:_LONGEST_MESSAGE])
         self.id = identity
 
 

@@ -1,7 +1,7 @@
 """rosapi's services for parameters, whose names are ``/node:name`` and whose values are JSON texts.
 
 As rosapi of ROS 2 Humble, they ask the node's own services. What is not there reads as the default that was given;
-who sets what cannot be set is told nothing.
+setting what cannot be set gives no error.
 """
 
 from collections.abc import Callable, Mapping

@@ -26,7 +26,7 @@ class LiveSession:
         self._bridge.receive(client, text, t_ns)
 
     def advance(self, t_ns: int) -> None:
-        """Run until `t_ns`, update by update: what a client is told may be followed by a request of its own."""
+        """Run until `t_ns`, update by update: a client may answer what it gets with a request."""
         while (due_ns := self._world.next_due()) is not None and due_ns <= t_ns:
             self._run(due_ns)
         self._run(t_ns)

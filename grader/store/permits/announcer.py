@@ -53,10 +53,11 @@ _DEFER = _NEW.on_conflict_do_update(
 
 
 def lock_of(submission_id: str, attempt: int) -> str:
-    """Return the queueing lock of a permit: at most one of it waits.
+    """Return the queueing lock of a permit, which at most one waiting job can have.
 
-    A row that waits again gets another permit although its first one may wait still, because its slot came with
-    the permit of another row: there must be as many permits as rows that wait.
+    It contains `attempt`, because a row that is queued again needs another permit. Its first one may still wait,
+    if the slot that claimed the row came with another row's permit, and there must be as many permits as waiting
+    rows.
     """
     return f"{_LOCK}-{submission_id}-{attempt}"
 
@@ -133,7 +134,7 @@ class PermitAnnouncer:
     def claimed(self, session: Session, claim: Claim) -> None:
         """Use up the row's own permit, unless somebody took it already, or is doing so at this moment.
 
-        Who took it found another row, or nothing to do. So there are never fewer permits than rows that wait.
+        Whoever took it claimed another row or found nothing, so there are never fewer permits than waiting rows.
         """
         session.execute(_USE_UP, {"lock": lock_of(claim.submission_id, claim.attempt - 1)})
 
@@ -145,9 +146,9 @@ class PermitAnnouncer:
     def mend(self, session: Session, now: datetime) -> int:
         """Sweep, unless another worker does so at this moment.
 
-        Jobs that nobody runs any more are deleted: their rows wait, and then count as late, or run under a lease,
-        which ends. Rows that are late while there are fewer permits than late rows get one. Of many nobody counts
-        more than a thousand: so many permits keep the workers busy until a later sweep.
+        Jobs that nobody runs any more are deleted. Their rows wait, and count as late after a while, or run under
+        a lease, which ends. If there are fewer permits than late rows, the late rows get the missing ones. Both
+        are counted up to a thousand: that many permits keep the workers busy until a later sweep.
         """
         if not session.execute(select(func.pg_try_advisory_xact_lock(_SWEEP_KEY))).scalar_one():
             return 0
@@ -172,9 +173,10 @@ class PermitAnnouncer:
 
 
 def defer_again(session: Session, submission_id: str, attempt: int, now: datetime) -> None:
-    """Give the permit of a row back that was not used, if anything waits that it could still be for.
+    """Give an unused permit of a row back if that row, or any other, waits.
 
-    Its worker stops, its clock lags behind that of who queued the row, or another transaction held the row.
+    It is unused if its worker stops, if the worker's clock lags behind that of the process that queued the row, or
+    if another transaction held the row.
     """
     soon = now + timedelta(seconds=_AGAIN_S)
     row = session.get(SubmissionRow, submission_id)

@@ -80,7 +80,7 @@ _LOOK_AGAIN_S = 1.0  # how often to ask whether they still may: what came meanwh
 _PAUSES_S = (0.2, 0.5, 1.0, 2.0)  # before each next try to reach the database
 _CONNECT_S = 5
 _END_S = 10.0
-_EXCITED = ("asyncio", "procrastinate.utils", "procrastinate.worker", "procrastinate.worker.worker")
+_NOISY_LOGGERS = ("asyncio", "procrastinate.utils", "procrastinate.worker", "procrastinate.worker.worker")
 """Loggers that write pages of tracebacks whenever the database is away, which is said here in one line."""
 
 
@@ -108,7 +108,7 @@ class PermitLoop:
 
     def start(self, slots: int, ready: Callable[[], bool]) -> None:
         """Begin to take permits whenever `ready` says that work may be taken, at most `slots` at once."""
-        for name in _EXCITED:
+        for name in _NOISY_LOGGERS:
             logging.getLogger(name).addFilter(_says_something_new)
         self._thread = threading.Thread(
             target=lambda: asyncio.run(self._take_permits(slots, ready)), name="grader-permits", daemon=True

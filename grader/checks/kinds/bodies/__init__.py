@@ -23,7 +23,7 @@ from grader.messages.quantity import number
 EARTH_MPS2 = 9.81
 _GRAVITY_SLACK_MPS2 = 0.25  # 9.8, 9.81, 10
 _AT_REST_MPS = 0.01
-_HOLD_S = 0.5  # for so long a target has to be kept, or an object held, unless the assignment says otherwise
+_HOLD_S = 0.5  # default of how long a link must stay at its target, or an object be held
 _FINGERS = 2
 _SLACK_S = 1e-6
 MEASURES = {
@@ -152,7 +152,7 @@ def _turned(counted: _Counted) -> float:
 def _reach(assignment: Assignment, counted: _Counted) -> dict[str, Measure]:
     """Measure the least distance to the target within which the link was kept for the wanted time.
 
-    Absent where it was for so long nowhere, and where the link was there before the first step.
+    Absent if the run was shorter than that time, or the link was at the target before the first step.
     """
     target = [assignment.options.get(name) for name in _TARGET]
     link = counted.replayed.link[: counted.count]
@@ -200,7 +200,7 @@ def _hold_s(assignment: Assignment) -> float:
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
-    """Return that pictures tell more than a path seen from above."""
+    """Return the view of the pictures, which show more than a path from above."""
     return FigureSketch(view="frames", ideal_closed=False)
 
 

@@ -1,4 +1,4 @@
-"""Mistakes in a PyBullet world, told by its replay."""
+"""Mistakes in a PyBullet world, recognised from its replay."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -11,12 +11,11 @@ from grader.contracts.scoring import Run
 from grader.messages.quantity import number
 
 STARTS_AWAY_M = 0.1
-"""So far from its target a link must be at first, to have got there by itself."""
+"""A link that starts nearer to its target than this has been put there and did not move there."""
 
-_VOID_M = -1.0
-_HELD = ("lifted_m",)
-_FALLEN = ("height_m", "travel_m", "rest_s", "turned_deg", "lifted_m")
-_LOOKED_AT = (
+_VOID_M = -1.0  # an object this far below the ground has fallen past it and falls for ever
+_OF_FALLEN = ("height_m", "travel_m", "rest_s", "turned_deg", "lifted_m")
+_OF_UNLOADED = (
     "loaded",
     "fell_m",
     "height_m",
@@ -28,7 +27,7 @@ _LOOKED_AT = (
     "lifted_m",
 )
 
-_BY_HAND: Mapping[TrickKind, str] = {
+_TRICK_CODES: Mapping[TrickKind, str] = {
     "jump": "bodies_jump",
     "push": "bodies_push",
     "constraint": "bodies_constraint",
@@ -50,7 +49,7 @@ def bodies_mistakes(
     found = [*script_mistakes(run)]
     if replayed is None or (replayed.calls == 0 and not found):
         found.append(mistake("bodies_unused"))
-    elif replayed.calls:
+    elif replayed.calls:  # what makes others follow comes first: see `first_causes`
         found += _ended(replayed)
         found += _by_hand(trick)
         found += _absent(assignment, replayed)
@@ -63,7 +62,7 @@ def bodies_mistakes(
 
 
 def _ended(replayed: Replayed) -> Iterator[Mistake]:
-    """Tell why the replay is not whole."""
+    """Say why the replay ended before its last call."""
     if replayed.end == "too_many_bodies":
         yield mistake("bodies_too_many")
     elif replayed.end == "not_finite":
@@ -72,22 +71,22 @@ def _ended(replayed: Replayed) -> Iterator[Mistake]:
 
 def _by_hand(trick: Trick | None) -> Iterator[Mistake]:
     if trick is not None:
-        yield mistake(_BY_HAND[trick.kind], call=trick.name, time=number(trick.t_ns / 1e9, "s"))
+        yield mistake(_TRICK_CODES[trick.kind], call=trick.name, time=number(trick.t_ns / 1e9, "s"))
 
 
 def _absent(assignment: Assignment, replayed: Replayed) -> Iterator[Mistake]:
-    """Tell of a body that was to be loaded and was not."""
+    """Recognise a body that the assignment measures and the script did not load."""
     watch, roles = assignment.world.watch, {body.role for body in replayed.bodies}
     for role in ("object", "robot"):
         wanted = getattr(watch, role)
         if wanted and role not in roles:
             files = ", ".join(dict.fromkeys(body.file for body in replayed.bodies if body.file)) or "-"
             code = "bodies_no_car" if wanted == "*" else "bodies_not_loaded"
-            yield mistake(code, _LOOKED_AT, file=wanted, files=files)
+            yield mistake(code, _OF_UNLOADED, file=wanted, files=files)
 
 
 def _still(run: Run, replayed: Replayed) -> Iterator[Mistake]:
-    """Tell of a world in which nothing can happen."""
+    """Recognise a world without steps or gravity, and one whose recording was cut off."""
     if replayed.steps == 0:
         yield mistake("bodies_no_steps")
     elif replayed.gravity == (0.0, 0.0, 0.0):
@@ -97,7 +96,7 @@ def _still(run: Run, replayed: Replayed) -> Iterator[Mistake]:
 
 
 def _loose(replayed: Replayed) -> Iterator[Mistake]:
-    """Tell of an arm that stands on nothing."""
+    """Recognise an arm whose base is not fixed."""
     if any(body.role == "robot" and body.mass_kg > 0.0 for body in replayed.bodies):
         yield mistake("bodies_loose_base", ("reach_m", "lifted_m"))
 
@@ -105,11 +104,11 @@ def _loose(replayed: Replayed) -> Iterator[Mistake]:
 def _fallen(replayed: Replayed) -> Iterator[Mistake]:
     heights = replayed.object[:, 2]
     if len(heights) and heights[-1] < _VOID_M:
-        yield mistake("bodies_void", _FALLEN)
+        yield mistake("bodies_void", _OF_FALLEN)
 
 
 def _there_already(assignment: Assignment, replayed: Replayed) -> Iterator[Mistake]:
-    """Tell of a link that was put at its target before the first step."""
+    """Recognise a link that was put at its target before the first step."""
     target = [assignment.options.get(f"target_{axis}_m") for axis in "xyz"]
     if None not in target and len(replayed.link):
         place = [float(each) for each in replayed.link[0, :3]]
@@ -120,4 +119,4 @@ def _there_already(assignment: Assignment, replayed: Replayed) -> Iterator[Mista
 def _unheld(assignment: Assignment, measures: Mapping[str, Measure]) -> Iterator[Mistake]:
     lifted = measures.get("lifted_m")
     if assignment.item_on("lifted_m") and lifted is not None and math.isnan(lifted.value):
-        yield mistake("bodies_not_held", _HELD)
+        yield mistake("bodies_not_held", ("lifted_m",))

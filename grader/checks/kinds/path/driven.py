@@ -32,23 +32,23 @@ from grader.geometry.matching import (
 )
 from grader.geometry.segmentation import segment
 
-LEAST_M = 0.05  # a path that went less far is none
+LEAST_M = 0.05  # a shorter drive is not a path
 LAPS_TRIED = 8  # ends of the first lap that are tried: where the car came back to its start
-LAP_SHARE = 0.6  # of the wanted length: who was back sooner had not driven a lap
-LOOKED_AT = 400  # points of a whole drive that are looked at for these
+LAP_SHARE = 0.6  # of the wanted length: a car that was back sooner had not driven a lap
+LOOKED_AT = 400  # points of a whole drive among which such ends are looked for
 BACK_SHARE = 0.2  # of the drive's size: a car that comes nearer to its start than this is back
-ON_IT_SHARE = 0.08  # of the figure's size: who drives on within this distance of it drives it again
-LONGER_SHARE = 1.1  # of two parts that fit about equally well the longer one was meant
-UNFINISHED_SHARE = 0.8  # of the wanted length: who drove less has left something out
+ON_IT_SHARE = 0.08  # of the figure's size: what stays this near to it after its end repeats it
+LONGER_SHARE = 1.1  # a shorter part replaces a longer one only if it fits better by this factor
+UNFINISHED_SHARE = 0.8  # of the wanted length: a shorter drive has left something out
 COVERED_SHARE = (
     0.05  # of the size: a part of the wanted path that is further from the driven one was left out
 )
 BEGUN_SHARE = 0.02  # of the size: a part that is nowhere further off is the first part of the path
-NEARLY_SHARE = 0.002  # of the size: what fits to within this fits equally well
-LIKELY = 4  # ways of driving that are looked at closely, those that fit best point by point
-THIN = 4  # then each fourth point does
+NEARLY_SHARE = 0.002  # of the size: residuals that differ by less count as equal
+LIKELY = 4  # ways of driving that are matched, those that fit best at equal distances
+THIN = 4  # the matching uses every fourth point: it only chooses among them
 NO_LINE_SHARE = 0.02  # of the path: a corner this near to its end has no line behind it
-REFINED = 2  # times the match and the fit are done in turn: after that they hardly change
+REFINED = 2  # rounds of matching and fitting in turn: further ones hardly change anything
 FINE = 5 * SAMPLES  # points of the driven figure from which pieces are measured
 
 
@@ -279,7 +279,7 @@ def _refined(figures: Sequence[Figure], allowed: _Allowed, thinned: int = 1) -> 
     Args:
         figures: laid on parts of one drive.
         allowed: where they may lie.
-        thinned: only each so-manieth point is looked at; the pairs are of these, and not to be used.
+        thinned: use only each `thinned`-th point. The pairs then count these points and must not be used.
     """
     if not figures:
         return []

@@ -14,7 +14,7 @@ NEAR_M = (
     0.02  # points of the way are no further apart, so that a small goal is not passed between two samples
 )
 MOST_PARTS = 8  # into which the way between two samples is divided for that
-SAME_M = 0.01  # who is put elsewhere by less has not been put elsewhere
+SAME_M = 0.01  # a shorter jump does not count as being put elsewhere
 FOR_EVER_S = math.inf
 
 
@@ -141,8 +141,8 @@ def _stays(outside: Floats, way: Way) -> list[Stay]:
 def _done(wanted: WantedPlaces, stays: Sequence[Sequence[Stay]]) -> list[float | None]:
     """Return when each goal's visit was complete.
 
-    In a given order as many goals count as were visited one after the other; of equally many the ones that were
-    done sooner.
+    In a given order, the longest chain of goals visited one after the other counts; of equally long chains the one
+    that was complete first.
     """
     if wanted.any_order:
         return [_complete(goal, stays[i], 0.0) for i, goal in enumerate(wanted.visit)]

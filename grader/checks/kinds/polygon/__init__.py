@@ -68,13 +68,13 @@ def _measures(wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float) -> di
     taken |= _corner_measures(wanted, driven)
     if driven.is_unfinished(wanted) and not driven.is_other(
         wanted
-    ):  # what there is of the last side must not cost more than none of it
+    ):  # a piece of the last side must not cost more than a missing side
         taken["sides"] = _side_count(figure, len(figure.sides_m) - 1)
         taken["side_spread_pct"] = _spread(figure.sides_m[:-1], wall_m)
         if wanted.lengths_m is not None:
             taken["side_error_pct"] = _side_error(wanted, figure.sides_m[:-1])
         taken["gap_pct"] = Measure(math.nan, {"why": say("polygon.unfinished")})
-    if driven.is_other(wanted):  # how well that one was driven earns nothing
+    if driven.is_other(wanted):  # another figure earns nothing for being driven well
         spoilt = _OF_THE_FIGURE if len(figure.sides_m) == wanted.sides else (*_OF_THE_FIGURE, *_LENGTHS)
         taken |= dict.fromkeys(spoilt, Measure(math.nan, {"why": say("polygon.other")}))
     elif figure.overrun and not driven.drive.cut_short:
@@ -83,9 +83,10 @@ def _measures(wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float) -> di
 
 
 def _side_count(figure: PolygonFigure, count: int) -> Measure:
-    """Return the number of sides; it falls as one of them comes near to an arc that is taken for a turn.
+    """Return the number of sides, less a part for bent ones.
 
-    There it has lost about what such a turn costs, which takes the corners beside it along; all of them, two.
+    From some bend on, a side is taken for a turn, and the corners beside it are lost as well. So that the score
+    does not jump there, one side that bends almost that much takes 1.5 off the number, and all of them together 2.
     """
     lost = 1.5 * max(figure.bows) + 0.5 * min(figure.bows)
     bent = say("polygon.bent_sides") if lost > 0.0 else EMPTY
@@ -96,7 +97,7 @@ def _settled(driven: DrivenPolygon) -> Measure:
     figure = driven.figure
     if figure is not None and figure.repeated:
         return Measure(1.0)
-    under_way = driven.drive.moving_at_end  # whom turtlesim's hold has stopped has stopped
+    under_way = driven.drive.moving_at_end  # a car that turtlesim stopped after its hold has stopped
     went_on = driven.turned_on or (figure is not None and figure.overrun)
     return Measure(0.0 if under_way or went_on else 1.0)
 
@@ -108,7 +109,7 @@ def _wall_m(run: Run, driven: DrivenPolygon) -> float:
 
 
 def _spread(sides_m: Sequence[float], wall_m: float) -> Measure:
-    """Return by how much the sides differ; what a wall took off one counts, too: it was meant to be longer."""
+    """Return by how much the sides differ, including the length that a wall took off one of them."""
     longest, shortest, mean = max(sides_m), min(sides_m), sum(sides_m) / len(sides_m)
     return Measure(
         100.0 * (longest - shortest + wall_m) / mean if mean > 0.0 else math.nan,

@@ -93,16 +93,14 @@ def _worst_pct(sides_m: Sequence[float], wanted_m: Sequence[float]) -> float:
     return max(100.0 * abs(side - wanted) / wanted for side, wanted in zip(sides_m, wanted_m, strict=True))
 
 
-SAME_DEG = 4.0  # corners this close to a value that tells a mistake are taken to be that value
+SAME_DEG = 4.0  # corners this close to the value of a known mistake count as that mistake
 OTHER_GAP_SHARE = 0.1  # of the perimeter: a figure that ends this near to its start was meant as it is
 UNFINISHED_SHARE = 0.8  # a last side below this was not driven to its end: then its length costs everything
 EQUAL_RATIO = 1.2  # of the longest to the shortest side: halfway to the rectangle of 3 m by 2 m
 ALIKE_PCT = (
-    12.0  # by which opposite sides may differ, and it is a rectangle still, with one side that is short
+    12.0  # of difference between opposite sides: with more, the figure is no rectangle with a short side
 )
-LIKE_DEG = (
-    1.0  # a last turn that is further off than the worst corner by no more than this was meant as a corner
-)
+LIKE_DEG = 1.0  # a last turn that is worse than the worst corner by no more than this was meant as a corner
 NO_TURN_DEG = (
     10.0  # a smaller change of direction after the last side is no turn, only how the car came to rest
 )
@@ -149,7 +147,7 @@ class DrivenPolygon:
         return gap <= CLOSED_SHARE and _is_oblong(figure.sides_m)
 
     def is_unfinished(self, wanted: WantedPolygon) -> bool:
-        """Whether the figure ends within its last side, and the others are as long as each other."""
+        """Whether the figure ends within its last side, and its other sides have one length."""
         figure = self.figure
         if figure is None or len(figure.sides_m) != wanted.sides or figure.repeated or figure.overrun:
             return False

@@ -1,4 +1,4 @@
-"""Mistakes told by the shape of a polygon."""
+"""Mistakes recognised from the shape of a polygon."""
 
 import itertools
 import math
@@ -37,9 +37,9 @@ RADIAN_OFF_DEG = (
     2.0  # a turn by 1 rad by mistake is exact: 54° is something else, such as one tick of 10 Hz too many
 )
 _SEEN_M = 0.1
-_SLOW_M = 1.5  # whoever is not further when time is up may still have been on the first side
+_SLOW_M = 1.5  # a car that has driven less by the horizon may still be on its first side
 MOSTLY_ROUND_SHARE = (
-    0.25  # from here on the arcs explain why angles and lengths are wrong, so they are told first
+    0.25  # from here on, the arcs explain wrong angles and lengths, so they are mentioned first
 )
 _LENGTHS = ("side_spread_pct", "side_error_pct")
 _TURNS = ("corner_deg", "sides", "gap_pct", "opposite_corners")
@@ -176,11 +176,11 @@ def _turns(command: Command) -> bool:
     return abs(command.w_radps) > MOVING_RADPS
 
 
-_FAR_OFF_DEG = 15.0  # a turn this much too short sends the car where the figure would never have come
+_FAR_OFF_DEG = 15.0  # turns this much too short lead the car away from the wanted figure
 
 
 def _little_turns(seen: _Seen) -> Iterator[Mistake]:
-    """Tell of turns that are all far too short before the car meets a wall: the wall is what they lead to."""
+    """Recognise turns that are all far too short, before the car meets a wall: they lead it there."""
     contacts = seen.run.trajectory.contacts
     turned = _commanded_turns(seen, contacts[0].start_ns) if contacts else []
     if len(turned) < 2 or max(turned) - min(turned) > SAME_DEG or max(turned) > seen.ideal_deg - _FAR_OFF_DEG:
@@ -304,14 +304,14 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         )
     elif not off.any():
         # within the corners' band, but the figure does not close
-        if uniform and _telling_angle(seen, mean) == "one_radian" and seen.loses("gap_pct", _gap_pct(figure)):
+        if uniform and _known_angle(seen, mean) == "one_radian" and seen.loses("gap_pct", _gap_pct(figure)):
             yield mistake("one_radian", ("gap_pct",), mean=_degree(mean), **values)
-    elif figure.repeated and _telling_angle(seen, mean) == "interior_angle":
+    elif figure.repeated and _known_angle(seen, mean) == "interior_angle":
         # a hexagon's interior angle drives a triangle, as often as the loop was meant for the hexagon
         yield mistake("interior_angle", spoilt, mean=_degree(mean), **values)
     elif seen.driven.is_other(seen.wanted):
         yield _other_figure(seen, figure)
-    elif uniform and (telling := _telling_angle(seen, mean)) is not None:
+    elif uniform and (telling := _known_angle(seen, mean)) is not None:
         yield mistake(telling, spoilt, mean=_degree(mean), **values)
     elif (off.all() or _alike(corners - ideal)) and abs(int(np.sum(np.sign(corners - ideal)))) == len(
         corners
@@ -332,7 +332,7 @@ def _both_ways(seen: _Seen) -> bool:
 
 
 def _alike(errors: Floats) -> bool:
-    """Whether no error is small beside another: then all have one cause."""
+    """Whether all errors are about as large, so that they have one cause."""
     return float(np.min(np.abs(errors))) > 0.5 * float(np.max(np.abs(errors)))
 
 
@@ -340,8 +340,8 @@ def _gap_pct(figure: PolygonFigure) -> float:
     return 100.0 * figure.gap_m / figure.perimeter_m if figure.perimeter_m > 0.0 else math.nan
 
 
-def _telling_angle(seen: _Seen, mean: float) -> str | None:
-    """Return the mistake whose angle `mean` is nearest to, if any is near."""
+def _known_angle(seen: _Seen, mean: float) -> str | None:
+    """Return the mistake that makes corners of about `mean`, if there is one."""
     telling = {"one_radian": (ONE_RADIAN_DEG, RADIAN_OFF_DEG)}
     if seen.sides != 4:  # a square's interior and exterior angles are the same
         telling["interior_angle"] = (180.0 - seen.ideal_deg, SAME_DEG)

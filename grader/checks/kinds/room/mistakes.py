@@ -1,4 +1,4 @@
-"""Mistakes of a drive in a room, told by what was touched and where the robot ended."""
+"""Mistakes of a drive in a room, recognised from what was touched and where the robot ended."""
 
 from collections.abc import Iterator, Mapping
 
@@ -46,7 +46,7 @@ def _touched(run: Run) -> Iterator[Mistake]:
 
 
 def _drove_on(run: Run, contact: Contact) -> bool:
-    """Whether the robot was told one and the same from its first motion until it had touched something."""
+    """Whether the robot got a single command from its first motion until it had touched something."""
     until_ns = contact.start_ns + _REACTION_NS
     commands = [each for each in run.trajectory.commands if each.t_ns <= until_ns]
     moving = next((i for i, each in enumerate(commands) if is_motion(each)), len(commands))

@@ -17,7 +17,7 @@ _print_by_python = sys.__excepthook__
 """Python's own printer: only it adds a suggestion. Taken before ours replaces it in `sys`."""
 
 _LONGEST_MESSAGE = 1 << 16
-"""Characters of a message that is sent or quoted; none has room for so many. What is printed is not cut."""
+"""Characters of a message that is sent or quoted: more than any place has room for. Printed ones are not cut."""
 
 _BARE_MODULES = ("builtins", "__main__")
 """Modules whose exceptions are named without the module."""

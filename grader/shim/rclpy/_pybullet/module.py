@@ -150,10 +150,10 @@ def _step(real: Callee) -> Callee:
     number = calls.RECORDED.index(_STEP)
 
     def call(*args: Any, **options: Any) -> Any:
-        told = real(*args, **options)  # first: a call that is refused is no step
+        answer = real(*args, **options)  # first: a call that is refused is no step
         recorder.note(number, args, options)
         recorder.stepped()
-        return told
+        return answer
 
     def step_alone() -> None:
         recorder.note(number, (), {})
@@ -307,9 +307,9 @@ class _Window:
             link.note_once("bullet_pictures")
             return self._pictures[size]
         self._drawn += size[0] * size[1]
-        told = self._real.getCameraImage(*size, *args, **options)
-        self._pictures = {size: told}
-        return told
+        answer = self._real.getCameraImage(*size, *args, **options)
+        self._pictures = {size: answer}
+        return answer
 
     def startStateLogging(self, *args: Any, **options: Any) -> int:
         """Return a number, as PyBullet without a window does for a video; no file is written."""

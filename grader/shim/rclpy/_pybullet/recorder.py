@@ -47,7 +47,7 @@ class Recorder:
         self._live_since_ns = 0
 
     def begin(self) -> None:
-        """Be told of the end of the run; to be called once, when the script imports the module."""
+        """Register for the end of the run; called once, when the script imports the module."""
         kernel.on_interrupt(self._stop)
         link.before_exit = self._stop
 

@@ -1,4 +1,4 @@
-"""Carry out recorded calls again and tell what became of them: the world that is scored.
+"""Carry out recorded calls again and report what became of them: the world that is scored.
 
 Runs in a confined process of its own, which no script has touched. Frames in: CALLS, and one FINISH. Frames out,
 as docs/design.md ("Wire") has them: BODY, SAMPLE, PICTURE, APPLIED after each frame of calls, and ENDED.
@@ -96,7 +96,7 @@ class Replay:
         return True
 
     def finish(self) -> None:
-        """Tell the last state and the end."""
+        """Send the last state and the end."""
         if self._connected:
             self._sample()
             self._picture()
@@ -117,20 +117,20 @@ class Replay:
             self._sample()
             self._picture()
         try:
-            told = getattr(bullet, name)(*args, **options)
+            answer = getattr(bullet, name)(*args, **options)
         except Exception:  # the script met the same one
             return
         if name == "connect":
-            self._connected = self._connected or told == 0
+            self._connected = self._connected or answer == 0
         elif name == "disconnect":
             self._connected = bool(bullet.isConnected(0))
         elif ours:
-            self._after(name, args, options, told)
+            self._after(name, args, options, answer)
 
-    def _after(self, name: str, args: list[Any], options: dict[str, Any], told: Any) -> None:
+    def _after(self, name: str, args: list[Any], options: dict[str, Any], answer: Any) -> None:
         if name in _BIRTHS:
             file = str(options.get("fileName", args[0] if args else "")) if name.startswith("load") else ""
-            for body in told if isinstance(told, tuple) else (told,):
+            for body in answer if isinstance(answer, tuple) else (answer,):
                 self._appeared(body, file)
         elif name == "resetSimulation":
             self._roles.clear()
@@ -184,7 +184,7 @@ class Replay:
             self._picture()
 
     def _sample(self) -> None:
-        """Tell where the object and the robot are, once for each state."""
+        """Send where the object and the robot are, once for each state."""
         if self._sampled == self._steps:
             return
         self._sampled = self._steps
@@ -252,8 +252,8 @@ def _contacts(body: int | None) -> bytes:
         other = (int(point[2]), int(point[4]))
         pushes[other] = pushes.get(other, 0.0) + float(point[9])
     strongest = sorted(pushes.items(), key=lambda each: (-each[1], each[0]))[:MOST_CONTACTS]
-    told = b"".join(struct.pack("<Hhd", other, link, force) for (other, link), force in strongest)
-    return bytes((len(strongest),)) + told
+    packed = b"".join(struct.pack("<Hhd", other, link, force) for (other, link), force in strongest)
+    return bytes((len(strongest),)) + packed
 
 
 def picture(camera: Sequence[Any]) -> bytes:
@@ -290,11 +290,11 @@ def _overview() -> tuple[float, float, float, tuple[float, ...]]:
 
 
 def state_digest(module: Any) -> bytes:
-    """Return the SHA-256 of all that can be told of the bodies: two worlds with the same one are alike."""
-    told = hashlib.sha256()
+    """Return the SHA-256 of all that PyBullet shows of the bodies: two worlds with the same one are alike."""
+    digest = hashlib.sha256()
     for numbers in _state(module):
-        told.update(struct.pack(f"<{len(numbers)}d", *numbers))
-    return told.digest()
+        digest.update(struct.pack(f"<{len(numbers)}d", *numbers))
+    return digest.digest()
 
 
 def _state(module: Any) -> Iterator[tuple[float, ...]]:

@@ -39,7 +39,7 @@ def _load() -> ModuleType:
 
 @contextmanager
 def _silenced() -> Iterator[None]:
-    """Keep what the extension prints while it is loaded, the time of its build, from where errors are told."""
+    """Discard what the extension prints while it is loaded, which is the time of its build."""
     null = os.open(os.devnull, os.O_WRONLY)
     kept = {stream: os.dup(stream) for stream in (1, 2)}
     for stream in kept:

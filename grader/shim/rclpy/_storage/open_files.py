@@ -126,7 +126,7 @@ def open(
     """
     if isinstance(mode, str):
         _check(mode, encoding, errors, newline)
-    buffering = index(buffering)  # who meant the encoding is told so in Python's words
+    buffering = index(buffering)  # an encoding given in its place raises Python's own error
     number = file if isinstance(file, int) else None
     file = os.fspath(file) if isinstance(file, os.PathLike) else file
     parts = storage.parts(file)

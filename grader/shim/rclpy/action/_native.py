@@ -81,7 +81,7 @@ def _require_context(node: NodeHandle, failure: str) -> None:
 
 
 class ActionClientHandle(_Members):
-    """The client's five endpoints, in the order in which their readiness is told: topics, then services."""
+    """The client's five endpoints, in the order in which their readiness is reported: topics, then services."""
 
     def __init__(
         self,
