@@ -213,7 +213,8 @@ class RecordedCalls:
         tricks: what no motor does, in the world that counts.
         files: by the number of the call, what a body was loaded from.
         gravity: as it was at the first step; before that, as it is.
-        first_call: where the world that counts begins: after the last reset that was followed by a step.
+        first_call: where the world that counts begins: after the last reset or disconnection that was followed by
+            a step.
         not_finite: number of the first call with a value that is not finite; it and later ones are left out.
     """
 
@@ -227,7 +228,7 @@ class RecordedCalls:
         self.not_finite: int | None = None
         self._bytes = 0
         self._step_s = STEP_S
-        self._pending: list[int] = []  # numbers of resets that no step has followed
+        self._pending: list[int] = []  # numbers of resets and disconnections that no step has followed
 
     def take(self, data: bytes, horizon_ns: int) -> None:
         """Take the calls of one frame.
@@ -261,7 +262,7 @@ class RecordedCalls:
         elif call.name.startswith("load") and call.name != "loadTexture":
             file = call.value(0, "fileName")
             self.files[self.count] = file if isinstance(file, str) else ""
-        elif call.name == "resetSimulation":
+        elif call.name in ("resetSimulation", "disconnect"):
             self._pending.append(self.count)
         elif call.name in ("setTimeStep", "setPhysicsEngineParameter"):
             self._set_step(call)
@@ -277,7 +278,7 @@ class RecordedCalls:
         self.simulated_s += self._step_s
 
     def _begin_anew(self, number: int) -> None:
-        """Begin a new world with the reset `number`: what came before it does not count."""
+        """Begin a new world after the call `number`: what came before it does not count."""
         self.first_call, self._pending = number, []
         self.tricks = [trick for trick in self.tricks if trick.before_start and trick.kind == "time_step"]
         self.steps, self.simulated_s = 0, 0.0

@@ -27,7 +27,7 @@ MOST_BODIES: Final = 10_000
 """Most bodies of a replay, in all its worlds together. A world has 64 at most (`rclpy._pybullet.replay`)."""
 MOST_SAMPLES: Final = 60_000  # 1,000 simulated seconds; a horizon is 600 s at most
 PICTURES: Final = 12
-MOST_PICTURES: Final = 14  # those asked for, and a few that the process takes when the script disconnects
+MOST_PICTURES: Final = PICTURES + 2  # two more when the script disconnects (`rclpy._pybullet.replay`)
 _MOST_SIDE: Final = 480
 _MOST_JOINTS: Final = 64
 _MOST_CONTACTS: Final = 32

@@ -213,6 +213,22 @@ def own(name: str, file: str = "solution.py") -> bytes:
     return (catalog().folder(name) / file).read_bytes()
 
 
+@pytest.mark.parametrize("again", ["p.disconnect()", "p.resetSimulation(); p.disconnect()"])
+def test_a_script_may_connect_and_disconnect_as_often_as_it_likes(grader: Grader, again: str) -> None:
+    rounds = f"import pybullet as p\nfor _ in range(20): p.connect(p.DIRECT); p.stepSimulation(); {again}\n"
+    report = grade(grader, "pb_sphere", rounds.encode() + own("pb_sphere"))
+    assert (report.status, report.score) == ("graded", 100)
+
+
+def test_a_script_may_begin_anew_as_often_as_it_likes(grader: Grader) -> None:
+    rounds = (
+        "import pybullet as p\np.connect(p.DIRECT)\nfor _ in range(20):\n"
+        "    for _ in range(120): p.stepSimulation()\n    p.resetSimulation()\np.disconnect()\n"
+    )
+    report = grade(grader, "pb_sphere", rounds.encode() + own("pb_sphere"))
+    assert (report.status, report.score) == ("graded", 100)
+
+
 def test_the_same_bytes_come_again_after_others(grader: Grader) -> None:
     first = grade(grader, "pb_sphere", own("pb_sphere"))
     assert (first.score, first.simulator[:6]) == (100, "replay")

@@ -145,6 +145,9 @@ def test_a_reset_that_is_followed_by_a_step_begins_anew() -> None:
     assert recorded(step, push, step, ("resetSimulation", [], {})).steps == 2
     anew = recorded(step, push, step, ("resetSimulation", [], {}), step)
     assert (anew.steps, anew.tricks, anew.first_call) == (1, [], 3)
+    again = recorded(step, push, step, ("disconnect", [], {}), ("connect", [1], {}), step)
+    assert (again.steps, again.tricks, again.first_call) == (1, [], 3)
+    assert recorded(step, push, step, ("disconnect", [], {})).steps == 2
 
 
 def test_pictures_stay_in_a_trajectory() -> None:

@@ -32,6 +32,10 @@ MOST_BODIES = 64
 MOST_JOINTS = 64
 MOST_CONTACTS = 32
 SAMPLES_PER_S = 60.0
+LAST_PICTURES = 2
+"""Of a world that the script disconnects from: usually its only one. A script may do so any number of times. The
+episode takes no more than these, besides the pictures that it asked for and the one at the end."""
+
 WIDTH, HEIGHT = 320, 240
 ROWS = 60
 """Of a picture, in one frame."""
@@ -83,6 +87,7 @@ class Replay:
         self._roles: dict[int, int] = {}
         self._camera: tuple[Any, ...] | None = None
         self._pictures = set(task["pictures"])
+        self._last_pictures = LAST_PICTURES
 
     def take(self, body: bytes) -> bool:
         """Carry out a frame of calls; false: the replay is over."""
@@ -114,14 +119,15 @@ class Replay:
             self._camera = tuple(args)
             return
         if name == "disconnect" and ours:
-            self._sample()
-            self._picture()
+            self._leave()
         try:
             answer = getattr(bullet, name)(*args, **options)
         except Exception:  # the script met the same one
             return
         if name == "connect":
-            self._connected = self._connected or answer == 0
+            if answer == 0 and not self._connected:
+                self._connected = True
+                self._begin_anew()
         elif name == "disconnect":
             self._connected = bool(bullet.isConnected(0))
         elif ours:
@@ -133,11 +139,22 @@ class Replay:
             for body in answer if isinstance(answer, tuple) else (answer,):
                 self._appeared(body, file)
         elif name == "resetSimulation":
-            self._roles.clear()
-            self._step_s, self._time_s, self._next_s, self._steps, self._sampled = _STEP_S, 0.0, 0.0, 0, -1
-            self._pictured = -1
+            self._begin_anew()
         elif name in ("setTimeStep", "setPhysicsEngineParameter"):
             self._step_s = float(bullet.getPhysicsEngineParameters(physicsClientId=0)["fixedTimeStep"])
+
+    def _leave(self) -> None:
+        """Send the last state of a world."""
+        self._sample()
+        if self._last_pictures:
+            self._last_pictures -= 1
+            self._picture()
+
+    def _begin_anew(self) -> None:
+        """Begin a new world."""
+        self._roles.clear()
+        self._step_s, self._time_s, self._next_s = _STEP_S, 0.0, 0.0
+        self._steps, self._sampled, self._pictured = 0, -1, -1
 
     def _within_models(self, args: list[Any], options: dict[str, Any]) -> bool:
         """Return whether no argument names a file outside of PyBullet's models."""
@@ -181,6 +198,7 @@ class Replay:
         if self._time_s + _SLACK_S >= self._next_s:
             self._sample()
         if self._steps in self._pictures:
+            self._pictures.discard(self._steps)  # a new world begins to count anew
             self._picture()
 
     def _sample(self) -> None:
