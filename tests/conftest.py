@@ -18,21 +18,21 @@ import pytest
 os.environ["HYPOTHESIS_NO_PLUGINS"] = (
     "1"  # the only one is trio's, which takes longer to import than hypothesis
 )
-from hypothesis import HealthCheck, settings
-
 from tests.fakes import postgres
+from tests.tiers import (  # noqa: F401  hooks
+    choose_tier,
+    pytest_addoption,
+    pytest_collection_modifyitems,
+    pytest_sessionfinish,
+    pytest_terminal_summary,
+    pytest_testnodedown,
+)
 
 if TYPE_CHECKING:  # imported by the fixtures: the process that only hands out the tests does without
     from sqlalchemy import URL, Engine
 
     from grader.contracts.grading import Grader
     from grader.grading.slot import Slot
-
-# The same examples every time, and no deadline: a loaded machine must not fail a test.
-settings.register_profile(
-    "project", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
-)
-settings.load_profile("project")
 
 gc.disable()  # until all is imported: other conftest.py of a run's folders may be next
 _ROOT = Path(__file__).parents[1]
@@ -52,6 +52,7 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 def pytest_configure(config: pytest.Config) -> None:
     _forget_settings()
+    choose_tier(config)
     if not hasattr(config, "workerinput"):
         config.stash[_ALIVE] = postgres.begin_run()
         _compile(config)

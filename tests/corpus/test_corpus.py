@@ -46,6 +46,7 @@ def test_nothing_is_scored_wrongly_on_the_ideal_turtle(name: str) -> None:
     assert not [str(each) for each in scored if each.scored_wrongly], confusion(scored)
 
 
+@pytest.mark.sweep(10)
 @pytest.mark.parametrize("attempt", sample(), ids=str)
 def test_nothing_is_scored_wrongly_for_real(grader: Grader, attempt: Attempt) -> None:
     scored = for_real(grader)(attempt)

@@ -167,6 +167,7 @@ STYLES = {
 }
 
 
+@pytest.mark.in_turn("name", "sides")
 @pytest.mark.parametrize("style", STYLES)
 @pytest.mark.parametrize(("name", "sides"), [("triangle", 3), ("square", 4), ("pentagon", 5)])
 def test_right_scripts_of_other_styles_get_full_marks(

@@ -121,6 +121,7 @@ def grade(slot: Slot, ending: str, limits: Limits = LIMITS) -> GradingResult:
     return slot.grade(job)
 
 
+@pytest.mark.sweep(5)
 @pytest.mark.parametrize("name", ENDINGS)
 def test_three_sides_and_then(slot: Slot, part: float, name: str) -> None:
     ending, status, (zh, en) = ENDINGS[name]

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from grader.checks import evaluate
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.trajectory import Trajectory
+from tests.tiers import examples
 from tests.unit.checks.ideal_turtle import Leg, drive, polygon_legs, run_of
 from tests.unit.checks.shipped import POLYGONS, assignment, graded, item, score
 
@@ -56,7 +57,7 @@ def assert_same(one: tuple[RubricItem, ...], other: tuple[RubricItem, ...]) -> N
             assert abs(left.measured - right.measured) <= TOLERANCE[left.unit], (left, right)
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(figures(), st.floats(-360.0, 360.0), st.floats(-50.0, 50.0), st.floats(-50.0, 50.0))
 def test_rotation_and_translation(figure: Figure, heading_deg: float, x_m: float, y_m: float) -> None:
     here = drive(figure.legs())
@@ -64,27 +65,27 @@ def test_rotation_and_translation(figure: Figure, heading_deg: float, x_m: float
     assert_same(items_of(figure, here), items_of(figure, there))
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(figures())
 def test_mirror_image(figure: Figure) -> None:
     left, right = drive(figure.legs(w_radps=1.0)), drive(figure.legs(w_radps=-1.0))
     assert_same(items_of(figure, left), items_of(figure, right))
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(figures(), st.floats(0.3, 3.0), st.floats(0.3, 3.1))
 def test_speed(figure: Figure, v_mps: float, w_radps: float) -> None:
     slow, fast = drive(figure.legs()), drive(figure.legs(v_mps=v_mps, w_radps=w_radps), period_s=1 / 240)
     assert_same(items_of(figure, slow), items_of(figure, fast))
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(figures(), st.floats(0.0, 0.9))
 def test_pauses(figure: Figure, pause_s: float) -> None:
     assert_same(items_of(figure, drive(figure.legs())), items_of(figure, drive(figure.legs(pause_s=pause_s))))
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(figures(), st.floats(1 / 500, 1 / 25))
 def test_resampling_of_time(figure: Figure, period_s: float) -> None:
     assert_same(
@@ -92,7 +93,7 @@ def test_resampling_of_time(figure: Figure, period_s: float) -> None:
     )
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(figures(), st.integers(1, 12))
 def test_splitting_motions_into_pieces(figure: Figure, pieces: int) -> None:
     whole = figure.legs()
@@ -100,14 +101,14 @@ def test_splitting_motions_into_pieces(figure: Figure, pieces: int) -> None:
     assert_same(items_of(figure, drive(whole)), items_of(figure, drive(split)))
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(figures(), st.floats(0.0, 3.0), st.floats(0.0, 3.0))
 def test_idle_time_before_and_after(figure: Figure, before_s: float, after_s: float) -> None:
     legs = [(before_s, 0.0, 0.0), *figure.legs()]
     assert_same(items_of(figure, drive(figure.legs())), items_of(figure, drive(legs, idle_s=1.0 + after_s)))
 
 
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 @given(figures(), st.integers(0, 1000))
 def test_small_noise(figure: Figure, seed: int) -> None:
     clean = items_of(figure, drive(figure.legs()))
@@ -200,7 +201,7 @@ legs_of_any_kind = st.lists(
 )
 
 
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 @given(legs_of_any_kind, st.sampled_from(["straight", "backward", "spin", "square", "triangle", "pentagon"]))
 def test_any_motion_is_judged_within_bounds(legs: list[Leg], name: str) -> None:
     verdict = graded(name, drive(legs))
@@ -213,7 +214,7 @@ def test_any_motion_is_judged_within_bounds(legs: list[Leg], name: str) -> None:
     assert (score(verdict) == 100) is (verdict.mistakes == () and verdict.hint.en == "")
 
 
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 @given(legs_of_any_kind, st.sampled_from(["x_m", "y_m", "heading_rad"]), st.floats(0.0, 1.0))
 def test_one_nan_earns_nothing(legs: list[Leg], name: str, where: float) -> None:
     trajectory = drive(legs)

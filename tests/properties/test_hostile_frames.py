@@ -13,6 +13,7 @@ from grader.sim.cdr import encode
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, FakeLink
+from tests.tiers import examples
 
 HORIZON_NS = SECOND // 2
 
@@ -119,13 +120,13 @@ def check(result: EpisodeResult, *, walls: bool = True) -> None:
         assert 0.0 <= path.y_m.min() <= path.y_m.max() <= 499 / 45
 
 
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 @given(st.lists(FRAMES, max_size=12))
 def test_any_frames_make_an_episode(car: BulletCar, frames: list[bytes]) -> None:
     check(play(car, frames))
 
 
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 @given(st.lists(ORDERED, max_size=12), st.booleans())
 def test_any_commands_and_requests_make_the_same_episode_twice(
     car: BulletCar, timed: list[tuple[int, bytes]], walls: bool

@@ -29,6 +29,7 @@ from tests.fakes import server
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import grade
 from tests.fakes.postgres import PostgresServer
+from tests.tiers import examples
 
 if TYPE_CHECKING:  # imported where it is used: every process of a run imports this module, and one runs it
     import requests
@@ -39,7 +40,7 @@ EXAMPLES = int(os.environ.get("GRADER_OPENAPI_EXAMPLES", "2"))
 ROLES = ("anybody", "operator", "student", "instructor")
 MOST = 10**6
 drawn = settings(
-    max_examples=EXAMPLES,
+    max_examples=examples(EXAMPLES),
     deadline=None,
     derandomize=True,
     database=None,
@@ -127,6 +128,7 @@ def asked(
         postgres_server.drop(name)
 
 
+@pytest.mark.draws
 @pytest.mark.parametrize(("path", "method"), server.operations())
 def test_answers_are_those_of_the_document(asked: Asked, path: str, method: str) -> None:
     from schemathesis import GenerationMode

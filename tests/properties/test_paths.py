@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from grader.checks import evaluate
 from grader.contracts.assignment import Assignment, PathPiece, WantedPath
 from grader.contracts.trajectory import Trajectory
+from tests.tiers import examples
 from tests.unit.checks.ideal_turtle import Leg, drive, run_of
 from tests.unit.checks.shipped import assignment, score
 
@@ -30,7 +31,7 @@ PATHS = st.one_of(
     st.tuples(LINES, TURNS, LINES), st.tuples(LINES, TURNS, ARCS), st.tuples(ARCS, TURNS, LINES)
 )
 HEADINGS = st.floats(-180.0, 180.0)
-EXAMPLES = settings(max_examples=15)
+EXAMPLES = settings(max_examples=examples(15))
 
 
 def asked(pieces: tuple[PathPiece, ...], **free: object) -> Assignment:

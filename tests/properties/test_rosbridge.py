@@ -16,6 +16,7 @@ from grader.sim.bullet import BulletCar
 from grader.sim.rosbridge import bridge as limits
 from grader.sim.rosbridge.frames import FrameError, read_frame
 from grader.sim.rosbridge.session import LiveSession
+from tests.tiers import examples
 
 OPS = (
     *("advertise", "unadvertise", "publish", "subscribe", "unsubscribe", "call_service", "advertise_service"),
@@ -200,7 +201,7 @@ def test_ten_thousand_random_frames_raise_nothing_and_leave_nothing(car: BulletC
     assert more - blocks < FRAMES / 10
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(st.binary(max_size=200) | st.text(max_size=200))
 def test_any_bytes_are_a_frame_or_refused(text: bytes | str) -> None:
     with suppress(FrameError):

@@ -15,6 +15,7 @@ from grader.grading.pipeline import Pipeline
 from grader.jail.cores import SharedCore
 from grader.sandbox import script_sandbox
 from grader.sim.turtle_world import TurtleWorld
+from tests.tiers import examples
 
 _PLAYER = """
 import hashlib, math, threading, time
@@ -28,6 +29,8 @@ from tf2_msgs.msg import TFMessage
 from turtlesim.action import RotateAbsolute
 from turtlesim.msg import Color, Pose
 from turtlesim.srv import Kill, Spawn, TeleportAbsolute
+from tests.tiers import examples
+
 nan = math.nan
 STEPS = STEPS_HERE
 KINDS = {'/turtle1/pose': Pose, '/turtle1/color_sensor': Color, '/odom': Odometry, '/tf': TFMessage}
@@ -163,7 +166,7 @@ def test_the_threads_of_a_script_are_gathered_on_one_core(
 
 
 @given(steps=STEPS, walls=st.booleans(), heading_deg=st.sampled_from([0.0, 84.0, 200.0, -180.0]))
-@settings(max_examples=20)
+@settings(max_examples=examples(20))
 @example(
     steps=[("drive", 1.0, 0.5, 0), ("sleep", 5.3), ("spin", 0.1), ("beside",), ("steer", 80, 3.0, 0.1)],
     walls=True,

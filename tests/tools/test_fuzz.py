@@ -6,11 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from tests.tiers import examples
 from tools import fuzz
 
 ROOT = Path(__file__).resolve().parents[2]
 TARGETS = ["trusted_frames", "trusted_wire", "trusted_cdr", "jail_wire", "jail_cdr"]
-INPUTS = 10_000
+INPUTS = examples(10_000)
 
 # The shim's modules must not be left behind in the tests' process.
 PROGRAM = f"""
@@ -23,6 +24,7 @@ for name in fuzz_targets.TARGETS:
 """
 
 
+@pytest.mark.draws
 def test_no_decoder_is_surprised() -> None:
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", PROGRAM], cwd=ROOT, capture_output=True, text=True, check=False

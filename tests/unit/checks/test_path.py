@@ -16,6 +16,7 @@ from grader.contracts.assignment import Assignment, PathPiece, WantedPath
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Scoring
 from grader.contracts.trajectory import Contact, Trajectory
+from tests.tiers import examples
 from tests.unit.checks.ideal_turtle import Leg, drive, run_of
 from tests.unit.checks.shipped import assignment, graded, item, score
 
@@ -52,7 +53,7 @@ def graded_as(task: Assignment, trajectory: Trajectory, status: RunStatus = RunS
     return evaluate(task, [run_of(trajectory, status)])
 
 
-@settings(max_examples=10)
+@settings(max_examples=examples(10))
 @given(
     st.sampled_from(["right_triangle", "figure_eight"]),
     st.floats(-180.0, 180.0),

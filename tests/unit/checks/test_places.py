@@ -24,6 +24,7 @@ from grader.contracts.outcome import Endpoint, RunStatus
 from grader.contracts.scoring import Scoring
 from grader.contracts.text import Text
 from grader.contracts.trajectory import Contact, Trajectory
+from tests.tiers import examples
 from tests.unit.checks.ideal_turtle import Leg, drive, run_of
 from tests.unit.checks.shipped import assignment
 from tests.unit.sim.rooms import room
@@ -111,7 +112,7 @@ def test_the_order_counts_where_it_is_given() -> None:
     assert value(graded(task(*goals(*POINTS), any_order=True), through(*other)), "reached") == 3
 
 
-@settings(max_examples=12)
+@settings(max_examples=examples(12))
 @given(st.permutations(range(3)), st.sets(st.integers(0, 2)))
 def test_as_many_count_as_stand_one_after_the_other(order: list[int], skipped: set[int]) -> None:
     driven = [i for i in order if i not in skipped]

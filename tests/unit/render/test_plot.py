@@ -30,6 +30,7 @@ from grader.render.plan import draw_plan
 from grader.render.plot import plot
 from grader.render.scene import Scene, compose
 from grader.render.typeface import rc
+from tests.tiers import examples
 from tests.unit.render.samples import (
     FIGURES,
     SECOND,
@@ -88,6 +89,7 @@ PLOTS = {
 }
 
 
+@pytest.mark.sweep(2)
 @pytest.mark.parametrize("case", PLOTS.values(), ids=PLOTS.keys())
 def test_the_same_bytes_twice(case: tuple[Trajectory | None, FigureSketch | None]) -> None:
     motion, sketch = case
@@ -157,6 +159,7 @@ def test_turns_to_both_sides_carry_their_sign() -> None:
     assert "−90°" in texts
 
 
+@pytest.mark.in_turn("heading_deg")
 @pytest.mark.parametrize("name", FIGURES)
 @pytest.mark.parametrize("wrong", [False, True])
 @pytest.mark.parametrize("heading_deg", [0.0, 20.0, 200.0])
@@ -243,7 +246,7 @@ CORNER = st.builds(
 )
 
 
-@settings(max_examples=8)
+@settings(max_examples=examples(8))
 @given(
     legs=st.lists(st.tuples(st.floats(-2, 2), st.floats(-3, 3), st.floats(0.01, 3)), max_size=4),
     sketch=st.builds(

@@ -20,6 +20,7 @@ from grader.contracts.trajectory import Command, Trajectory
 from grader.sim.bag import BagContents, bag, definition
 from grader.sim.car import UPDATE_NS
 from grader.sim.interfaces import with_interfaces
+from tests.tiers import examples
 
 TRIANGLE = FigureSketch(ideal_m=((1.0, 1.0), (2.0, 1.0), (1.5, 2.0)))
 
@@ -110,7 +111,7 @@ SAMPLES = st.lists(
 )
 
 
-@settings(max_examples=10)
+@settings(max_examples=examples(10))
 @given(SAMPLES, st.integers(0, 3000), st.lists(st.text(max_size=20), max_size=5), st.data())
 def test_every_recording_makes_an_ordered_file(
     steps: list[tuple[int, float, float, float]], rest: int, texts: list[str], data: st.DataObject

@@ -16,6 +16,7 @@ from grader.contracts.trajectory import Trajectory
 from grader.sim.bullet import BulletCar
 from grader.sim.car import UPDATE_NS, UPDATE_S
 from grader.sim.recorder import Recorder
+from tests.tiers import examples
 
 Segment = tuple[float, float, float]
 CENTRE = 5.544445
@@ -87,7 +88,7 @@ def test_turns_in_place_stay_in_place(car: BulletCar, w: float) -> None:
     assert np.ptp(path.x_m) == np.ptp(path.y_m) == 0.0
 
 
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 @given(
     st.lists(
         st.tuples(st.floats(0.02, 1.5), st.floats(-10.0, 10.0), st.floats(-10.0, 10.0)),
@@ -167,7 +168,7 @@ def test_a_corner_is_two_walls(car: BulletCar, heading_deg: float, walls: set[st
     assert {contact.wall for contact in path.contacts} == walls
 
 
-@settings(max_examples=15)
+@settings(max_examples=examples(15))
 @given(st.lists(st.tuples(st.floats(0.1, 2.0), st.floats(-30.0, 30.0), st.floats(-5.0, 5.0)), max_size=5))
 def test_walls_hold(car: BulletCar, segments: list[Segment]) -> None:
     path = drive(car, segments, walls=True)

@@ -16,6 +16,7 @@ from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from tests.fakes import jail, turtlesim
 from tests.fakes.jail import SECOND, FakeLink, Script
 from tests.fakes.turtlesim import Pose
+from tests.tiers import examples
 
 MS = 1_000_000
 METRES = 1e-3
@@ -112,7 +113,7 @@ RATES = st.one_of(st.just(0.0), st.floats(0.1, math.tau), st.floats(-math.tau, -
 LEG = st.tuples(st.integers(1, 4_000), SPEEDS, RATES)  # milliseconds, m/s, rad/s
 
 
-@settings(max_examples=8)
+@settings(max_examples=examples(8))
 @given(
     legs=st.lists(LEG, min_size=1, max_size=20),
     period_ms=st.integers(5, 1_300),
@@ -145,7 +146,7 @@ def test_open_loops_go_where_turtlesim_goes(
     assert_as_turtlesim(driven, heading_deg=heading_deg, walls=walls)
 
 
-@settings(max_examples=5)
+@settings(max_examples=examples(5))
 @given(
     v=st.floats(0.1, 3.0),
     w=st.floats(0.1, math.tau),

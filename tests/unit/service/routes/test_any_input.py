@@ -9,8 +9,11 @@ from hypothesis import strategies as st
 
 from grader.contracts.submission import SubmissionState
 from grader.use_cases.services import Services
+from tests.tiers import examples
 
-quick = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+quick = settings(
+    max_examples=examples(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 texts = st.text(max_size=80)
 names = st.one_of(texts, st.text(max_size=20).map(lambda stem: stem + ".py"), st.just("a.py"))
 students = st.one_of(texts, st.from_regex(r"[A-Za-z0-9]{1,12}", fullmatch=True))

@@ -1,0 +1,142 @@
+"""Two tiers of tests: those of every day, and all.
+
+Every promise has a test of every day. The others try the same promises on further inputs. These marks say which:
+
+- ``thorough``: the whole test, of something that another test of the module tries as well.
+- ``sweep(keep)``: of a long list of parameters `keep` rows are of every day, spread evenly: the first, the last.
+- ``draws``: asks `examples` how many to try, as properties do without this mark: more of them when all are tried.
+- ``in_turn(*names)``: parameters that hardly depend on the others, as the language of a page or the database of a
+  query. Each combination of the others is of every day with one of their values, and the next with the next one.
+
+The tests of every day are chosen when the whole suite is asked for. Who names a test, a file or a folder means it.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+_DATABASES = ("database_url", "blank_url")
+"""What is in turn in all tests."""
+_FURTHER = pytest.StashKey[int]()
+_TESTS = Path(__file__).parent
+
+# The same examples every time, and no deadline: a loaded machine must not fail a test.
+_ALWAYS: dict[str, Any] = {
+    "deadline": None,
+    "derandomize": True,
+    "suppress_health_check": [HealthCheck.too_slow],
+}
+_SHARE = 4
+"""Of the examples of properties, one in so many is of every day."""
+settings.register_profile("all", **_ALWAYS)
+settings.register_profile("everyday", max_examples=100 // _SHARE, **_ALWAYS)
+
+
+def examples(number: int) -> int:
+    """So many examples of a property, where hypothesis's 100 are too many: fewer every day."""
+    return -(-number // _SHARE) if settings.get_current_profile_name() == "everyday" else number
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    group = parser.getgroup("tiers").addoption
+    group(
+        "--all", action="store_const", dest="tier", const="all", help="the tests of every day, and all others"
+    )
+    group("--rest", action="store_const", dest="tier", const="rest", help="only what is not of every day")
+
+
+def choose_tier(config: pytest.Config) -> None:
+    """Find out what is asked for, before tests are imported. The processes that run them are told as an option."""
+    option = config.option
+    named = any(Path(one).resolve() not in (_TESTS, _TESTS.parent) for one in config.args)
+    narrowed = named or option.keyword or option.markexpr or getattr(option, "lf", False)
+    option.tier = option.tier or ("all" if narrowed else "everyday")
+    settings.load_profile("everyday" if option.tier == "everyday" else "all")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if config.option.tier == "all":
+        return
+    everyday = _everyday(items)
+    if config.option.tier == "rest":
+        chosen = [item for item in items if item not in everyday or _draws(item)]
+    else:
+        chosen = [item for item in items if item in everyday]
+        left_out = {item.path for item in items} - {item.path for item in chosen}
+        if left_out:
+            raise pytest.UsageError(f"no test of every day: {', '.join(map(str, sorted(left_out)))}")
+    config.stash[_FURTHER] = len(items) - len(chosen)
+    kept = set(chosen)
+    config.hook.pytest_deselected(items=[item for item in items if item not in kept])
+    items[:] = chosen
+
+
+def _draws(item: pytest.Item) -> bool:
+    """Whether there are more examples to try than every day."""
+    by_hypothesis = getattr(getattr(item, "function", None), "is_hypothesis_test", False)
+    return by_hypothesis or item.get_closest_marker("draws") is not None
+
+
+def _everyday(items: list[pytest.Item]) -> set[pytest.Item]:
+    rows: dict[str, list[pytest.Item]] = defaultdict(list)
+    for item in items:
+        if item.get_closest_marker("thorough") is None:
+            rows[item.nodeid.partition("[")[0]].append(item)
+    turn = Counter[Path]()
+    return {item for one in rows.values() for item in _swept(_in_turn(one, turn))}
+
+
+def _swept(rows: list[pytest.Item]) -> list[pytest.Item]:
+    mark = rows[0].get_closest_marker("sweep")
+    return [rows[at] for at in spread(len(rows), *mark.args)] if mark else rows
+
+
+def spread(number: int, keep: int) -> list[int]:
+    """Choose `keep` of so many rows at equal distances, with the first and the last one."""
+    if keep >= number:
+        return list(range(number))
+    return [at * (number - 1) // (keep - 1) for at in range(keep)] if keep > 1 else [0]
+
+
+def _in_turn(rows: list[pytest.Item], turn: Counter[Path]) -> list[pytest.Item]:
+    mark = rows[0].get_closest_marker("in_turn")
+    names = (*_DATABASES, *(mark.args if mark else ()))
+    alike = defaultdict(list)
+    for row in rows:
+        alike[tuple(_others(row, names))].append(row)
+    chosen = []
+    for group in alike.values():
+        chosen.append(group[turn[rows[0].path] % len(group)])
+        turn[rows[0].path] += len(group) > 1
+    return chosen
+
+
+def _others(row: pytest.Item, names: tuple[str, ...]) -> Iterator[tuple[str, int]]:
+    indices: dict[str, int] = row.callspec.indices if hasattr(row, "callspec") else {}
+    return ((name, at) for name, at in indices.items() if name not in names)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any, error: object) -> None:
+    """Take over what a process of pytest-xdist counted."""
+    if further := getattr(node, "workeroutput", {}).get("further"):
+        node.config.stash[_FURTHER] = further
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    if hasattr(session.config, "workeroutput"):
+        session.config.workeroutput["further"] = session.config.stash.get(_FURTHER, 0)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    if config.option.tier == "everyday" and (further := config.stash.get(_FURTHER, 0)):
+        terminalreporter.write_line(
+            f"These are the tests of every day; `make test-all` runs {further} further ones."
+        )
