@@ -1,25 +1,45 @@
 """Every assignment keeps its word: its own scripts, the lesson's, and right scripts in other styles."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from grader.catalog import Catalog
 from grader.catalog.authoring import create
-from grader.commands.validation import examine
+from grader.commands.validation import examine, fitting, own_scripts
 from grader.contracts.grading import Grader, GradingJob
 from grader.contracts.text import EMPTY
+from grader.grading.examination import examine as examine_scripts
 from grader.grading.examination import sensitivity
 from tests.e2e.grading_slot import LESSON, catalog, grade
 
 CHECKLIST = [assignment.id for assignment in catalog().all()]
+LONG = {
+    "feedback_square": "commanded_heading.py",
+    "go_to_goal": "wrong_sign.py",
+    "patrol": "goes_on.py",
+    "parking": "askew.py",
+    "agent_tools": "radians.py",
+}
+"""Those whose scripts take a second each, as they steer by what they hear; with one of the wrong ones."""
 
 
-@pytest.mark.parametrize("name", CHECKLIST)
+@pytest.mark.parametrize(
+    "name", [pytest.param(one, marks=[pytest.mark.thorough] * (one in LONG)) for one in CHECKLIST]
+)
 def test_own_scripts_get_what_they_must(grader: Grader, name: str) -> None:
     findings = examine(catalog(), name, grader).findings
     assert len(findings) >= 3
     assert not [finding for finding in findings if finding.problem != EMPTY]
+
+
+@pytest.mark.parametrize(("name", "file"), LONG.items())
+def test_the_solution_and_one_wrong_script_get_what_they_must(grader: Grader, name: str, file: str) -> None:
+    own = own_scripts(catalog(), fitting(catalog(), name))
+    wrong = tuple(each for each in own.wrong if each[0].file == file)
+    findings = examine_scripts(replace(own, wrong=wrong), grader).findings
+    assert [finding.problem for finding in findings] == [EMPTY] * 3
 
 
 @pytest.mark.parametrize(

@@ -174,6 +174,7 @@ def test_run_tells_what_to_do_about_a_crash_and_draws_what_was_driven(
     assert "EOFError" in done.stderr
 
 
+@pytest.mark.sweep(10)
 @pytest.mark.parametrize("name", [assignment.id for assignment in catalog().all()])
 def test_the_published_rubric_names_every_item(capsys: pytest.CaptureFixture[str], name: str) -> None:
     assert cli.run(["assignments", "show", name, "--lang", "en"]) == 0

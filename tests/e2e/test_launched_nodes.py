@@ -169,6 +169,7 @@ def main():
 """
 
 
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     ("end", "told"),
     [
@@ -396,6 +397,7 @@ def test_more_nodes_than_threads_are_refused_before_one_is_started(slot: Slot) -
     assert "64 nodes of your own, of which 63 can run at once" in outcome.stderr.text
 
 
+@pytest.mark.sweep(2)
 @pytest.mark.parametrize(
     ("old", "new", "code", "words"),
     [

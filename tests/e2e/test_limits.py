@@ -143,6 +143,7 @@ def test_three_sides_and_then(slot: Slot, part: float, name: str) -> None:
     assert first.trajectories == second.trajectories
 
 
+@pytest.mark.sweep(1)
 @pytest.mark.parametrize(
     ("ending", "status", "words"),
     [

@@ -3,21 +3,14 @@
 ``python -m tests.hints`` grades all.
 """
 
-import re
-from pathlib import Path
-
 import pytest
 
 from grader.contracts.grading import Grader
 from tests.hints.beginners import FOLDER, Beginner, answer, beginners
+from tests.hints.named import ROOT, named_by_checks, words
 from tests.hints.scripts import SCRIPTS
 
-ROOT = Path(__file__).resolve().parents[2]
-OTHERS = [
-    *(ROOT / "tests" / "unit" / "checks").glob("*.py"),
-    *(ROOT / "assignments").glob("*/assignment.yaml"),
-]
-NAMED = set(re.findall(r"\w+", "".join(path.read_text(encoding="utf-8") for path in OTHERS)))
+NAMED = named_by_checks() | words(*(ROOT / "assignments").glob("*/assignment.yaml"))
 KNOWN = NAMED | {script.cause for script in SCRIPTS} | {""}
 FIRST_OF_CAUSE = {script.cause: script for script in reversed(beginners()) if script.cause not in KNOWN}
 ODD = [script for script in beginners() if script.verdict == "harmless" and script.cause == ""][::3]

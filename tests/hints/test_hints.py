@@ -6,6 +6,7 @@ from grader.contracts.assignment import Limits
 from grader.contracts.grading import Grader
 from grader.contracts.text import EMPTY
 from tests.e2e.grading_slot import grade
+from tests.hints.named import named_by_checks
 from tests.hints.scripts import SCRIPTS, Script
 
 # less than usual: what has no end ends sooner, and no other script meets them
@@ -17,7 +18,22 @@ def test_there_are_enough_scripts_of_either_sort() -> None:
     assert sum(not script.cause for script in SCRIPTS) >= 12
 
 
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.name.replace(" ", "-"))
+def further() -> set[str]:
+    """Return the names of all scripts but the first of each cause that no test of a check names."""
+    first = {
+        script.cause: script.name for script in reversed(SCRIPTS) if script.cause not in named_by_checks()
+    }
+    return {script.name for script in SCRIPTS} - set(first.values())
+
+
+FURTHER = further()
+ROWS = [
+    pytest.param(one, id=one.name.replace(" ", "-"), marks=[pytest.mark.thorough] * (one.name in FURTHER))
+    for one in SCRIPTS
+]
+
+
+@pytest.mark.parametrize("script", ROWS)
 def test_the_cause_is_told_first(grader: Grader, script: Script) -> None:
     report = grade(grader, script.assignment, script.source, limits=LIMITS)
     assert report.mistakes[:1] == ((script.cause,) if script.cause else ()), report.hint.en

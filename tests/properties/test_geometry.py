@@ -117,6 +117,7 @@ def test_small_noise(figure: Figure, seed: int) -> None:
         assert abs(left.earned - right.earned) <= 0.15 * left.points, (left, right)
 
 
+@pytest.mark.sweep(4)
 @pytest.mark.parametrize("sides", POLYGONS)
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 @pytest.mark.parametrize("every", [False, True])
@@ -157,6 +158,7 @@ def most_lost(totals: list[float]) -> float:
     return max(before - after for before, after in itertools.pairwise(totals))
 
 
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize("sides", POLYGONS)
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 def test_credit_falls_as_a_side_changes(sides: int, sense: float) -> None:
@@ -182,6 +184,7 @@ def test_credit_falls_as_corners_are_rounded(sides: int) -> None:
     assert totals[-1] == 70
 
 
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize("sides", POLYGONS)
 @pytest.mark.parametrize("made_up_for", [True, False])
 def test_credit_falls_as_sides_bend(sides: int, made_up_for: bool) -> None:

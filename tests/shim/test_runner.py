@@ -302,6 +302,7 @@ COUNTED = {
 }
 
 
+@pytest.mark.sweep(2)
 @pytest.mark.parametrize("name", COUNTED)
 def test_a_script_that_makes_too_many_steps_ends_at_the_same_place(run_script: RunScript, name: str) -> None:
     source, steps, end_s = COUNTED[name]
@@ -344,6 +345,7 @@ def test_forbidden_calls_are_noted_once(run_bare: RunScript) -> None:
     assert len(calls) == len(set(calls))
 
 
+@pytest.mark.sweep(5)
 @pytest.mark.parametrize(
     ("call", "error"),
     [

@@ -108,6 +108,7 @@ def waved(trajectory: Trajectory, wide_m: float) -> Trajectory:
     )
 
 
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     ("name", "spoilt"),
     [

@@ -370,6 +370,7 @@ def test_a_turn_between_laps_costs_no_less_the_further_it_is_off(cut_s: float | 
         assert scores == sorted(scores, reverse=True)
 
 
+@pytest.mark.sweep(2)
 @pytest.mark.parametrize(
     ("name", "sides", "most_deg"), [("square", 4, 40), ("octagon", 8, 20), ("pentagon", 5, 28)]
 )

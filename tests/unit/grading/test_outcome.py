@@ -126,6 +126,7 @@ SEEN = {
 }
 
 
+@pytest.mark.sweep(66)
 @pytest.mark.parametrize(
     ("name", "violation", "end"), list(product(EXITS, [None, "ENTITY.t is negative"], RunEnd))
 )

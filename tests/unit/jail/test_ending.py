@@ -17,6 +17,7 @@ SILENT = "import os\nprint('a', flush=True)\nos.read(channel, 5)\nwhile True: pa
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
 
 
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     ("source", "end", "settled"),
     [

@@ -38,6 +38,7 @@ def test_every_measure_has_its_sentences() -> None:
     assert measure_ids() <= set(entries("en", "grader"))
 
 
+@pytest.mark.sweep(5)
 @pytest.mark.parametrize(
     ("changed", "fault"),
     [

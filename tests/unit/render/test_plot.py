@@ -214,6 +214,7 @@ def test_log_lines() -> None:
     assert "没有日志到达 /rosout" in words(drawn(draw_log, scene(None, None, outcome=outcome(logs=()))))
 
 
+@pytest.mark.sweep(2)
 @pytest.mark.parametrize("view", ["path", "heading", "log"])
 def test_hostile_text_is_drawable(view: str) -> None:
     run = outcome(nodes=(EVIL,), logs=(LogRecord(t_ns=0, level=99, name=EVIL, message=EVIL),))

@@ -205,6 +205,7 @@ def test_a_corner_that_ends_in_the_pose_callback_is_turtlesims(
     assert math.degrees(driven.heard[-1].theta) == pytest.approx(corner_deg, abs=0.05)
 
 
+@pytest.mark.sweep(2)
 @pytest.mark.parametrize("heading_deg", [0.0, 37.0, 84.0, -135.0])
 def test_the_heading_keeps_its_bits_through_accelerations_and_walls(
     car: BulletCar, heading_deg: float

@@ -140,6 +140,7 @@ HOSTILE = [
 ]
 
 
+@pytest.mark.sweep(8)
 @pytest.mark.parametrize("source", HOSTILE, ids=[repr(one[:6]) for one in HOSTILE])
 def test_hostile_files_are_read_in_bounds(source: str) -> None:
     found = prints(source)

@@ -46,6 +46,7 @@ def test_a_database_begins_without_courses(database: Database, clock: FakeClock)
     assert [course.id for course in Courses(database, clock).all()] == ["ros"]
 
 
+@pytest.mark.sweep(6)
 @pytest.mark.parametrize(
     ("course", "title", "zone", "why"),
     [

@@ -96,6 +96,7 @@ LAYOUTS = [PLAIN, REGISTRY, PAPER, SUMMARY, TRANSCRIPT, CANVAS, GRADESCOPE]
 NAMES = ["plain", "registry", "paper", "summary", "transcript", "canvas", "gradescope"]
 
 
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize("rows", LAYOUTS, ids=NAMES)
 def test_every_layout_gives_the_same_people(rows: Rows) -> None:
     for content in (
@@ -177,6 +178,7 @@ def test_lines_without_anybody_are_skipped() -> None:
     assert read_roster(content).checked() == (entry("1", "a"),)
 
 
+@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     ("rows", "number", "why"),
     [

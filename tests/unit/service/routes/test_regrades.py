@@ -135,6 +135,7 @@ def test_fresh_submissions_go_first(
     assert services.queue.claim("w").submission_id == fresh
 
 
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     ("which", "students", "count"),
     [("all", [], 3), ("latest", [], 2), ("best", ["li"], 1), ("all", ["li"], 2), ("all", ["han"], 1)],

@@ -112,6 +112,7 @@ def test_a_crash_shows_the_students_line(graded: Callable[..., str], client: htt
     assert document["runs"][0]["blame"] == "student"
 
 
+@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     ("header", "query", "language"),
     [

@@ -36,6 +36,7 @@ def test_the_matrix_shows_every_student(instructor: Browser, school: dict[str, s
     assert "queued" in text
 
 
+@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     ("query", "students"),
     [

@@ -47,6 +47,7 @@ def test_comments_go_both_ways_and_are_counted_until_they_are_seen(
     assert "New comments" not in browser.get("/").text
 
 
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     ("text", "line"), [("  ", ""), ("x" * 2_001, ""), ("a\x07", ""), ("x", "3"), ("x", "0"), ("x", "two")]
 )

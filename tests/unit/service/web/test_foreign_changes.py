@@ -380,7 +380,6 @@ def test_every_route_that_changes_something_has_a_row(running: tuple[FastAPI, st
     assert len(ROWS) > 70
 
 
-@pytest.mark.sweep(25)
 @pytest.mark.parametrize("route", sorted(ROWS))
 def test_what_is_not_theirs_stays_as_it_is(client: httpx.Client, things: Things, route: str) -> None:
     row = ROWS[route]

@@ -124,6 +124,7 @@ def test_the_student_sees_points_and_comment(
     assert 'href="/class/judgements/' not in text
 
 
+@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     "points", ["", "many", "1_0", "1e1", "١٠", "1,000", "-1", "45.5", "1.234", "nan", "inf", "1e999"]
 )

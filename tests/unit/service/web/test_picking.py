@@ -151,6 +151,7 @@ def test_what_cannot_be_given_back_is_not_asked_for(
     assert asked(client, moodle, ready, SETTINGS | {"data": data}).status_code == 403
 
 
+@pytest.mark.sweep(2)
 @pytest.mark.parametrize("data", ["\0", 7, {"csrf": ["x", None]}, [], False])
 def test_whatever_else_was_sent_along_is_given_back(
     client: httpx.Client, moodle: FakeProvider, ready: Services, at_desk: httpx.Response, data: object
@@ -216,6 +217,7 @@ def test_what_the_platform_does_not_take_is_left_out(
     assert (f"{DEEP}data" in claims) == bool(field)
 
 
+@pytest.mark.sweep(2)
 @pytest.mark.parametrize("chosen", [[], ["square", "hello"], ["nothing_of_ours"], ["square", "x"]])
 def test_no_more_is_chosen_than_there_is_or_than_is_taken(
     client: httpx.Client,
@@ -352,6 +354,7 @@ WRONG: dict[str, Any] = {
 }
 
 
+@pytest.mark.sweep(4)
 @pytest.mark.parametrize("how", WRONG)
 def test_settings_that_cannot_be_answered_are_refused(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, how: str

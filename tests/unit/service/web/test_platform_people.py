@@ -142,6 +142,7 @@ def down(moodle: FakeProvider) -> None:
     moodle.down = True
 
 
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize("spoil", [pages_without_end, too_many_people, another_server, no_list, down])
 def test_a_platform_that_answers_otherwise_is_refused(
     course: tuple[Services, Platform], moodle: FakeProvider, spoil: Callable[[FakeProvider], None]

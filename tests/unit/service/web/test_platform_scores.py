@@ -176,6 +176,7 @@ def test_a_platform_that_is_down_loses_nothing(
     assert linked.platform_scores.troubles("ros") == ()
 
 
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     "granted",
     [b'{"x":' + b"[" * 100_000, b'{"access_token": "\xff"}', b'{"access_token": 7}', b"", b"[]"],

@@ -192,6 +192,7 @@ ACCEPTED: dict[str, Claims] = {
 }
 
 
+@pytest.mark.sweep(5)
 @pytest.mark.parametrize("how", ACCEPTED)
 def test_who_is_a_student_of_the_list_is_let_in(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, how: str
@@ -219,6 +220,7 @@ TEACHERS: dict[str, Claims] = {
 }
 
 
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize("how", TEACHERS)
 def test_who_teaches_by_the_list_is_let_in_as_a_teacher(
     client: httpx.Client,
@@ -289,6 +291,7 @@ REFUSED: dict[str, Claims] = {
 }
 
 
+@pytest.mark.sweep(10)
 @pytest.mark.parametrize("how", REFUSED)
 def test_a_message_that_lacks_something_lets_nobody_in(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, how: str
@@ -341,6 +344,7 @@ SIGNED: dict[str, Callable[[FakeProvider, Claims], str]] = {
 }
 
 
+@pytest.mark.sweep(5)
 @pytest.mark.parametrize("how", SIGNED)
 def test_a_message_that_the_platform_did_not_sign_lets_nobody_in(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, how: str

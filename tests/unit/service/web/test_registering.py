@@ -164,6 +164,7 @@ def test_whoever_is_no_instructor_any_more_lets_nobody_in(
     assert platform.tools == []
 
 
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     "fields",
     [
@@ -193,6 +194,7 @@ WRONG: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize("how", WRONG)
 def test_a_configuration_that_cannot_be_used_adds_nothing(
     client: httpx.Client, ready: Services, platform: FakeProvider, path: str, how: str
@@ -204,6 +206,7 @@ def test_a_configuration_that_cannot_be_used_adds_nothing(
     assert ready.platforms.of_course("ros") == ()
 
 
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     "answer",
     [(400, {"error": "x"}), (200, {}), (200, {"client_id": "abc"}), (200, [1]), (302, {}), (500, {})],

@@ -153,6 +153,7 @@ def test_a_decision_needs_a_reason(
     assert "Nothing changes for anybody" in answer.text
 
 
+@pytest.mark.sweep(2)
 @pytest.mark.parametrize(
     ("order", "field", "words"),
     [

@@ -90,6 +90,7 @@ def test_one_form_extends_for_several_people_and_sections(wang: Browser, service
         ]
 
 
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     ("typed", "told"),
     [

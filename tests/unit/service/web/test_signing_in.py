@@ -210,6 +210,7 @@ SPOILT: dict[str, Callable[[FakeProvider], None]] = {
 }
 
 
+@pytest.mark.sweep(8)
 @pytest.mark.parametrize("how", SPOILT)
 def test_a_token_that_is_not_to_be_believed_lets_nobody_in(
     desk: Browser, idp: FakeProvider, how: str
@@ -307,6 +308,7 @@ CAS_ANSWERS = {
 }
 
 
+@pytest.mark.sweep(4)
 @pytest.mark.parametrize("how", CAS_ANSWERS)
 def test_a_cas_answer_that_is_none_lets_nobody_in(desk: Browser, idp: FakeProvider, how: str) -> None:
     idp.cas_answer = CAS_ANSWERS[how]

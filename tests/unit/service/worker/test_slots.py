@@ -239,6 +239,7 @@ def test_an_observer_is_told_how_gradings_went(bench: Bench) -> None:
     assert (told.gradings, told.retries, told.lost) == ([(GradeStatus.GRADED, 7.0)], 2, 1)
 
 
+@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     "fault", [InfrastructureError("died"), ValueError("nonsense"), MemoryError(), RecursionError()]
 )
