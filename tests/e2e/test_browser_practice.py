@@ -131,6 +131,7 @@ def test_a_run_tells_meanwhile_how_far_it_is_and_what_it_prints(student: Browser
     assert not student.one("#so-far").is_displayed()
 
 
+@pytest.mark.thorough
 def test_it_is_used_without_a_mouse(student: Browser) -> None:
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.keys import Keys

@@ -29,7 +29,6 @@ from tf2_msgs.msg import TFMessage
 from turtlesim.action import RotateAbsolute
 from turtlesim.msg import Color, Pose
 from turtlesim.srv import Kill, Spawn, TeleportAbsolute
-from tests.tiers import examples
 
 nan = math.nan
 STEPS = STEPS_HERE
