@@ -180,6 +180,7 @@ def scriptless(browser: Browser) -> Iterator[Browser]:
     browser.command("Emulation.setScriptExecutionDisabled", value=False)
 
 
+@pytest.mark.thorough
 def test_everything_without_scripts(scriptless: Browser) -> None:
     browser = scriptless
     browser.open("/assignments/square")

@@ -199,6 +199,7 @@ def test_a_phone_shows_everything(browser: Browser, course: School, language: st
         assert browser.js("return document.documentElement.scrollWidth") <= PHONE[0], page
 
 
+@pytest.mark.thorough
 def test_every_control_has_a_name(wang: Browser) -> None:
     for page in (
         "/class/regrades",

@@ -3,6 +3,8 @@
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
+import pytest
+
 from grader.contracts.grading import Grader, GradingJob, RunProgress
 from grader.grading.slot import Slot, SlotConfig
 from tests.e2e.grading_slot import LESSON, catalog, grade
@@ -69,6 +71,7 @@ rclpy.spin(node)
 """
 
 
+@pytest.mark.thorough
 def test_a_run_that_is_told_of_is_the_same_run(slot: Slot) -> None:
     job = GradingJob(file_name="a.py", source=BUSY, assignment=catalog().get("square"))
     told: list[RunProgress] = []

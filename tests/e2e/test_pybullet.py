@@ -244,6 +244,7 @@ def test_the_first_example_of_the_course_text_fails_as_at_home(grader: Grader) -
     assert (error.type, error.line) == ("AttributeError", 5)
 
 
+@pytest.mark.thorough
 def test_pybullets_own_panda_runs_unmodified_until_ctrl_c(grader: Grader) -> None:
     script = Path(pybullet_data.__file__).parents[1] / "pybullet_robots" / "panda" / "loadpanda.py"
     task = replace(catalog().get("panda_reach"), horizon_s=1.0)  # a picture a step

@@ -183,6 +183,7 @@ def calm(session: LiveSession, now_ns: int) -> tuple[int, int]:
     return sys.getallocatedblocks(), now_ns
 
 
+@pytest.mark.thorough
 def test_ten_thousand_random_frames_raise_nothing_and_leave_nothing(car: BulletCar) -> None:
     draw, session = random.Random(20_260_301), LiveSession(car, 0)
     answered, now_ns = storm(session, draw, 0)

@@ -267,6 +267,7 @@ def test_tracebacks_that_a_script_shows_have_its_frames_only(run_bare: RunScript
     assert places == [in_f, in_module, in_f, in_module, in_f]
 
 
+@pytest.mark.thorough
 def test_what_was_printed_survives_a_kill(run_bare: RunScript) -> None:
     run = run_bare("print('before')\nfor _ in iter(int, 1): pass\n", cpu_s=1)
     assert run.stdout == "before\n"

@@ -111,6 +111,7 @@ def test_a_script_that_waits_in_crumbs_ends_at_the_wall_limit(sandbox: Sandbox) 
         assert jail.close().end is RunEnd.STALLED
 
 
+@pytest.mark.thorough
 def test_frames_that_cost_the_grader_too_much_end_the_script(
     sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -101,6 +101,7 @@ def test_the_same_bytes_twice(case: tuple[Trajectory | None, FigureSketch | None
     assert b"Matplotlib" not in svg
 
 
+@pytest.mark.thorough
 def test_the_same_bytes_in_another_process() -> None:
     motion, sketch = figure_of("square", wrong=True)
     here = hashlib.sha256(plot(assignment(), square_report(), motion, sketch, form="svg")).hexdigest()
@@ -119,6 +120,7 @@ def test_the_same_bytes_in_another_process() -> None:
     assert there.strip() == here
 
 
+@pytest.mark.thorough
 def test_a_png_has_its_size_and_is_the_same_twice() -> None:
     motion, sketch = figure_of("square")
     png = plot(assignment(), square_report(), motion, sketch)

@@ -432,6 +432,7 @@ def busy(services: Services, person: str) -> AbstractContextManager[None]:
     return all_taken(services.settings.requests_at_once, lambda: places.one_more(f"ros/{person}"))
 
 
+@pytest.mark.thorough
 def test_whoever_has_too_much_under_way_waits_and_nobody_else(
     client: httpx.Client, school: Any, services: Services, graded: Callable[..., str]
 ) -> None:

@@ -49,6 +49,7 @@ def test_once_all_is_judged_the_score_is_complete_everywhere(
     assert cell["assignments"]["essay"]["counted_score"] == 77.5
 
 
+@pytest.mark.thorough
 def test_an_item_without_points_from_a_person_is_failed(
     client: httpx.Client, school: Any, answered: Callable[..., str], give: Callable[..., httpx.Response]
 ) -> None:
@@ -206,6 +207,7 @@ def test_students_see_points_not_who_gave_them(
     assert client.get(url + "/judgements", headers=school.as_("li")).status_code == 403
 
 
+@pytest.mark.thorough
 def test_hidden_items_hide_their_points(
     client: httpx.Client,
     school: Any,

@@ -109,6 +109,7 @@ def test_the_dashboard(
     assert document["oldest_queued_at"] == "2026-03-02T08:01:00Z"
 
 
+@pytest.mark.thorough
 def test_pages_and_filters_choose_students(client: httpx.Client, graded: Callable[..., str]) -> None:
     for student in ("a1", "a2", "b1"):
         graded(b"good good", student=student)
@@ -151,6 +152,7 @@ def test_students_are_found_by_name_and_section(
     assert asked(section="B") == []
 
 
+@pytest.mark.thorough
 def test_attempts_to_pass(client: httpx.Client, graded: Callable[..., str], clock: FakeClock) -> None:
     for student, tries in (
         ("a", (b"x", b"good", b"good good", b"y")),

@@ -153,6 +153,7 @@ def test_filters(
     assert post(assignment="square", which=which, students=students).json()["waiting"] == count
 
 
+@pytest.mark.thorough
 def test_what_the_service_failed_to_grade(
     client: httpx.Client, services: Services, school: Any, upload: Post, post: Post
 ) -> None:
@@ -190,6 +191,7 @@ def test_a_trial_is_no_submission(
         assert (answer.status_code, answer.json()["code"]) == (404, "submission_not_found"), rest
 
 
+@pytest.mark.thorough
 def test_a_trial_that_cannot_be_made_leaves_its_submission(
     client: httpx.Client, services: Services, school: Any, klass: dict[str, str], post: Post
 ) -> None:
@@ -200,6 +202,7 @@ def test_a_trial_that_cannot_be_made_leaves_its_submission(
     assert client.get(klass["li"], headers=school.as_("li")).json()["score"] == 10.0
 
 
+@pytest.mark.thorough
 def test_a_worker_late_with_a_discarded_trial_changes_nothing(
     services: Services, klass: dict[str, str], post: Post
 ) -> None:
@@ -231,6 +234,7 @@ def test_a_plot_shows_the_assignment_that_was_graded(
     assert client.get(url + "/plot.png", headers=school.as_("li")).status_code == 200
 
 
+@pytest.mark.thorough
 def test_rules_that_hide_items_hold_for_regrades(
     client: httpx.Client, services: Services, school: Any, klass: dict[str, str], post: Post
 ) -> None:

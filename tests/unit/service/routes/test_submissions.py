@@ -194,6 +194,7 @@ def test_a_run_can_be_fetched_as_a_ros_bag(graded: Callable[..., str], client: h
     assert client.get(url + "/recording.mcap", params={"case": "other"}).json()["code"] == "no_trajectory"
 
 
+@pytest.mark.thorough
 def test_old_plots_are_forgotten(
     graded: Callable[..., str], client: httpx.Client, plotter: FakePlotter
 ) -> None:

@@ -59,6 +59,7 @@ def test_what_is_no_comment_is_refused(
     assert services.comments.of(own.rpartition("/")[2]) == ()
 
 
+@pytest.mark.thorough
 def test_a_submission_takes_so_many_comments(
     browser: Browser, own: str, tokens: dict[str, str], services: Services
 ) -> None:

@@ -70,6 +70,7 @@ def test_names_can_be_hidden(ta: Browser, answers: dict[str, str]) -> None:
         assert not re.search(r">\s*li\b", ta.get(page + "anonymous=1").text)
 
 
+@pytest.mark.thorough
 def test_a_list_does_not_tell_that_a_hidden_item_waits(
     ta: Browser, answers: dict[str, str], services: Services, tokens: dict[str, str]
 ) -> None:
@@ -83,6 +84,7 @@ def test_a_list_does_not_tell_that_a_hidden_item_waits(
         assert "waiting for a person" not in ta.get(page).text
 
 
+@pytest.mark.thorough
 def test_names_stay_hidden_after_the_last_answer(ta: Browser, answers: dict[str, str]) -> None:
     first = give(ta, answers["li"], anonymous="1").headers["Location"]
     assert first.startswith(f"/class/judgements/{answers['han']}?item=timer&anonymous=1")
@@ -139,12 +141,14 @@ def test_points_out_of_range_are_told_at_the_field(
     assert services.submissions.report(answers["li"]).judgements == ()
 
 
+@pytest.mark.thorough
 def test_a_comment_that_is_too_long_is_told_at_the_field(ta: Browser, answers: dict[str, str]) -> None:
     answer = give(ta, answers["li"], comment="x" * 2_001)
     assert answer.status_code == 422
     assert 'id="comment-error"' in answer.text
 
 
+@pytest.mark.thorough
 def test_two_people_do_not_overwrite_each_other(
     ta: Browser, answers: dict[str, str], services: Services
 ) -> None:
@@ -159,6 +163,7 @@ def test_two_people_do_not_overwrite_each_other(
     assert len(services.submissions.report(answers["li"]).judgements) == 1
 
 
+@pytest.mark.thorough
 def test_what_was_given_is_shown_and_can_be_changed(
     ta: Browser, answers: dict[str, str], services: Services
 ) -> None:

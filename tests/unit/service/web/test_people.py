@@ -52,6 +52,7 @@ def test_a_list_is_seen_before_it_is_imported(wang: Browser, services: Services)
     assert "li@a.cn" not in shown
 
 
+@pytest.mark.thorough
 def test_who_is_gone_is_removed_only_if_asked(wang: Browser, services: Services) -> None:
     preview = wang.post(
         "/class/people/preview", {}, files={"file": ("class.csv", LIST)}, page="/class/people"
@@ -90,6 +91,7 @@ def test_a_member_is_added_changed_and_removed(wang: Browser, services: Services
     assert wang.get("/class/people/zhao").status_code == 404
 
 
+@pytest.mark.thorough
 def test_what_is_wrong_stands_in_the_form(wang: Browser, services: Services) -> None:
     wrong = wang.post("/class/people", {"person": "a b", "name": "赵"})
     assert wrong.status_code == 422

@@ -190,6 +190,7 @@ def test_in_a_frame_only_the_choice_stays_there(client: httpx.Client, platform: 
     assert 'target="_blank"' in opened.text
 
 
+@pytest.mark.thorough
 def test_a_token_is_shown_once(
     client: httpx.Client, moodle: FakeProvider, ready: Services, at_desk: httpx.Response
 ) -> None:
@@ -198,6 +199,7 @@ def test_a_token_is_shown_once(
     assert 'name="token"' not in again.text
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("settings", "field"),
     [({"accept_lineitem": False}, "lineItem"), ({"data": ""}, "")],
@@ -289,6 +291,7 @@ def token_of_other_course(services: Services) -> str:
     return services.tokens.issue("other", "hu", timedelta(days=1), "test")[1]
 
 
+@pytest.mark.thorough
 def test_a_link_to_somebody_elses_choice_takes_nobodys_token(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, tokens: dict[str, str]
 ) -> None:

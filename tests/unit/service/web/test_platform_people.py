@@ -175,6 +175,7 @@ def test_only_the_courses_own_platform_is_asked(
     assert "/people" not in moodle.asked
 
 
+@pytest.mark.thorough
 def test_a_launch_says_where_people_are_told(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
 ) -> None:

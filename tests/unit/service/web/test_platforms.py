@@ -454,6 +454,7 @@ def test_unknown_key_ids_ask_for_keys_once_a_minute(
     assert moodle.asked == ["/keys"] * 2
 
 
+@pytest.mark.thorough
 def test_new_keys_of_the_platform_are_fetched(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
 ) -> None:
@@ -633,6 +634,7 @@ class WithOwn:
         return getattr(self._shipped, name)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("course", "leads_to"), [("ros", "walk"), ("other", "")])
 def test_a_link_leads_to_what_its_own_course_uploaded(
     running: tuple[FastAPI, str],

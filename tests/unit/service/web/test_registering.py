@@ -150,6 +150,7 @@ def test_no_secret_is_logged(
     assert path.rpartition("/")[2] not in caplog.text
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("role", [None, Role.STUDENT, Role.ASSISTANT])
 def test_whoever_is_no_instructor_any_more_lets_nobody_in(
     client: httpx.Client, ready: Services, platform: FakeProvider, path: str, role: Role | None

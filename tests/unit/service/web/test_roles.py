@@ -227,6 +227,7 @@ def test_pages_open_for_the_right_roles(client: httpx.Client, school: dict[str, 
     assert answered == {one: EXPECTED[one] for one in LOOKS}
 
 
+@pytest.mark.thorough
 def test_an_assistant_of_another_section_finds_nobody(client: httpx.Client, school: dict[str, str]) -> None:
     """Pages about one student or submission; whatever is about the class is there for every assistant."""
     about_one = ("{submission_id}", "{student}", "{person}", "/compare", "/pair")

@@ -177,6 +177,7 @@ def test_who_is_in_two_courses_chooses(desk: Browser, idp: FakeProvider, service
     assert "Zweiter Kurs" in desk.get("/submissions").text
 
 
+@pytest.mark.thorough
 def test_who_comes_into_another_course_later_chooses(
     desk: Browser, idp: FakeProvider, services: Services
 ) -> None:
@@ -234,6 +235,7 @@ def test_a_new_key_is_fetched(desk: Browser, idp: FakeProvider, services: Servic
     assert idp.asked.count("/keys") == 2
 
 
+@pytest.mark.thorough
 def test_a_key_that_was_withdrawn_is_believed_for_a_day(
     desk: Browser, idp: FakeProvider, services: Services
 ) -> None:
