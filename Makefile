@@ -3,16 +3,16 @@
 PYTHON ?= python3
 RUN = $(PYTHON) tools/bootstrap.py
 
-.PHONY: help demo test quick image-test check bench load capacity setup messages interfaces clean
+.PHONY: help demo test test-all image-test check bench load capacity setup messages interfaces clean
 
 help:     ## this list
 	@sed -n 's/^\([a-z-]*\): *## /\1\t/p' $(firstword $(MAKEFILE_LIST)) | expand -t 12
 demo:     ## grade a small class over HTTP and show the dashboard
 	@$(RUN) demo $(ARGS)
-test:     ## the whole test suite
+test:     ## every promise once or more; a file or folder named by ARGS as a whole
 	@$(RUN) test $(ARGS)
-quick:    ## the suite without the tests of whole programs, browsers and attacks: half the time
-	@$(RUN) quick $(ARGS)
+test-all: ## the same promises on all further inputs as well
+	@$(RUN) test-all $(ARGS)
 image-test: ## build the container image without a daemon and try it as an ordinary container
 	@$(RUN) image-test $(ARGS)
 check:    ## formatting, lint, types, layers

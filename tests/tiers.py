@@ -64,7 +64,7 @@ def choose_tier(config: pytest.Config) -> None:
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if config.option.tier == "all":
         return
-    everyday = _everyday(items)
+    everyday = of_every_day(items)
     if config.option.tier == "rest":
         chosen = [item for item in items if item not in everyday or _draws(item)]
     else:
@@ -84,7 +84,8 @@ def _draws(item: pytest.Item) -> bool:
     return by_hypothesis or item.get_closest_marker("draws") is not None
 
 
-def _everyday(items: list[pytest.Item]) -> set[pytest.Item]:
+def of_every_day(items: list[pytest.Item]) -> set[pytest.Item]:
+    """Choose among all tests; the order of these decides what is whose turn."""
     rows: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
         if item.get_closest_marker("thorough") is None:

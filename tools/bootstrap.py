@@ -30,7 +30,7 @@ COMMANDS: dict[str, list[list[str]]] = {
     "setup": [["-m", "compileall", "-q", "grader"]],  # whoever runs it may not be allowed to write here
     "demo": [["-m", "grader", "demo"]],
     "test": [[*_PYTEST]],
-    "quick": [[*_PYTEST, *(f"--ignore=tests/{whole}" for whole in ("e2e", "hostile", "container"))]],
+    "test-all": [[*_PYTEST, "--all"]],
     "image-test": [["-m", "tools.image", "test"]],
     "check": [
         ["-m", "ruff", "format", "--check", "."],
