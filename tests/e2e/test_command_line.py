@@ -34,6 +34,7 @@ def test_full_marks_end_with_0_and_a_table_in_chinese(tmp_path: Path) -> None:
     assert not done.stderr
 
 
+@pytest.mark.thorough
 def test_who_reads_no_further_gets_no_traceback(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "grader", "check", str(LESSON / "square_mover.py"), "--json"]
     reads, writes = os.pipe()

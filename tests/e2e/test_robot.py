@@ -28,6 +28,7 @@ def own(name: str, file: str = "solution.py") -> bytes:
     return (catalog().folder(name) / file).read_bytes()
 
 
+@pytest.mark.thorough
 def test_a_robot_stops_before_the_wall_with_the_same_bytes_after_others(grader: Grader) -> None:
     first = grade(grader, "stop_before_wall", own("stop_before_wall"))
     assert (first.score, first.simulator[:5]) == (100, "robot")

@@ -96,9 +96,16 @@ def openapi_document() -> dict[str, Any]:
     return create_app(nullcontext).openapi()
 
 
+@cache
+def committed_document() -> dict[str, Any]:
+    """The OpenAPI document as it is committed; `test_public_interface` sees that it is the same."""
+    document: dict[str, Any] = json.loads(GOLDEN_OPENAPI.read_text())
+    return document
+
+
 def operations() -> list[tuple[str, str]]:
     """Path and method of every operation, from the committed document: every process of a run asks for them."""
-    paths: dict[str, Any] = json.loads(GOLDEN_OPENAPI.read_text())["paths"]
+    paths: dict[str, Any] = committed_document()["paths"]
     return [(path, method) for path, methods in paths.items() for method in methods]
 
 

@@ -136,6 +136,7 @@ def test_credit_falls_as_corners_open(sides: int, sense: float, every: bool) -> 
     assert most_lost(totals) < 13
 
 
+@pytest.mark.sweep(1)
 @pytest.mark.parametrize(
     ("name", "legs", "step", "most"),
     [

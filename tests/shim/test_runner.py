@@ -274,6 +274,7 @@ def test_what_was_printed_survives_a_kill(run_bare: RunScript) -> None:
     assert run.returncode < 0
 
 
+@pytest.mark.thorough
 def test_a_lone_loop_on_a_constant_flag_runs_into_the_cpu_limit(run_bare: RunScript) -> None:
     run = run_bare("done = False\nwhile not done:\n    pass\n", cpu_s=1)
     assert run.returncode < 0
@@ -315,6 +316,7 @@ def test_a_script_that_makes_too_many_steps_ends_at_the_same_place(run_script: R
     assert enough.exit["reason"] == (5 if name == "a loop" else 0)
 
 
+@pytest.mark.thorough
 def test_a_busy_loop_may_wait_for_a_thread_of_1_khz(run_script: RunScript) -> None:
     source = (
         "import threading, time\ndone = False\n"

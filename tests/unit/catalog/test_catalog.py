@@ -117,6 +117,7 @@ def test_an_edit_is_seen_without_a_restart(tmp_path: Path) -> None:
     assert catalog.get("demo").version == 2
 
 
+@pytest.mark.sweep(13)
 @pytest.mark.parametrize(
     ("old", "new", "line", "words"),
     [

@@ -71,6 +71,7 @@ def test_start_heading_mirror_image_and_direction_cost_nothing(
     assert score(graded(name, drive(way, heading_deg=heading_deg, start_m=(x, y)))) == 100
 
 
+@pytest.mark.sweep(1)
 @pytest.mark.parametrize("scale", [0.4, 0.8, 1.7])
 def test_another_size_costs_nothing_where_the_size_is_free(scale: float) -> None:
     for name, pieces in (("right_triangle", TRIANGLE), ("figure_eight", EIGHT)):

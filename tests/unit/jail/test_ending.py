@@ -43,6 +43,7 @@ def test_it_is_told_whether_output_depends_on_the_moment_of_a_kill(
     assert (report.end, report.settled) == (end, settled)
 
 
+@pytest.mark.thorough
 def test_a_slow_episode_makes_nobody_look_busy(sandbox: Sandbox) -> None:
     """Whether a script was silent for long is the same however long the episode takes over its frames."""
     source = SILENT.replace("print", "os.write(channel, b'\\1\\0\\0\\0a\\1\\0\\0\\0b'); print")

@@ -129,6 +129,7 @@ def test_a_png_has_its_size_and_is_the_same_twice() -> None:
     assert (int.from_bytes(png[16:20]), int.from_bytes(png[20:24])) == (1440, 810)
 
 
+@pytest.mark.thorough
 def test_a_users_settings_do_not_show_and_are_left_alone() -> None:
     motion, sketch = figure_of("square")
     before = dict(matplotlib.rcParams)

@@ -134,6 +134,7 @@ def test_every_recording_makes_an_ordered_file(
     assert content == bag(contents)
 
 
+@pytest.mark.thorough
 def test_a_long_drive_is_thinned_for_the_line_only() -> None:
     """A sequence has at most so many elements; poses are all there, and the line ends where the drive does."""
     count = 4_500

@@ -191,6 +191,7 @@ def test_an_open_world_has_no_walls(car: BulletCar) -> None:
     assert path.contacts == ()
 
 
+@pytest.mark.sweep(1)
 @pytest.mark.parametrize("profile", ["nominal", "rough"])
 def test_an_episode_does_not_notice_those_before_it(car: BulletCar, profile: str) -> None:
     segments = [(1.0, 1.0, 0.4), (0.3, 0.0, 0.0), (1.0, -2.0, 3.0)]

@@ -115,6 +115,7 @@ def test_one_that_was_taken_back_may_be_made_again(
     assert actions(services) == ["appeal.make", "appeal.withdraw", "appeal.make"]
 
 
+@pytest.mark.sweep(1)
 @pytest.mark.parametrize("state", ["answered", "refused"])
 def test_words_leave_the_points(
     ruled: Any, ask: Asks, answer: Asks, driven: str, client: httpx.Client, school: Any, state: str

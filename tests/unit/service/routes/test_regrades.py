@@ -168,6 +168,7 @@ def test_what_the_service_failed_to_grade(
     assert (document["status"], document["score"]) == ("graded", 5.0)
 
 
+@pytest.mark.sweep(1)
 @pytest.mark.parametrize("made", [False, True])
 def test_a_trial_is_no_submission(
     client: httpx.Client, services: Services, school: Any, klass: dict[str, str], post: Post, made: bool

@@ -96,6 +96,7 @@ def test_an_answer_keeps_its_lines_and_is_only_text(ta: Browser, answers: dict[s
     assert "timer calls.\n\n&lt;script&gt;alert(1)&lt;/script&gt;\\u202e\n</pre>" in text.replace("\r", "")
 
 
+@pytest.mark.thorough
 def test_points_lead_from_answer_to_answer(ta: Browser, answers: dict[str, str], services: Services) -> None:
     answer = give(ta, answers["li"], points="40,5", comment="Good.\r\nSay who calls it.")
     assert answer.headers["Location"].startswith(f"/class/judgements/{answers['han']}?item=timer")
@@ -181,6 +182,7 @@ def test_unknown_items_are_told(ta: Browser, answers: dict[str, str], put: Calla
     assert ta.get(f"/class/judgements/{script}").status_code == 404
 
 
+@pytest.mark.thorough
 def test_the_matrix_finds_who_waits_for_a_person(ta: Browser, answers: dict[str, str]) -> None:
     text = ta.get("/class?show=judge").text
     assert "2 of 2 students" in text

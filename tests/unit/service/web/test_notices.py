@@ -166,6 +166,7 @@ def test_a_date_that_moves_is_told_again_and_only_that(school: Services, group: 
     assert "12:00" not in group.texts[1]
 
 
+@pytest.mark.sweep(1)
 @pytest.mark.parametrize(
     "said",
     [
@@ -448,6 +449,7 @@ def tried_minutes(services: Services, group: FakeBots, minutes: int) -> list[int
     return tried
 
 
+@pytest.mark.thorough
 def test_a_bot_that_refuses_is_asked_ever_more_seldom(school: Services, group: FakeBots) -> None:
     join(school, group)
     rule(school, due=local(4, 12))

@@ -208,6 +208,7 @@ def test_a_token_that_never_ends_is_asked_for_again_some_day(
     assert send_scores(linked) == 1
 
 
+@pytest.mark.thorough
 def test_a_refused_score_is_tried_ever_more_seldom_and_told(
     linked: Services, moodle: FakeProvider, put: Callable[..., str]
 ) -> None:
