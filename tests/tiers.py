@@ -2,7 +2,7 @@
 
 Every promise has a test of every day. The others try the same promises on further inputs. These marks say which:
 
-- ``thorough``: the whole test, of something that another test of the module tries as well.
+- ``thorough``: the whole test, of something that another test tries as well.
 - ``sweep(keep)``: of a long list of parameters `keep` rows are of every day, spread evenly: the first, the last.
 - ``draws``: asks `examples` how many to try, as properties do without this mark: more of them when all are tried.
 - ``in_turn(*names)``: parameters that hardly depend on the others, as the language of a page or the database of a
