@@ -397,7 +397,6 @@ def test_more_nodes_than_threads_are_refused_before_one_is_started(slot: Slot) -
     assert "64 nodes of your own, of which 63 can run at once" in outcome.stderr.text
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize(
     ("old", "new", "code", "words"),
     [

@@ -77,7 +77,6 @@ def test_a_module_finds_itself_and_its_files_where_colcon_installs_them(slot: Sl
     assert outcome.exit_code == 3
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
@@ -182,7 +181,6 @@ def test_a_launch_file_with_one_node_of_its_own_is_carried_out(slot: Slot) -> No
     ]
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     ("launch", "said"),
     [
@@ -212,7 +210,6 @@ def test_a_wrong_launch_file_is_told(slot: Slot, launch: str, said: str) -> None
     assert report.score == 0
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     ("old", "new", "code", "words"),
     [

@@ -74,7 +74,6 @@ LOOP = "node = Stop()\nrate = node.create_rate(10)\nwhile rclpy.ok():\n    node.
 SLEEPS = LOOP.replace("rate.sleep()", "__import__('time').sleep(0.1)")
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     ("old", "new", "mistakes", "words"),
     [

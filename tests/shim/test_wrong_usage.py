@@ -91,7 +91,6 @@ CASES = {
 }
 
 
-@pytest.mark.sweep(9)
 @pytest.mark.parametrize("name", CASES)
 def test_mistake(run_script, name):
     source, kind, message = CASES[name]
