@@ -21,7 +21,7 @@ from grader.sim.frames import (
 from grader.sim.interfaces import WORLD, Types, with_interfaces
 
 # Both as in the shim (`rclpy/_link.py`), which cannot be imported here.
-MAX_ENTITIES: Final = 512
+MAX_ENTITIES: Final = 8_192
 COUNT_EVERY: Final = 100  # messages for which one PUBLISH is sent on a topic that the world does not hear
 
 _KINDS: Final = {

@@ -80,6 +80,33 @@ def test_once_skip_first_and_throttle(run_script):
     ]  # fmt: skip
 
 
+def test_each_call_site_has_its_own_filters(run_script):
+    source = """
+        class A:
+            def speak(self):
+                log.info("a", once=True); log.info("b", once=True)
+        class B:
+            def speak(self):
+                log.info("c", once=True); log.info("d", once=True)
+        for _ in range(2):
+            A().speak()
+            B().speak()
+        def at(period):
+            try:
+                log.info("e", throttle_duration_sec=period)
+            except ValueError as error:
+                print(error)
+        for period in (1.0, 1, 2.0, 0):
+            at(period)
+    """
+    run, err = run_and_stderr(run_script, source)
+    assert [line.partition("]: ")[2] for line in err] == ["a", "b", "c", "d", "e"]
+    assert run.stdout.splitlines() == [
+        "Logging filter parameters cannot be changed between calls.",
+        "Requested logging filters cannot be changed between calls.",
+    ]
+
+
 def test_misused_filters(run_script):
     source = """
         def attempt(**options):

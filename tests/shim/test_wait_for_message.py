@@ -54,3 +54,15 @@ def test_guard_conditions_wake_the_spin(run_script):
         """)
     )
     assert run.stdout.split() == ["2.5", "True", "False", "InvalidHandle"]
+
+
+def test_a_minute_of_poses_can_be_waited_for_one_by_one(run_script):
+    run = run_script(
+        PREFIX
+        + dedent("""
+            for _ in range(3750):
+                wait_for_message(String, node, "t", time_to_wait=0.001)
+            print(len(list(node.subscriptions)))
+        """)
+    )
+    assert run.stdout.split() == ["0"]

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
 FLUSH_BYTES = 16_384
 RECEIVE_BYTES = 65_536
-MAX_ENTITIES = 512
+MAX_ENTITIES = 8_192
+"""All that a script ever creates, destroyed or not: a minute of `wait_for_message` on the pose creates 3,750."""
 PROMPT_FLUSHES = 200
 """How many frames with news (an entity, a command unlike the one before, a log record) are sent at once.
 
@@ -161,7 +162,7 @@ class Link:
             depth: of the history.
 
         Raises:
-            RuntimeError: more than 512 entities were created.
+            RuntimeError: more than `MAX_ENTITIES` were created.
         """
         ident = self._next_id
         if ident > MAX_ENTITIES:

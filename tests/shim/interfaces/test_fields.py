@@ -165,3 +165,44 @@ def test_accepted_assignments() -> None:
     sequences.bool_values = UserList([True])
     sequences.string_values = ("a", "b")
     assert sequences.string_values == ("a", "b")
+
+
+@pytest.mark.parametrize(
+    ("cls", "field", "value"),
+    [
+        (UnboundedSequences, "uint8_values", [0, 255, True]),
+        (UnboundedSequences, "int8_values", [-128, 127]),
+        (UnboundedSequences, "uint64_values", [2**64 - 1]),
+        (UnboundedSequences, "float64_values", [1e308, math.inf]),
+        (UnboundedSequences, "float32_values", [-3.402823466e38, math.inf, math.nan, 3.402823466e38]),
+        (UnboundedSequences, "float32_values", []),
+        (BoundedSequences, "int16_values", [1, 2, 3]),
+    ],
+)
+def test_a_list_of_numbers_becomes_an_array(cls, field, value):
+    message = cls()
+    setattr(message, field, value)
+    stored = getattr(message, field)
+    assert isinstance(stored, array.array)
+    assert stored == array.array(stored.typecode, value) or math.nan in value
+    assert len(stored) == len(value)
+
+
+@pytest.mark.parametrize(
+    ("cls", "field", "value"),
+    [
+        (UnboundedSequences, "uint8_values", [1, 256]),
+        (UnboundedSequences, "uint8_values", [1, np.uint8(2)]),
+        (UnboundedSequences, "int8_values", [-129]),
+        (UnboundedSequences, "int64_values", [2**63]),
+        (UnboundedSequences, "int32_values", [1.0]),
+        (UnboundedSequences, "float64_values", [1.0, 1]),
+        (UnboundedSequences, "float64_values", [np.float32(1)]),
+        (UnboundedSequences, "float32_values", [math.nan, 1e39]),
+        (UnboundedSequences, "float32_values", [-1e39, 0.0]),
+        (BoundedSequences, "int16_values", [1, 2, 3, 4]),
+    ],
+)
+def test_a_list_with_a_wrong_number_is_refused_as_a_sequence(cls, field, value):
+    with pytest.raises(AssertionError, match=f"^The '{field}' field must be a set or sequence"):
+        setattr(cls(), field, value)

@@ -142,7 +142,7 @@ def test_frames_after_exit_are_not_read(car: BulletCar) -> None:
             [jail.entity(3, 4, name="/s", type="std_srvs/srv/Trigger"), jail.response(3, 1, 0, b"")],
             "never asked",
         ),
-        ([jail.node(identity) for identity in range(600)], "more than 512"),
+        ([jail.node(identity) for identity in range(8_200)], "more than 8192"),
     ],
 )
 def test_broken_rules_end_the_belief(car: BulletCar, frames: list[bytes], words: str) -> None:

@@ -167,7 +167,10 @@ def setter(field: Field) -> list[str]:
             f"{slot} = {fallback} if packed is None else packed",
         ]
     if is_numeric(field):
-        return [*_array_branch(field), check, f"{slot} = _array({ARRAY_CODES[field.base]!r}, value)"]
+        code = ARRAY_CODES[field.base]
+        fits = "" if field.maximum is None else f" and len(value) <= {field.maximum}"
+        quick = [f"if type(value) is list{fits}:", f"    value = _converted(value, {code!r})"]
+        return [*quick, *_array_branch(field), check, f"{slot} = _array({code!r}, value)"]
     return [check, f"{slot} = value"]
 
 

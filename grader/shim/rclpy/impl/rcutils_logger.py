@@ -23,9 +23,7 @@ class CallerId:
 
     def __init__(self, frame: FrameType | None = None) -> None:
         if frame is None:
-            frame = sys._getframe(1)
-            while frame.f_code.co_filename in _OWN_FILES and frame.f_back is not None:
-                frame = frame.f_back
+            frame = _calling_frame()
         self.function_name = frame.f_code.co_name
         self.file_path = frame.f_code.co_filename
         self.line_number = frame.f_lineno
@@ -39,6 +37,14 @@ class CallerId:
 
     def __hash__(self) -> int:
         return hash(self._key())
+
+
+def _calling_frame() -> FrameType:
+    """Return the frame that logs: the innermost one outside of this package's logging."""
+    frame = sys._getframe(1)
+    while frame.f_code.co_filename in _OWN_FILES and frame.f_back is not None:
+        frame = frame.f_back
+    return frame
 
 
 class LoggingFilter:
@@ -147,12 +153,24 @@ def get_filters_from_kwargs(**kwargs: Any) -> list[str]:
     return detected
 
 
+_detected: dict[tuple[object, ...], list[str]] = {}
+"""What `get_filters_from_kwargs` has returned, by the keywords and whether they are true: all that it depends on."""
+
+
+def _filters_of(kwargs: dict[str, Any]) -> list[str]:
+    asked = (*kwargs, *map(bool, kwargs.values()))
+    filters = _detected.get(asked)
+    if filters is None:
+        filters = _detected[asked] = get_filters_from_kwargs(**kwargs)
+    return filters
+
+
 class RcutilsLogger:
     """A logger; what it shows depends on its level or that of its parents."""
 
     def __init__(self, name: str = "") -> None:
         self.name = name
-        self.contexts: dict[CallerId, dict[str, Any]] = {}
+        self.contexts: dict[tuple[str, str, int, int], dict[str, Any]] = {}
 
     def get_child(self, name: str) -> RcutilsLogger:
         """Return the logger ``parent.name``; ValueError when the name is empty."""
@@ -193,21 +211,23 @@ class RcutilsLogger:
         if not logs.is_enabled(self.name, severity):
             return False
         name = kwargs.pop("name", self.name)
-        filters = get_filters_from_kwargs(**kwargs) if kwargs else []
-        caller = CallerId()
-        context = self.contexts.get(caller)
+        filters = _filters_of(kwargs) if kwargs else []
+        frame = _calling_frame()
+        code = frame.f_code
+        site = (code.co_filename, code.co_name, code.co_firstlineno, frame.f_lasti)  # these imply the line
+        context = self.contexts.get(site)
         if context is None:
-            context = {"name": name, "severity": severity}
+            context = {"name": name, "severity": severity, "kwargs": kwargs}
             for key in filters:
                 supported_filters[key].initialize_context(context, **kwargs)
             context["filters"] = filters
-            self.contexts[caller] = context
-        else:
+            self.contexts[site] = context
+        elif severity != context["severity"] or name != context["name"] or kwargs != context["kwargs"]:
             _check_unchanged(context, name, severity, filters, kwargs)
         for key in filters:
             if not supported_filters[key].should_log(context):
                 return False
-        logs.log(severity, name, message, caller.function_name, caller.file_path, caller.line_number)
+        logs.log(severity, name, message, code.co_name, code.co_filename, frame.f_lineno)
         return True
 
     def debug(self, message: str, **kwargs: Any) -> bool:
