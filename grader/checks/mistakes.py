@@ -239,6 +239,15 @@ def _spin_in_callback(run: Run) -> Mistake | None:
     return mistake("spin_in_callback", line=place["line"]) if called_back else None
 
 
+def driving_mistakes(run: Run, own: Iterable[Mistake]) -> tuple[Mistake, ...]:
+    """Return what probably went wrong in a drive: a check's `own` mistakes, and around them those of any script.
+
+    First comes what ended the script and what it slept through, last that nobody would have heard it. Where
+    among its own a check asks why no commands came (`command_mistakes`) is the check's affair.
+    """
+    return (*script_mistakes(run), *asleep(run), *own, *lost_at_home(run))
+
+
 def lost_at_home(run: Run) -> Iterator[Mistake]:
     """Recognise a script that publishes all its motions before turtlesim, at home, would find its publisher.
 
