@@ -45,12 +45,19 @@ class Count(Number):
 
 @dataclass(frozen=True, slots=True)
 class Seconds(Number):
-    """A duration in whole seconds. People type it in hours."""
+    """A duration in whole seconds. People type it in hours, or in minutes: ``0.5``, ``30 min``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Share(Number):
-    """A share of the whole, from 0 to 1. People type it in per cent."""
+    """A share of the whole, from 0 to 1. People type it in per cent.
+
+    Attributes:
+        positive: what needs the share needs more than 0, which stands where nothing does.
+    """
+
+    _: KW_ONLY
+    positive: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Whoever writes an exercise finds every check: in the table of both guides, and in the file that they begin from."""
+"""Whoever writes an exercise finds every check: in the table of both guides, and in the file to begin from."""
 
 import re
 from pathlib import Path

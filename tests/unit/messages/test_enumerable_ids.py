@@ -169,6 +169,18 @@ def test_every_error_of_a_rule_has_its_text() -> None:
     ]
 
 
+def test_every_error_of_a_form_has_its_text() -> None:
+    """Forms keep the id of the sentence and say it later."""
+    ids = {
+        node.value
+        for path in (ROOT / "service" / "web").glob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Constant) and re.fullmatch(r"[a-z]+\.error\.\w*[a-z0-9]", str(node.value))
+    }
+    assert len(ids) > 20
+    assert not missing(f"page.{one}" for one in ids)
+
+
 def test_every_cause_of_an_exception_has_its_sentence() -> None:
     """A code and the values of its sentence are returned together: ``return "misspelt", {...}``."""
     signs = {code for _, code in exceptions._SIGNS}
