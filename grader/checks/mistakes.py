@@ -1,7 +1,7 @@
 """Mistakes that any script can make, recognised from how it ended and what it sent to the car.
 
 `grader.messages.exceptions` knows what an exception means. The checks themselves recognise what went wrong in the
-motion that they measure. Each code has a text ``mistake.<code>`` in the catalogs.
+motion that they measure. Each code has a message ``mistake.<code>``.
 """
 
 import difflib

@@ -2,7 +2,7 @@
 
 A contract that people write (the rules of an assignment) names the kind beside each field, once. From that follow
 its JSON body over HTTP, its form, its command line and how the audit log tells it. What a field is called on pages
-stands in the catalogue of words, under the field's name.
+stands among the messages, under the field's name.
 """
 
 import typing

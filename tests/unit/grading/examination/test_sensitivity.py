@@ -9,8 +9,8 @@ import pytest
 from grader.contracts.assignment import Assignment
 from grader.contracts.scoring import Run
 from grader.grading.examination.sensitivity import lax, replayable, replayed, sensitivities
-from tests.unit.checks.ideal_turtle import drive, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment
+from tests.unit.checks.trajectories import drive, polygon_legs, run_of
 
 SQUARE = assignment("square")
 
