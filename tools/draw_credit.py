@@ -18,7 +18,7 @@ sys.path.insert(0, str(ROOT))
 
 from grader.catalog import Catalog  # noqa: E402
 from grader.checks import evaluate  # noqa: E402
-from tests.unit.checks.ideal_turtle import Leg, drive, polygon_legs, run_of  # noqa: E402
+from tests.unit.checks.trajectories import Leg, drive, polygon_legs, run_of  # noqa: E402
 
 OUT = ROOT / "docs" / "images" / "credit.png"
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#7A7A7A")

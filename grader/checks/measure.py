@@ -17,7 +17,7 @@ Form = Literal["quantity", "count", "flag"]
 
 
 class MeasureKind(PositionalRecord):
-    """A quantity that a check computes. Its texts are ``<check>.<name>.{name,seen,hint}`` in the catalogs.
+    """A quantity that a check computes. Its texts are the messages ``<check>.<name>.{name,seen,hint}``.
 
     Attributes:
         unit: of its values; empty for counts and flags.
@@ -47,7 +47,7 @@ class Mistake(PositionalRecord):
     """A recognised mistake.
 
     Attributes:
-        code: stable name; its text is ``mistake.<code>`` in the catalogs.
+        code: stable name; its text is the message ``mistake.<code>``.
         text: what probably happened and the one next step.
         measures: names of the measures it spoils; their items show this text as hint. Empty: all.
         apart: has a cause of its own, even where another mistake spoils the same measures.

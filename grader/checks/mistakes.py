@@ -1,7 +1,7 @@
 """Mistakes that any script can make, recognised from how it ended and what it sent to the car.
 
 `grader.messages.exceptions` knows what an exception means. The checks themselves recognise what went wrong in the
-motion that they measure. Each code has a text ``mistake.<code>`` in the catalogs.
+motion that they measure. Each code has a message ``mistake.<code>``.
 """
 
 import difflib
@@ -237,6 +237,15 @@ def _spin_in_callback(run: Run) -> Mistake | None:
         rf"\bcreate_(timer|subscription|service)\(.*\b{re.escape(name)}\b"
     )
     return mistake("spin_in_callback", line=place["line"]) if called_back else None
+
+
+def driving_mistakes(run: Run, own: Iterable[Mistake]) -> tuple[Mistake, ...]:
+    """Return what probably went wrong in a drive: a check's `own` mistakes, and around them those of any script.
+
+    First comes what ended the script and what it slept through, last that nobody would have heard it. Where
+    among its own a check asks why no commands came (`command_mistakes`) is the check's affair.
+    """
+    return (*script_mistakes(run), *asleep(run), *own, *lost_at_home(run))
 
 
 def lost_at_home(run: Run) -> Iterator[Mistake]:

@@ -398,7 +398,8 @@ class ItemSpec(Record):
             count against them a second time.
         across: with several cases, ``each`` earns its share of the points; or the ``worst`` of them, or the
             ``mean`` of what was measured in them, earns all.
-        limit: why a motion may differ within the band without any loss; empty: it should not by much.
+        limit: why a motion may differ without any loss, within the band or in what nothing measures; empty: it
+            should not by much.
     """
 
     id: str

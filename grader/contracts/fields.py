@@ -2,7 +2,7 @@
 
 A contract that people write (the rules of an assignment) names the kind beside each field, once. From that follow
 its JSON body over HTTP, its form, its command line and how the audit log tells it. What a field is called on pages
-stands in the catalogue of words, under the field's name.
+stands among the messages, under the field's name.
 """
 
 import typing
@@ -45,12 +45,19 @@ class Count(Number):
 
 @dataclass(frozen=True, slots=True)
 class Seconds(Number):
-    """A duration in whole seconds. People type it in hours."""
+    """A duration in whole seconds. People type it in hours, or in minutes: ``0.5``, ``30 min``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Share(Number):
-    """A share of the whole, from 0 to 1. People type it in per cent."""
+    """A share of the whole, from 0 to 1. People type it in per cent.
+
+    Attributes:
+        positive: what needs the share needs more than 0, which stands where nothing does.
+    """
+
+    _: KW_ONLY
+    positive: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -103,18 +103,28 @@ class LateRule:
     """
 
     kind: Annotated[LateKind, Choice(options=tuple(LATE_PARAMETERS), example="linear")] = "none"
-    per_day: Annotated[float, Share("`linear`: share lost for each begun day.", example=0.1)] = 0.0
+    per_day: Annotated[
+        float, Share("`linear`: share lost for each begun day.", example=0.1, positive=True)
+    ] = 0.0
     steps: Annotated[tuple[LateStep, ...], Table("`steps`.", of=LateStep, most=MOST_STEPS, example=())] = ()
 
     def __post_init__(self) -> None:
-        if self.kind == "linear" and not 0.0 < self.per_day <= 1.0:
+        if self.kind == "linear":
+            self._check_linear()
+        if self.kind == "steps" or self.steps:
+            self._check_steps()
+
+    def _check_linear(self) -> None:
+        if not 0.0 < self.per_day <= 1.0:
             raise RuleError(
                 "late.per_day",
                 "percent",
                 zh="late.per_day 要大于 0、不超过 1。",
                 en="late.per_day must be more than 0 and at most 1",
             )
-        if self.kind == "steps" and not self.steps:
+
+    def _check_steps(self) -> None:
+        if not self.steps:
             raise RuleError(
                 "late.steps",
                 "no_steps",

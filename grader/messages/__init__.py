@@ -1,4 +1,4 @@
-"""Every sentence that users see, in Chinese and English, from one catalogue of gettext files.
+"""Every sentence that users see, in Chinese and English, from gettext files.
 
 A message id names the place where a sentence is used (``polygon.sides.seen``). The sentences stand in
 ``<language>/LC_MESSAGES``: ``grader.po`` holds those of reports, terminals and plots, ``pages.po`` those of pages

@@ -1,4 +1,4 @@
-"""Find what is wrong with the catalogue of texts: ``python -m grader.messages.check``.
+"""Find what is wrong with the messages: ``python -m grader.messages.check``.
 
 It looks for ids without a sentence in one of the languages, sentences with other fields in one language than in
 the other, ids that the code names and nobody wrote, and sentences that no code can name. It reads the source, so
@@ -71,7 +71,7 @@ _QUOTES_CHINESE: Final = frozenset({"page.language.name"})
 
 
 def uses() -> Iterator[str]:
-    """Compare the catalogue with the source."""
+    """Compare the messages with the source."""
     source = _source()
     known = {key for name in FILES for key in entries("en", name)}
     for key, place in sorted(source.named.items()):

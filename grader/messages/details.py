@@ -1,7 +1,7 @@
 """What the sandbox says about a run (`RunOutcome.detail`), in both languages.
 
 The sandbox and the script's process say in English what was refused or used up, and which thread waits in which
-line for what. Known sentences are replaced by those of the catalogue; an unknown one is quoted as it came.
+line for what. Known sentences are replaced by messages; an unknown one is quoted as it came.
 """
 
 import re

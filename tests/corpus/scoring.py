@@ -12,7 +12,7 @@ from grader.contracts.grading import Grader, GradingJob
 from grader.contracts.outcome import RunStatus
 from tests.corpus.attempts import Attempt
 from tests.corpus.scripts import ideal_legs, script
-from tests.unit.checks.ideal_turtle import drive, run_of
+from tests.unit.checks.trajectories import drive, run_of
 
 RIGHT_SCORE = 90.0
 _READY_S = 0.3

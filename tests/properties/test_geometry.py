@@ -14,8 +14,8 @@ from grader.checks import evaluate
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.trajectory import Trajectory
 from tests.tiers import examples
-from tests.unit.checks.ideal_turtle import Leg, drive, polygon_legs, run_of
 from tests.unit.checks.shipped import POLYGONS, assignment, graded, item, score
+from tests.unit.checks.trajectories import Leg, drive, polygon_legs, run_of
 
 TOLERANCE = {"m": 0.03, "deg": 0.6, "%": 0.6, "": 0.0}
 

@@ -12,8 +12,8 @@ from grader.checks import evaluate
 from grader.contracts.assignment import Assignment, PathPiece, WantedPath
 from grader.contracts.trajectory import Trajectory
 from tests.tiers import examples
-from tests.unit.checks.ideal_turtle import Leg, drive, run_of
 from tests.unit.checks.shipped import assignment, score
+from tests.unit.checks.trajectories import Leg, drive, run_of
 
 LINES = st.floats(1.0, 3.0).map(lambda m: PathPiece(kind="line", length_m=round(m, 2)))
 ARCS = st.builds(

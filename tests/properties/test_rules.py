@@ -11,31 +11,13 @@ from grader.contracts.rules import (
     Attempt,
     Counts,
     Extension,
-    LateRule,
-    LateStep,
     Rules,
 )
+from tests.fakes.late_rules import late_rules
 
 START = datetime(2026, 3, 1, tzinfo=UTC)
 ZONE = ZoneInfo("Asia/Shanghai")
 instants = st.integers(0, 60 * 86_400_000).map(lambda ms: START + timedelta(milliseconds=ms))
-
-
-@st.composite
-def late_rules(draw: st.DrawFn) -> LateRule:
-    kind = draw(st.sampled_from(["none", "linear", "steps"]))
-    if kind == "linear":
-        return LateRule(kind="linear", per_day=draw(st.floats(0.01, 1.0)))
-    if kind == "steps":
-        after = sorted(draw(st.sets(st.integers(0, 900_000), min_size=1, max_size=4)))
-        keep = sorted(
-            draw(st.lists(st.floats(0.0, 1.0), min_size=len(after), max_size=len(after))), reverse=True
-        )
-        return LateRule(
-            kind="steps",
-            steps=tuple(LateStep(after_s=a, keep=k) for a, k in zip(after, keep, strict=True)),
-        )
-    return LateRule()
 
 
 @st.composite

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from grader.checks.measure import (
     mistake,
     one_of,
 )
-from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, script_mistakes, unheard
+from grader.checks.mistakes import command_mistakes, driving_mistakes, unheard
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchLabel, SketchSide
@@ -45,10 +45,11 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     backward = assignment.options["direction"] == "backward"
     drive = drive_of(run, until_contact=True)
     measures = {"commands": Measure(float(run.outcome.command_count))}
+    own: Iterable[Mistake] = ()
     if drive is not None:
         measures |= _motion(drive, backward=backward)
-    mistakes = motion_mistakes(assignment, run, drive, measures, backward=backward)
-    return Findings(measures | unheard(run, "advance_m"), mistakes)
+        own = motion_mistakes(assignment, run, drive, measures, backward=backward)
+    return Findings(measures | unheard(run, "advance_m"), driving_mistakes(run, own))
 
 
 def _frame(drive: Drive) -> tuple[Floats, Floats]:
@@ -137,35 +138,28 @@ SPOT_RADIUS_M = 0.1  # an arc tighter than this is a turn on the spot
 
 
 def motion_mistakes(
-    assignment: Assignment, run: Run, drive: Drive | None, measures: Mapping[str, Measure], *, backward: bool
-) -> tuple[Mistake, ...]:
-    """Return what probably went wrong while driving straight."""
-    found = [*script_mistakes(run), *asleep(run)]
-    if drive is None:
-        return tuple(found)
+    assignment: Assignment, run: Run, drive: Drive, measures: Mapping[str, Measure], *, backward: bool
+) -> Iterator[Mistake]:
+    """Yield what probably went wrong while driving straight."""
     values = {
         name: measures.get(name, UNMEASURED).value for name in ("advance_m", "turned_deg", "way_back_m")
     }
     lost = {name for name, value in values.items() if fits(assignment, name, value) is False}
     changes = sum(one.v_mps * other.v_mps < 0.0 for one, other in itertools.pairwise(run.trajectory.commands))
     if lost and changes >= _LEAST_SIGN_CHANGES:
-        found.append(mistake("to_and_fro", times=changes))
+        yield mistake("to_and_fro", times=changes)
     if "turned_deg" not in lost or not _right_speed(drive, backward=backward):
-        found += _wrong_way(values["advance_m"], backward=backward)
-    found += command_mistakes(run, assignment.world, turns=(), drives=("advance_m",))
+        yield from _wrong_way(values["advance_m"], backward=backward)
+    yield from command_mistakes(run, assignment.world, turns=(), drives=("advance_m",))
     if "turned_deg" in lost:
-        found.append(_turning(drive, values))
+        yield _turning(drive, values)
     if "way_back_m" in lost and values["advance_m"] > -MIN_MOTION_M:
-        found.append(
-            mistake("came_back", ("way_back_m", "advance_m"), way_back=number(values["way_back_m"], "m"))
-        )
+        yield mistake("came_back", ("way_back_m", "advance_m"), way_back=number(values["way_back_m"], "m"))
     elif "advance_m" in lost and values["advance_m"] > MIN_MOTION_M:
         held = commanded_at_end(run)
         slow = drive.cut_short or (held is not None and held.v_mps != 0.0)
         code = "drive_too_slow" if slow else "too_short"
-        found.append(mistake(code, ("advance_m",), distance=number(values["advance_m"], "m")))
-    found += lost_at_home(run)
-    return tuple(found)
+        yield mistake(code, ("advance_m",), distance=number(values["advance_m"], "m"))
 
 
 def _wrong_way(advance_m: float, *, backward: bool) -> Iterator[Mistake]:

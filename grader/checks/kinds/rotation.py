@@ -1,13 +1,13 @@
 """Check ``rotation``: turn on the spot, in either direction."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
 from grader.checks.drive import FAST_TURN_RADPS, Drive, commanded_at_end, drive_of, fastest_radps
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Mistake, mistake
-from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, script_mistakes, unheard
+from grader.checks.mistakes import command_mistakes, driving_mistakes, unheard
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel
@@ -35,11 +35,12 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     """Measure how far the car turned, and how far it strayed meanwhile."""
     drive = drive_of(run)
     measures = {"commands": Measure(float(run.outcome.command_count + _goals(run)))}
+    own: Iterable[Mistake] = ()
     if drive is not None:
         measures |= _rotation(drive.path)
         measures["rate_radps"] = Measure(fastest_radps(run))
-    mistakes = rotation_mistakes(assignment, run, drive, measures)
-    return Findings(measures | unheard(run, "turned_deg"), mistakes)
+        own = rotation_mistakes(assignment, run, drive, measures)
+    return Findings(measures | unheard(run, "turned_deg"), driving_mistakes(run, own))
 
 
 def _goals(run: Run) -> int:
@@ -100,12 +101,9 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
 
 
 def rotation_mistakes(
-    assignment: Assignment, run: Run, drive: Drive | None, measures: Mapping[str, Measure]
-) -> tuple[Mistake, ...]:
-    """Return what probably went wrong while turning."""
-    found = [*script_mistakes(run), *asleep(run)]
-    if drive is None:
-        return tuple(found)
+    assignment: Assignment, run: Run, drive: Drive, measures: Mapping[str, Measure]
+) -> Iterator[Mistake]:
+    """Yield what probably went wrong while turning."""
     path = drive.path
     # Wherever the car turned; the measure `turned_deg` counts what it turned in one place.
     turned = math.degrees(float(np.max(np.abs(path.heading_rad - path.heading_rad[0]))))
@@ -113,17 +111,13 @@ def rotation_mistakes(
     drift = measures.get("drift_m", UNMEASURED).value
     fastest = fastest_radps(run)
     if fastest > FAST_TURN_RADPS:
-        found.append(
-            mistake("degrees_as_radians", rate=number(fastest, "1"), ideal=number(FULL_TURN_DEG, "deg"))
-        )
+        yield mistake("degrees_as_radians", rate=number(fastest, "1"), ideal=number(FULL_TURN_DEG, "deg"))
     if fits(assignment, "drift_m", drift) is False:
-        found.append(_strayed(turned, drift, drive, ("drift_m",) if short else ("drift_m", "turned_deg")))
+        yield _strayed(turned, drift, drive, ("drift_m",) if short else ("drift_m", "turned_deg"))
     if not _goals(run):
-        found += command_mistakes(run, assignment.world, turns=("turned_deg",), drives=())
+        yield from command_mistakes(run, assignment.world, turns=("turned_deg",), drives=())
     if short and turned > MIN_TURN_DEG:
-        found += _short_turn(turned, drive, run)
-    found += lost_at_home(run)
-    return tuple(found)
+        yield from _short_turn(turned, drive, run)
 
 
 def _strayed(turned: float, drift: float, drive: Drive, spoilt: tuple[str, ...]) -> Mistake:

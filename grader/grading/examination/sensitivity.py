@@ -26,6 +26,7 @@ MOST = 1.0
 _STEPS = (*range(1, 25), *range(25, 50, 3), *range(50, 100, 7))
 _COARSE = 10  # of these, each so-manieth is looked at first
 _PERIOD_NS = 16_666_667  # poses 1/60 s apart, as the car records them
+_ROUNDING = 1e-6  # what is measured of two motions that are alike differs by less
 _MOVING = 1e-6  # slower is rest: velocities are commanded, so anything else is rounding
 
 
@@ -75,29 +76,47 @@ def sensitivities(assignment: Assignment, run: Run) -> list[Sensitivity]:
 def lax(assignment: Assignment, run: Run) -> list[Text]:
     """Return a sentence for each gross error in the solution's motion that would cost nothing.
 
-    One that changes what a limit is on is allowed: its author says why.
+    One that changes what a limit is on is allowed: its author says why. So is one that changes nothing that is
+    measured, where there is a limit at all: no band can be narrowed then.
     """
     problems = []
     limits = {item.id for item in assignment.items if item.limit}
-    right = _items(assignment, run, replayed(run.trajectory, run.trajectory.commands)) if limits else ()
+    right = _items(assignment, run, replayed(run.trajectory, run.trajectory.commands))
     for perturbation in _applicable(run.trajectory):
         error = perturbation.must_cost_from
         if error is None:
             continue
         both = [_scored(assignment, run, perturbation, sign * error) for sign in (1.0, -1.0)]
-        if all(map(_full, both)) and not any(_moves(limits, right, items) for items in both):
-            size = number(error * perturbation.full, perturbation.unit)
-            name = perturbation.name
-            zh = f"太宽松：{name.zh}差 {size} 也不扣分；把某个范围收窄，或在评分项上用 limit 写明原因"
-            en = f"lax: {name.en} off by {size} costs nothing; narrow a band, or say why with limit"
-            problems.append(Text(zh=zh, en=en))
+        moved = set().union(*(_moved(right, items) for items in both))
+        if all(map(_full, both)) and not (limits & moved if moved else limits):
+            problems.append(_told(perturbation, error, [item.id for item in right if item.id in moved]))
     return problems
 
 
-def _moves(limits: set[str], right: Sequence[RubricItem], spoilt: Sequence[RubricItem]) -> bool:
-    """Whether an error changes what is measured for one of the limits."""
+def _moved(right: Sequence[RubricItem], spoilt: Sequence[RubricItem]) -> set[str]:
+    """Return the items whose measures an error changes."""
     pairs = zip(right, spoilt, strict=False)
-    return any(one.id in limits and one.measured != other.measured for one, other in pairs)
+    return {one.id for one, other in pairs if not _alike(one.measured, other.measured)}
+
+
+def _alike(one: float | None, other: float | None) -> bool:
+    """Whether two values are the same but for rounding."""
+    if one is None or other is None:
+        return one is other
+    return math.isclose(one, other, rel_tol=_ROUNDING, abs_tol=_ROUNDING)
+
+
+def _told(perturbation: Perturbation, error: float, moved: Sequence[str]) -> Text:
+    """Return the sentence about an error that costs nothing; `moved`: the items whose measures it changes."""
+    size, name = number(error * perturbation.full, perturbation.unit), perturbation.name
+    zh, en = f"太宽松：{name.zh}差 {size} 也不扣分；", f"lax: {name.en} off by {size} costs nothing; "
+    if not moved:
+        zh += "没有任何测量值受它影响：增加评分项，或在任一评分项上用 limit 写明为什么不管它"
+        en += "no measure sees it: add an item that does, or say with limit, at any item, why it may be so"
+        return Text(zh=zh, en=en)
+    zh += f"把 {'、'.join(moved)} 中某一项的范围收窄，或在其中一项上用 limit 写明原因"
+    en += f"narrow the band of one of {', '.join(moved)}, or say why with limit there"
+    return Text(zh=zh, en=en)
 
 
 def replayable(assignment: Assignment, run: Run) -> bool:

@@ -1,6 +1,6 @@
 """Problem documents (RFC 9457) for everything that goes wrong, in the reader's language.
 
-A problem has a stable code. One table tells its status and headers; the catalogue of texts has
+A problem has a stable code. One table tells its status and headers; the messages have
 ``problem.<code>.title``, what it means, and ``problem.<code>.fix``, what the person who sees it can do.
 """
 

@@ -1,11 +1,12 @@
 """The rules of an assignment as a form: rules to typed texts and back, with what is wrong at each field.
 
 Which fields there are, and between which bounds, stands at the contracts. Instants are typed on the clock of the
-course, durations in hours, shares in per cent. A field that was not touched gives back exactly the value that it
-was made from, whatever its text leaves out.
+course, durations in hours or minutes, shares in per cent. A field that was not touched gives back exactly the
+value that it was made from, whatever its text leaves out.
 """
 
 import dataclasses
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -38,6 +39,9 @@ from grader.messages import is_on_page
 CHANGED_MEANWHILE = "rules.error.meanwhile"
 EXTENDED_MEANWHILE = "rules.error.extended_meanwhile"
 _HOUR_S = 3600
+_UNITS_S = {"": _HOUR_S, "h": _HOUR_S, "小时": _HOUR_S, "min": 60, "分钟": 60}
+"""What a duration may be typed in."""
+_WITH_UNIT = re.compile(rf"(.*?)\s*({'|'.join(_UNITS_S)})", re.DOTALL)
 _SPARE_STEPS = 2
 _SHORT = Field(default="", max_length=40)
 _Form = TypeVar("_Form", bound=BaseModel)
@@ -278,14 +282,15 @@ def _step(hours: str, percent: str, zone: ZoneInfo) -> LateStep:
     return LateStep(after_s=after_s, keep=_read(kinds["keep"], percent.strip(), zone, wrong))
 
 
-def _read(kind: FieldKind, text: str, zone: ZoneInfo, wrong_share: str = "rules.error.percent") -> Any:
+def _read(kind: FieldKind, text: str, zone: ZoneInfo, wrong_share: str | None = None) -> Any:
     match kind:
         case fields.Instant():
             return _instant(text, zone)
         case fields.Seconds():
-            return round(_between(text, kind.high / _HOUR_S, "rules.error.hours") * _HOUR_S)
+            return _seconds(text, kind)
         case fields.Share():
-            return _between(text, 100.0, wrong_share) / 100
+            wrong = "rules.error.percent" if kind.positive else "rules.error.percent_from_0"
+            return _between(text.removesuffix("%").strip(), 100.0, wrong_share or wrong) / 100
         case _:
             assert isinstance(kind, fields.Count)
             return _count(text, kind)
@@ -311,6 +316,13 @@ def _count(text: str, kind: fields.Count) -> int:
     return number
 
 
+def _seconds(text: str, kind: fields.Seconds) -> int:
+    found = _WITH_UNIT.fullmatch(text)
+    assert found is not None  # the unit may be missing
+    unit_s = _UNITS_S[found[2]]
+    return round(_between(found[1], kind.high / unit_s, "rules.error.hours") * unit_s)
+
+
 def _between(text: str, high: float, wrong: str) -> float:
     """Return the number that was typed.
 
@@ -318,7 +330,7 @@ def _between(text: str, high: float, wrong: str) -> float:
         TypedFieldError: `wrong`: it is none from 0 to `high`.
     """
     try:
-        number = decimal(text.removesuffix("%").strip())
+        number = decimal(text)
     except ValueError:
         raise TypedFieldError(wrong) from None
     if not 0.0 <= number <= high:

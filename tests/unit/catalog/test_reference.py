@@ -8,7 +8,7 @@ from grader.catalog import Catalog
 from grader.catalog.reference import record
 from grader.checks import evaluate, problems
 from grader.contracts.errors import AssignmentError
-from tests.unit.checks.ideal_turtle import drive, run_of
+from tests.unit.checks.trajectories import drive, run_of
 
 SPEC = """\
 id: demo

@@ -9,7 +9,7 @@ from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.contracts.rubric import RubricItem
 from grader.contracts.scoring import Run, Scoring
 from grader.contracts.trajectory import Trajectory
-from tests.unit.checks.ideal_turtle import drive, run_of
+from tests.unit.checks.trajectories import drive, run_of
 
 POLYGONS = {3: "triangle", 4: "square", 5: "pentagon"}
 

@@ -11,8 +11,8 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import AgentResult, Endpoint, RunOutcome, RunStatus
 from grader.contracts.scoring import Run, Scoring
 from grader.contracts.trajectory import Trajectory
-from tests.unit.checks.ideal_turtle import Leg, drive
 from tests.unit.checks.shipped import assignment, item, score
+from tests.unit.checks.trajectories import Leg, drive
 
 TASK = assignment("agent_tools")
 SECOND = 1_000_000_000

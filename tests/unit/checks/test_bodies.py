@@ -15,7 +15,7 @@ from grader.contracts.replay import Replayed, ReplayedBody, Trick
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
 from grader.sim.replay import planar
-from tests.unit.checks.ideal_turtle import run_of
+from tests.unit.checks.trajectories import run_of
 from tests.unit.sim.replays import EVERY_NS, replayed
 
 NAME = Text(zh="x", en="x")

@@ -11,8 +11,8 @@ from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY
 from grader.messages.script import ScriptText
-from tests.unit.checks.ideal_turtle import drive, run_of
 from tests.unit.checks.shipped import assignment
+from tests.unit.checks.trajectories import drive, run_of
 
 AT_REST = drive([(2.0, 0.0, 0.0)])
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from grader.contracts.outcome import RunStatus, StudentError
-from tests.unit.checks.ideal_turtle import error
 from tests.unit.checks.shipped import silent
+from tests.unit.checks.trajectories import error
 
 TWIST_CLASS = "<class 'geometry_msgs.msg._twist.Twist'>"
 NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"

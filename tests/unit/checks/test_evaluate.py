@@ -13,8 +13,8 @@ from grader.contracts.errors import AssignmentError
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.scoring import Run
 from grader.contracts.text import LANGUAGES, Text
-from tests.unit.checks.ideal_turtle import drive, outcome_of, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment, graded, item, score
+from tests.unit.checks.trajectories import drive, outcome_of, polygon_legs, run_of
 
 SHIPPED = Catalog().all()
 

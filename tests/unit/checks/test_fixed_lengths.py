@@ -13,8 +13,8 @@ from grader.contracts.assignment import Case
 from grader.contracts.outcome import RunStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.scoring import Run
-from tests.unit.checks.ideal_turtle import Leg, drive, outcome_of, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment, graded, item, score
+from tests.unit.checks.trajectories import Leg, drive, outcome_of, polygon_legs, run_of
 
 LONG_FIRST, SHORT_FIRST = (3.0, 2.0, 3.0, 2.0), (2.0, 3.0, 2.0, 3.0)
 RECTANGLE = WantedPolygon(4, LONG_FIRST)

@@ -14,8 +14,8 @@ from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Trajectory
 from grader.formats.packages import problems
 from grader.messages import closer, entries, exceptions
-from tests.unit.checks.ideal_turtle import drive, error, outcome_of, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment, graded, score, silent
+from tests.unit.checks.trajectories import drive, error, outcome_of, polygon_legs, run_of
 
 TWIST = "geometry_msgs/msg/Twist"
 AT_REST = drive([(2.0, 0.0, 0.0)])

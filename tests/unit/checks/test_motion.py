@@ -8,8 +8,8 @@ from grader.checks import sketch
 from grader.contracts.outcome import Note, RunStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.trajectory import Contact, Trajectory
-from tests.unit.checks.ideal_turtle import drive, run_of
 from tests.unit.checks.shipped import assignment, graded, item, score
+from tests.unit.checks.trajectories import drive, run_of
 
 INTERRUPTED = RunStatus.INTERRUPTED
 

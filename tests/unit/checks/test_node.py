@@ -5,8 +5,8 @@ import pytest
 from grader.checks import evaluate
 from grader.contracts.outcome import LogRecord, RunOutcome, RunStatus, Stream, StudentError
 from grader.contracts.scoring import Run, Scoring
-from tests.unit.checks.ideal_turtle import drive
 from tests.unit.checks.shipped import assignment, item, score
+from tests.unit.checks.trajectories import drive
 
 INFO = LogRecord(t_ns=1000, level=20, name="hello_node", message="Hello")
 

@@ -17,8 +17,8 @@ from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Scoring
 from grader.contracts.trajectory import Contact, Trajectory
 from tests.tiers import examples
-from tests.unit.checks.ideal_turtle import Leg, drive, run_of
 from tests.unit.checks.shipped import assignment, graded, item, score
+from tests.unit.checks.trajectories import Leg, drive, run_of
 
 TRIANGLE = [("line", 2.0), ("turn", 90.0), ("line", 2.0), ("turn", 135.0), ("line", 2.0 * math.sqrt(2.0))]
 EIGHT = [("arc", 360.0, 1.0), ("arc", -360.0, 1.0)]

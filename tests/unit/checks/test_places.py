@@ -25,8 +25,8 @@ from grader.contracts.scoring import Scoring
 from grader.contracts.text import Text
 from grader.contracts.trajectory import Contact, Trajectory
 from tests.tiers import examples
-from tests.unit.checks.ideal_turtle import Leg, drive, run_of
 from tests.unit.checks.shipped import assignment
+from tests.unit.checks.trajectories import Leg, drive, run_of
 from tests.unit.sim.rooms import room
 
 POINTS = ((8.0, 3.0), (8.0, 8.0), (3.0, 8.0))

@@ -11,8 +11,8 @@ from grader.contracts.assignment import WINDOW_M
 from grader.contracts.outcome import RunStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.trajectory import Contact, Trajectory
-from tests.unit.checks.ideal_turtle import START, Leg, drive, polygon_legs
 from tests.unit.checks.shipped import POLYGONS, graded, item, score
+from tests.unit.checks.trajectories import START, Leg, drive, polygon_legs
 
 INTERRUPTED = RunStatus.INTERRUPTED
 

@@ -7,8 +7,8 @@ import pytest
 
 from grader.contracts.outcome import RunStatus
 from grader.contracts.trajectory import Command, Trajectory
-from tests.unit.checks.ideal_turtle import Leg, drive, polygon_legs
 from tests.unit.checks.shipped import graded, score
+from tests.unit.checks.trajectories import Leg, drive, polygon_legs
 
 
 def test_much_curve_is_told_before_the_one_corner_it_spoils() -> None:

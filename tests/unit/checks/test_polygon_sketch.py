@@ -5,8 +5,8 @@ import math
 import pytest
 
 from grader.checks import sketch
-from tests.unit.checks.ideal_turtle import Leg, drive, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment
+from tests.unit.checks.trajectories import Leg, drive, polygon_legs, run_of
 
 
 def test_the_plot_shows_sides_corners_and_the_fitted_figure() -> None:

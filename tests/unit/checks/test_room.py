@@ -14,7 +14,7 @@ from grader.contracts.robot import FRONT_M, HALF_WIDTH_M, SCANNER_X_M
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
 from grader.contracts.trajectory import Command, Contact, Trajectory
-from tests.unit.checks.ideal_turtle import run_of
+from tests.unit.checks.trajectories import run_of
 from tests.unit.sim.rooms import room, solid
 
 NAME = Text(zh="x", en="x")

@@ -8,8 +8,8 @@ import pytest
 from grader.checks import sketch
 from grader.contracts.outcome import Note, RunStatus
 from grader.contracts.rubric import ItemStatus
-from tests.unit.checks.ideal_turtle import drive, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment, graded, item, score
+from tests.unit.checks.trajectories import drive, polygon_legs, run_of
 
 FULL_S = 2 * math.pi
 

@@ -9,8 +9,8 @@ from grader.checks import evaluate, problems, sketch
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, ServiceResult
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.scoring import Run, Scoring
-from tests.unit.checks.ideal_turtle import drive
 from tests.unit.checks.shipped import assignment, item, score
+from tests.unit.checks.trajectories import drive
 
 TASK = assignment("rosclaw")
 CALL = TASK.calls[0]

@@ -3,8 +3,8 @@
 import pytest
 
 from grader.checks import evaluate
-from tests.unit.checks.ideal_turtle import drive, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment
+from tests.unit.checks.trajectories import drive, polygon_legs, run_of
 
 SIDES = {"triangle": 3, "square": 4, "pentagon": 5, "hexagon": 6, "octagon": 8, "rectangle": 4}
 

@@ -14,6 +14,7 @@ from grader.contracts.rules import (
     Rules,
     is_hidden,
 )
+from tests.fakes.late_rules import EXAMPLES
 
 SHANGHAI = ZoneInfo("Asia/Shanghai")
 DUE = datetime(2026, 3, 20, 23, 59, 59, tzinfo=SHANGHAI)
@@ -65,6 +66,14 @@ def test_steps() -> None:
     rules = Rules(due=DUE, late=LateRule(kind="steps", steps=steps))
     late = [timedelta(minutes=10), timedelta(minutes=11), 3 * HOUR]
     assert [rules.kept_share(NO_EXTENSION, DUE + one) for one in late] == [1.0, 0.9, 0.5]
+
+
+@pytest.mark.parametrize("rule", EXAMPLES.values(), ids=list(EXAMPLES))
+def test_on_time_is_whole_and_later_is_never_more(rule: LateRule) -> None:
+    kept = [rule.kept_share(late_s) for late_s in (0.0, 1.0, 3600.0, 3601.0, 86_400.0, 86_401.0, 1e7)]
+    assert kept[0] == 1.0
+    assert kept == sorted(kept, reverse=True)
+    assert kept[-1] == 1.0 if rule.kind == "none" else kept[-1] < 1.0
 
 
 def test_an_extension_moves_due_and_cut_off() -> None:

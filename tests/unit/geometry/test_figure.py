@@ -7,7 +7,7 @@ import pytest
 from grader.geometry.figure import PolygonFigure, measure_polygon
 from grader.geometry.path import driven_path
 from grader.geometry.segmentation import segment
-from tests.unit.checks.ideal_turtle import Leg, drive, polygon_legs
+from tests.unit.checks.trajectories import Leg, drive, polygon_legs
 
 
 def figure_of(legs: list[Leg], *, sides: int = 4, cut_short: bool = False, **how: float) -> PolygonFigure:

@@ -7,7 +7,7 @@ import pytest
 from grader.geometry.figure import measure_polygon
 from grader.geometry.path import Path, driven_path
 from grader.geometry.segmentation import Segments, segment
-from tests.unit.checks.ideal_turtle import Leg, drive, polygon_legs
+from tests.unit.checks.trajectories import Leg, drive, polygon_legs
 
 
 def path_of(legs: list[Leg], **how: float) -> Path:

@@ -11,8 +11,8 @@ from grader.contracts.rubric import ItemStatus, Unit
 from grader.contracts.text import Text
 from grader.messages import quantity
 from grader.render.prose import breaks
-from tests.unit.checks.ideal_turtle import drive, polygon_legs
 from tests.unit.checks.shipped import POLYGONS, graded
+from tests.unit.checks.trajectories import drive, polygon_legs
 from tests.unit.render.samples import item
 
 

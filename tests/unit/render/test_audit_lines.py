@@ -1,6 +1,7 @@
 """The audit log in words."""
 
 import re
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 from zoneinfo import ZoneInfo
@@ -9,7 +10,9 @@ import pytest
 
 import grader.store
 from grader.contracts.regrade import RegradeState
+from grader.contracts.rules import LateKind
 from grader.render.audit_lines import ACTIONS, Teller
+from tests.fakes.late_rules import EXAMPLES
 
 ZH, EN = (Teller(language, ZoneInfo("Asia/Shanghai")) for language in ("zh", "en"))
 
@@ -33,13 +36,6 @@ def test_every_action_of_the_store_has_words() -> None:
         ("accept_late_s", None, "—", "—"),
         ("due", "2026-03-20T15:59:00+00:00", "2026-03-20 23:59", "2026-03-20 23:59"),
         ("due", "whenever", "whenever", "whenever"),
-        ("late", {"kind": "linear", "per_day": 0.1}, "每天 −10 %", "−10 % a day"),
-        (
-            "late",
-            {"kind": "steps", "steps": [{"after_s": 3600, "keep": 0.5}]},
-            "迟交超过 1 小时 保留 50 %",
-            "later than 1 h keeps 50 %",
-        ),
         ("late", {"kind": "new"}, '{"kind": "new"}', '{"kind": "new"}'),
         ("counts", "last", "最后一次", "the last"),
         ("role", "assistant", "助教", "assistant"),
@@ -51,6 +47,23 @@ def test_every_action_of_the_store_has_words() -> None:
 )
 def test_values_are_told_in_words(name: str, value: Any, zh: str, en: str) -> None:
     assert (ZH.value(name, value), EN.value(name, value)) == (zh, en)
+
+
+LATE = {
+    "none": ("不扣分", "costs nothing"),
+    "linear": ("每天 −10 %", "−10 % a day"),
+    "steps": (
+        "迟交超过 1 小时 保留 90 %，迟交超过 2 小时 保留 50 %",
+        "later than 1 h keeps 90 %, later than 2 h keeps 50 %",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", EXAMPLES)
+def test_every_late_rule_is_told_in_words(kind: LateKind) -> None:
+    value = asdict(EXAMPLES[kind])
+    assert (ZH.value("late", value), EN.value("late", value)) == LATE[kind]
+    assert EN.late(value, in_full=False) != ""
 
 
 def test_who_did_it_is_told() -> None:

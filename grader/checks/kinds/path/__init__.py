@@ -18,6 +18,7 @@ from grader.checks.kinds.path.driven import (
 from grader.checks.kinds.path.mistakes import name_of, named_corner, path_mistakes
 from grader.checks.kinds.path.wanted import track_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind
+from grader.checks.mistakes import driving_mistakes
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchLabel, SketchSide
@@ -44,7 +45,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     """Measure how well the driven path is the wanted one."""
     drive = drive_of(run)
     if drive is None or assignment.path is None:
-        return Findings(mistakes=path_mistakes(assignment, run, None, None, []))
+        return Findings(mistakes=driving_mistakes(run, ()))
     figure = figure_in(drive, assignment.path, assignment.world.start)
     measures = {"distance_m": Measure(float(np.max(drive.path.along_m))), "settled": _settled(drive, figure)}
     stretches = [] if figure is None else driven_stretches(figure, drive)
@@ -52,7 +53,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
         measures |= _of_the_whole(figure) | _of_the_pieces(figure, stretches)
         if figure.overrun and not drive.cut_short:
             measures["gap_pct"] = Measure(math.nan, {"why": say("path.goes_on")})
-    return Findings(measures, path_mistakes(assignment, run, drive, figure, stretches))
+    return Findings(measures, driving_mistakes(run, path_mistakes(assignment, run, drive, figure, stretches)))
 
 
 def _settled(drive: Drive, figure: Figure | None) -> Measure:

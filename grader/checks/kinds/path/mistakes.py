@@ -20,7 +20,7 @@ from grader.checks.kinds.path.driven import (
 )
 from grader.checks.kinds.path.wanted import Stretch
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, script_mistakes
+from grader.checks.mistakes import command_mistakes
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment, WantedPath
 from grader.contracts.scoring import Run
@@ -122,22 +122,17 @@ def name_of(stretch: Stretch) -> Text:
 def path_mistakes(
     assignment: Assignment,
     run: Run,
-    drive: Drive | None,
+    drive: Drive,
     figure: Figure | None,
     stretches: list[DrivenStretch],
-) -> tuple[Mistake, ...]:
-    """Return what probably went wrong on the way."""
-    found = [*script_mistakes(run), *asleep(run)]
-    if drive is None:
-        return tuple(found)
-    found += command_mistakes(run, assignment.world, turns=_SHAPE_MEASURES, drives=_DRIVE_MEASURES)
-    found += _wall(run)
+) -> Iterator[Mistake]:
+    """Yield what probably went wrong on the way."""
+    yield from command_mistakes(run, assignment.world, turns=_SHAPE_MEASURES, drives=_DRIVE_MEASURES)
+    yield from _wall(run)
     if figure is not None:
         seen = _Seen(assignment, run, drive, figure, stretches)
-        found += _shape(seen)
-        found += _ending(seen)
-    found += lost_at_home(run)
-    return tuple(found)
+        yield from _shape(seen)
+        yield from _ending(seen)
 
 
 def _wall(run: Run) -> Iterator[Mistake]:

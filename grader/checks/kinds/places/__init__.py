@@ -9,6 +9,7 @@ from grader.checks.drive import Drive, drive_of
 from grader.checks.kinds.places.mistakes import place_mistakes
 from grader.checks.kinds.places.visits import Visit, Way, entered, jolt_mps, outside_of, visits, way_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind
+from grader.checks.mistakes import driving_mistakes
 from grader.checks.surroundings import clearance
 from grader.contracts.assignment import WINDOW_M, Assignment, Region, WantedPlaces, outside_m
 from grader.contracts.figure import FigureSketch, Point, SketchLabel, SketchRegion
@@ -41,7 +42,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     """Measure which places were visited, and how."""
     drive, wanted = drive_of(run), assignment.places
     if drive is None or wanted is None:
-        return Findings(mistakes=place_mistakes(assignment, run, None, None, []))
+        return Findings(mistakes=driving_mistakes(run, ()))
     way = way_of(run, moving_at_end=drive.moving_at_end)
     seen = visits(wanted, way)
     measures = {
@@ -50,7 +51,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
         **_of_the_motion(run, drive),
         "detour_pct": _detour(way, seen),
     }
-    return Findings(measures, place_mistakes(assignment, run, drive, way, seen))
+    return Findings(measures, driving_mistakes(run, place_mistakes(assignment, run, drive, way, seen)))
 
 
 def _of_the_goals(wanted: WantedPlaces, way: Way, seen: list[Visit]) -> dict[str, Measure]:

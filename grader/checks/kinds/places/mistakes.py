@@ -8,7 +8,7 @@ import numpy as np
 from grader.checks.drive import Drive
 from grader.checks.kinds.places.visits import Visit, Way, entered
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, script_mistakes
+from grader.checks.mistakes import command_mistakes
 from grader.checks.scoring import fits
 from grader.checks.surroundings import name_of
 from grader.contracts.assignment import Assignment
@@ -31,26 +31,21 @@ LOST_TIMES, LOST_M = 1.25, 0.5
 
 
 def place_mistakes(
-    assignment: Assignment, run: Run, drive: Drive | None, way: Way | None, visits: Sequence[Visit]
-) -> tuple[Mistake, ...]:
-    """Return what probably went wrong on the way to the places."""
-    found = [*script_mistakes(run), *asleep(run)]
-    if drive is None or way is None:
-        return tuple(found)
-    found += command_mistakes(
-        run, assignment.world, turns=(*_GOAL_MEASURES, *_END_MEASURES), drives=_DRIVE_MEASURES
-    )
+    assignment: Assignment, run: Run, drive: Drive, way: Way, visits: Sequence[Visit]
+) -> Iterator[Mistake]:
+    """Yield what probably went wrong on the way to the places."""
+    turns = (*_GOAL_MEASURES, *_END_MEASURES)
+    yield from command_mistakes(run, assignment.world, turns=turns, drives=_DRIVE_MEASURES)
     touched = list(_touched(assignment, run, way))
     if all(visit.done_s is not None for visit in visits):
-        found += [*touched, *_ending(assignment, run, drive, way, visits)]
+        yield from touched
+        yield from _ending(assignment, run, drive, way, visits)
     elif float(drive.path.along_m[-1]) < LEAST_M:
-        found += touched  # `command_mistakes` says to drive; where to is the next question
+        yield from touched  # `command_mistakes` says to drive; where to is the next question
     else:
         cause = _missed(assignment, run, drive, way, visits)
         # A car on the wrong way met the wall because of it; otherwise the wall may be why the goal was missed.
-        found += [cause, *touched] if cause.code in _WRONG_WAY else [*touched, cause]
-    found += lost_at_home(run)
-    return tuple(found)
+        yield from [cause, *touched] if cause.code in _WRONG_WAY else [*touched, cause]
 
 
 def _touched(assignment: Assignment, run: Run, way: Way) -> Iterator[Mistake]:

@@ -10,6 +10,7 @@ from grader.checks.drive import pushed_m
 from grader.checks.kinds.polygon.figures import DrivenPolygon, WantedPolygon, driven_polygon, wanted_polygon
 from grader.checks.kinds.polygon.mistakes import polygon_mistakes
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
+from grader.checks.mistakes import driving_mistakes
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchSide
@@ -41,9 +42,9 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     """Measure the figure that the car drove in `run`."""
     wanted = wanted_polygon(assignment.options)
     driven = driven_polygon(assignment, wanted, run)
-    mistakes = polygon_mistakes(assignment, run, wanted, driven)
     if driven is None:
-        return Findings(mistakes=mistakes)
+        return Findings(mistakes=driving_mistakes(run, ()))
+    mistakes = driving_mistakes(run, polygon_mistakes(assignment, run, wanted, driven))
     return Findings(_measures(wanted, driven, _wall_m(run, driven)), mistakes)
 
 

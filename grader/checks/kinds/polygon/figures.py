@@ -46,7 +46,7 @@ class WantedPolygon(PositionalRecord):
 
     @property
     def figure(self) -> str:
-        """Key of its name in the catalogs."""
+        """Id of its name among the messages."""
         return "figure.rectangle" if self.differing else f"figure.{self.sides}"
 
     def aligned(self, sides_m: Sequence[float]) -> tuple[float, ...]:

@@ -11,13 +11,10 @@ from grader.checks.drive import FAST_TURN_RADPS, MOVING_MPS, MOVING_RADPS, faste
 from grader.checks.kinds.polygon.figures import FULL_TURN_DEG, SAME_DEG, DrivenPolygon, WantedPolygon
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import (
-    asleep,
     command_mistakes,
     defined_twice,
     loop_in_callback,
-    lost_at_home,
     noted,
-    script_mistakes,
     with_ends,
 )
 from grader.checks.scoring import fits
@@ -70,35 +67,28 @@ class _Seen:
 
 
 def polygon_mistakes(
-    assignment: Assignment, run: Run, wanted: WantedPolygon, driven: DrivenPolygon | None
-) -> tuple[Mistake, ...]:
-    """Return what probably went wrong in a figure that should have been `wanted`."""
-    found = [*script_mistakes(run), *asleep(run)]
-    if driven is None:
-        return tuple(found)
+    assignment: Assignment, run: Run, wanted: WantedPolygon, driven: DrivenPolygon
+) -> Iterator[Mistake]:
+    """Yield what probably went wrong in a figure that should have been `wanted`."""
     seen = _Seen(assignment, run, wanted, driven)
     if noted(run.outcome, "lateral_command") is None:  # or a figure was meant to be driven sideways
-        found += _never_turned(seen)
-    found += _degrees(seen)
-    found += _kept_driving(seen)
-    found += _kept_turning(seen)
-    found += command_mistakes(run, assignment.world, turns=_TURNS, drives=_DRIVES)
-    found += _little_turns(seen)
-    found += _wall(seen)
+        yield from _never_turned(seen)
+    yield from _degrees(seen)
+    yield from _kept_driving(seen)
+    yield from _kept_turning(seen)
+    yield from command_mistakes(run, assignment.world, turns=_TURNS, drives=_DRIVES)
+    yield from _little_turns(seen)
+    yield from _wall(seen)
     cut = _cut_at_the_end(seen)
     if cut:
-        found.append(
-            mistake(
-                "time_was_up",
-                ("settled", "gap_pct", *_LENGTHS),
-                time=number(run.outcome.duration_ns / 1e9, "s"),
-            )
+        yield mistake(
+            "time_was_up",
+            ("settled", "gap_pct", *_LENGTHS),
+            time=number(run.outcome.duration_ns / 1e9, "s"),
         )
-    found += _shape(seen)
+    yield from _shape(seen)
     if not cut:
-        found += _ending(seen)
-    found += lost_at_home(run)
-    return tuple(found)
+        yield from _ending(seen)
 
 
 def _never_turned(seen: _Seen) -> Iterator[Mistake]:

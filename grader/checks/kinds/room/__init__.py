@@ -8,6 +8,7 @@ import numpy as np
 from grader.checks.drive import MOVING_MPS, Drive, drive_of
 from grader.checks.kinds.room.mistakes import room_mistakes
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
+from grader.checks.mistakes import driving_mistakes
 from grader.checks.surroundings import clearance
 from grader.contracts.assignment import Assignment, Room
 from grader.contracts.figure import FigureSketch
@@ -40,7 +41,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     """Measure a drive in a room."""
     drive, room = drive_of(run), assignment.world.room
     if drive is None or room is None:
-        return Findings(mistakes=room_mistakes(assignment, run, None, {}))
+        return Findings(mistakes=driving_mistakes(run, room_mistakes(assignment, run, None, {})))
     trajectory = run.trajectory
     measures = {
         "distance_m": Measure(float(np.max(drive.path.along_m))),
@@ -53,7 +54,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
         **_band(assignment, room, drive),
         **_line(assignment, room, drive),
     }
-    return Findings(measures, room_mistakes(assignment, run, drive, measures))
+    return Findings(measures, driving_mistakes(run, room_mistakes(assignment, run, drive, measures)))
 
 
 def _ahead(room: Room, trajectory: Trajectory) -> Measure:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 from grader.checks.drive import Drive, is_motion
 from grader.checks.measure import UNMEASURED, Measure, Mistake, mistake
-from grader.checks.mistakes import asleep, lost_at_home, robot_mistakes, script_mistakes
+from grader.checks.mistakes import robot_mistakes
 from grader.checks.scoring import fits
 from grader.checks.surroundings import name_of
 from grader.contracts.assignment import Assignment
@@ -21,14 +21,13 @@ _TOUCH = ("contacts", "clearance_m", "ahead_m", "settled", "band_pct", "band_m",
 
 def room_mistakes(
     assignment: Assignment, run: Run, drive: Drive | None, measures: Mapping[str, Measure]
-) -> tuple[Mistake, ...]:
-    """Return what probably went wrong in a room."""
-    found = [*script_mistakes(run), *asleep(run), *robot_mistakes(run, assignment.world)]
+) -> Iterator[Mistake]:
+    """Yield what probably went wrong in a room."""
+    yield from robot_mistakes(run, assignment.world)
     if drive is not None:
-        found += _touched(run)
-        found += _ended(assignment, drive, measures)
-        found += _strayed(assignment, measures)
-    return (*found, *lost_at_home(run))
+        yield from _touched(run)
+        yield from _ended(assignment, drive, measures)
+        yield from _strayed(assignment, measures)
 
 
 def _touched(run: Run) -> Iterator[Mistake]:

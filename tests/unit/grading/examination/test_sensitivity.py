@@ -9,8 +9,8 @@ import pytest
 from grader.contracts.assignment import Assignment
 from grader.contracts.scoring import Run
 from grader.grading.examination.sensitivity import lax, replayable, replayed, sensitivities
-from tests.unit.checks.ideal_turtle import drive, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment
+from tests.unit.checks.trajectories import drive, polygon_legs, run_of
 
 SQUARE = assignment("square")
 
@@ -112,3 +112,37 @@ def test_a_limit_with_a_reason_may_be_wide() -> None:
         "length of the first straight" in problem.en
         for problem in lax(replace(task, items=allowed), square_run())
     )
+
+
+def only(task: Assignment, *measures: str, **change: str) -> Assignment:
+    """Return the assignment with the items of these measures alone, worth everything."""
+    items = [
+        replace(item, needs=(), scaled_by=(), **change) for item in task.items if item.measure in measures
+    ]
+    return replace(task, items=tuple(items))
+
+
+def test_what_no_measure_sees_is_told_and_may_be_left_free_by_any_limit() -> None:
+    """Whoever asks for the turning alone can narrow no band that would see how far the turtle drives."""
+    task = only(SQUARE, "corner_deg")
+    run = run_of(drive([(1.0, 1.0, 0.0), (1.0, 0.0, math.pi / 2)] * 4))
+    assert replayable(task, run)
+    (unseen,) = [one.en for one in lax(task, run) if "length of the first straight" in one.en]
+    assert unseen.endswith(
+        "no measure sees it: add an item that does, or say with limit, at any item, why it may be so"
+    )
+    assert lax(only(SQUARE, "corner_deg", limit="only the turns are asked for"), run) == []
+
+
+def test_a_limit_leaves_nothing_free_that_another_item_sees() -> None:
+    """The reason at one item is none for the wide band of another."""
+    task = widened(widened(SQUARE, "side_spread_pct", high=90.0), "gap_pct", high=90.0)
+    elsewhere = tuple(
+        replace(item, limit="corners may differ") if item.measure == "corner_deg" else item
+        for item in task.items
+    )
+    told = [one.en for one in lax(replace(task, items=elsewhere), square_run())]
+    (seen,) = [one for one in told if "length of the first straight" in one]
+    assert "narrow the band of one of " in seen
+    assert "lengths" in seen
+    assert "angles" not in seen

@@ -11,47 +11,49 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grader.contracts.fields import kinds_of
+from grader.contracts.fields import Share, kinds_of
 from grader.contracts.identity import RosterEntry
 from grader.contracts.rules import (
+    LATE_PARAMETERS,
     NO_EXTENSION,
     NO_RULES,
     Counts,
     Extension,
+    LateKind,
     LateRule,
-    LateStep,
     Rules,
     Shown,
 )
-from grader.service.web.rule_form import Reader, RuleForm, form_of, late_parameters, typed_name
+from grader.messages import is_on_page
+from grader.service.web.rule_form import (
+    Reader,
+    RuleForm,
+    TypedFieldError,
+    _read,
+    form_of,
+    late_parameters,
+    typed_name,
+)
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
+from tests.fakes.late_rules import EXAMPLES, late_rules
 from tests.unit.service.web.conftest import Browser
 
 SHANGHAI = ZoneInfo("Asia/Shanghai")
 PAGE = "/class/rules/square"
 DUE = datetime(2026, 3, 20, 15, 59, tzinfo=UTC)  # 23:59 in Shanghai
 instants = st.datetimes(datetime(2001, 1, 1), datetime(2199, 1, 1), timezones=st.just(UTC))
-shares = st.floats(0.0, 1.0).map(lambda one: round(one, 6))
 
 
 @st.composite
 def rule_sets(draw: st.DrawFn) -> Rules:
     opens, due = sorted(draw(st.lists(instants, min_size=2, max_size=2, unique=True)))
-    afters = sorted(draw(st.sets(st.integers(0, 10**7), min_size=1, max_size=4)))
-    keeps = sorted(draw(st.lists(shares, min_size=len(afters), max_size=len(afters))), reverse=True)
-    steps = tuple(LateStep(after_s=a, keep=k) for a, k in zip(afters, keeps, strict=True))
-    late = draw(
-        st.sampled_from(
-            [LateRule(), LateRule(kind="linear", per_day=1 / 3), LateRule(kind="steps", steps=steps)]
-        )
-    )
     opened = draw(st.sampled_from([None, opens]))
     return Rules(
         shown=draw(st.sampled_from([one for one in Shown if opened or one is not Shown.WHEN_OPEN])),
         opens=opened,
         due=due,
-        late=late,
+        late=draw(late_rules()),
         accept_late_s=draw(st.none() | st.integers(0, 10**8)),
         attempts=draw(st.none() | st.integers(1, 10_000)),
         attempts_per_day=draw(st.none() | st.integers(1, 10_000)),
@@ -116,6 +118,59 @@ def test_each_mistake_is_told_at_its_field(typed: dict, field: str, sentence: st
     reader = Reader(SHANGHAI)
     assert reader.rules(RuleForm(**typed), NO_RULES, frozenset("ab")) == NO_RULES
     assert reader.errors == {field: sentence}
+
+
+@pytest.mark.parametrize("kind", LATE_PARAMETERS)
+def test_a_late_rule_without_its_values_is_told_at_one_of_its_fields(kind: LateKind) -> None:
+    reader = Reader(SHANGHAI)
+    made = reader.rules(RuleForm(late=kind), NO_RULES, frozenset())
+    assert set(reader.errors) <= {typed_name(name) for name in LATE_PARAMETERS[kind]}
+    assert made.late == (LateRule() if reader.errors else LateRule(kind=kind))
+    assert all(map(is_on_page, reader.errors.values()))
+
+
+@pytest.mark.parametrize(
+    ("typed", "seconds"),
+    [
+        ("48", 172_800),
+        ("0.25", 900),
+        ("15 min", 900),
+        ("15分钟", 900),
+        ("1.5 h", 5_400),
+        ("2小时", 7_200),
+        ("0 min", 0),
+    ],
+)
+def test_durations_are_typed_in_hours_or_minutes(typed: str, seconds: int) -> None:
+    reader = Reader(SHANGHAI)
+    assert reader.rules(RuleForm(accept_late=typed), NO_RULES, frozenset()).accept_late_s == seconds
+    assert reader.errors == {}
+
+
+@pytest.mark.parametrize("typed", ["min", "15 m", "15 min 20", "1\n5", "-5 min", "15 %", "9999999 min"])
+def test_what_is_no_duration_is_told(typed: str) -> None:
+    reader = Reader(SHANGHAI)
+    reader.rules(RuleForm(accept_late=typed), NO_RULES, frozenset())
+    assert reader.errors == {"accept_late": "rules.error.hours"}
+
+
+def test_what_is_wrong_with_a_share_says_whether_nothing_is_one() -> None:
+    with pytest.raises(TypedFieldError, match=r"^rules\.error\.percent$"):
+        _read(Share(positive=True), "x", SHANGHAI)
+    with pytest.raises(TypedFieldError, match=r"^rules\.error\.percent_from_0$"):
+        _read(Share(), "101", SHANGHAI)
+    assert _read(Share(), "0 %", SHANGHAI) == 0.0
+
+
+@pytest.mark.parametrize("kind", EXAMPLES)
+def test_every_late_rule_is_told_wherever_rules_are(
+    wang: Browser, services: Services, kind: LateKind
+) -> None:
+    rules = Rules(due=DUE, late=EXAMPLES[kind])
+    services.rules.set("square", rules, Signature(services.clock(), "ros", "wang"))
+    for page in ("/class/rules", PAGE, "/class/audit", "/assignments/square"):
+        assert wang.get(page).status_code == 200, page
+    assert f'value="{kind}" checked' in wang.get(PAGE).text
 
 
 def test_the_form_asks_for_every_field_of_the_rules(wang: Browser) -> None:

@@ -14,8 +14,8 @@ from grader.contracts.errors import AssignmentError
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import EMPTY
 from grader.messages.quantity import quantities
-from tests.unit.checks.ideal_turtle import drive, run_of
 from tests.unit.checks.shipped import assignment, item, score
+from tests.unit.checks.trajectories import drive, run_of
 
 TASK = assignment("calculation")
 

