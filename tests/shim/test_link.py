@@ -159,8 +159,8 @@ def test_many_news_wait_no_longer_than_a_quarter_of_a_second(run_bare: RunScript
 
 
 def test_there_is_a_bound_on_entities(run_bare: RunScript) -> None:
-    run = run_bare(HEAD + "for i in range(600): link.register('node', f'/n{i}')\n")
-    assert len(run.of("ENTITY")) == 512
+    run = run_bare(HEAD + "for i in range(8_200): link.register('node', f'/n{i}')\n")
+    assert len(run.of("ENTITY")) == 8_192
     assert run.exit["type"] == "RuntimeError"
 
 

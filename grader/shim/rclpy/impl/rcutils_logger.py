@@ -154,7 +154,7 @@ def get_filters_from_kwargs(**kwargs: Any) -> list[str]:
 
 
 _detected: dict[tuple[object, ...], list[str]] = {}
-"""What `get_filters_from_kwargs` has returned, by the keywords and whether they are true: all that it depends on."""
+"""What `get_filters_from_kwargs` has returned, by the keywords and whether they are true: nothing else counts."""
 
 
 def _filters_of(kwargs: dict[str, Any]) -> list[str]:

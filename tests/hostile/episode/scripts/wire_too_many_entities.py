@@ -24,5 +24,5 @@ def entity(identifier, what=2, t=0, node=b"/n", name=b"/turtle1/cmd_vel", kind=b
           + struct.pack("<BBH", 1, 2, 10))
 
 
-for n in range(600):
+for n in range(8_200):
     entity(1000 + n)
