@@ -9,9 +9,9 @@ help:     ## this list
 	@sed -n 's/^\([a-z-]*\): *## /\1\t/p' $(firstword $(MAKEFILE_LIST)) | expand -t 12
 demo:     ## grade a small class over HTTP and show the dashboard
 	@$(RUN) demo $(ARGS)
-test:     ## every promise once or more; a file or folder named by ARGS as a whole
+test:     ## the everyday tests; all tests of what ARGS names
 	@$(RUN) test $(ARGS)
-test-all: ## the same promises on all further inputs as well
+test-all: ## the thorough tests as well: twice as long
 	@$(RUN) test-all $(ARGS)
 image-test: ## build the container image without a daemon and try it as an ordinary container
 	@$(RUN) image-test $(ARGS)

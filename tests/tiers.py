@@ -1,14 +1,16 @@
-"""Two tiers of tests: those of every day, and all.
+"""Two tiers of tests: everyday and thorough.
 
-Every promise has a test of every day. The others try the same promises on further inputs. These marks say which:
+Every promise has an everyday test. Thorough tests try the same promises on further inputs. These marks say which:
 
-- ``thorough``: the whole test, of something that another test tries as well.
-- ``sweep(keep)``: of a long list of parameters `keep` rows are of every day, spread evenly: the first, the last.
-- ``draws``: asks `examples` how many to try, as properties do without this mark: more of them when all are tried.
-- ``in_turn(*names)``: parameters that hardly depend on the others, as the language of a page or the database of a
-  query. Each combination of the others is of every day with one of their values, and the next with the next one.
+- ``thorough``: the whole test is thorough; another one tries the same promise.
+- ``sweep(keep)``: of a long list of parameters, `keep` rows are everyday tests: the first, the last, and rows
+  spread evenly between them.
+- ``draws``: the test asks `examples` how many to try. Properties draw fewer without this mark.
+- ``in_turn(*names)``: parameters that hardly depend on the others, such as the language of a page or the database
+  of a query. Each combination of the other parameters is an everyday test with one value of these, and the next
+  combination with the next value.
 
-The tests of every day are chosen when the whole suite is asked for. Who names a test, a file or a folder means it.
+The choice applies when the whole suite is asked for. Whoever names a test, a file or a folder gets all of it.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 _DATABASES = ("database_url", "blank_url")
-"""What is in turn in all tests."""
+"""Parameters that take turns in all tests, without the mark."""
 _FURTHER = pytest.StashKey[int]()
 _TESTS = Path(__file__).parent
 
@@ -33,22 +35,20 @@ _ALWAYS: dict[str, Any] = {
     "suppress_health_check": [HealthCheck.too_slow],
 }
 _SHARE = 4
-"""Of the examples of properties, one in so many is of every day."""
+"""Everyday tests draw this fraction of the examples of a property: one in so many."""
 settings.register_profile("all", **_ALWAYS)
 settings.register_profile("everyday", max_examples=100 // _SHARE, **_ALWAYS)
 
 
 def examples(number: int) -> int:
-    """So many examples of a property, where hypothesis's 100 are too many: fewer every day."""
+    """Return how many examples to try of `number`, which stands for hypothesis's 100 where these are too many."""
     return -(-number // _SHARE) if settings.get_current_profile_name() == "everyday" else number
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     group = parser.getgroup("tiers").addoption
-    group(
-        "--all", action="store_const", dest="tier", const="all", help="the tests of every day, and all others"
-    )
-    group("--rest", action="store_const", dest="tier", const="rest", help="only what is not of every day")
+    group("--all", action="store_const", dest="tier", const="all", help="everyday and thorough tests")
+    group("--rest", action="store_const", dest="tier", const="rest", help="only the thorough tests")
 
 
 def choose_tier(config: pytest.Config) -> None:
@@ -64,14 +64,14 @@ def choose_tier(config: pytest.Config) -> None:
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if config.option.tier == "all":
         return
-    everyday = of_every_day(items)
+    everyday = everyday_tests(items)
     if config.option.tier == "rest":
         chosen = [item for item in items if item not in everyday or _draws(item)]
     else:
         chosen = [item for item in items if item in everyday]
         left_out = {item.path for item in items} - {item.path for item in chosen}
         if left_out:
-            raise pytest.UsageError(f"no test of every day: {', '.join(map(str, sorted(left_out)))}")
+            raise pytest.UsageError(f"no everyday test: {', '.join(map(str, sorted(left_out)))}")
     config.stash[_FURTHER] = len(items) - len(chosen)
     kept = set(chosen)
     config.hook.pytest_deselected(items=[item for item in items if item not in kept])
@@ -79,13 +79,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def _draws(item: pytest.Item) -> bool:
-    """Whether there are more examples to try than every day."""
+    """Whether it draws more examples than as an everyday test."""
     by_hypothesis = getattr(getattr(item, "function", None), "is_hypothesis_test", False)
     return by_hypothesis or item.get_closest_marker("draws") is not None
 
 
-def of_every_day(items: list[pytest.Item]) -> set[pytest.Item]:
-    """Choose among all tests; the order of these decides what is whose turn."""
+def everyday_tests(items: list[pytest.Item]) -> set[pytest.Item]:
+    """Choose the everyday tests; their order decides which value has its turn."""
     rows: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
         if item.get_closest_marker("thorough") is None:
@@ -139,6 +139,4 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
     if config.option.tier == "everyday" and (further := config.stash.get(_FURTHER, 0)):
-        terminalreporter.write_line(
-            f"These are the tests of every day; `make test-all` runs {further} further ones."
-        )
+        terminalreporter.write_line(f"These were the everyday tests; `make test-all` runs {further} more.")

@@ -1,4 +1,4 @@
-"""Which tests are of every day."""
+"""Which tests are everyday tests."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from tests.tiers import of_every_day, spread
+from tests.tiers import everyday_tests, spread
 
 
 @dataclass(eq=False)
@@ -32,7 +32,7 @@ class Row:
 
 
 def chosen(rows: list[Row]) -> list[Row]:
-    found: set[Any] = of_every_day(rows)  # type: ignore[arg-type]
+    found: set[Any] = everyday_tests(rows)  # type: ignore[arg-type]
     return [row for row in rows if row in found]
 
 
@@ -44,7 +44,7 @@ def test_rows_are_spread_from_the_first_to_the_last(number: int, keep: int, rows
     assert spread(number, keep) == rows
 
 
-def test_what_has_no_mark_is_of_every_day() -> None:
+def test_a_test_without_a_mark_is_an_everyday_test() -> None:
     rows = [Row("test_a", params={"x": number}) for number in range(99)]
     assert chosen(rows) == rows
 

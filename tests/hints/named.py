@@ -1,4 +1,4 @@
-"""Which causes the tests of checks name: a script need not show each of those every day."""
+"""Which causes the tests of checks name: a script need not show each of those in an everyday test."""
 
 import re
 from functools import cache

@@ -380,7 +380,7 @@ def test_every_route_that_changes_something_has_a_row(running: tuple[FastAPI, st
     assert len(ROWS) > 70
 
 
-# every day the pages' forms: what programs send, `test_access` and the OpenAPI document's test send as well
+# everyday tests: the pages' forms; what programs send, `test_access` and the OpenAPI document's test send as well
 BY_PROGRAMS = [route for route in sorted(ROWS) if " /api/" in route]
 ROUTES = [
     *sorted(ROWS.keys() - BY_PROGRAMS),
