@@ -377,3 +377,32 @@ def test_the_short_way_to_a_lone_timer_comes_to_the_same(run_script):
     short = run_script(TIMERS)
     assert short.stdout.count("\n") > 3000
     assert run_script(LONG_WAY + TIMERS).stdout == short.stdout
+
+
+def test_a_timer_made_while_a_callback_is_under_way_counts_and_few_watches_are_made(run_script):
+    source = """
+        import rclpy.executors
+        made = 0
+        class Watch(rclpy.executors.Watch):
+            def __init__(self, *args):
+                global made
+                made += 1
+                super().__init__(*args)
+        rclpy.executors.Watch = Watch
+        group = ReentrantCallbackGroup()
+        ticks = 0
+        def tick():
+            global ticks
+            ticks += 1
+            if ticks == 50:
+                node.create_timer(0.25, late, callback_group=group)
+                time.sleep(0.4)
+        def late():
+            at(ticks, made < 60)
+            rclpy.shutdown()
+        node.create_timer(0.1, tick, callback_group=group)
+        executor = MultiThreadedExecutor()
+        executor.add_node(node)
+        executor.spin()
+    """
+    assert run_lines(run_script, source) == ["5250 52 True"]

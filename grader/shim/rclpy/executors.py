@@ -282,10 +282,15 @@ class Executor:
         return watch
 
     def _take_watch(self, nodes: Sequence[Node]) -> Watch:
-        """Return the watch of the last wait if it still holds; nobody else has it until it is put back."""
-        watch, self._watch = self._watch, None
-        if watch is not None and watch.holds(self.can_execute, nodes):
-            return watch
+        """Return the watch of the last wait if it still holds; nobody else has it until it is put back.
+
+        While callbacks are under way, one for this wait alone is made, and the last one may hold again afterwards.
+        """
+        watch = self._watch
+        if watch is not None and not changes.executing:
+            self._watch = None
+            if watch.holds(self.can_execute, nodes):
+                return watch
         return Watch(self.can_execute, nodes)
 
     def _deadline_of(self, timeout_sec: float | TimeoutObject | None) -> int | None:
