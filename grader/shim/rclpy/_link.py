@@ -254,7 +254,7 @@ class Link:
             self._expect()  # who reads it may ask for something then
 
     def _repeat(self, now_ns: int) -> None:
-        """Note that the last frame's message was published again: so long as nothing else is, only when counts."""
+        """Note the time at which the message of the last frame was published again; `flush` sends these times."""
         if self._channel is None:
             return
         self._repetitions_ns.append(now_ns)
