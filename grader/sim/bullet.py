@@ -137,7 +137,7 @@ class BulletCar:
         self._watcher = watcher
         self._walls = walls
         self._rough = RoughDrive(seed) if profile == "rough" else None
-        self.velocity = self.commanded = self._measured = (0.0, 0.0)
+        self.velocity = self.commanded = self._measured = self._turned = (0.0, 0.0)
         self.now_ns = self.steps_run = 0
         self.resting = True
         with faults():
@@ -158,15 +158,8 @@ class BulletCar:
         self.commanded = (v_mps, w_radps)
         if self._rough is not None:
             self._rough.aim(v_mps, w_radps)
-        with faults():
-            _bullet.setJointMotorControlArray(
-                self._body,
-                _WHEEL_JOINTS,
-                _bullet.VELOCITY_CONTROL,
-                targetVelocities=twist_to_wheels(v_mps, w_radps),
-                forces=_MOTORS_NM,
-                physicsClientId=self._client,
-            )
+            with faults():
+                self._turn_wheels(v_mps, w_radps)
 
     def advance(self, t_ns: int) -> None:
         """Run every update up to `t_ns` under the present command. A resting car gets there without them.
@@ -175,9 +168,13 @@ class BulletCar:
             InfrastructureError: PyBullet failed, or the car is not where it should be.
         """
         if not self.resting and self.now_ns + UPDATE_NS <= t_ns:
+            first = last_step_at(self.now_ns)
             with faults():
-                while not self.resting and self.now_ns + UPDATE_NS <= t_ns:
-                    self._update()
+                if self._rough is None:
+                    self._follow_the_law(t_ns)
+                else:
+                    self._drive(self._rough, t_ns)
+            self.steps_run += last_step_at(self.now_ns) - first
         self.now_ns = max(self.now_ns, t_ns - t_ns % UPDATE_NS)
 
     def put(self, pose: PlanarPose) -> None:
@@ -207,48 +204,46 @@ class BulletCar:
             _set_velocity(body, linear, angular, client)
             _step_once(client)
 
-    def _update(self) -> None:
-        """Run one update and have it watched."""
-        first = last_step_at(self.now_ns)
-        self.now_ns += UPDATE_NS
-        last = last_step_at(self.now_ns)
-        self.steps_run += last - first
-        if self._rough is None:
-            self._follow_the_law(last)
-        else:
-            self._drive(self._rough, first, last)
+    def _follow_the_law(self, t_ns: int) -> None:
+        """Move by turtlesim's law up to `t_ns`, or to rest; let the body follow now and then."""
+        v, w = self.velocity = self.commanded
+        self.resting = v == w == 0.0
+        each_time = self.resting or abs(v) > _QUICK_MPS or abs(w) > _QUICK_RADPS
+        last_ns = self.now_ns + UPDATE_NS if self.resting else t_ns
+        while self.now_ns + UPDATE_NS <= last_ns:
+            before = self.pose
+            self.now_ns += UPDATE_NS
+            x, y, heading = turtlesim_update(before, v, w)
+            if self._walls and not (0.0 <= x <= WINDOW_M and 0.0 <= y <= WINDOW_M):
+                start_ns = self.now_ns - UPDATE_NS
+                x = self._held(start_ns, self.now_ns, x, "left", "right")
+                y = self._held(start_ns, self.now_ns, y, "bottom", "top")
+                along = (x - before[0]) * cos(heading) + (y - before[1]) * sin(heading)
+                self._measured = (along / UPDATE_S, w)
+            else:
+                self._measured = (v, w)
+            self.pose = (x, y, heading)
+            if each_time or self.now_ns % (_BEHIND_UPDATES * UPDATE_NS) == 0:
+                self._take_along(before)
+            self._watch()
+
+    def _watch(self) -> None:
+        """Have the update watched that was just run."""
         if not isfinite(sum(self.pose) + sum(self._measured)):
             raise InfrastructureError("the simulated car left the realm of numbers")
         self.observe()
 
-    def _follow_the_law(self, last: int) -> None:
-        """Move by turtlesim's law; let the body follow, up to step `last`, unless it may stay behind for now."""
-        before, (v, w) = self.pose, self.commanded
-        x, y, heading = turtlesim_update(before, v, w)
-        if self._walls and not (0.0 <= x <= WINDOW_M and 0.0 <= y <= WINDOW_M):
-            start_ns = self.now_ns - UPDATE_NS
-            x = self._held(start_ns, self.now_ns, x, "left", "right")
-            y = self._held(start_ns, self.now_ns, y, "bottom", "top")
-            along = (x - before[0]) * cos(heading) + (y - before[1]) * sin(heading)
-            self._measured = (along / UPDATE_S, w)
-        else:
-            self._measured = (v, w)
-        self.pose = (x, y, heading)
-        self.velocity = (v, w)
-        self.resting = (v, w) == (0.0, 0.0)
-        quick = abs(v) > _QUICK_MPS or abs(w) > _QUICK_RADPS
-        if quick or self.resting or self.now_ns % (_BEHIND_UPDATES * UPDATE_NS) == 0:
-            self._take_along(before, last)
-
-    def _take_along(self, before: PlanarPose, last: int) -> None:
-        """Bring the body to where the law has the car at step `last`, on the line from the update `before`.
+    def _take_along(self, before: PlanarPose) -> None:
+        """Bring the body to where the law has the car at the last step, on the line from `before`, one update ago.
 
         Its velocity is constant meanwhile and no force acts along the floor, so that one engine step over all of
         the time does what its single steps would do.
         """
+        last = last_step_at(self.now_ns)
         steps, until_ns = last - self._body_step, step_time_ns(last)
         self._body_step = last
         body, client = self._body, self._client
+        self._turn_wheels(*self.commanded)
         share = 1.0 - (self.now_ns - until_ns) / UPDATE_NS
         x = before[0] + (self.pose[0] - before[0]) * share
         y = before[1] + (self.pose[1] - before[1]) * share
@@ -266,7 +261,29 @@ class BulletCar:
         if hypot(at_x - x, at_y - y) > _ASTRAY or abs(fold(self.body_pose[2] - heading)) > _ASTRAY:
             raise InfrastructureError("the simulated car's body is not where its law says")
 
-    def _drive(self, rough: RoughDrive, first: int, last: int) -> None:
+    def _turn_wheels(self, v_mps: float, w_radps: float) -> None:
+        """Have the motors turn the wheels as this velocity needs it."""
+        if (v_mps, w_radps) == self._turned:
+            return
+        self._turned = (v_mps, w_radps)
+        _bullet.setJointMotorControlArray(
+            self._body,
+            _WHEEL_JOINTS,
+            _bullet.VELOCITY_CONTROL,
+            targetVelocities=twist_to_wheels(v_mps, w_radps),
+            forces=_MOTORS_NM,
+            physicsClientId=self._client,
+        )
+
+    def _drive(self, rough: RoughDrive, t_ns: int) -> None:
+        """Run the updates up to `t_ns`, or to rest, under the rough drive."""
+        while not self.resting and self.now_ns + UPDATE_NS <= t_ns:
+            first = last_step_at(self.now_ns)
+            self.now_ns += UPDATE_NS
+            self._step(rough, first, last_step_at(self.now_ns))
+            self._watch()
+
+    def _step(self, rough: RoughDrive, first: int, last: int) -> None:
         """Step the body under the rough drive from step `first` to step `last`."""
         body, client = self._body, self._client
         x, y, heading = self.pose

@@ -334,6 +334,7 @@ def test_a_future_awaited_in_asyncio_costs_no_question_per_microsecond(run_scrip
 LONG_WAY = (
     "import rclpy.executors\n"
     "rclpy.executors.SingleThreadedExecutor._wait_for_lone_callback = lambda self, timeout_sec: None\n"
+    "rclpy.executors.SingleThreadedExecutor._spin_on = lambda self: None\n"
 )
 TIMERS = """
 import rclpy, random, time
@@ -354,18 +355,29 @@ def act(name):
     elif dice == 2: timers[chance.randrange(3)].reset()
     elif dice == 3: node.get_clock().now()
     elif dice == 4: time.sleep(chance.choice((0.0001, 0.002)))
-    elif dice == 5: rclpy.spin_once(node, timeout_sec=0.0005)
+    elif dice == 5 and not spinning: rclpy.spin_once(node, timeout_sec=0.0005)
+    elif dice == 5: rclpy.get_global_executor().spin_once(timeout_sec=0.0005)
     elif dice == 6: rclpy.get_global_executor().create_task(lambda: said('task'))
     elif dice == 7: node.destroy_timer(node.create_timer(0.001, lambda: None))
     elif dice == 8: raise ValueError(name)
     elif dice == 9: raise StopIteration
+    elif dice == 10: rclpy.get_global_executor().add_node(other)
+    elif dice == 11: rclpy.get_global_executor().remove_node(other)
+    elif dice == 12: timers[0].callback = later if timers[0].callback is fast else fast
+async def later(): act('async')
+other = rclpy.create_node('other')
+other.create_timer(0.002, lambda: act('other'))
 timers = [node.create_timer(period_s, lambda name=period_s: act(name)) for period_s in (0.0003, 0.001, 0.007)]
+fast = timers[0].callback
 while count[0] < 3000:
+    spinning = False
     try:
         for _ in range(30): rclpy.spin_once(node)
         for _ in range(30): rclpy.spin_once(node, timeout_sec=0.0004)
         done = rclpy.Future()
         rclpy.spin_until_future_complete(node, done, timeout_sec=0.01)
+        spinning = True
+        rclpy.spin(node)
     except (ValueError, RuntimeError) as error:
         said(repr(error))
 print(*shown, sep='\\n')

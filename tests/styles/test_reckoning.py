@@ -68,6 +68,16 @@ for step, *given in STEPS:
         for _ in range(given[0]):
             rclpy.spin_once(node)
             drive(given[1], 0.3 * last.theta + given[2])
+    elif step == 'ticks':
+        left = given[1]
+        def tick():
+            global left
+            left -= 1
+            drive(0.3, last.theta - left)
+            if not left: raise StopAsyncIteration
+        timer = node.create_timer(given[0], tick)
+        try: rclpy.spin(node)
+        except StopAsyncIteration: node.destroy_timer(timer)
     elif step == 'polls':
         for _ in range(given[0]): rclpy.spin_once(node, timeout_sec=0)
     elif step == 'listen' and given[0] not in beside:
@@ -106,6 +116,7 @@ STEPS = st.lists(
         st.tuples(st.just("sleep"), TIMES_S),
         st.tuples(st.just("spin"), TIMES_S),
         st.tuples(st.just("busy"), st.sampled_from([3, 900, 7_000])),
+        st.tuples(st.just("ticks"), st.sampled_from([0.0003, 0.016, 0.05]), st.integers(1, 80)),
         st.tuples(st.just("polls"), st.integers(1, 300)),
         st.tuples(st.just("slow"), st.sampled_from([0.0, 0.01, 0.05])),
         st.tuples(st.just("listen"), TOPICS),

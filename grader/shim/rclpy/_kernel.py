@@ -34,6 +34,9 @@ if TYPE_CHECKING:
         def reckons(self) -> bool:
             """Whether a pose is due at `quiet_ns`, and nobody has to be asked for it."""
 
+        def deliver_pose(self) -> None:
+            """Deliver the pose that is due at `quiet_ns`, if the world `reckons`."""
+
         def advance(self, target_ns: int, together_ns: int) -> int:
             """Let the world run to the first event up to `target_ns`, deliver it, return the instant reached.
 
@@ -340,16 +343,25 @@ class Kernel:
             # A destructor run by the garbage collector may wait inside another wait.
             me.ready, me.deadline_ns, me.why, me.idle = before
 
-    def skip_to(self, target_ns: int, quiet_ns: int) -> bool:
-        """Let a wait pass at once that ends at `target_ns`, if nothing else can happen up to `quiet_ns`.
+    def skip_to_tick(self, due_ns: int, late_ns: int) -> bool:
+        """Let the wait for a periodic wake-up pass at once, if nothing else can happen until it comes.
+
+        The same as `wait` and `be_late(late_ns)`.
 
         Returns:
             False, and nothing was done: the caller has to `wait`.
         """
-        if self.now_ns < target_ns and quiet_ns < self._quiet_until_ns:
-            self._skip_to(target_ns)
-            return True
-        return False
+        if self.now_ns >= due_ns or due_ns + late_ns >= self._quiet_until_ns:
+            return False
+        self.now_ns = now_ns = due_ns
+        self._count()
+        self._spins = SPINS_PER_SLICE
+        if late_ns:
+            self.now_ns = now_ns = due_ns + self._spent_ns % late_ns
+        self._slice_end_ns = (due_ns if now_ns < due_ns + SLICE_NS else now_ns) + SLICE_NS
+        if self._slices:
+            self._preempt_ns = min(self._limit_ns, self._alarm_ns, self._slice_end_ns)
+        return True
 
     def skip_to_pose(self, before_ns: int) -> bool:
         """Let a wait pass at once up to the next pose that is reckoned, if nothing else can happen until then.
@@ -362,10 +374,18 @@ class Kernel:
         if world is None or len(self.threads) != 1 or self._signals or not world.reckons:
             return False
         pose_ns = world.quiet_ns
-        if not self.now_ns < pose_ns < min(before_ns, self._limit_ns, self._alarm_ns):
+        limit_ns = min(self._limit_ns, self._alarm_ns)
+        if not self.now_ns < pose_ns < before_ns or pose_ns >= limit_ns:
             return False
-        self._skip_to(world.advance(pose_ns, 0))
-        self.replan()
+        world.deliver_pose()
+        self.now_ns = pose_ns
+        self._count()
+        self._spins = SPINS_PER_SLICE
+        self._slice_end_ns = end_ns = pose_ns + SLICE_NS
+        quiet_ns = world.quiet_ns
+        self._slices = True
+        self._quiet_until_ns = quiet_ns if quiet_ns < limit_ns else limit_ns
+        self._preempt_ns = end_ns if end_ns < limit_ns else limit_ns
         return True
 
     def on_interrupt(self, callback: Callable[[], None]) -> None:

@@ -324,16 +324,22 @@ class Link:
                 deliver(event.sequence, event.t_ns, event.cdr)
         return now_ns
 
+    def deliver_pose(self) -> None:
+        """Deliver the next pose, which is due at `quiet_ns`; only while the link `reckons`."""
+        reckoning = self._reckoning
+        assert reckoning is not None
+        if self._reckoned:
+            t_ns, cdr = self._reckoned.pop(0)
+        else:
+            t_ns, cdr = reckoning.next_ns, reckoning.update()
+        self.quiet_ns = self._reckoned[0][0] if self._reckoned else reckoning.next_ns
+        for ident in self._listeners:
+            if ident in self._deliver:
+                self._deliver[ident](0, t_ns, cdr)
+
     def _advance_alone(self, target_ns: int, together_ns: int) -> int:
         """Do what ADVANCE asks of the episode, while nothing but poses can become due."""
-        limit_ns = min(target_ns, self._kernel.horizon_ns)
-        reckoned, reckoning = self._reckoned, self._reckoning
-        if reckoning is not None and not reckoned and together_ns < reckoning.next_ns <= limit_ns:
-            target_ns = reckoning.next_ns  # what follows comes to the same: one pose at a time
-            due = [(target_ns, reckoning.update())]
-            self.quiet_ns = reckoning.next_ns
-        else:
-            due, target_ns = self._due(target_ns, together_ns, limit_ns)
+        due, target_ns = self._due(target_ns, together_ns, min(target_ns, self._kernel.horizon_ns))
         for t_ns, cdr in due:
             for ident in self._listeners:
                 deliver = self._deliver.get(ident)

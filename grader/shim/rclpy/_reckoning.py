@@ -24,6 +24,7 @@ NEVER_NS = 1 << 62
 _HEADER = b"\x00\x01\x00\x00"
 _POSE = struct.Struct("<4s5f")
 _TWIST = struct.Struct("<4s6d")
+_PI = math.pi
 _cos, _sin, _remainder = math.cos, math.sin, math.remainder
 
 
@@ -77,8 +78,16 @@ class Reckoning:
             if self._at_rest is None:
                 self._at_rest = self._published()
             return self._at_rest
-        self._move(*self._commanded)
-        return self._published()
+        v, w = self._velocity = self._commanded
+        self._heading_rad = heading = _fold(self._heading_rad + w * UPDATE_S)
+        reach_m = v * UPDATE_S
+        x, y = self._x_m + _cos(heading) * reach_m, self._y_m + _sin(heading) * reach_m
+        most_m = self._window_m
+        if most_m and not (0.0 <= x <= most_m and 0.0 <= y <= most_m):
+            x, y = min(max(x, 0.0), most_m), min(max(y, 0.0), most_m)
+        self._x_m, self._y_m = x, y
+        self._resting = v == w == 0.0
+        return _POSE.pack(_HEADER, x, y, heading, abs(v), w)
 
     def command(self, t_ns: int, cdr: bytes) -> None:
         """Take what was published as a command at `t_ns`, which no update up to then has seen."""
@@ -99,17 +108,6 @@ class Reckoning:
             self._resting = False
             self._at_rest = None
 
-    def _move(self, v: float, w: float) -> None:
-        self._heading_rad = heading = _fold(self._heading_rad + w * UPDATE_S)
-        reach_m = v * UPDATE_S
-        x, y = self._x_m + _cos(heading) * reach_m, self._y_m + _sin(heading) * reach_m
-        most_m = self._window_m
-        if most_m and not (0.0 <= x <= most_m and 0.0 <= y <= most_m):
-            x, y = min(max(x, 0.0), most_m), min(max(y, 0.0), most_m)
-        self._x_m, self._y_m = x, y
-        self._velocity = (v, w)
-        self._resting = v == w == 0.0
-
     def _published(self) -> bytes:
         v, w = self._velocity
         return _POSE.pack(_HEADER, self._x_m, self._y_m, _fold(self._heading_rad), abs(v), w)
@@ -127,5 +125,7 @@ def _bounded(cdr: bytes) -> tuple[float, float]:
 
 def _fold(angle_rad: float) -> float:
     """Fold an angle to [-pi, pi); one that lies there keeps its bits."""
+    if -_PI <= angle_rad < _PI:
+        return angle_rad
     folded = _remainder(angle_rad, math.tau)
     return -math.pi if folded >= math.pi else folded

@@ -8,7 +8,7 @@ from rclpy._forwarding import passed_on
 from rclpy._kernel import kernel
 from rclpy._rcl.errors import GUARD_CONTEXT, WAIT_CONTEXT, RCLError
 from rclpy._rcl.handles import changes
-from rclpy._rcl.watch import CLIENT, GUARD, MAX_LATENESS_NS, SERVICE, SUBSCRIPTION, TIMER, Watch
+from rclpy._rcl.watch import CLIENT, GUARD, SERVICE, SUBSCRIPTION, TIMER, Watch
 from rclpy.exceptions import InvalidHandle as InvalidHandle
 from rclpy.guard_condition import GuardCondition
 from rclpy.task import Future, Task, is_coroutine_function
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Generator, Sequence
     from typing import Any
 
+    from rclpy._rcl.watch import Place
     from rclpy.context import Context
     from rclpy.node import Node
 
@@ -88,13 +89,13 @@ class _WorkTracker:
     """Which threads are running callbacks."""
 
     def __init__(self) -> None:
-        self._running: list[object] = []
+        self.running: list[object] = []
 
     def __enter__(self) -> None:
-        self._running.append(kernel.running)
+        self.running.append(kernel.running)
 
     def __exit__(self, *_: object) -> None:
-        self._running.remove(kernel.running)
+        self.running.remove(kernel.running)
 
     def wait(self, timeout_sec: float | None = None) -> bool:
         """Block until no other thread runs one; False when the timeout (None or negative: never) came first.
@@ -105,7 +106,7 @@ class _WorkTracker:
         me = kernel.running
 
         def idle() -> bool:
-            return all(thread is me for thread in self._running)
+            return all(thread is me for thread in self.running)
 
         if idle():
             return True
@@ -167,7 +168,7 @@ class Executor:
         """Serve a node from now on; False when it is served already."""
         if node in self._nodes:
             return False
-        self._nodes[node] = None
+        self._nodes = {**self._nodes, node: None}
         node.executor = self
         iter(node.subscriptions)  # of a class instead of a node it is a property, as the first wait finds
         self.wake()
@@ -176,7 +177,7 @@ class Executor:
     def remove_node(self, node: Node) -> None:
         """Stop serving a node."""
         if node in self._nodes:
-            del self._nodes[node]
+            self._nodes = {served: None for served in self._nodes if served is not node}
             self.wake()
 
     def wake(self) -> None:
@@ -193,12 +194,17 @@ class Executor:
         with _Spinning(self):
             while self._context._valid() and not self._is_shutdown:
                 self.spin_once()
+                self._spin_on()
 
     def _spin_while_valid(self) -> None:
         """Run callbacks until the context is shut down: what `rclpy.spin` does."""
         with _Spinning(self):
             while self._context._valid():
                 self.spin_once()
+                self._spin_on()
+
+    def _spin_on(self) -> None:
+        """Do what further calls of `spin_once` would, if the executor has a shorter way to it."""
 
     def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
         """Run callbacks until the future is done or the timeout (None or negative: never) has passed."""
@@ -319,7 +325,7 @@ class Executor:
         )
         kernel.wait(ready, until_ns, self._why(), idle=bool(self._spinning) or watch.open)
         if watch.deadline_ns == kernel.now_ns:
-            kernel.be_late(min(watch.period_ns // 5, MAX_LATENESS_NS))
+            kernel.be_late(watch.late_ns)
         if self._is_shutdown:
             raise ShutdownException()
         if not valid():
@@ -463,7 +469,7 @@ class _Call:
 
     __slots__ = ("_entity", "_executor", "_is_shutdown", "_kind")
 
-    def __init__(self, executor: Executor, kind: int, entity: Any) -> None:
+    def __init__(self, executor: SingleThreadedExecutor, kind: int, entity: Any) -> None:
         entity._executor_event = True
         changes.executing += 1
         kernel.steps += 1
@@ -473,33 +479,7 @@ class _Call:
         self._is_shutdown = executor._is_shutdown
 
     def __call__(self) -> None:
-        executor, entity = self._executor, self._entity
-        if self._is_shutdown or not entity.callback_group.beginning_execution(entity):
-            entity._executor_event = False
-            changes.executing -= 1
-            executor.wake()
-            return
-        with executor._work_tracker:
-            message = None
-            if self._kind == TIMER:
-                timer = entity.handle
-                timer.require()
-                timer.call_timer()
-            else:
-                message = executor._take_subscription(entity)
-            entity._executor_event = False
-            executor.wake()
-            try:
-                if self._kind == TIMER:
-                    entity.callback()
-                elif message:
-                    entity.callback(message)
-            except StopIteration as error:
-                raise RuntimeError("coroutine raised StopIteration") from error  # as in a task
-            finally:
-                entity.callback_group.ending_execution(entity)
-                changes.executing -= 1
-                executor.wake()
+        self._executor._execute(self._kind, self._entity, self._is_shutdown)
 
     def exception(self) -> None:
         """Return None: what the callback raised has come out of the call."""
@@ -517,8 +497,45 @@ class SingleThreadedExecutor(Executor):
             return _Call(self, kind, entity)
         return super()._handler_of(kind, entity, node)
 
-    def _wait_for_lone_callback(self, timeout_sec: float | TimeoutObject | None) -> _Call | None:
-        """Wait for the next callback and return its call, if it is a plain one and the only one that is ready.
+    def _execute(self, kind: int, entity: Any, is_shutdown: bool = False) -> None:
+        """Run the plain callback of a timer or subscription that has been given out."""
+        group = entity.callback_group
+        if is_shutdown or not group.beginning_execution(entity):
+            entity._executor_event = False
+            changes.executing -= 1
+            self.wake()
+            return
+        running = self._work_tracker.running
+        running.append(kernel.running)
+        try:
+            message = None
+            handle = entity.handle
+            if handle.doomed:
+                handle.require()
+            if kind == TIMER:
+                handle.call_timer()
+            else:
+                message = handle.take(entity.msg_type, entity.raw)
+            entity._executor_event = False
+            if not self._woken:
+                self.wake()
+            try:
+                if kind == TIMER:
+                    entity.callback()
+                elif message:
+                    entity.callback(message)
+            except StopIteration as error:
+                raise RuntimeError("coroutine raised StopIteration") from error  # as in a task
+            finally:
+                group.ending_execution(entity)
+                changes.executing -= 1
+                if not self._woken:
+                    self.wake()
+        finally:
+            running.remove(kernel.running)
+
+    def _wait_for_lone_callback(self, timeout_sec: float | TimeoutObject | None) -> Place | None:
+        """Wait for the next callback and give it out, if it is a plain one and the only one that is ready.
 
         `wait_for_ready_callbacks` comes to the same and takes three times as long. What else the wait finds, that
         one returns next.
@@ -527,36 +544,72 @@ class SingleThreadedExecutor(Executor):
             return None
         deadline_ns = None if timeout_sec is None else self._deadline_of(timeout_sec)
         watch = self._take_watch(self.get_nodes())
-        self._woken.clear()
-        call = self._skip_to_lone_timer(watch, deadline_ns)
-        if call is None:
-            if not self._skip_to_pose(watch, deadline_ns):
-                self._block(watch, deadline_ns)
-            watch.settle()
-            place = watch.lone()
-            in_time = deadline_ns is None or kernel.now_ns < deadline_ns
-            if place is None or not in_time or is_coroutine_function(place[3].callback):
-                self._last_args, self._last_kwargs = (), {"timeout_sec": timeout_sec}
-                self._cb_iter = self._wait_for_ready_callbacks(timeout_sec, waited=(watch, deadline_ns))
-                return None
-            call = _Call(self, place[1], place[3])
-        if watch.lasting:
+        place = self._next_lone(watch, deadline_ns)
+        if place is None:
+            self._last_args, self._last_kwargs = (), {"timeout_sec": timeout_sec}
+            self._cb_iter = self._wait_for_ready_callbacks(timeout_sec, waited=(watch, deadline_ns))
+        elif watch.lasting:
             self._watch = watch
-        return call
+        return place
 
-    def _skip_to_lone_timer(self, watch: Watch, deadline_ns: int | None) -> _Call | None:
-        """Wait for the next timer and return its call, if nothing else can happen until then; else do nothing."""
-        timer = watch.lone_timer()
-        if timer is None or is_coroutine_function(timer.callback):
+    def _spin_on(self) -> None:
+        """Run callbacks one by one, for as long as only messages come and timers fall due."""
+        watch, nodes, context = self._watch, self._nodes, self._context.handle
+        if watch is None or context is None or type(self) is not SingleThreadedExecutor:
+            return
+        while (
+            self._nodes is nodes
+            and self._watch is watch
+            and self._cb_iter is None
+            and not self._tasks
+            and not self._is_shutdown
+            and context.valid
+            and watch.unchanged()
+        ):
+            self._watch = None
+            try:
+                place = self._next_lone(watch, None)
+            except ShutdownException:
+                return
+            if place is None:
+                self._last_args, self._last_kwargs = (), {"timeout_sec": None}
+                self._cb_iter = self._wait_for_ready_callbacks(waited=(watch, None))
+                return
+            self._watch = watch
+            self._execute(place[1], place[3])
+
+    def _next_lone(self, watch: Watch, deadline_ns: int | None) -> Place | None:
+        """Block until something is ready; give it out, if it is the only one, plain and in time."""
+        self._woken.clear()
+        settled = False
+        place = watch.lone_timer()
+        if place is None or not self._skip_to_tick(watch, deadline_ns):
+            if self._skip_to_pose(watch, deadline_ns):
+                place = watch.lone_message()
+            else:
+                self._block(watch, deadline_ns)
+                place = None
+            if place is None:
+                watch.settle()
+                settled = True
+                place = watch.lone()
+        in_time = deadline_ns is None or kernel.now_ns < deadline_ns
+        if place is None or not in_time or not watch.is_plain(place[3].callback):
+            if not settled:
+                watch.settle()
             return None
-        late_ns = min(watch.period_ns // 5, MAX_LATENESS_NS)
-        due_ns = watch.deadline_ns or 0
-        if deadline_ns is not None and due_ns + late_ns >= deadline_ns:
-            return None
-        if not kernel.skip_to(due_ns, due_ns + late_ns):
-            return None
-        kernel.be_late(late_ns)
-        return _Call(self, TIMER, timer)
+        place[3]._executor_event = True
+        changes.executing += 1
+        kernel.steps += 1
+        return place
+
+    def _skip_to_tick(self, watch: Watch, deadline_ns: int | None) -> bool:
+        """Wait for the next timer; False, and nothing was done, if anything else can happen until then."""
+        due_ns, late_ns = watch.deadline_ns, watch.late_ns
+        assert due_ns is not None
+        return (deadline_ns is None or due_ns + late_ns < deadline_ns) and kernel.skip_to_tick(
+            due_ns, late_ns
+        )
 
     def _skip_to_pose(self, watch: Watch, deadline_ns: int | None) -> bool:
         """Wait for the next pose; False, and nothing was done, if something is ready or may come before it."""
@@ -571,11 +624,16 @@ class SingleThreadedExecutor(Executor):
             ready = None
             if self._cb_iter is not None:
                 ready = self._left_of_last_wait((), {"timeout_sec": timeout_sec})
+            place = None
             if ready is None and type(self) is SingleThreadedExecutor:
-                handler = self._wait_for_lone_callback(timeout_sec)
-            if handler is None:
+                place = self._wait_for_lone_callback(timeout_sec)
+            if place is None:
                 handler, _, _ = ready or self.wait_for_ready_callbacks(timeout_sec=timeout_sec)
         except (ShutdownException, TimeoutException):
+            return
+        if handler is None:
+            assert place is not None
+            self._execute(place[1], place[3])
             return
         handler()
         error = handler.exception()

@@ -160,6 +160,7 @@ class TimerHandle(Handle):
 
     Attributes:
         due_ns: next call, on the timer's clock.
+        period_ns: between calls; the one already scheduled stays where it is when this changes.
         backlog: non-empty when a reset or a clock jump must wake a waiting executor.
     """
 
@@ -175,7 +176,7 @@ class TimerHandle(Handle):
         self.clock = clock
         self.canceled = False
         self.backlog: list[bool] = []
-        self._period_ns = period_ns
+        self.period_ns = period_ns
         self._last_ns = clock.read_ns()
         self.due_ns = self._last_ns + period_ns
         self._credit_ns = 0
@@ -197,13 +198,13 @@ class TimerHandle(Handle):
             self.backlog = [True]
             if now_ns and self._credit_ns:
                 self._last_ns = now_ns - self._credit_ns
-                self.due_ns = self._last_ns + self._period_ns
+                self.due_ns = self._last_ns + self.period_ns
                 self._credit_ns = 0
         elif self.due_ns <= now_ns:
             self.backlog = [True]
         elif now_ns < self._last_ns:
             self._last_ns = now_ns
-            self.due_ns = now_ns + self._period_ns
+            self.due_ns = now_ns + self.period_ns
 
     def is_timer_ready(self) -> bool:
         """Whether the timer is due and not cancelled."""
@@ -215,16 +216,16 @@ class TimerHandle(Handle):
             raise RCLError(TIMER_CANCELED)
         now_ns = self.clock.read_ns()
         self._last_ns = now_ns
-        self.due_ns += self._period_ns
+        self.due_ns += self.period_ns
         late_ns = now_ns - self.due_ns
         if late_ns > 0:
-            period_ns = self._period_ns
+            period_ns = self.period_ns
             self.due_ns = now_ns if not period_ns else self.due_ns + -(-late_ns // period_ns) * period_ns
 
     def reset_timer(self) -> None:
         """Start a new period now; a cancelled timer runs again."""
         changes.count += 1
-        self.due_ns = self.clock.read_ns() + self._period_ns
+        self.due_ns = self.clock.read_ns() + self.period_ns
         self.canceled = False
         self.backlog = [True]
 
@@ -238,11 +239,11 @@ class TimerHandle(Handle):
 
     def get_timer_period(self) -> int:
         """Return the period in nanoseconds."""
-        return self._period_ns
+        return self.period_ns
 
     def change_timer_period(self, period_ns: int) -> None:
         """Set the period; the call already scheduled stays where it is."""
-        self._period_ns = period_ns
+        self.period_ns = period_ns
 
     def time_since_last_call(self) -> int:
         """Return nanoseconds since the last call (or creation)."""

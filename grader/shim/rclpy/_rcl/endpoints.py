@@ -142,8 +142,13 @@ class PublisherHandle(EndpointHandle):
     def publish(self, message: Any) -> None:
         """Publish a message of the publisher's class; later changes of it have no effect."""
         kernel.charge()
-        self._require_context("Failed to publish")
-        if self.readers or self._carried or self._kept is not None:
+        if not self._context.valid:
+            self._require_context("Failed to publish")
+        if self._carried and not (self.readers or self._fresh or self._kept is not None):
+            link.publish(
+                self.link_id, serialize(message)
+            )  # what `send` comes to, for all commands but the first
+        elif self.readers or self._carried or self._kept is not None:
             self.send(serialize(message))
         elif self._counted:
             link.publish(self.link_id, b"")

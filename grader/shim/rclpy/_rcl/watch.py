@@ -8,6 +8,7 @@ from rclpy._kernel import kernel
 from rclpy._rcl.handles import changes
 from rclpy._rcl.wait_set import WaitSet
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.task import is_coroutine_function
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -38,14 +39,14 @@ class Watch:
 
     Attributes:
         deadline_ns: earliest virtual instant at which a timer is due, None when none is running.
-        period_ns: that timer's period.
+        late_ns: how much later than that it may be called (`Kernel.be_late`).
         open: whether something may come from outside unasked: waiting for it for ever is no deadlock.
         lasting: whether it may serve a further wait.
     """
 
     def __init__(self, can_execute: Callable[[Any], bool], nodes: Sequence[Node]) -> None:
         self.deadline_ns: int | None = None
-        self.period_ns = 0
+        self.late_ns = 0
         self.open = any(
             any(s.handle.link_id for s in node._subscriptions)
             or any(s.handle.link_id for s in node._services)
@@ -68,6 +69,8 @@ class Watch:
         self._events: list[
             Any
         ] = []  # backlogs of waitables, if these are ready only when they hold something
+        self._plain: Any = None  # the last callback that was found to be no coroutine function
+        self._first: Place | None = None  # the timer of `deadline_ns`
         self._timed = False  # whether a waitable may become ready without one
         self._calm = False  # whether none of those was ready at the last look
         self._ready: list[Place] = []
@@ -138,9 +141,11 @@ class Watch:
 
     def holds(self, can_execute: Callable[[Any], bool], nodes: Sequence[Node]) -> bool:
         """Whether the next wait would count the same entities; if so, it is ready for that wait."""
+        return can_execute == self._can_execute and nodes == self._nodes and self.unchanged()
+
+    def unchanged(self) -> bool:
+        """Whether the next wait for these nodes counts the same entities; if so, it is ready for that wait."""
         if not self.lasting or changes.executing or changes.count != self._seen:
-            return False
-        if can_execute != self._can_execute or nodes != self._nodes:
             return False
         self._find_deadline()
         return True
@@ -150,13 +155,16 @@ class Watch:
         heap = self._heap
         while heap:
             due_ns, number = heap[0]
-            handle, lead_ns, _ = self._clockwork[number]
+            handle, lead_ns, place = self._clockwork[number]
             if handle.canceled:
                 heappop(heap)  # a reset is a change
             elif handle.due_ns - lead_ns != due_ns:
                 heapreplace(heap, (handle.due_ns - lead_ns, number))
             else:
-                self.deadline_ns, self.period_ns = due_ns, handle.get_timer_period()
+                late_ns = handle.period_ns // 5
+                self.deadline_ns = due_ns
+                self._first = place
+                self.late_ns = late_ns if late_ns < MAX_LATENESS_NS else MAX_LATENESS_NS
                 return
         self.deadline_ns = None
 
@@ -166,17 +174,39 @@ class Watch:
             return True
         return bool(self._checked) and any(handle.is_timer_ready() for handle, _ in self._checked)
 
-    def lone_timer(self) -> Any:
+    def is_plain(self, callback: Any) -> bool:
+        """Whether the callback is no coroutine function."""
+        if callback is not self._plain:
+            if is_coroutine_function(callback):
+                return False
+            self._plain = callback
+        return True
+
+    def lone_timer(self) -> Place | None:
         """Return the timer that is due next; None when anything else may be ready by then, or soon after it."""
         heap = self._heap
         if not heap or self._reset or self._guards or any(self._backlogs):
             return None
-        due_ns, number = heap[0]
-        soon_ns = due_ns + MAX_LATENESS_NS
-        if len(heap) > 1 and (heap[1][0] <= soon_ns or (len(heap) > 2 and heap[2][0] <= soon_ns)):
+        if len(heap) > 1:
+            soon_ns = heap[0][0] + MAX_LATENESS_NS
+            if heap[1][0] <= soon_ns or (len(heap) > 2 and heap[2][0] <= soon_ns):
+                return None
+        return self._first
+
+    def lone_message(self) -> Place | None:
+        """Return the subscription that has something, if only messages can have come, and only for that one.
+
+        None: `settle` and `lone` tell.
+        """
+        heap = self._heap
+        if self._guards or self._reset or self._checked or not self._calm or changes.count != self._seen:
             return None
-        place = self._clockwork[number][2]
-        return None if place is None else place[3]
+        if (heap and heap[0][0] <= kernel.now_ns) or any(self._events):
+            return None
+        filled = [place for backlog, place in self._others if backlog]
+        if len(filled) != 1 or filled[0][1] != SUBSCRIPTION or not _free(filled[0][3]):
+            return None
+        return filled[0]
 
     def lone(self) -> Place | None:
         """Return the timer or subscription that is ready, after `settle`, if it is the only thing that is."""
