@@ -57,12 +57,8 @@ def _without_clock(run: Run, world: World) -> Mistake | None:
 def _deaf_client(run: Run, world: World) -> Mistake | None:
     """Recognise a client of a service that nobody offers."""
     offered = {each.name: each.type for each in _of_kind(run, "service")} | services_of(world)
-    for client in _of_kind(run, "client"):
-        if (
-            "/_action/" in client.name
-            or client.type.startswith(_OF_PARAMETERS)
-            or _is_of_spawned(run, client)
-        ):
+    for client in _not_of_spawned(run, _of_kind(run, "client")):
+        if "/_action/" in client.name or client.type.startswith(_OF_PARAMETERS):
             continue
         if client.name not in offered:
             near = _near(client.name, (name for name in offered if offered[name] == client.type)) or _near(
@@ -87,7 +83,7 @@ def _deaf_subscription(run: Run, world: World, *, surely: bool) -> Mistake | Non
         for each in _of_kind(run, "subscription")
         if each.name not in (*_OF_ROS, world.cmd_vel_topic) and "/_action/" not in each.name
     ]
-    concerned = [each for each in heard if each.node in commanding and not _is_of_spawned(run, each)]
+    concerned = [each for each in _not_of_spawned(run, heard) if each.node in commanding]
     for each in concerned:
         if each.name in own and each.name not in topics_of(world) and own[each.name] != each.type:
             return mistake("types_differ", topic=each.name, published=own[each.name], heard=each.type)
@@ -121,10 +117,12 @@ def services_of(world: World) -> dict[str, str]:
     return WINDOW_SERVICES | {f"{TURTLE}/{name}": kind for name, kind in TURTLE_SERVICES.items()}
 
 
-def _is_of_spawned(run: Run, endpoint: Endpoint) -> bool:
-    """Whether it may belong to a turtle that the script has spawned itself."""
-    spawns = any(each.type == "turtlesim/srv/Spawn" and each.count for each in _of_kind(run, "client"))
-    return spawns and endpoint.name.rpartition("/")[2] in (*TURTLE_TOPICS, *TURTLE_SERVICES)
+def _not_of_spawned(run: Run, endpoints: list[Endpoint]) -> list[Endpoint]:
+    """Leave out what may belong to a turtle that the script has spawned itself."""
+    if not any(each.type == "turtlesim/srv/Spawn" and each.count for each in _of_kind(run, "client")):
+        return endpoints
+    names = (*TURTLE_TOPICS, *TURTLE_SERVICES)
+    return [each for each in endpoints if each.name.rpartition("/")[2] not in names]
 
 
 def _near(name: str, known: Iterable[str]) -> str:

@@ -62,6 +62,9 @@ ROSOUT: Final = "/rosout"
 AHEAD_NS: Final = 100_000_000
 """A script that has gone this long without ADVANCE runs ahead. One that subscribes sends it every 16 ms."""
 MAX_REQUESTS: Final = 200  # whose values are kept
+MAX_DRIVERS: Final = (
+    50  # publishers that a reckoning script is told of; one that creates more asks for each pose
+)
 NEVER_NS: Final = 1 << 62
 
 _TWIST: Final = struct.Struct("<4s6d")
@@ -439,7 +442,7 @@ class Episode:
 
     def _let_reckon(self) -> CarState | None:
         """Let the script reckon the poses by itself while nothing else can become due."""
-        asked = self._agent is not None or self._calls.next_ns() is not None
+        asked = self._agent is not None or self._calls.next_ns() is not None or len(self._sinks) > MAX_DRIVERS
         car = None if asked else self._world.let_reckon()
         if car is None:
             return None

@@ -98,9 +98,13 @@ def test_each_call_site_has_its_own_filters(run_script):
                 print(error)
         for period in (1.0, 1, 2.0, 0):
             at(period)
+        lambdas = [lambda: log.info("f", once=True), lambda: (
+            log.info("g", once=True))]
+        for call in lambdas * 2:
+            call()
     """
     run, err = run_and_stderr(run_script, source)
-    assert [line.partition("]: ")[2] for line in err] == ["a", "b", "c", "d", "e"]
+    assert [line.partition("]: ")[2] for line in err] == ["a", "b", "c", "d", "e", "f", "g"]
     assert run.stdout.splitlines() == [
         "Logging filter parameters cannot be changed between calls.",
         "Requested logging filters cannot be changed between calls.",

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Generator, Sequence
     from typing import Any
 
+    from rclpy._rcl.handles import ContextHandle
     from rclpy._rcl.watch import Place
     from rclpy.context import Context
     from rclpy.node import Node
@@ -554,12 +555,16 @@ class SingleThreadedExecutor(Executor):
 
     def _spin_on(self) -> None:
         """Run callbacks one by one, for as long as only messages come and timers fall due."""
-        watch, nodes, context = self._watch, self._nodes, self._context.handle
-        if watch is None or context is None or type(self) is not SingleThreadedExecutor:
+        context = self._context.handle
+        if context is None or type(self) is not SingleThreadedExecutor:
+            return
+        self._run_left(context)
+        watch, nodes = self._watch, self._nodes
+        if watch is None or not watch.holds(self.can_execute, list(nodes)):
             return
         while (
-            self._nodes is nodes
-            and self._watch is watch
+            self._watch is watch
+            and self._nodes is nodes
             and self._cb_iter is None
             and not self._tasks
             and not self._is_shutdown
@@ -574,9 +579,25 @@ class SingleThreadedExecutor(Executor):
             if place is None:
                 self._last_args, self._last_kwargs = (), {"timeout_sec": None}
                 self._cb_iter = self._wait_for_ready_callbacks(waited=(watch, None))
+                self._run_left(context)
+            else:
+                self._watch = watch
+                self._execute(place[1], place[3])
+
+    def _run_left(self, context: ContextHandle) -> None:
+        """Run what else the last wait has found, if that was a wait without a timeout."""
+        left = self._cb_iter
+        if left is None or self._last_args != () or self._last_kwargs != {"timeout_sec": None}:
+            return
+        while self._cb_iter is left and context.valid and not self._is_shutdown:
+            try:
+                handler, _, _ = next(left)
+            except StopIteration:
+                self._cb_iter = None
                 return
-            self._watch = watch
-            self._execute(place[1], place[3])
+            except (ShutdownException, TimeoutException):
+                return
+            _run(handler)
 
     def _next_lone(self, watch: Watch, deadline_ns: int | None) -> Place | None:
         """Block until something is ready; give it out, if it is the only one, plain and in time."""
@@ -635,10 +656,7 @@ class SingleThreadedExecutor(Executor):
             assert place is not None
             self._execute(place[1], place[3])
             return
-        handler()
-        error = handler.exception()
-        if error is not None:
-            raise error
+        _run(handler)
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Wait for one callback and run it."""
@@ -649,6 +667,14 @@ class SingleThreadedExecutor(Executor):
     ) -> None:
         """Wait for one callback and run it."""
         self._spin_once_impl(timeout_sec)
+
+
+def _run(handler: Task | _Call) -> None:
+    """Run a callback in this thread; what it raises comes out."""
+    handler()
+    error = handler.exception()
+    if error is not None:
+        raise error
 
 
 class WorkerPool:

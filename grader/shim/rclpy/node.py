@@ -247,8 +247,10 @@ class Node:
             new_executor.add_node(self)
             self.__executor_weakref = ref(new_executor)
 
-    def _wake_executor(self) -> None:
+    def _wake_executor(self, *, added: bool = False) -> None:
+        """Have the executor look again: the node has got an entity (`added`) or lost one."""
         changes.count += 1
+        changes.additions += added
         executor = self.executor
         if executor is not None:
             executor.wake()
@@ -334,7 +336,7 @@ class Node:
     def add_waitable(self, waitable: Waitable) -> None:
         """Have the node's executor wait for a custom waitable."""
         self._waitables.append(waitable)
-        self._wake_executor()
+        self._wake_executor(added=True)
 
     def remove_waitable(self, waitable: Waitable) -> None:
         """Undo `add_waitable`."""
@@ -390,7 +392,7 @@ class Node:
             impl.destroy_when_not_in_use()
             raise
         self._publishers.append(publisher)
-        self._wake_executor()
+        self._wake_executor(added=True)
         for handler in publisher.event_handlers:
             self.add_waitable(handler)
         return publisher
@@ -423,7 +425,7 @@ class Node:
             raise
         group.add_entity(subscription)
         self._subscriptions.append(subscription)
-        self._wake_executor()
+        self._wake_executor(added=True)
         for handler in subscription.event_handlers:
             self.add_waitable(handler)
         return subscription
@@ -443,7 +445,7 @@ class Node:
         client = Client(self.context, impl, srv_type, srv_name, qos_profile, group)
         group.add_entity(client)
         self._clients.append(client)
-        self._wake_executor()
+        self._wake_executor(added=True)
         return client
 
     def create_service(
@@ -472,7 +474,7 @@ class Node:
         service = Service(impl, srv_type, srv_name, callback, group, qos_profile)
         group.add_entity(service)
         self._services.append(service)
-        self._wake_executor()
+        self._wake_executor(added=True)
         return service
 
     def _service_endpoint(self, kind: Any, srv_type: Any, name: str, qos: QoSProfile) -> Any:
@@ -497,7 +499,7 @@ class Node:
         timer = Timer(callback, group, period_ns, chosen, context=self.context)
         group.add_entity(timer)
         self._timers.append(timer)
-        self._wake_executor()
+        self._wake_executor(added=True)
         return timer
 
     def create_guard_condition(
@@ -508,7 +510,7 @@ class Node:
         guard = GuardCondition(callback, group, context=self.context)
         group.add_entity(guard)
         self._guards.append(guard)
-        self._wake_executor()
+        self._wake_executor(added=True)
         return guard
 
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:

@@ -17,11 +17,13 @@ class Changes:
 
     Attributes:
         count: grows whenever an entity is created or destroyed, or a timer may be due sooner than it said.
+        additions: how many of these changes were an entity more, which leaves the others as they were.
         executing: callbacks given out by any executor and not ended; their groups may keep others waiting.
     """
 
     def __init__(self) -> None:
         self.count = 0
+        self.additions = 0
         self.executing = 0
 
 
@@ -37,6 +39,7 @@ class Handle:
 
     def __init__(self) -> None:
         changes.count += 1
+        changes.additions += 1
         self.doomed = False
         self._users = 0
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from heapq import heapify, heappop, heappush, heapreplace
+from heapq import heappop, heappush, heapreplace
 
 from rclpy._kernel import kernel
 from rclpy._rcl.handles import changes
@@ -47,13 +47,10 @@ class Watch:
     def __init__(self, can_execute: Callable[[Any], bool], nodes: Sequence[Node]) -> None:
         self.deadline_ns: int | None = None
         self.late_ns = 0
-        self.open = any(
-            any(s.handle.link_id for s in node._subscriptions)
-            or any(s.handle.link_id for s in node._services)
-            for node in nodes
-        )
+        self.open = False
         self._nodes = list(nodes)
         self._seen = changes.count
+        self._seen_additions = changes.additions
         self.lasting = not changes.executing
         self._can_execute = can_execute
         self._backlogs: list[Any] = []
@@ -76,26 +73,41 @@ class Watch:
         self._ready: list[Place] = []
         self._ready_waitables: list[tuple[Any, Node]] = []
         for number, node in enumerate(nodes):
+            self._known = [0] * (WAITABLE + 1)
             self._add_node(number, node)
-        heapify(self._heap)
         self._find_deadline()
 
     def _add_node(self, number: int, node: Node) -> None:
-        for place, timer in enumerate(node._timers):
+        """Count the node's entities, but for those that are known already."""
+        known = self._known
+        for place, timer in enumerate(node._timers[known[TIMER] :], known[TIMER]):
             if self._counts(timer):
                 self._add_timer(timer.handle, (number, TIMER, place, timer, node))
         for kind in (SUBSCRIPTION, CLIENT, SERVICE):
-            for place, entity in enumerate(_members(node, kind)):
+            for place, entity in enumerate(_members(node, kind)[known[kind] :], known[kind]):
+                self.open = self.open or (kind != CLIENT and entity.handle.link_id != 0)
                 if self._counts(entity):
                     self._backlogs.append(entity.handle.backlog)
                     self._others.append((entity.handle.backlog, (number, kind, place, entity, node)))
-        if node._guards:
+        if len(node._guards) > known[GUARD]:
             counted = [guard for guard in node._guards if self._counts(guard)]
             self._backlogs.extend(guard.handle.backlog for guard in counted)
             self._guards.append((counted, (number, GUARD, 0, None, node)))
-        for waitable in node._waitables:
+        for waitable in node._waitables[known[WAITABLE] :]:
             if self._can_execute(waitable):
                 self._add_waitable(waitable, node)
+        self._known = [len(_members(node, kind)) for kind in range(WAITABLE + 1)]
+
+    def _take_in(self) -> bool:
+        """Count what the only node has got since; False, and the watch is of no use, if more has changed."""
+        if len(self._nodes) != 1 or changes.count - self._seen != changes.additions - self._seen_additions:
+            return False
+        node = self._nodes[0]
+        if len(node._guards) != self._known[GUARD]:
+            return False
+        self._seen, self._seen_additions = changes.count, changes.additions
+        self._add_node(0, node)
+        return self.lasting
 
     def _counts(self, entity: Any) -> bool:
         self.lasting = self.lasting and type(entity.callback_group) in _PLAIN_GROUPS
@@ -108,7 +120,7 @@ class Watch:
             self.lasting = False
             self._checked.append((handle, place))
         else:
-            self._heap.append((due_ns, len(self._clockwork)))
+            heappush(self._heap, (due_ns, len(self._clockwork)))
             self._clockwork.append((handle, handle.due_ns - due_ns, place))
 
     def _add_waitable(self, waitable: Any, node: Node) -> None:
@@ -145,7 +157,7 @@ class Watch:
 
     def unchanged(self) -> bool:
         """Whether the next wait for these nodes counts the same entities; if so, it is ready for that wait."""
-        if not self.lasting or changes.executing or changes.count != self._seen:
+        if not self.lasting or changes.executing or (changes.count != self._seen and not self._take_in()):
             return False
         self._find_deadline()
         return True
@@ -281,12 +293,16 @@ def _order(place: Place) -> tuple[int, int, int]:
     return place[:3]
 
 
-def _members(node: Node, kind: int) -> Sequence[Any]:
-    if kind == TIMER:
-        return node._timers
-    if kind == SUBSCRIPTION:
-        return node._subscriptions
-    return node._clients if kind == CLIENT else node._services
+def _members(node: Node, kind: int) -> list[Any]:
+    members: tuple[list[Any], ...] = (
+        node._timers,
+        node._subscriptions,
+        node._guards,
+        node._clients,
+        node._services,
+        node._waitables,
+    )
+    return members[kind]
 
 
 def _free(entity: Any) -> bool:

@@ -153,6 +153,9 @@ def get_filters_from_kwargs(**kwargs: Any) -> list[str]:
     return detected
 
 
+_NAMELESS = frozenset({"<lambda>", "<genexpr>", "<listcomp>", "<setcomp>", "<dictcomp>"})
+"""Functions of which several may begin in one line and go on in different ones."""
+
 _detected: dict[tuple[object, ...], list[str]] = {}
 """What `get_filters_from_kwargs` has returned, by the keywords and whether they are true: nothing else counts."""
 
@@ -214,7 +217,9 @@ class RcutilsLogger:
         filters = _filters_of(kwargs) if kwargs else []
         frame = _calling_frame()
         code = frame.f_code
-        site = (code.co_filename, code.co_name, code.co_firstlineno, frame.f_lasti)  # these imply the line
+        # The first line and the instruction imply the line, but not for lambdas. Finding it takes microseconds.
+        line = frame.f_lineno if code.co_name in _NAMELESS else code.co_firstlineno
+        site = (code.co_filename, code.co_name, line, frame.f_lasti)
         context = self.contexts.get(site)
         if context is None:
             context = {"name": name, "severity": severity, "kwargs": kwargs}
