@@ -326,17 +326,20 @@ class Kernel:
         if deadline_ns is not None and self.now_ns < deadline_ns < self._quiet_until_ns:
             self._skip_to(deadline_ns)
             return ready()
+        if blocks := deadline_ns is None or deadline_ns > self.now_ns:
+            self._count()
+            self._spins = SPINS_PER_SLICE
+        else:
+            self.charge()  # a timeout of 0 does not block: a loop that polls must let time pass
+            if len(self.threads) == 1 and not self._signals:
+                self.replan()
+                return ready()
         me = self.running
         before = (me.ready, me.deadline_ns, me.why, me.idle)
         me.ready = ready
         me.deadline_ns = FOREVER_NS if deadline_ns is None else deadline_ns
         me.why = why
         me.idle = idle
-        if blocks := me.deadline_ns > self.now_ns:
-            self._count()
-            self._spins = SPINS_PER_SLICE
-        else:
-            self.charge()  # a timeout of 0 does not block: a loop that polls must let time pass
         try:
             return self._block(me, asked=blocks)
         finally:

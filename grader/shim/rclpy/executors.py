@@ -178,7 +178,9 @@ class Executor:
     def remove_node(self, node: Node) -> None:
         """Stop serving a node."""
         if node in self._nodes:
-            self._nodes = {served: None for served in self._nodes if served is not node}
+            nodes = dict(self._nodes)
+            del nodes[node]
+            self._nodes = nodes
             self.wake()
 
     def wake(self) -> None:
@@ -540,6 +542,9 @@ class SingleThreadedExecutor(Executor):
 
         `wait_for_ready_callbacks` comes to the same and takes three times as long. What else the wait finds, that
         one returns next.
+
+        Raises:
+            TimeoutException: nothing came in time.
         """
         if self._cb_iter is not None or self._tasks or self._is_shutdown or not self._context._valid():
             return None
@@ -547,6 +552,10 @@ class SingleThreadedExecutor(Executor):
         watch = self._take_watch(self.get_nodes())
         place = self._next_lone(watch, deadline_ns)
         if place is None:
+            if watch.idle and deadline_ns is not None and kernel.now_ns >= deadline_ns:
+                if watch.lasting:
+                    self._watch = watch
+                raise TimeoutException
             self._last_args, self._last_kwargs = (), {"timeout_sec": timeout_sec}
             self._cb_iter = self._wait_for_ready_callbacks(timeout_sec, waited=(watch, deadline_ns))
         elif watch.lasting:

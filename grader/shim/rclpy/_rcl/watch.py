@@ -25,7 +25,6 @@ TIMER, SUBSCRIPTION, GUARD, CLIENT, SERVICE, WAITABLE = range(6)
 _PLAIN_GROUPS = (MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup)
 """A group of another class may say at any time whether its callbacks may run."""
 
-
 MAX_LATENESS_NS = 5_000_000
 """Latest that a timer is called after it is due while nothing else keeps the executor busy."""
 
@@ -79,24 +78,26 @@ class Watch:
 
     def _add_node(self, number: int, node: Node) -> None:
         """Count the node's entities, but for those that are known already."""
-        known = self._known
-        for place, timer in enumerate(node._timers[known[TIMER] :], known[TIMER]):
+        known, members = self._known, _members(node)
+        for place, timer in enumerate(members[TIMER][known[TIMER] :], known[TIMER]):
             if self._counts(timer):
                 self._add_timer(timer.handle, (number, TIMER, place, timer, node))
         for kind in (SUBSCRIPTION, CLIENT, SERVICE):
-            for place, entity in enumerate(_members(node, kind)[known[kind] :], known[kind]):
-                self.open = self.open or (kind != CLIENT and entity.handle.link_id != 0)
+            for place, entity in enumerate(members[kind][known[kind] :], known[kind]):
+                handle = entity.handle
+                if kind != CLIENT and handle.link_id:
+                    self.open = True
                 if self._counts(entity):
-                    self._backlogs.append(entity.handle.backlog)
-                    self._others.append((entity.handle.backlog, (number, kind, place, entity, node)))
-        if len(node._guards) > known[GUARD]:
-            counted = [guard for guard in node._guards if self._counts(guard)]
+                    self._backlogs.append(handle.backlog)
+                    self._others.append((handle.backlog, (number, kind, place, entity, node)))
+        if len(members[GUARD]) > known[GUARD]:
+            counted = [guard for guard in members[GUARD] if self._counts(guard)]
             self._backlogs.extend(guard.handle.backlog for guard in counted)
             self._guards.append((counted, (number, GUARD, 0, None, node)))
-        for waitable in node._waitables[known[WAITABLE] :]:
+        for waitable in members[WAITABLE][known[WAITABLE] :]:
             if self._can_execute(waitable):
                 self._add_waitable(waitable, node)
-        self._known = [len(_members(node, kind)) for kind in range(WAITABLE + 1)]
+        self._known = [len(each) for each in members]
 
     def _take_in(self) -> bool:
         """Count what the only node has got since; False, and the watch is of no use, if more has changed."""
@@ -110,7 +111,8 @@ class Watch:
         return self.lasting
 
     def _counts(self, entity: Any) -> bool:
-        self.lasting = self.lasting and type(entity.callback_group) in _PLAIN_GROUPS
+        if self.lasting and type(entity.callback_group) not in _PLAIN_GROUPS:
+            self.lasting = False
         return self._can_execute(entity) and not entity.handle.doomed
 
     def _add_timer(self, handle: Any, place: Place | None) -> None:
@@ -220,6 +222,11 @@ class Watch:
             return None
         return filled[0]
 
+    @property
+    def idle(self) -> bool:
+        """Whether nothing was ready at the last `settle`."""
+        return not self._ready and not self._ready_waitables
+
     def lone(self) -> Place | None:
         """Return the timer or subscription that is ready, after `settle`, if it is the only thing that is."""
         if len(self._ready) != 1 or self._ready_waitables:
@@ -283,7 +290,7 @@ class Watch:
                 for guard in tuple(node._guards):  # callbacks create and destroy some
                     if guard._executor_triggered and _free(guard):
                         yield GUARD, guard, node
-            elif changes.count != self._settled and entity not in _members(node, kind):
+            elif changes.count != self._settled and entity not in _members(node)[kind]:
                 continue
             elif (kind != TIMER or entity.handle.is_timer_ready()) and _free(entity):
                 yield kind, entity, node
@@ -293,16 +300,9 @@ def _order(place: Place) -> tuple[int, int, int]:
     return place[:3]
 
 
-def _members(node: Node, kind: int) -> list[Any]:
-    members: tuple[list[Any], ...] = (
-        node._timers,
-        node._subscriptions,
-        node._guards,
-        node._clients,
-        node._services,
-        node._waitables,
-    )
-    return members[kind]
+def _members(node: Node) -> tuple[list[Any], ...]:
+    """Return what a node consists of, by kind."""
+    return node._timers, node._subscriptions, node._guards, node._clients, node._services, node._waitables
 
 
 def _free(entity: Any) -> bool:
