@@ -7,14 +7,12 @@ what a plot should show, and `problems` what is wrong with an assignment's use o
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from grader.checks.across import ignored_input, together_scored
 from grader.checks.causes import with_causes
 from grader.checks.fit import misfits
 from grader.checks.kinds import CHECKS, KINDS, TEXT_CHECKS
 from grader.checks.measure import Check, Findings, Kind, first_causes
 from grader.checks.package import examined, with_package
-from grader.checks.rubric_text import published
-from grader.checks.scoring import WHOLE, Portion, score_items
+from grader.checks.scoring import WHOLE, Portion, ignored_input, published, score_items, together_scored
 from grader.checks.summary import summarise, summarise_text
 from grader.checks.surroundings import solids_of
 from grader.contracts.assignment import Assignment

@@ -1,17 +1,117 @@
-"""From what a check measured to scored rubric items: credit, dependencies, sentences."""
+"""The rubric: what each item wants, and what it earns by what a check measured, in one run or across several."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from grader.checks.measure import UNMEASURED, Findings, Kind, Measure, MeasureKind, Mistake, text_id
-from grader.checks.rubric_text import wanted
-from grader.contracts.assignment import BY_PERSON, Assignment, ItemSpec
+from grader.checks.measure import (
+    UNMEASURED,
+    Check,
+    Findings,
+    Kind,
+    Measure,
+    MeasureKind,
+    Mistake,
+    mistake,
+    text_id,
+)
+from grader.contracts.assignment import BY_PERSON, Across, Assignment, ItemSpec
 from grader.contracts.record import PositionalRecord
-from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.rubric import ItemStatus, PublishedItem, PublishedRubric, RubricItem, Unit
+from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
-from grader.messages import enumerated, say
+from grader.messages import enumerated, join, say
 from grader.messages.quantity import number, number_beside
+
+_SPACE = Text(zh="", en=" ")
+
+_MOST_DECIMALS = 4
+
+
+def wanted(kind: MeasureKind, spec: ItemSpec) -> Text:
+    """Say what earns full credit: ``90° ± 3°``, ``at least 0.5 m``, ``yes``."""
+    if spec.measure == BY_PERSON:
+        return say("wanted.by_person")
+    if kind.form == "flag":
+        return say("wanted.yes")
+    low, high = _number(spec.low, kind.unit), _number(spec.high, kind.unit)
+    if kind.form == "count" and spec.high == 0.0:
+        return say("wanted.exactly", value=high)
+    if spec.low is None or spec.high is None:
+        return say("wanted.at_least", low=low) if spec.low is not None else say("wanted.at_most", high=high)
+    if spec.low == spec.high:
+        return say("wanted.exactly", value=low)
+    middle, half = (spec.low + spec.high) / 2.0, (spec.high - spec.low) / 2.0
+    return say("wanted.band", middle=_number(middle, kind.unit), half=_number(half, kind.unit))
+
+
+def published(check: Kind, assignment: Assignment) -> PublishedRubric:
+    """Return the assignment's rubric in both languages."""
+    specs = {item.id: item for item in assignment.items}
+    return PublishedRubric(
+        assignment=assignment.id,
+        title=assignment.title,
+        brief=assignment.brief,
+        horizon_s=assignment.horizon_s,
+        max_score=assignment.max_score,
+        items=tuple(_item(check, spec, specs) for spec in assignment.items),
+        remarks=say(f"{check.kind}.remarks"),
+    )
+
+
+def _item(check: Kind, spec: ItemSpec, specs: Mapping[str, ItemSpec]) -> PublishedItem:
+    kind = check.measures.get(spec.measure, MeasureKind())
+    by_person = spec.measure == BY_PERSON
+    return PublishedItem(
+        id=spec.id,
+        title=spec.title,
+        points=spec.points,
+        measure=say("rubric.by_person") if by_person else _measure(check, spec),
+        wanted=wanted(kind, spec),
+        partial=say("rubric.partial_by_person") if by_person else _partial(kind, spec),
+        needs=_needs(spec, specs),
+    )
+
+
+def _measure(check: Kind, spec: ItemSpec) -> Text:
+    name = say(f"{text_id(check, spec.measure)}.name")
+    return name if spec.across == "each" else say(f"rubric.{spec.across}", measure=name)
+
+
+def _partial(kind: MeasureKind, spec: ItemSpec) -> Text:
+    """Say at which values an item earns nothing, or that it earns all or nothing."""
+    if spec.ramp <= 0.0 or kind.form == "flag":
+        return say("rubric.all_or_nothing")
+    edges = []
+    if spec.low is not None:
+        edges.append(say("rubric.zero_below", edge=_number(spec.low - spec.ramp, kind.unit)))
+    if spec.high is not None:
+        edges.append(say("rubric.zero_above", edge=_number(spec.high + spec.ramp, kind.unit)))
+    return say("rubric.partial", edges=join(edges, say("rubric.or")))
+
+
+def _needs(spec: ItemSpec, specs: Mapping[str, ItemSpec]) -> Text:
+    """Say which items an item needs, that it counts in part where they earned little, and which ones lower it.
+
+    An item for a person never counts in part: a person gives its points.
+    """
+    others = enumerated([specs[other].title for other in spec.scaled_by])
+    scaled = say("rubric.scaled", items=others) if spec.scaled_by else EMPTY
+    if not spec.needs:
+        return scaled
+    by_halves = spec.measure != BY_PERSON and any(_earns_parts(specs[need], specs) for need in spec.needs)
+    items = enumerated([specs[need].title for need in spec.needs])
+    needs = say("rubric.needs_half", items=items) if by_halves else say("rubric.needs", items=items)
+    return join([needs, scaled], _SPACE) if spec.scaled_by else needs
+
+
+def _earns_parts(spec: ItemSpec, specs: Mapping[str, ItemSpec]) -> bool:
+    return spec.ramp > 0.0 or any(_earns_parts(specs[need], specs) for need in spec.needs)
+
+
+def _number(value: float | None, unit: Unit) -> str:
+    return "" if value is None else number(value, unit, _MOST_DECIMALS)
+
 
 # From half of its points on, an item counts as there for those that need it. A threshold at zero would make the
 # last hundredth of a point decide about all the points of the items above.
@@ -191,9 +291,82 @@ def _seen(check: Kind, spec: ItemSpec, measure: Measure) -> Text:
 
 
 def _hint(check: Kind, spec: ItemSpec, measure: Measure, mistakes: Sequence[Mistake]) -> Text:
-    for mistake in mistakes:
-        if mistake.explains(spec.measure):
-            return mistake.text
+    for each in mistakes:
+        if each.explains(spec.measure):
+            return each.text
     if "why" in measure.details:  # unmeasured because of what other items report
         return EMPTY
     return say(f"{text_id(check, spec.measure)}.hint")
+
+
+def together_scored(
+    check: Check, assignment: Assignment, runs: Sequence[Run], found: Sequence[Findings]
+) -> dict[str, RubricItem]:
+    """Return the items that are scored across the runs: by the worst run, or by the mean of all runs.
+
+    The items that such an item needs are combined in the same way.
+    """
+    titles = {case.id: case.title for case in assignment.cases}
+    names = [_name(titles.get(run.case, EMPTY), run.case) for run in runs]
+    mistakes = tuple(mistake for findings in found for mistake in findings.mistakes)
+    items = {}
+    for spec in assignment.items:
+        if spec.across == "each":
+            continue
+        combined = {one.measure: _combined(one, spec.across, found) for one in assignment.items}
+        combined[spec.measure] = _combined(spec, spec.across, found)
+        scored = score_items(check, assignment.items, Findings(combined, mistakes))
+        item = next(each for each in scored if each.id == spec.id)
+        items[spec.id] = replace(item, message=_run_message(spec, item, check, names, found))
+    return items
+
+
+def _name(title: Text, case_id: str) -> Text:
+    return Text(zh=case_id, en=case_id) if title == EMPTY else title
+
+
+def _combined(spec: ItemSpec, across: Across, found: Sequence[Findings]) -> Measure:
+    """Return the measure of an item over all runs; it is unmeasured if one of the runs leaves it unmeasured."""
+    measures = [findings.measures.get(spec.measure, UNMEASURED) for findings in found]
+    worst = measures[_worst(spec, found)]
+    if across == "worst" or not math.isfinite(worst.value):
+        return worst
+    return Measure(math.fsum(each.value for each in measures) / len(measures), worst.details)
+
+
+def _worst(spec: ItemSpec, found: Sequence[Findings]) -> int:
+    """Return the run that is furthest outside of the item's band, of several the first."""
+    errors = [band_error(spec, each.measures.get(spec.measure, UNMEASURED).value) for each in found]
+    return errors.index(max(errors))
+
+
+def _run_message(
+    spec: ItemSpec, item: RubricItem, check: Check, names: Sequence[Text], found: Sequence[Findings]
+) -> Text:
+    """Say which run was the worst, or what was measured on average."""
+    if item.status is ItemStatus.NOT_CHECKED:
+        return item.message
+    if spec.across == "worst" or item.measured is None:
+        return say("item.worst", case=names[_worst(spec, found)], seen=item.message)
+    value = number_beside(item.measured, check.measures[spec.measure].unit or "1", (spec.low, spec.high))
+    return say("item.mean", value=value, count=len(found))
+
+
+def ignored_input(
+    assignment: Assignment,
+    runs: Sequence[Run],
+    seen: Sequence[Findings],
+) -> Mistake | None:
+    """Recognise a script that drives the same wrong sides in every run, whatever it is given."""
+    given = {case.id: (case.stdin, case.args) for case in assignment.cases}
+    if len({given.get(run.case) for run in runs}) < 2 or any(len(each.mistakes) > 1 for each in seen):
+        return None
+    wrong = [each.mistakes[0] for each in seen if each.mistakes]
+    if {each.code for each in wrong} != {"wrong_lengths"}:
+        return None
+    lengths = {str(each.measures["side_error_pct"].details.get("lengths")) for each in seen}
+    if len(lengths) > 1:
+        return None
+    code = "argument_ignored" if any(args for _, args in given.values()) else "input_ignored"
+    shown = seen[0].measures["side_error_pct"].details.get("lengths", "")
+    return mistake(code, ("side_error_pct", "gap_pct"), lengths=shown)

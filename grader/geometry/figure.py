@@ -14,8 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from grader.contracts.record import PositionalRecord
-from grader.geometry.path import Path
-from grader.geometry.segmentation import MIN_TURN_RAD, Segments, Straight, Turn
+from grader.geometry.path import MIN_TURN_RAD, Path, Segments, Straight, Turn
 
 FULL_TURN_RAD = 2.0 * math.pi
 

@@ -1,4 +1,14 @@
-"""From recorded poses to the path that was driven."""
+"""From recorded poses to the path that was driven, and its straights and turns (in place or in an arc).
+
+The path is cut in the plane of distance travelled against direction of travel, where a straight is a level line, a
+turn in place an upright one and an arc a slope. Time plays no part, so pauses, speed and sampling cannot matter.
+Ramer-Douglas-Peucker simplifies this staircase with one tolerance in degrees and one in shares of the path's
+extent: wobble and noise below them vanish. What is left is classified and merged.
+
+The smallest corner of an assignment is the 30° of a dodecagon. A car that steers by the sign of its error
+swings by up to 10° about a straight side. The constants below keep the two apart; the tests of steering
+that weaves and of figures with twelve sides fail when one is halved or doubled, as its comment says.
+"""
 
 import itertools
 import math
@@ -7,6 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from grader.contracts.record import PositionalRecord
 
 Floats = NDArray[np.float64]
 
@@ -111,3 +123,181 @@ def _unfold(signed_m: Floats, heading_rad: Floats, turning: list[int]) -> tuple[
                 travel_rad[0] = heading_rad[0] + math.pi
         total_m += abs(float(ahead_m[-1]))
     return along_m, travel_rad
+
+
+HEADING_TOLERANCE_RAD = math.radians(10.0)  # doubled, it swallows the corners of a dodecagon
+DISTANCE_TOLERANCE_SHARE = 0.02  # of the extent; doubled, weaving is taken for corners
+WOBBLE_RAD = math.radians(12.0)  # to either side: a swing of 10° with some noise is still straight
+
+# Half of a dodecagon's corner. A smaller change of direction, or one in an arc wider than the path, is a
+# straight that bends.
+MIN_TURN_RAD = math.radians(15.0)
+
+# Of the extent: shorter straight bits belong to the corner around them. Halved, a step after the figure counts
+# as a side; doubled, a weaving side falls apart.
+MIN_STRAIGHT_SHARE = 0.06
+
+MIN_EXTENT_M = 0.02  # keeps the tolerances of a car that turned on the spot from shrinking to its noise
+MAX_VERTICES = 1000  # bounds the work for a path that never goes straight; a dodecagon needs 25
+STILL_RAD, STILL_M = 1e-3, 1e-3  # less than this is rest, not motion
+
+
+class Straight(PositionalRecord):
+    """A straight stretch between samples `first` and `last`.
+
+    Attributes:
+        direction_rad: mean continuous direction of travel over its middle part.
+        bend_rad: by how much that direction changes from its start to its end, wobble aside (not negative).
+        length_m: distance travelled.
+    """
+
+    first: int
+    last: int
+    direction_rad: float
+    bend_rad: float
+    length_m: float
+
+
+class Turn(PositionalRecord):
+    """A change of direction between samples `first` and `last`, on the spot or in an arc.
+
+    Attributes:
+        angle_rad: signed change of continuous direction.
+        length_m: distance travelled meanwhile (near zero for a turn in place).
+    """
+
+    first: int
+    last: int
+    angle_rad: float
+    length_m: float
+
+
+class Segments(PositionalRecord):
+    """Runs and the turns around them.
+
+    Attributes:
+        turns: one more than there are straights: ``turns[i]`` comes before ``straights[i]``, the last one
+            after the last straight; None where there was none. Without any straight: a single turn or None.
+    """
+
+    straights: tuple[Straight, ...]
+    turns: tuple[Turn | None, ...]
+
+
+@dataclass(slots=True)
+class _Piece:
+    first: int
+    last: int
+    straight: bool
+
+
+def segment(path: Path) -> Segments:
+    """Cut `path` into alternating turns and straights."""
+    extent_m = max(path.extent_m, MIN_EXTENT_M)
+    corners = _simplify(
+        path.along_m / (DISTANCE_TOLERANCE_SHARE * extent_m), path.travel_rad / HEADING_TOLERANCE_RAD
+    )
+    pieces = _classify(path, _without_wobble(path, corners), extent_m)
+    return _assemble(path, _join(path, pieces))
+
+
+def _simplify(across: Floats, up: Floats) -> list[int]:
+    """Return the sorted indices kept by Ramer-Douglas-Peucker with tolerance 1: both axes are in tolerances."""
+    last = len(across) - 1
+    kept, stack = {0, last}, [(0, last)]
+    while stack and len(kept) < MAX_VERTICES:
+        first, last = stack.pop()
+        if last - first < 2:
+            continue
+        dx, dy = float(across[last] - across[first]), float(up[last] - up[first])
+        px, py = across[first + 1 : last] - across[first], up[first + 1 : last] - up[first]
+        length = math.hypot(dx, dy)
+        distance = np.abs(dx * py - dy * px) / length if length > 0.0 else np.hypot(px, py)
+        far = int(np.argmax(distance))
+        if distance[far] > 1.0:
+            middle = first + 1 + far
+            kept.add(middle)
+            stack += [(first, middle), (middle, last)]
+    return sorted(kept)
+
+
+def _without_wobble(path: Path, corners: list[int]) -> list[int]:
+    """Drop the vertices of swings to and fro that are no wider than wobble."""
+    kept: list[int] = []
+    for corner in corners:
+        kept.append(corner)
+        while len(kept) > 2 and _swings(path, *kept[-3:]):
+            del kept[-2]
+    return kept
+
+
+def _swings(path: Path, first: int, middle: int, last: int) -> bool:
+    """Whether the direction swings out until `middle` and back again, no wider than wobble does."""
+    there_rad = float(path.travel_rad[middle] - path.travel_rad[first])
+    back_rad = float(path.travel_rad[last] - path.travel_rad[middle])
+    wide = max(abs(there_rad), abs(back_rad)) > 2.0 * WOBBLE_RAD
+    return there_rad * back_rad < 0.0 and abs(there_rad + back_rad) <= MIN_TURN_RAD and not wide
+
+
+def _classify(path: Path, corners: list[int], extent_m: float) -> list[_Piece]:
+    along, travel = path.along_m[corners], path.travel_rad[corners]
+    pieces = []
+    for i in range(len(corners) - 1):
+        change_rad, length_m = abs(travel[i + 1] - travel[i]), abs(along[i + 1] - along[i])
+        bent = change_rad > MIN_TURN_RAD and length_m < extent_m * change_rad
+        short = length_m < MIN_STRAIGHT_SHARE * extent_m
+        pieces.append(_Piece(corners[i], corners[i + 1], straight=not bent and not short))
+    return pieces
+
+
+def _join(path: Path, pieces: list[_Piece]) -> list[_Piece]:
+    """Merge neighbours of one kind, and two straights in one direction with the turn between them."""
+    joined: list[_Piece] = []
+    for piece in pieces:
+        if joined and joined[-1].straight == piece.straight:
+            joined[-1].last = piece.last
+        else:
+            joined.append(_Piece(piece.first, piece.last, piece.straight))
+    i = 1
+    while i < len(joined) - 1:
+        before, turn, after = joined[i - 1 : i + 2]
+        change = _line(path, after)[0] - _line(path, before)[0]
+        if not turn.straight and abs(change) < MIN_TURN_RAD:
+            joined[i - 1 : i + 2] = [_Piece(before.first, after.last, straight=True)]
+        else:
+            i += 1
+    return joined
+
+
+def _line(path: Path, piece: _Piece) -> tuple[float, float]:
+    """Return direction and bend of a straight piece: a line fitted over its middle four fifths, by distance.
+
+    Its ends are left out because the car still settles there after a turn.
+    """
+    along = path.along_m[piece.first : piece.last + 1]
+    start, length = float(along[0]), float(along[-1] - along[0])
+    if length <= 0.0:
+        return float(path.travel_rad[piece.last]), 0.0
+    inner = np.clip(along, start + 0.1 * length, start + 0.9 * length)
+    travel = path.travel_rad[piece.first : piece.last + 1]
+    steps, ahead, middle = np.diff(inner), (inner[1:] + inner[:-1]) / 2.0, (travel[1:] + travel[:-1]) / 2.0
+    direction = float(np.dot(steps, middle) / np.sum(steps))
+    ahead = ahead - float(np.dot(steps, ahead) / np.sum(steps))
+    spread = float(np.dot(steps, ahead * ahead))
+    slope = float(np.dot(steps, ahead * (middle - direction))) / spread if spread > 0.0 else 0.0
+    return direction, min(length * abs(slope), abs(float(travel[-1] - travel[0])))
+
+
+def _assemble(path: Path, pieces: list[_Piece]) -> Segments:
+    straights: list[Straight] = []
+    turns: list[Turn | None] = [None]
+    for piece in pieces:
+        length_m = float(path.along_m[piece.last] - path.along_m[piece.first])
+        if piece.straight:
+            straights.append(Straight(piece.first, piece.last, *_line(path, piece), length_m))
+            turns.append(None)
+        else:
+            angle = float(path.travel_rad[piece.last] - path.travel_rad[piece.first])
+            if abs(angle) > STILL_RAD or abs(length_m) > STILL_M:
+                turns[-1] = Turn(piece.first, piece.last, angle, length_m)
+    return Segments(tuple(straights), tuple(turns))

@@ -42,8 +42,7 @@ from grader.sim.frames import (
     Request,
     Response,
 )
-from grader.sim.received import ReceivedCommands
-from grader.sim.recorder import LOG, Journal, Recorder
+from grader.sim.recorder import LOG, Journal, ReceivedCommands, Recorder
 from grader.sim.robot_body import RobotBody
 from grader.sim.robot_world import RobotWorld
 from grader.sim.script_graph import ScriptGraph, ServiceCalls

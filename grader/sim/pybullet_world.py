@@ -5,9 +5,8 @@ from typing import Any
 
 from grader.sim.feeds import Outbox
 from grader.sim.frames import CarState, Entity, Request
-from grader.sim.received import ReceivedCommands
 from grader.sim.recorded_calls import RecordedCalls
-from grader.sim.recorder import Recorder
+from grader.sim.recorder import ReceivedCommands, Recorder
 
 
 class PybulletWorld:

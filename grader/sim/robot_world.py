@@ -13,8 +13,7 @@ from grader.sim import robot_messages as messages
 from grader.sim.feeds import Outbox
 from grader.sim.frames import MESSAGE_EVENT, CarState, Entity, Event, Request
 from grader.sim.png import png_of
-from grader.sim.received import ReceivedCommands
-from grader.sim.recorder import Recorder
+from grader.sim.recorder import ReceivedCommands, Recorder
 from grader.sim.robot import (
     BEAT_S,
     DRIVE_BEATS,

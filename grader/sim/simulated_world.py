@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 from grader.sim.feeds import Outbox
 from grader.sim.frames import CarState, Entity, Request
-from grader.sim.received import ReceivedCommands
+from grader.sim.recorder import ReceivedCommands
 
 
 class SimulatedWorld(Protocol):

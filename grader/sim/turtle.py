@@ -9,8 +9,7 @@ from grader.contracts.trajectory import COMMAND_LIFE_NS
 from grader.sim.bullet import BulletCar
 from grader.sim.car import UPDATE_NS, PlanarPose, clamp_command, next_update, turtlesim_update
 from grader.sim.frames import CarState
-from grader.sim.received import ReceivedCommands
-from grader.sim.recorder import Recorder
+from grader.sim.recorder import ReceivedCommands, Recorder
 
 _NEVER: Final = 1 << 62
 _LIFE_UPDATES: Final = COMMAND_LIFE_NS // UPDATE_NS

@@ -15,7 +15,7 @@ from grader.sim.cdr import Values, decode, encode
 from grader.sim.feeds import Feeds, Outbox, Pen
 from grader.sim.frames import GRAPH_EVENT, CarState, Entity, Event, Request
 from grader.sim.parameters import Parameters
-from grader.sim.received import ReceivedCommands
+from grader.sim.recorder import ReceivedCommands
 from grader.sim.rotate_action import RotateAction
 from grader.sim.turtle import AnyTurtle, SpawnedTurtle, Turtle
 

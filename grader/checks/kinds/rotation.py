@@ -12,8 +12,7 @@ from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel
 from grader.contracts.scoring import Run
-from grader.geometry.path import Path
-from grader.geometry.segmentation import segment
+from grader.geometry.path import Path, segment
 from grader.messages import say
 from grader.messages.quantity import number
 

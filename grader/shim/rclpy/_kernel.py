@@ -332,14 +332,11 @@ class Kernel:
         else:
             self.charge()  # a timeout of 0 does not block: a loop that polls must let time pass
             if len(self.threads) == 1 and not self._signals:
-                self.replan()
                 return ready()
         me = self.running
         before = (me.ready, me.deadline_ns, me.why, me.idle)
-        me.ready = ready
+        me.ready, me.why, me.idle = ready, why, idle
         me.deadline_ns = FOREVER_NS if deadline_ns is None else deadline_ns
-        me.why = why
-        me.idle = idle
         try:
             return self._block(me, asked=blocks)
         finally:

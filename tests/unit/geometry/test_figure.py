@@ -5,8 +5,7 @@ import math
 import pytest
 
 from grader.geometry.figure import PolygonFigure, measure_polygon
-from grader.geometry.path import driven_path
-from grader.geometry.segmentation import segment
+from grader.geometry.path import driven_path, segment
 from tests.unit.checks.trajectories import Leg, drive, polygon_legs
 
 

@@ -5,8 +5,7 @@ import math
 import pytest
 
 from grader.geometry.figure import measure_polygon
-from grader.geometry.path import Path, driven_path
-from grader.geometry.segmentation import Segments, segment
+from grader.geometry.path import Path, Segments, driven_path, segment
 from tests.unit.checks.trajectories import Leg, drive, polygon_legs
 
 

@@ -30,7 +30,7 @@ from grader.geometry.matching import (
     matched_each,
     resampled,
 )
-from grader.geometry.segmentation import segment
+from grader.geometry.path import segment
 
 LEAST_M = 0.05  # a shorter drive is not a path
 LAPS_TRIED = 8  # ends of the first lap that are tried: where the car came back to its start

@@ -17,7 +17,7 @@ from grader.contracts.record import PositionalRecord
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
 from grader.geometry.figure import CLOSED_SHARE, PolygonFigure, bare, measure_polygon
-from grader.geometry.segmentation import Segments, segment
+from grader.geometry.path import Segments, segment
 
 FULL_TURN_DEG = 360.0
 Bools = NDArray[np.bool_]
