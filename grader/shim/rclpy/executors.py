@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 
 __getattr__ = passed_on(__name__)
 
+_MOST_WATCHES = 16
+"""Of waits beside callbacks under way: more combinations of these are seldom."""
+
 CPU_COUNT = 4
 """Threads of a MultiThreadedExecutor that is not told a number: the same on every grading host."""
 
@@ -136,6 +139,7 @@ class Executor:
         self._last_kwargs: Any = None
         self._spinning = 0
         self._watch: Watch | None = None
+        self._busy_watches: dict[tuple[tuple[int, bool], ...], Watch] = {}  # of waits beside callbacks
         self._context.on_shutdown(self.wake)
 
     @property
@@ -272,8 +276,7 @@ class Executor:
             for kind, entity, node in watch.served():
                 yielded = True
                 yield self._handler_of(kind, entity, node), entity, node
-            if watch.lasting:
-                self._watch = watch
+            self._put_back(watch)
             if timed_out:
                 raise TimeoutException()
         if self._is_shutdown:
@@ -291,16 +294,24 @@ class Executor:
         return watch
 
     def _take_watch(self, nodes: Sequence[Node]) -> Watch:
-        """Return the watch of the last wait if it still holds; nobody else has it until it is put back.
-
-        While callbacks are under way, one for this wait alone is made, and the last one may hold again afterwards.
-        """
-        watch = self._watch
-        if watch is not None and not changes.executing:
-            self._watch = None
-            if watch.holds(self.can_execute, nodes):
-                return watch
+        """Return the watch of an earlier wait if it still holds; nobody else has it until it is put back."""
+        if changes.executing:
+            watch = self._busy_watches.pop(changes.given_out(), None)
+        else:
+            watch, self._watch = self._watch, None
+        if watch is not None and watch.holds(self.can_execute, nodes):
+            return watch
         return Watch(self.can_execute, nodes)
+
+    def _put_back(self, watch: Watch) -> None:
+        if not watch.lasting:
+            return
+        if not watch.given_out:
+            self._watch = watch
+            return
+        if len(self._busy_watches) == _MOST_WATCHES:
+            self._busy_watches.clear()
+        self._busy_watches[watch.given_out] = watch
 
     def _deadline_of(self, timeout_sec: float | TimeoutObject | None) -> int | None:
         if timeout_sec is None:
@@ -442,13 +453,13 @@ class Executor:
     ) -> Task:
         """Return the task that takes what an entity has and runs its callback, by its group's rules."""
         entity._executor_event = True
-        changes.executing += 1
+        changes.executing.append(entity)
         kernel.steps += 1
 
         async def handler(entity: Any, is_shutdown: bool) -> None:
             if is_shutdown or not entity.callback_group.beginning_execution(entity):
                 entity._executor_event = False
-                changes.executing -= 1
+                changes.executing.remove(entity)
                 self.wake()
                 return
             with self._work_tracker:
@@ -459,7 +470,7 @@ class Executor:
                     await call_coroutine(entity, taken)
                 finally:
                     entity.callback_group.ending_execution(entity)
-                    changes.executing -= 1
+                    changes.executing.remove(entity)
                     self.wake()
 
         task = Task(handler, (entity, self._is_shutdown), executor=self)
@@ -474,7 +485,7 @@ class _Call:
 
     def __init__(self, executor: SingleThreadedExecutor, kind: int, entity: Any) -> None:
         entity._executor_event = True
-        changes.executing += 1
+        changes.executing.append(entity)
         kernel.steps += 1
         self._executor = executor
         self._kind = kind
@@ -505,7 +516,7 @@ class SingleThreadedExecutor(Executor):
         group = entity.callback_group
         if is_shutdown or not group.beginning_execution(entity):
             entity._executor_event = False
-            changes.executing -= 1
+            changes.executing.remove(entity)
             self.wake()
             return
         running = self._work_tracker.running
@@ -531,7 +542,7 @@ class SingleThreadedExecutor(Executor):
                 raise RuntimeError("coroutine raised StopIteration") from error  # as in a task
             finally:
                 group.ending_execution(entity)
-                changes.executing -= 1
+                changes.executing.remove(entity)
                 if not self._woken:
                     self.wake()
         finally:
@@ -553,13 +564,12 @@ class SingleThreadedExecutor(Executor):
         place = self._next_lone(watch, deadline_ns)
         if place is None:
             if watch.idle and deadline_ns is not None and kernel.now_ns >= deadline_ns:
-                if watch.lasting:
-                    self._watch = watch
+                self._put_back(watch)
                 raise TimeoutException
             self._last_args, self._last_kwargs = (), {"timeout_sec": timeout_sec}
             self._cb_iter = self._wait_for_ready_callbacks(timeout_sec, waited=(watch, deadline_ns))
-        elif watch.lasting:
-            self._watch = watch
+        else:
+            self._put_back(watch)
         return place
 
     def _spin_on(self) -> None:
@@ -577,6 +587,7 @@ class SingleThreadedExecutor(Executor):
             and self._cb_iter is None
             and not self._tasks
             and not self._is_shutdown
+            and not changes.executing
             and context.valid
             and watch.unchanged()
         ):
@@ -628,8 +639,9 @@ class SingleThreadedExecutor(Executor):
             if not settled:
                 watch.settle()
             return None
-        place[3]._executor_event = True
-        changes.executing += 1
+        entity = place[3]
+        entity._executor_event = True
+        changes.executing.append(entity)
         kernel.steps += 1
         return place
 
@@ -646,6 +658,8 @@ class SingleThreadedExecutor(Executor):
         due_ns = kernel.horizon_ns if watch.deadline_ns is None else watch.deadline_ns
         if deadline_ns is not None and deadline_ns < due_ns:
             due_ns = deadline_ns
+            if due_ns <= kernel.now_ns:
+                return False
         return not watch.ready() and kernel.skip_to_pose(due_ns) and watch.ready()
 
     def _spin_once_impl(self, timeout_sec: float | TimeoutObject | None = None) -> None:

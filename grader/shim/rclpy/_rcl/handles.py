@@ -8,6 +8,7 @@ from rclpy._rcl.errors import DESTROYED, GUARD_CONTEXT, SHUTDOWN_TWICE, InvalidH
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from typing import Any
 
     from rclpy._rcl.ros_args import RosArgs
 
@@ -18,13 +19,18 @@ class Changes:
     Attributes:
         count: grows whenever an entity is created or destroyed, or a timer may be due sooner than it said.
         additions: how many of these changes were an entity more, which leaves the others as they were.
-        executing: callbacks given out by any executor and not ended; their groups may keep others waiting.
+        executing: whose callbacks any executor has given out and which have not ended: their groups may keep
+            others waiting.
     """
 
     def __init__(self) -> None:
         self.count = 0
         self.additions = 0
-        self.executing = 0
+        self.executing: list[Any] = []
+
+    def given_out(self) -> tuple[tuple[int, bool], ...]:
+        """Return what decides, besides `count`, which entities may execute: whose callbacks run, and how far."""
+        return tuple((id(entity), entity._executor_event) for entity in self.executing)
 
 
 changes = Changes()

@@ -41,6 +41,7 @@ class Watch:
         late_ns: how much later than that it may be called (`Kernel.be_late`).
         open: whether something may come from outside unasked: waiting for it for ever is no deadlock.
         lasting: whether it may serve a further wait.
+        given_out: which callbacks were under way (`Changes.given_out`); it serves waits beside the same ones.
     """
 
     def __init__(self, can_execute: Callable[[Any], bool], nodes: Sequence[Node]) -> None:
@@ -50,7 +51,8 @@ class Watch:
         self._nodes = list(nodes)
         self._seen = changes.count
         self._seen_additions = changes.additions
-        self.lasting = not changes.executing
+        self.lasting = True
+        self.given_out = changes.given_out()
         self._can_execute = can_execute
         self._backlogs: list[Any] = []
         self._reset: list[Any] = []  # backlogs of timers, which a reset before the wait has filled
@@ -159,7 +161,7 @@ class Watch:
 
     def unchanged(self) -> bool:
         """Whether the next wait for these nodes counts the same entities; if so, it is ready for that wait."""
-        if not self.lasting or changes.executing or (changes.count != self._seen and not self._take_in()):
+        if not self.lasting or (changes.count != self._seen and not self._take_in()):
             return False
         self._find_deadline()
         return True
