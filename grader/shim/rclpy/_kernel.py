@@ -477,7 +477,10 @@ class Kernel:
         self._slices = True
         if len(self.threads) > 1:
             self._quiet_until_ns = 0  # every sleep goes through the scheduler
-            others_ns = min((t.deadline_ns for t in self.threads if t is not self.running), default=limit_ns)
+            others_ns = FOREVER_NS
+            for thread in self.threads:
+                if thread.deadline_ns < others_ns and thread is not self.running:
+                    others_ns = thread.deadline_ns
             # Not before now + 1: a thread that is due keeps no other from the one operation it is about to do.
             self._preempt_ns = min(limit_ns, self._slice_end_ns, max(others_ns, self.now_ns + 1))
         elif world is not None:

@@ -161,6 +161,7 @@ class Executor:
         if not self._work_tracker.wait(timeout_sec):
             return False
         self._nodes = {}
+        self._busy_watches.clear()
         if self._guard is not None:
             self._guard.destroy()
             self._guard = None
@@ -185,6 +186,7 @@ class Executor:
             nodes = dict(self._nodes)
             del nodes[node]
             self._nodes = nodes
+            self._busy_watches.clear()  # they would keep it alive
             self.wake()
 
     def wake(self) -> None:
@@ -299,8 +301,10 @@ class Executor:
             watch = self._busy_watches.pop(changes.given_out(), None)
         else:
             watch, self._watch = self._watch, None
-        if watch is not None and watch.holds(self.can_execute, nodes):
-            return watch
+        if watch is not None:
+            if watch.holds(self.can_execute, nodes):
+                return watch
+            self._busy_watches.clear()  # what has changed since has changed for these, too
         return Watch(self.can_execute, nodes)
 
     def _put_back(self, watch: Watch) -> None:
