@@ -127,10 +127,10 @@ def test_a_host_that_refuses_leaves_everything_as_it_was(other: int, monkeypatch
             raise PermissionError(1, "Operation not permitted")
         allowed(pid, wanted)
 
-    monkeypatch.setattr(os, "sched_setaffinity", refuse)
-    with sharing(other):
-        assert os.sched_getaffinity(0) == ALL
-    monkeypatch.undo()
+    with monkeypatch.context() as patch:  # whose end leaves the fixtures' changes as they are
+        patch.setattr(os, "sched_setaffinity", refuse)
+        with sharing(other):
+            assert os.sched_getaffinity(0) == ALL
     with sharing(other):  # the claim was given back
         assert len(os.sched_getaffinity(0)) == 1
 

@@ -54,6 +54,18 @@ function keep(text) {
   }
 }
 
+/**
+ * Type over what is selected. A browser that does so by itself gives the new text the look of the old, in a style of
+ * its own, which the page's policy refuses.
+ */
+function typeOver(event, view) {
+  if (event.inputType !== "insertText" || event.data === null || view.state.selection.main.empty) {
+    return false;
+  }
+  view.dispatch(view.state.replaceSelection(event.data), { userEvent: "input.type", scrollIntoView: true });
+  return true;
+}
+
 function open(doc) {
   const root = holder.attachShadow({ mode: "open" });
   return new EditorView({
@@ -68,6 +80,7 @@ function open(doc) {
           { key: "Mod-Enter", run: () => (runOnce(), true) },
           indentWithTab, ...defaultKeymap, ...historyKeymap,
         ]),
+        EditorView.domEventHandlers({ beforeinput: typeOver }),
         EditorView.contentAttributes.of({ "aria-label": words.editor, "aria-multiline": "true" }),
         EditorView.updateListener.of((update) => update.docChanged && keep(update.state.doc.toString())),
       ],
