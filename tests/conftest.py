@@ -6,11 +6,13 @@ import os
 import shutil
 import sys
 import tempfile
+import warnings
 from collections import defaultdict
 from collections.abc import Callable, Generator, Iterator
 from contextlib import suppress
 from importlib.util import find_spec, module_from_spec
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -18,6 +20,8 @@ import pytest
 os.environ["HYPOTHESIS_NO_PLUGINS"] = (
     "1"  # the only one is trio's, which takes longer to import than hypothesis
 )
+from hypothesis.internal.constants_ast import constants_from_module
+
 from tests.fakes import postgres
 from tests.tiers import (  # noqa: F401  hooks
     choose_tier,
@@ -83,11 +87,13 @@ def _forget_settings() -> None:
 def _compile(config: pytest.Config) -> None:
     """Compile the grader once: the tests start hundreds of interpreters, which would each do it anew.
 
-    So are the tests when several processes run them: pytest takes a second for a hundred modules' assertions.
+    So are the tests when several processes run them: pytest takes a second for a hundred modules' assertions, and
+    hypothesis two for the grader's constants, which it draws from.
     """
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False
-    tests = _modules(config.args) if getattr(config.option, "numprocesses", None) else []
+    several = bool(getattr(config.option, "numprocesses", None))
+    tests = _modules(config.args) if several else []
     grader = sorted((_ROOT / "grader").rglob("*.py"))
     shares, children = len(os.sched_getaffinity(0)), []
     for share in range(shares):
@@ -97,6 +103,8 @@ def _compile(config: pytest.Config) -> None:
         try:
             for path in grader[share::shares]:
                 compileall.compile_file(path, quiet=2)
+                if several:
+                    _keep_constants(path)
             for path in tests[share::shares]:
                 _rewrite(path)
         finally:  # whoever imports a module that cannot be compiled tells why
@@ -119,6 +127,14 @@ def _rewrite(path: Path) -> None:
         module.__dict__["__builtins__"] = {}
         with suppress(ImportError):
             spec.loader.exec_module(module)
+
+
+def _keep_constants(path: Path) -> None:
+    """Have hypothesis leave the module's constants for later."""
+    warnings.simplefilter("ignore")  # hypothesis finds it slow to begin before the tests are collected
+    module = ModuleType(path.stem)
+    module.__file__ = str(path)
+    constants_from_module(module)
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:

@@ -1,9 +1,11 @@
 """Every assignment keeps its word: its own scripts, the lesson's, and right scripts in other styles."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from _pytest.mark import ParameterSet
 
 from grader.catalog import Catalog
 from grader.catalog.authoring import create
@@ -13,6 +15,7 @@ from grader.contracts.text import EMPTY
 from grader.grading.examination import examine as examine_scripts
 from grader.grading.examination import sensitivity
 from tests.e2e.grading_slot import LESSON, catalog, grade
+from tests.hints.named import named_by_checks
 
 CHECKLIST = [assignment.id for assignment in catalog().all()]
 LONG = {
@@ -25,21 +28,30 @@ LONG = {
 """Those whose scripts take a second each, as they steer by what they hear; with one of the wrong ones."""
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(one, marks=[pytest.mark.thorough] * (one in LONG)) for one in CHECKLIST]
-)
-def test_own_scripts_get_what_they_must(grader: Grader, name: str) -> None:
-    findings = examine(catalog(), name, grader).findings
-    assert len(findings) >= 3
-    assert not [finding for finding in findings if finding.problem != EMPTY]
+def shares() -> Iterator[ParameterSet]:
+    """Part the wrong scripts of each assignment: those that are tried every day, and the others.
+
+    Every day there is one of each assignment, and one of each mistake that no test of a check names.
+    """
+    known = set(named_by_checks())
+    for name in CHECKLIST:
+        often, seldom = [], []
+        for attempt in catalog().wrong_attempts(name):
+            new = attempt.mistake not in known if attempt.mistake else not often
+            wanted = attempt.file == LONG[name] if name in LONG else new or not often
+            (often if wanted else seldom).append(attempt.file)
+            known |= {attempt.mistake} if wanted else set()
+        yield pytest.param(name, often, id=name)
+        if seldom:
+            yield pytest.param(name, seldom, id=f"{name}-others", marks=pytest.mark.thorough)
 
 
-@pytest.mark.parametrize(("name", "file"), LONG.items())
-def test_the_solution_and_one_wrong_script_get_what_they_must(grader: Grader, name: str, file: str) -> None:
+@pytest.mark.parametrize(("name", "files"), [*shares()])
+def test_own_scripts_get_what_they_must(grader: Grader, name: str, files: list[str]) -> None:
     own = own_scripts(catalog(), fitting(catalog(), name))
-    wrong = tuple(each for each in own.wrong if each[0].file == file)
+    wrong = tuple(each for each in own.wrong if each[0].file in files)
     findings = examine_scripts(replace(own, wrong=wrong), grader).findings
-    assert [finding.problem for finding in findings] == [EMPTY] * 3
+    assert [finding.problem for finding in findings] == [EMPTY] * (2 + len(files))
 
 
 @pytest.mark.parametrize(
