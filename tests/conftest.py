@@ -43,6 +43,10 @@ _ROOT = Path(__file__).parents[1]
 _ALIVE = pytest.StashKey[int]()
 _GARBAGE = (5_000, 20, 50)
 """How much is allocated between looks for garbage: with Python's usual numbers they take 5 % of a run's time."""
+_BROWSER = ("browser", "browser_course", "browser_practice")
+_PREPARED = ("command_line", "practice_beside_workers", "scale_out", "serve", "service", "shutdown")
+_TOGETHER = {f"tests/e2e/test_{one}.py": files[0] for files in (_BROWSER, _PREPARED) for one in files}
+"""Files of tests by what they share for as long as a process runs: a browser's window, or `prepared`."""
 _TO_TESTS = ("GRADER_REQUIRE_", "GRADER_TEST_", "GRADER_OPENAPI_", "GRADER_IMAGE")
 _USER_VARIABLES = {"DATABASE_URL", "FORCE_COLOR", "NO_COLOR", "COLUMNS"}
 _PROXIES = {"HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY"}
@@ -52,6 +56,19 @@ _PROXIES = {"HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY"}
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     """One process more than processors: many tests wait for servers, browsers and scripts that they started."""
     return len(os.sched_getaffinity(0)) + 1
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Hand out files, of `_TOGETHER` all that share something to one process."""
+    from xdist.scheduler import LoadFileScheduling
+
+    class Scheduling(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            file = super()._split_scope(nodeid)
+            return _TOGETHER.get(file, file)
+
+    return Scheduling(config, log) if config.getvalue("dist") == "loadfile" else None
 
 
 def pytest_configure(config: pytest.Config) -> None:
