@@ -8,6 +8,8 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+
 from grader.checks import kinds
 from grader.checks.kinds import KINDS
 from grader.jail.bounds import ALLOWED_PACKAGES
@@ -23,11 +25,17 @@ def _name(path: Path) -> str:
     return str(path.relative_to(ROOT))
 
 
-def test_functions_can_be_seen_whole() -> None:
+@pytest.fixture(scope="module")
+def trees() -> dict[Path, ast.Module]:
+    """What each module says; parsing all of them takes a second."""
+    return {path: ast.parse(path.read_text()) for path in MODULES}
+
+
+def test_functions_can_be_seen_whole(trees: dict[Path, ast.Module]) -> None:
     long = [
         f"{_name(path)}:{node.lineno} {node.name}"
-        for path in MODULES
-        for node in _functions(ast.parse(path.read_text()))
+        for path, tree in trees.items()
+        for node in _functions(tree)
         if (node.end_lineno or node.lineno) - node.lineno + 1 > MAX_FUNCTION_LINES
     ]
     assert not long, "\n".join(long)
@@ -46,13 +54,13 @@ def test_no_module_is_a_drawer() -> None:
     assert not [_name(path) for path in MODULES if BANNED_WORDS & set(path.stem.split("_"))]
 
 
-def test_a_class_has_its_name_alone() -> None:
+def test_a_class_has_its_name_alone(trees: dict[Path, ast.Module]) -> None:
     """The shim follows upstream's names, and mirrors the wire; a module's private classes are its own affair."""
     own = [path for path in MODULES if "shim" not in path.parts]
     names = Counter(
         node.name
         for path in own
-        for node in ast.parse(path.read_text()).body
+        for node in trees[path].body
         if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
     )
     assert {"Submission", "RunEnd"} <= set(names)
@@ -84,11 +92,11 @@ def test_the_shim_knows_which_packages_the_jail_lets_scripts_import() -> None:
     assert set(packages) == set(ALLOWED_PACKAGES)
 
 
-def test_no_modules_of_the_shim_import_each_other() -> None:
+def test_no_modules_of_the_shim_import_each_other(trees: dict[Path, ast.Module]) -> None:
     """Imports for type checkers count, those inside functions do not: `node` and what serves it are upstream's."""
     shim = ROOT / "grader" / "shim"
     files = {_dotted(path.relative_to(shim)): path for path in shim.rglob("*.py")}
-    imported = {name: _imports(path, files) - {name} for name, path in files.items()}
+    imported = {name: _imports(trees[path], files) - {name} for name, path in files.items()}
     while done := [name for name, others in imported.items() if not others & imported.keys()]:
         for name in done:
             del imported[name]
@@ -99,10 +107,10 @@ def _dotted(path: Path) -> str:
     return ".".join(path.with_suffix("").parts).removesuffix(".__init__")
 
 
-def _imports(path: Path, files: dict[str, Path]) -> set[str]:
+def _imports(tree: ast.Module, files: dict[str, Path]) -> set[str]:
     """Return which of `files` a module imports outside functions."""
     found: set[str] = set()
-    waiting: list[ast.AST] = [ast.parse(path.read_text())]
+    waiting: list[ast.AST] = [tree]
     while waiting:
         node = waiting.pop()
         if isinstance(node, ast.Import):
