@@ -230,6 +230,7 @@ def test_a_script_may_begin_anew_as_often_as_it_likes(grader: Grader) -> None:
     assert (report.status, report.score) == ("graded", 100)
 
 
+@pytest.mark.thorough
 def test_the_same_bytes_come_again_after_others(grader: Grader) -> None:
     first = grade(grader, "pb_sphere", own("pb_sphere"))
     assert (first.score, first.simulator[:6]) == (100, "replay")
