@@ -109,6 +109,13 @@ def test_too_slow_and_never_ending() -> None:
     assert score(scoring) == 95
 
 
+def test_turning_to_and_fro_for_ever_after_one_side_is_a_part_that_never_ends() -> None:
+    swaying = drive([(2.0, 1.0, 0.0), *[(0.4, 0.0, 1.0), (0.4, 0.0, -1.0)] * 80], horizon_s=60.0)
+    scoring = graded("square", swaying, RunStatus.INTERRUPTED)
+    assert scoring.mistakes == ("never_finished",)
+    assert "the sign of the error" in scoring.hint.en
+
+
 def test_spinning_for_ever_after_the_figure_is_only_a_missing_stop() -> None:
     spinning = drive([*polygon_legs(4, last_turn=False), (60.0, 0.0, 1.0)], horizon_s=60.0)
     scoring = graded("square", spinning, RunStatus.INTERRUPTED)
