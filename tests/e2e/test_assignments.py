@@ -19,13 +19,13 @@ from tests.hints.named import named_by_checks
 
 CHECKLIST = [assignment.id for assignment in catalog().all()]
 LONG = {
-    "feedback_square": "commanded_heading.py",
-    "go_to_goal": "wrong_sign.py",
-    "patrol": "goes_on.py",
+    "feedback_square": "by_time.py",
+    "go_to_goal": "by_time.py",
+    "patrol": "no_wait.py",
     "parking": "askew.py",
     "agent_tools": "radians.py",
 }
-"""Those whose scripts take a second each, as they steer by what they hear; with one of the wrong ones."""
+"""Those whose scripts take a second each, as they steer by what they hear; with a wrong one that takes less."""
 
 
 def shares() -> Iterator[ParameterSet]:
