@@ -20,8 +20,6 @@ import pytest
 os.environ["HYPOTHESIS_NO_PLUGINS"] = (
     "1"  # the only one is trio's, which takes longer to import than hypothesis
 )
-from hypothesis.internal.constants_ast import constants_from_module
-
 from tests.fakes import postgres
 from tests.tiers import (  # noqa: F401  hooks
     choose_tier,
@@ -60,7 +58,7 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Hand out files, of `_TOGETHER` all that share something to one process."""
+    """Hand out the files one by one, but those that stand together in `_TOGETHER` to one process."""
     from xdist.scheduler import LoadFileScheduling
 
     class Scheduling(LoadFileScheduling):
@@ -120,10 +118,10 @@ def _compile(config: pytest.Config) -> None:
         try:
             for path in grader[share::shares]:
                 compileall.compile_file(path, quiet=2)
-                if several:
-                    _keep_constants(path)
             for path in tests[share::shares]:
                 _rewrite(path)
+            if several:
+                _keep_constants(grader[share::shares])
         finally:  # whoever imports a module that cannot be compiled tells why
             os._exit(0)
     for child in children:
@@ -146,12 +144,15 @@ def _rewrite(path: Path) -> None:
             spec.loader.exec_module(module)
 
 
-def _keep_constants(path: Path) -> None:
-    """Have hypothesis leave the module's constants for later."""
+def _keep_constants(paths: list[Path]) -> None:
+    """Have hypothesis leave the modules' constants for later."""
+    from hypothesis.internal.constants_ast import constants_from_module
+
     warnings.simplefilter("ignore")  # hypothesis finds it slow to begin before the tests are collected
-    module = ModuleType(path.stem)
-    module.__file__ = str(path)
-    constants_from_module(module)
+    for path in paths:
+        module = ModuleType(path.stem)
+        module.__file__ = str(path)
+        constants_from_module(module)
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
