@@ -167,7 +167,7 @@ def test_a_nice_child_gives_way_with_all_it_starts() -> None:
         one.grade(replace(JOB, source=b"pass"))
         grading = str(process_of(one)._pid)
         wait_until(lambda: any(map(is_for_a_script, family(grading))))  # made once nobody waits
-        assert {standing(pid) for pid in family(grading)} == {(before + 7, os.SCHED_BATCH, "7")}
+        assert {standing(pid) for pid in family(grading)} == {(before + 7, os.SCHED_BATCH, str(before + 7))}
     assert os.getpriority(os.PRIO_PROCESS, 0) == before
 
 
