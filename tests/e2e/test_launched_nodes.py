@@ -389,10 +389,16 @@ def test_a_node_that_leaves_a_dead_proxy_behind_takes_its_things_along(slot: Slo
     assert "ReferenceError" not in outcome.stderr.text
 
 
+MANY = "*[Node(package='my_turtle', executable='ask', arguments=['x'], name=f'n{i}') for i in range({})]"
+
+
+@pytest.mark.thorough
+def test_as_many_nodes_as_there_are_threads_run(slot: Slot) -> None:
+    assert of(launched(slot, MANY.replace("{}", "63"))).stdout.text.count("ask my_turtle.ask") == 63
+
+
 def test_more_nodes_than_threads_are_refused_before_one_is_started(slot: Slot) -> None:
-    many = "*[Node(package='my_turtle', executable='ask', arguments=['x'], name=f'n{i}') for i in range({})]"
-    assert of(launched(slot, many.replace("{}", "63"))).stdout.text.count("ask my_turtle.ask") == 63
-    outcome = of(launched(slot, many.replace("{}", "64")))
+    outcome = of(launched(slot, MANY.replace("{}", "64")))
     assert (outcome.status, outcome.stdout.text) == (RunStatus.CRASHED, "")
     assert "64 nodes of your own, of which 63 can run at once" in outcome.stderr.text
 

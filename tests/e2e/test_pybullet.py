@@ -214,6 +214,7 @@ def own(name: str, file: str = "solution.py") -> bytes:
     return (catalog().folder(name) / file).read_bytes()
 
 
+@pytest.mark.sweep(1)
 @pytest.mark.parametrize("again", ["p.disconnect()", "p.resetSimulation(); p.disconnect()"])
 def test_a_script_may_connect_and_disconnect_as_often_as_it_likes(grader: Grader, again: str) -> None:
     rounds = f"import pybullet as p\nfor _ in range(20): p.connect(p.DIRECT); p.stepSimulation(); {again}\n"
