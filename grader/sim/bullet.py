@@ -109,10 +109,17 @@ class BulletCar:
     """
 
     def __init__(self) -> None:
+        """Connect to PyBullet and build the world of the first episode: it takes 10 ms, later ones take 2 ms.
+
+        Raises:
+            InfrastructureError: PyBullet failed.
+        """
         self._client: int = _bullet.connect(_bullet.DIRECT)
         if self._client < 0:
             raise InfrastructureError("PyBullet refused a physics client")
-        self._body = -1
+        with faults():
+            self._body = _build(self._client)
+        self._is_new = True  # nothing has happened in the world that stands there
         self._walls = False
         self._rough: RoughDrive | None = None
         self.body_pose: PlanarPose = (0.0, 0.0, 0.0)
@@ -141,9 +148,10 @@ class BulletCar:
         self.now_ns = self.steps_run = 0
         self.resting = True
         with faults():
-            if self._body >= 0:  # a new client's world is empty: spare a cold start the 5 ms
+            if not self._is_new:
                 _bullet.resetSimulation(physicsClientId=self._client)
-            self._body = _build(self._client)
+                self._body = _build(self._client)
+            self._is_new = False
             self._place(start)
         self.observe()
 
@@ -352,7 +360,7 @@ def _within(position_m: float) -> float:
 
 
 def _build(client: int) -> int:
-    """Lay the floor in an empty world and load the car; return its body. About 2 ms."""
+    """Lay the floor in an empty world and load the car; return its body."""
     _bullet.setRealTimeSimulation(0, physicsClientId=client)
     _bullet.setPhysicsEngineParameter(
         fixedTimeStep=STEP_S,
