@@ -6,8 +6,8 @@ from dataclasses import replace
 from grader.checks.measure import Check, Findings, Measure, MeasureKind, Mistake, mistake
 from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
+from grader.contracts.package import AREAS
 from grader.contracts.scoring import Run
-from grader.formats.packages.problems import AREAS
 from grader.messages import say
 
 _MODULES = ("missing_module", "own_module")

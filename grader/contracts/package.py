@@ -1,8 +1,19 @@
 """What is said about a handed-in package."""
 
 from collections.abc import Mapping
+from typing import Final
 
 from grader.contracts.record import PositionalRecord, field
+
+MANIFEST, NAMES, MODULES, ENTRY, SHARE = (
+    "package_manifest",
+    "package_names",
+    "package_modules",
+    "package_entry",
+    "package_share",
+)
+AREAS: Final = (MANIFEST, NAMES, MODULES, ENTRY, SHARE)
+"""The measures that problems of a package spoil."""
 
 
 class PackageProblem(PositionalRecord):
@@ -10,7 +21,7 @@ class PackageProblem(PositionalRecord):
 
     Attributes:
         code: of the mistake; its text is ``mistake.<code>``.
-        area: the measure that it spoils, such as ``package_entry``.
+        area: the measure that it spoils, one of `AREAS`.
         fatal: whether nothing of the package can be run because of it.
         values: what its text names.
     """

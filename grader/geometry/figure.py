@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from grader.contracts.record import PositionalRecord
+from grader.geometry import median
 from grader.geometry.path import MIN_TURN_RAD, Path, Segments, Straight, Turn
 
 FULL_TURN_RAD = 2.0 * math.pi
@@ -245,7 +246,7 @@ def _halves(lengths: list[float], corners: list[float], lap: int) -> bool:
     turned = abs(sum(map(bare, corners)))
     if abs(turned - FULL_TURN_RAD) > 0.5 * turned / lap:
         return False
-    like = [float(np.median(lengths[1:-1]))]
+    like = [median(lengths[1:-1])]
     if lap % 2 == 0:
         like.append(lengths[lap // 2])  # a rectangle's side is as long as the one across
     first, last = lengths[0], lengths[-1]

@@ -28,7 +28,6 @@ _KNOWN = {
     "(?P<signal>SIG\\w+) with all memory in use": "memory",
     "the host ran out of memory, and this script had its fill": "host_memory",
 }
-_PATTERNS = {re.compile(pattern, re.DOTALL): code for pattern, code in _KNOWN.items()}
 
 
 def explained(status: RunStatus, detail: str) -> Text:
@@ -40,8 +39,8 @@ def explained(status: RunStatus, detail: str) -> Text:
         return EMPTY
     if status is RunStatus.PROTOCOL:
         return say("detail.protocol")
-    for pattern, code in _PATTERNS.items():
-        if (match := pattern.fullmatch(detail)) is not None:
+    for pattern, code in _KNOWN.items():
+        if (match := re.fullmatch(pattern, detail, re.DOTALL)) is not None:
             fields = match.groupdict() | ({"limit": _size(int(match["limit"]))} if code == "output" else {})
             return say(f"detail.{code}", what=detail, **fields)
     return stall(detail) if status is RunStatus.STALLED else Text(zh=detail, en=detail)
@@ -57,12 +56,12 @@ def _size(count_bytes: int) -> str:
 
 _CLAUSE = re.compile(r"(?P<thread>[^:;]*?)(?:, line (?P<line>\d+))?: (?P<reason>.*)", re.DOTALL)
 _REASONS = {
-    re.compile(r"rate\.sleep\(\) waits for a timer of its node.*"): "rate",
-    re.compile(r"(?P<call>\S+) waits for an answer, but no executor.*"): "answer",
-    re.compile(r"spin_once\(\) waits for .*"): "spin_once",
-    re.compile(r"wait_for_message\(\) waits for a message on (?P<topic>.+)"): "message",
-    re.compile(r"the end of the program waits for the other threads"): "threads",
-    re.compile(r"(?P<call>\S+) waits for ever"): "call",
+    r"rate\.sleep\(\) waits for a timer of its node.*": "rate",
+    r"(?P<call>\S+) waits for an answer, but no executor.*": "answer",
+    r"spin_once\(\) waits for .*": "spin_once",
+    r"wait_for_message\(\) waits for a message on (?P<topic>.+)": "message",
+    r"the end of the program waits for the other threads": "threads",
+    r"(?P<call>\S+) waits for ever": "call",
 }
 _MAIN = "main thread"
 _MAIN_THREAD = Text(zh="主线程", en=_MAIN)
@@ -87,6 +86,6 @@ def _clause(text: str) -> Text:
 
 def _reason(text: str) -> Text:
     for pattern, code in _REASONS.items():
-        if (match := pattern.fullmatch(text)) is not None:
+        if (match := re.fullmatch(pattern, text)) is not None:
             return say(f"stall.{code}", **match.groupdict())
     return Text(zh=text, en=text)

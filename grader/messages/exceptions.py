@@ -25,227 +25,224 @@ _SHELL: Final = (
     r"sudo)"
 )
 
-_SIGNS: Final = tuple(
-    (re.compile(pattern), code)
-    for pattern, code in (
-        (_LINE + r"\d+[.:|)]?[ \t]+(?!(and|else|for|if|in|is|not|or)\b)[A-Za-z_#@\"']", "line_numbers"),
-        (_LINE + rf"(\./|{_SHELL}[ \t]+(?!(and|else|for|if|in|is|not|or)\b)[^\s=(,])", "shell_line"),
-        (r"SyntaxError: Missing parentheses in call to 'print'", "print_statement"),
-        (_LINE + r"(\}\s*)?(else[ \t]+if|elseif|elsif)\b", "else_if"),
-        (
-            _LINE + r"(//|/\*|\}|(for|while|if)[ \t]*\([^)\n]*;|[^\"'#\n]*(\w::\w|\)[ \t]*\{[ \t]*\n))",
-            "c_syntax",
-        ),
-        (_LINE + r"[^\"'#\n]*\d[ \t]*(m/s|rad/s|rad|m|s|cm|米|秒|度|弧度)(?!\w)", "unit_in_code"),
-        (_LINE + r"(.*\W)?(?P<name>[A-Za-z_][\w.]*)(\+\+|--)[ \t]*[;)]?[ \t]*(#.*)?\n", "increment"),
-        (r"SyntaxError: .*Maybe you meant '==' .*\n.*\n +(if|elif|while)\b", "single_equals"),
-        (_LINE + r"(if|elif|while|return|\w+[ \t]*=)\b[^\"'#\n]*(&&|\|\||![\w (])", "c_operator"),
-        (
-            _LINE
-            + r"(int|float|double|bool|string|String|var|let|const|auto)[ \t]+[A-Za-z_]\w*[ \t]*(=|;|\n)",
-            "typed_name",
-        ),
-        (_LINE + r"(class|def)[ \t]+\w+[ \t]+\w+[ \t]*[(:]", "blank_in_name"),
-        (_LINE + r"(?P<word>class|def)(?P<rest>\w+)[ \t]*\(.*:[ \t]*(#.*)?\n", "blank_after_word"),
-        (r"SyntaxError: expression cannot contain assignment.*\n.*\n.*\w\.\w+[ \t]*=", "dotted_keyword"),
-        (_LINE + r"(from|import)[ \t]+[\w.]*-", "hyphen_in_module"),
-        (_LINE + r"[^\"'#\n]*\)[ \t]*[A-Za-z_]\w*[ \t]*\(", "missing_dot"),
-        (r"SyntaxError: expected '\('", "def_parentheses"),
-        (r"SyntaxError: expected 'except' or 'finally' block", "try_alone"),
-        (r"SyntaxError: invalid syntax\. Perhaps you forgot a comma\?", "missing_comma"),
-        (r"SyntaxError: expected ':'", "missing_colon"),
-        (
-            r"SyntaxError: ('.' was never closed|unmatched '.'|closing parenthesis '.' does not match)",
-            "unbalanced",
-        ),
-        (r"SyntaxError: unterminated (triple-quoted )?(f-)?string literal", "open_string"),
-        (r"SyntaxError: '\w+' outside (async )?function", "outside_function"),
-        (r"SyntaxError: invalid (non-printable )?character", "foreign_character"),
-        (r"SyntaxError: invalid syntax\n.*\n +(```|\$ |>>> )", "pasted_mark"),
-        (r"(IndentationError|TabError): ", "indentation"),
-        (r"RuntimeError: Context\.init\(\) must only be called once", "init_twice"),
-        (
-            r"TypeError: Expected <class '[\w.]*\.(?P<wanted>\w+)'>, "
-            r"got <class '(?:[\w.]*\.)?(?P<given>(?!Metaclass_)\w+)'>" + _AT + r".*\.publish\(",
-            "wrong_message",
-        ),
-        (r"TypeError: object\.__init__\(\) takes exactly one argument", "no_base_class"),
-        (
-            r"ValueError: invalid literal for int\(\) with base 10: (?P<given>'\s*[-+]?(\d+\.\d*|\.\d+)\s*')",
-            "int_of_decimal",
-        ),
-        (
-            r"ValueError: (invalid literal for int\(\) with base 10|could not convert string to float): "
-            r"(?P<given>.*)\n",
-            "not_a_number",
-        ),
-        (r"UnboundLocalError: .*?'(?P<name>\w+)'", "assigned_later"),
-        (r"RCLError: .*publisher's context is invalid", "shutdown_early"),
-        (r"RuntimeError: Context must be initialized before it can be shutdown", "shutdown_twice"),
-        (r"AttributeError: __enter__\n", "shutdown_early"),  # what `rclpy.spin()` raises without a context
-        (r"InvalidHandle: cannot use Destroyable because destruction was requested", "destroyed_early"),
-        (r"NameError: name 'self' is not defined", "self_outside"),
-        (r"AssertionError: The '(?P<field>\w+)' field must be of type 'float'", "int_in_float"),
-        (r"Aborted: field '(?P<field>\w+)' of .*`PyFloat_Check", "int_in_float_at_publish"),
-        (r"Aborted: field '(?P<field>\w+)' of (?P<owner>[\w/]+): ", "wrong_type_at_publish"),
-        (r"AssertionError: The '(?P<field>\w+)' field must be a set or sequence", "list_in_field"),
-        (
-            r"AssertionError: The '(?P<field>\w+)' field must be a sub message of type '(?P<owner>\w+)'",
-            "message_in_field",
-        ),
-        (
-            r"AttributeError: '(?P<owner>Twist|Vector3)' object has no attribute '(?P<field>\w+)'",
-            "unknown_field",
-        ),
-        (
-            r"AttributeError: '(?P<owner>\w+)_(Response|Request|Goal|Result|Feedback)' object has no attribute "
-            r"'(?P<field>\w+)'",
-            "unknown_part",
-        ),
-        (
-            r"TypeError: (?P<owner>Twist|Vector3|Point|Pose|Quaternion|String|Bool|U?Int\d+|Float\d+|Time|"
-            r"Duration|\w+_Request|\w+_Goal)\.__init__\(\) takes 1 positional",
-            "fields_by_position",
-        ),
-        (r"TypeError: .*(qos_profile|queue_size)", "missing_qos"),
-        (
-            r"TypeError: Expected QoSProfile or int, but received <class '(str|float|bool|list|tuple)'>",
-            "qos_number",
-        ),
-        (
-            r"TypeError: float\(\) argument must be .*'(function|method)'" + _AT + r".*create_timer\(",
-            "timer_order",
-        ),
-        (r"TypeError: descriptor '__init__' .*'super'", "super_brackets"),
-        (r"ParameterNotDeclaredException: .*'(?P<name>[\w.]+)'\)", "parameter_not_declared"),
-        (r"ParameterUninitializedException: .*'(?P<name>[\w.]+)'", "parameter_without_value"),
-        (
-            r"InvalidParameterTypeException: .*parameter '(?P<name>[\w.]+)'.*'DOUBLE'.*'INTEGER'",
-            "parameter_type",
-        ),
-        (
-            r"InvalidParameterTypeException: .*parameter '(?P<name>[\w.]+)' to '(?P<given>-?\d+)' of type "
-            r"'INTEGER', expecting type 'DOUBLE'",
-            "parameter_integer",
-        ),
-        (r"InvalidParameterTypeException: .*expecting type '[\w.]*STRING'", "parameter_text"),
-        (r"TypeError: .*'Parameter'|AttributeError: 'Parameter' object has no attribute", "parameter_value"),
-        (r"TypeError: Expected QoSProfile or int, but received <class '(function|method)'>", "wrong_order"),
-        (r"TypeError: Publisher\.publish\(\) (takes|missing) ", "one_message"),
-        (r"TypeError: spin(_once|_until_future_complete)?\(\) missing .*'node'", "spin_what"),
-        (
-            r"TypeError: 'str' object cannot be interpreted as an integer" + _AT + r".*\bsleep\([ \t]*['\"]",
-            "text_in_sleep",
-        ),
-        (
-            r"TypeError: 'str' object cannot be interpreted as an integer" + _AT + r".*\bsleep\(",
-            "text_for_number",
-        ),
-        (r"TypeError: '(float|str)' object cannot be interpreted as an integer", "whole_number"),
-        (r"RecursionError: ", "recursion"),
-        (r"TypeError: rclpy_resolve_name\(\)", "wrong_order"),
-        (r"TypeError: isinstance\(\) arg 2 must be a type.*" + _AT + r".*\.publish\(", "wrong_order"),
-        (r"AttributeError: type object '\w+' has no attribute '_TYPE_SUPPORT'", "wrong_order"),
-        (
-            r"TypeError: '(function|method)' object is not subscriptable" + _AT + r".*\bcreate_\w+\(",
-            "wrong_order",
-        ),
-        (
-            r"TypeError: (type '\w+'|'(builtin_function_or_method|function|method|type)' object) "
-            r"is not subscriptable",
-            "square_brackets",
-        ),
-        (
-            r"TypeError: ('[<>]=?' not supported|unsupported operand) .*"
-            r"('(Duration|Time)' and '(int|float)'|'(int|float)' and '(Duration|Time)')",
-            "duration_and_number",
-        ),
-        (r"TypeError: ('[<>]=?' not supported|unsupported operand) .*'array\.array'", "whole_array"),
-        (r"TypeError: unsupported operand .*'tuple'", "comma_at_end"),
-        (r"TypeError: unsupported operand .*'NoneType'", "none_in_sum"),
-        (r"TypeError: (rclpy_logging_rcutils_log|RcutilsLogger\.\w+)\(\)", "log_not_text"),
-        (r"TypeError: Node\.__init__\(\) missing", "no_super_init"),
-        (
-            r"AttributeError: '\w+' object has no attribute '(_(clock|default_callback_group|logger|parameters|"
-            r"parameter_overrides|publishers|rate_group|Node__\w+))'(?!.*" + _AT + r".*\.\1\b)",
-            "no_super_init",
-        ),
-        (r"Invalid(Node|Topic|Service)NameException: |InvalidNamespaceException: ", "bad_name"),
-        (r"TypeError: 'NoneType' object is not callable", "callback_called"),
-        (r"(Attribute|Type)Error: 'property' object ", "class_for_object"),
-        (r"TypeError: \w+\.\w+\(\) missing 1 required positional argument: 'self'", "class_for_object"),
-        (
-            r"TypeError: 'Vector3' object (does not support item assignment|is not subscriptable)",
-            "vector_index",
-        ),
-        (
-            r"TypeError: ('(int|float|bool)' object is not iterable|Failed to normalize given item of type )"
-            r"(.*\n)*  File \"[^\"\n]*launch\.py\".*\n(?! *for\b)(?!(?:.*\n)*  File )",
-            "launch_number",
-        ),
-        (r"TypeError: 'TimerAction' expected 'period' .*'<class 'int'>'", "launch_period"),
-        (
-            r"TypeError: Action\.__init__\(\) got an unexpected keyword argument '(?P<name>\w+)'",
-            "launch_keyword",
-        ),
-        (
-            r"SubstitutionFailure: executable '(?P<name>[^'\n]*)' not found on the libexec",
-            "launch_executable",
-        ),
-        (r"InvalidPythonLaunchFileError: .* returns None, no LaunchDescription", "launch_returns_nothing"),
-        (r"TypeError: '(int|float)' object is not iterable", "not_iterable"),
-        (r"TypeError: Expected .*, got <class '[\w.]*\.Metaclass_\w+'>", "class_for_object"),
-        (
-            r"TypeError: (?!(Node|Client|Publisher|ActionClient|Rate|Clock)\.)(\w+\.)?\w+\(\) "
-            r"(takes \d+ positional arguments? but|missing \d+ required positional)",
-            "wrong_parameters",
-        ),
-        (r"TypeError: '(?!module|type)\w+' object is not callable", "not_callable"),
-        (r"TypeError: 'NoneType' object does not support the context manager protocol", "with_init"),
-        (
-            r"(AttributeError: (?=')|TypeError: (?!.*(keyword|positional) argument))"
-            r"(?:(?! attribute ).)*['\"](builtin_function_or_method|function|method)['\"]",
-            "function_not_called",
-        ),
-        (
-            r"TypeError: (unsupported operand .*'str'|can only concatenate str|can't multiply sequence by|"
-            r"'[<>]=?' not supported .*'str'|must be real number, not str)",
-            "text_for_number",
-        ),
-        (r"TypeError: \n", "no_response"),  # what a service's server raises at home, without a word
-        (r"AttributeError: 'NoneType' object has no attribute ", "still_none"),
-        (
-            r"AttributeError: property '(?P<name>clients|context|default_callback_group|guards|handle|publishers|"
-            r"services|subscriptions|timers|waitables)' of '\w+' object has no setter",
-            "name_taken",
-        ),
-        (r"AttributeError: ", "unknown_attribute"),
-        (r"NameError: name '(?=(\w*_){2})_{0,3}(name|main|init)_{0,3}' is not defined", "underscores"),
-        (r"NameError: ", "unknown_name"),
-        (r"KeyError: ", "missing_key"),
-        (r"ZeroDivisionError: ", "divided_by_zero"),
-        (r"ModuleNotFoundError: No module named '(rospy|roslib|rosbag|roslaunch)\b", "ros_1"),
-        (
-            r"ModuleNotFoundError: No module named '(getch|keyboard|msvcrt|pygame|pynput|readchar)\b",
-            "no_terminal",
-        ),
-        (r"(ModuleNotFound|Import)Error: ", "missing_module"),
-        (r"NotInitializedException: ", "not_initialized"),
-        (r"EOFError: ", "no_input"),
-        (r"IndexError: list index out of range" + _AT + r".*\bsys\.argv\[", "no_arguments"),
-        (r"IndexError: array index out of range" + _AT + r".*\branges\[", "ranges_index"),
-        (r"IndexError: (array|list|string|tuple) index out of range", "index_range"),
-        (r"error: (\(25, |setupterm:)", "no_terminal"),  # of termios and curses
-        (r"TclError: ", "no_display"),
-        (r"FileNotFoundError: ", "missing_file"),
-        (r"OSError: \[Errno 28\]", "disk_full"),
-        (r"OperationalError: unable to open database file", "no_real_file"),
-        (r"OSError: \[Errno 9\] .*\n(.*\n)*.*(mmap|tofile|fromfile)", "no_real_file"),
-    )
+_SIGNS: Final = (
+    (_LINE + r"\d+[.:|)]?[ \t]+(?!(and|else|for|if|in|is|not|or)\b)[A-Za-z_#@\"']", "line_numbers"),
+    (_LINE + rf"(\./|{_SHELL}[ \t]+(?!(and|else|for|if|in|is|not|or)\b)[^\s=(,])", "shell_line"),
+    (r"SyntaxError: Missing parentheses in call to 'print'", "print_statement"),
+    (_LINE + r"(\}\s*)?(else[ \t]+if|elseif|elsif)\b", "else_if"),
+    (
+        _LINE + r"(//|/\*|\}|(for|while|if)[ \t]*\([^)\n]*;|[^\"'#\n]*(\w::\w|\)[ \t]*\{[ \t]*\n))",
+        "c_syntax",
+    ),
+    (_LINE + r"[^\"'#\n]*\d[ \t]*(m/s|rad/s|rad|m|s|cm|米|秒|度|弧度)(?!\w)", "unit_in_code"),
+    (_LINE + r"(.*\W)?(?P<name>[A-Za-z_][\w.]*)(\+\+|--)[ \t]*[;)]?[ \t]*(#.*)?\n", "increment"),
+    (r"SyntaxError: .*Maybe you meant '==' .*\n.*\n +(if|elif|while)\b", "single_equals"),
+    (_LINE + r"(if|elif|while|return|\w+[ \t]*=)\b[^\"'#\n]*(&&|\|\||![\w (])", "c_operator"),
+    (
+        _LINE + r"(int|float|double|bool|string|String|var|let|const|auto)[ \t]+[A-Za-z_]\w*[ \t]*(=|;|\n)",
+        "typed_name",
+    ),
+    (_LINE + r"(class|def)[ \t]+\w+[ \t]+\w+[ \t]*[(:]", "blank_in_name"),
+    (_LINE + r"(?P<word>class|def)(?P<rest>\w+)[ \t]*\(.*:[ \t]*(#.*)?\n", "blank_after_word"),
+    (r"SyntaxError: expression cannot contain assignment.*\n.*\n.*\w\.\w+[ \t]*=", "dotted_keyword"),
+    (_LINE + r"(from|import)[ \t]+[\w.]*-", "hyphen_in_module"),
+    (_LINE + r"[^\"'#\n]*\)[ \t]*[A-Za-z_]\w*[ \t]*\(", "missing_dot"),
+    (r"SyntaxError: expected '\('", "def_parentheses"),
+    (r"SyntaxError: expected 'except' or 'finally' block", "try_alone"),
+    (r"SyntaxError: invalid syntax\. Perhaps you forgot a comma\?", "missing_comma"),
+    (r"SyntaxError: expected ':'", "missing_colon"),
+    (
+        r"SyntaxError: ('.' was never closed|unmatched '.'|closing parenthesis '.' does not match)",
+        "unbalanced",
+    ),
+    (r"SyntaxError: unterminated (triple-quoted )?(f-)?string literal", "open_string"),
+    (r"SyntaxError: '\w+' outside (async )?function", "outside_function"),
+    (r"SyntaxError: invalid (non-printable )?character", "foreign_character"),
+    (r"SyntaxError: invalid syntax\n.*\n +(```|\$ |>>> )", "pasted_mark"),
+    (r"(IndentationError|TabError): ", "indentation"),
+    (r"RuntimeError: Context\.init\(\) must only be called once", "init_twice"),
+    (
+        r"TypeError: Expected <class '[\w.]*\.(?P<wanted>\w+)'>, "
+        r"got <class '(?:[\w.]*\.)?(?P<given>(?!Metaclass_)\w+)'>" + _AT + r".*\.publish\(",
+        "wrong_message",
+    ),
+    (r"TypeError: object\.__init__\(\) takes exactly one argument", "no_base_class"),
+    (
+        r"ValueError: invalid literal for int\(\) with base 10: (?P<given>'\s*[-+]?(\d+\.\d*|\.\d+)\s*')",
+        "int_of_decimal",
+    ),
+    (
+        r"ValueError: (invalid literal for int\(\) with base 10|could not convert string to float): "
+        r"(?P<given>.*)\n",
+        "not_a_number",
+    ),
+    (r"UnboundLocalError: .*?'(?P<name>\w+)'", "assigned_later"),
+    (r"RCLError: .*publisher's context is invalid", "shutdown_early"),
+    (r"RuntimeError: Context must be initialized before it can be shutdown", "shutdown_twice"),
+    (r"AttributeError: __enter__\n", "shutdown_early"),  # what `rclpy.spin()` raises without a context
+    (r"InvalidHandle: cannot use Destroyable because destruction was requested", "destroyed_early"),
+    (r"NameError: name 'self' is not defined", "self_outside"),
+    (r"AssertionError: The '(?P<field>\w+)' field must be of type 'float'", "int_in_float"),
+    (r"Aborted: field '(?P<field>\w+)' of .*`PyFloat_Check", "int_in_float_at_publish"),
+    (r"Aborted: field '(?P<field>\w+)' of (?P<owner>[\w/]+): ", "wrong_type_at_publish"),
+    (r"AssertionError: The '(?P<field>\w+)' field must be a set or sequence", "list_in_field"),
+    (
+        r"AssertionError: The '(?P<field>\w+)' field must be a sub message of type '(?P<owner>\w+)'",
+        "message_in_field",
+    ),
+    (
+        r"AttributeError: '(?P<owner>Twist|Vector3)' object has no attribute '(?P<field>\w+)'",
+        "unknown_field",
+    ),
+    (
+        r"AttributeError: '(?P<owner>\w+)_(Response|Request|Goal|Result|Feedback)' object has no attribute "
+        r"'(?P<field>\w+)'",
+        "unknown_part",
+    ),
+    (
+        r"TypeError: (?P<owner>Twist|Vector3|Point|Pose|Quaternion|String|Bool|U?Int\d+|Float\d+|Time|"
+        r"Duration|\w+_Request|\w+_Goal)\.__init__\(\) takes 1 positional",
+        "fields_by_position",
+    ),
+    (r"TypeError: .*(qos_profile|queue_size)", "missing_qos"),
+    (
+        r"TypeError: Expected QoSProfile or int, but received <class '(str|float|bool|list|tuple)'>",
+        "qos_number",
+    ),
+    (
+        r"TypeError: float\(\) argument must be .*'(function|method)'" + _AT + r".*create_timer\(",
+        "timer_order",
+    ),
+    (r"TypeError: descriptor '__init__' .*'super'", "super_brackets"),
+    (r"ParameterNotDeclaredException: .*'(?P<name>[\w.]+)'\)", "parameter_not_declared"),
+    (r"ParameterUninitializedException: .*'(?P<name>[\w.]+)'", "parameter_without_value"),
+    (
+        r"InvalidParameterTypeException: .*parameter '(?P<name>[\w.]+)'.*'DOUBLE'.*'INTEGER'",
+        "parameter_type",
+    ),
+    (
+        r"InvalidParameterTypeException: .*parameter '(?P<name>[\w.]+)' to '(?P<given>-?\d+)' of type "
+        r"'INTEGER', expecting type 'DOUBLE'",
+        "parameter_integer",
+    ),
+    (r"InvalidParameterTypeException: .*expecting type '[\w.]*STRING'", "parameter_text"),
+    (r"TypeError: .*'Parameter'|AttributeError: 'Parameter' object has no attribute", "parameter_value"),
+    (r"TypeError: Expected QoSProfile or int, but received <class '(function|method)'>", "wrong_order"),
+    (r"TypeError: Publisher\.publish\(\) (takes|missing) ", "one_message"),
+    (r"TypeError: spin(_once|_until_future_complete)?\(\) missing .*'node'", "spin_what"),
+    (
+        r"TypeError: 'str' object cannot be interpreted as an integer" + _AT + r".*\bsleep\([ \t]*['\"]",
+        "text_in_sleep",
+    ),
+    (
+        r"TypeError: 'str' object cannot be interpreted as an integer" + _AT + r".*\bsleep\(",
+        "text_for_number",
+    ),
+    (r"TypeError: '(float|str)' object cannot be interpreted as an integer", "whole_number"),
+    (r"RecursionError: ", "recursion"),
+    (r"TypeError: rclpy_resolve_name\(\)", "wrong_order"),
+    (r"TypeError: isinstance\(\) arg 2 must be a type.*" + _AT + r".*\.publish\(", "wrong_order"),
+    (r"AttributeError: type object '\w+' has no attribute '_TYPE_SUPPORT'", "wrong_order"),
+    (
+        r"TypeError: '(function|method)' object is not subscriptable" + _AT + r".*\bcreate_\w+\(",
+        "wrong_order",
+    ),
+    (
+        r"TypeError: (type '\w+'|'(builtin_function_or_method|function|method|type)' object) "
+        r"is not subscriptable",
+        "square_brackets",
+    ),
+    (
+        r"TypeError: ('[<>]=?' not supported|unsupported operand) .*"
+        r"('(Duration|Time)' and '(int|float)'|'(int|float)' and '(Duration|Time)')",
+        "duration_and_number",
+    ),
+    (r"TypeError: ('[<>]=?' not supported|unsupported operand) .*'array\.array'", "whole_array"),
+    (r"TypeError: unsupported operand .*'tuple'", "comma_at_end"),
+    (r"TypeError: unsupported operand .*'NoneType'", "none_in_sum"),
+    (r"TypeError: (rclpy_logging_rcutils_log|RcutilsLogger\.\w+)\(\)", "log_not_text"),
+    (r"TypeError: Node\.__init__\(\) missing", "no_super_init"),
+    (
+        r"AttributeError: '\w+' object has no attribute '(_(clock|default_callback_group|logger|parameters|"
+        r"parameter_overrides|publishers|rate_group|Node__\w+))'(?!.*" + _AT + r".*\.\1\b)",
+        "no_super_init",
+    ),
+    (r"Invalid(Node|Topic|Service)NameException: |InvalidNamespaceException: ", "bad_name"),
+    (r"TypeError: 'NoneType' object is not callable", "callback_called"),
+    (r"(Attribute|Type)Error: 'property' object ", "class_for_object"),
+    (r"TypeError: \w+\.\w+\(\) missing 1 required positional argument: 'self'", "class_for_object"),
+    (
+        r"TypeError: 'Vector3' object (does not support item assignment|is not subscriptable)",
+        "vector_index",
+    ),
+    (
+        r"TypeError: ('(int|float|bool)' object is not iterable|Failed to normalize given item of type )"
+        r"(.*\n)*  File \"[^\"\n]*launch\.py\".*\n(?! *for\b)(?!(?:.*\n)*  File )",
+        "launch_number",
+    ),
+    (r"TypeError: 'TimerAction' expected 'period' .*'<class 'int'>'", "launch_period"),
+    (
+        r"TypeError: Action\.__init__\(\) got an unexpected keyword argument '(?P<name>\w+)'",
+        "launch_keyword",
+    ),
+    (
+        r"SubstitutionFailure: executable '(?P<name>[^'\n]*)' not found on the libexec",
+        "launch_executable",
+    ),
+    (r"InvalidPythonLaunchFileError: .* returns None, no LaunchDescription", "launch_returns_nothing"),
+    (r"TypeError: '(int|float)' object is not iterable", "not_iterable"),
+    (r"TypeError: Expected .*, got <class '[\w.]*\.Metaclass_\w+'>", "class_for_object"),
+    (
+        r"TypeError: (?!(Node|Client|Publisher|ActionClient|Rate|Clock)\.)(\w+\.)?\w+\(\) "
+        r"(takes \d+ positional arguments? but|missing \d+ required positional)",
+        "wrong_parameters",
+    ),
+    (r"TypeError: '(?!module|type)\w+' object is not callable", "not_callable"),
+    (r"TypeError: 'NoneType' object does not support the context manager protocol", "with_init"),
+    (
+        r"(AttributeError: (?=')|TypeError: (?!.*(keyword|positional) argument))"
+        r"(?:(?! attribute ).)*['\"](builtin_function_or_method|function|method)['\"]",
+        "function_not_called",
+    ),
+    (
+        r"TypeError: (unsupported operand .*'str'|can only concatenate str|can't multiply sequence by|"
+        r"'[<>]=?' not supported .*'str'|must be real number, not str)",
+        "text_for_number",
+    ),
+    (r"TypeError: \n", "no_response"),  # what a service's server raises at home, without a word
+    (r"AttributeError: 'NoneType' object has no attribute ", "still_none"),
+    (
+        r"AttributeError: property '(?P<name>clients|context|default_callback_group|guards|handle|publishers|"
+        r"services|subscriptions|timers|waitables)' of '\w+' object has no setter",
+        "name_taken",
+    ),
+    (r"AttributeError: ", "unknown_attribute"),
+    (r"NameError: name '(?=(\w*_){2})_{0,3}(name|main|init)_{0,3}' is not defined", "underscores"),
+    (r"NameError: ", "unknown_name"),
+    (r"KeyError: ", "missing_key"),
+    (r"ZeroDivisionError: ", "divided_by_zero"),
+    (r"ModuleNotFoundError: No module named '(rospy|roslib|rosbag|roslaunch)\b", "ros_1"),
+    (
+        r"ModuleNotFoundError: No module named '(getch|keyboard|msvcrt|pygame|pynput|readchar)\b",
+        "no_terminal",
+    ),
+    (r"(ModuleNotFound|Import)Error: ", "missing_module"),
+    (r"NotInitializedException: ", "not_initialized"),
+    (r"EOFError: ", "no_input"),
+    (r"IndexError: list index out of range" + _AT + r".*\bsys\.argv\[", "no_arguments"),
+    (r"IndexError: array index out of range" + _AT + r".*\branges\[", "ranges_index"),
+    (r"IndexError: (array|list|string|tuple) index out of range", "index_range"),
+    (r"error: (\(25, |setupterm:)", "no_terminal"),  # of termios and curses
+    (r"TclError: ", "no_display"),
+    (r"FileNotFoundError: ", "missing_file"),
+    (r"OSError: \[Errno 28\]", "disk_full"),
+    (r"OperationalError: unable to open database file", "no_real_file"),
+    (r"OSError: \[Errno 9\] .*\n(.*\n)*.*(mmap|tofile|fromfile)", "no_real_file"),
 )
 """Patterns of the beginning of ``Type: message``, behind which the traceback follows, and their codes.
 
-The first pattern that fits counts, so a special one stands before a general one of the same type.
+The first pattern that fits counts, so a special one stands before a general one of the same type. `re` compiles
+each when it is first tried: all of them take 15 ms, and most scripts raise nothing.
 """
 
 
@@ -348,7 +345,7 @@ def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT)
         line[:_LONGEST] for line in error.traceback.split("\n")
     )  # a long line makes patterns slow
     told = f"{error.type}: {error.message}\n{shown}"
-    known = ((code, sign.match(told)) for sign, code in _SIGNS)
+    known = ((code, re.match(sign, told)) for sign, code in _SIGNS)
     code, values = next(((code, found.groupdict()) for code, found in known if found), (otherwise, {}))
     refine = _REFINED.get(code)
     closer = None if refine is None else refine(error, script)

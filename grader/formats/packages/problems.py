@@ -11,18 +11,10 @@ from itertools import islice
 from typing import Final
 
 from grader.contracts.assignment import WantedPackage
-from grader.contracts.package import PackageProblem
+from grader.contracts.package import ENTRY, MANIFEST, MODULES, NAMES, SHARE, PackageProblem
 from grader.formats.packages.setup_file import parsed
 from grader.formats.packages.workspace import PYTHON, Executable, Package, choose
 
-MANIFEST, NAMES, MODULES, ENTRY, SHARE = (
-    "package_manifest",
-    "package_names",
-    "package_modules",
-    "package_entry",
-    "package_share",
-)
-AREAS: Final = (MANIFEST, NAMES, MODULES, ENTRY, SHARE)
 _IMPORT: Final = re.compile(r"^[ \t]*(?:from|import)[ \t]+([a-z]\w*)", re.MULTILINE)
 _OF_ROS: Final = re.compile(
     r"rclpy|\w+_msgs|\w+_interfaces|std_srvs|tf2_ros|tf_transformations|cv_bridge|turtlesim"

@@ -20,6 +20,7 @@ from grader.checks.kinds.path.wanted import (
     tracks,
 )
 from grader.contracts.assignment import StartPose, WantedPath
+from grader.geometry import median
 from grader.geometry.matching import (
     Floats,
     Points,
@@ -359,7 +360,7 @@ def _driven_index(figure: Figure, share: float) -> int:
     if share in (0.0, 1.0):
         return round(share * (FINE - 1))
     partners = figure.pairs[figure.pairs[:, 0] == round(share * (SAMPLES - 1)), 1]
-    return round(float(np.median(partners)) / (SAMPLES - 1) * (FINE - 1))
+    return round(median(partners) / (SAMPLES - 1) * (FINE - 1))
 
 
 def _measured(stretch: Stretch, points: Points) -> DrivenStretch:

@@ -17,6 +17,7 @@ from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchSid
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Floats, Trajectory
+from grader.geometry import median
 from grader.geometry.figure import PolygonFigure
 from grader.messages import say
 from grader.messages.quantity import listed, number
@@ -177,7 +178,7 @@ def _sides(
     """Compare each side with its wanted length, or with the median side where only the spread is scored."""
     lengths = [math.dist(start, end) for start, end in itertools.pairwise(points)]
     band = assignment.item_on("side_error_pct") or assignment.item_on("side_spread_pct")
-    targets = wanted.aligned(figure.sides_m) or (float(np.median(figure.sides_m)),) * len(figure.sides_m)
+    targets = wanted.aligned(figure.sides_m) or (median(figure.sides_m),) * len(figure.sides_m)
     sides = []
     for i, (start, end) in enumerate(itertools.pairwise(points)):
         ok = None

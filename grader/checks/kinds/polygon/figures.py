@@ -16,6 +16,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.record import PositionalRecord
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
+from grader.geometry import median
 from grader.geometry.figure import CLOSED_SHARE, PolygonFigure, bare, measure_polygon
 from grader.geometry.path import Segments, segment
 
@@ -152,7 +153,7 @@ class DrivenPolygon:
         if figure is None or len(figure.sides_m) != wanted.sides or figure.repeated or figure.overrun:
             return False
         *whole, last = figure.sides_m
-        alike, across = (whole[::2], whole[1]) if wanted.differing else (whole, float(np.median(whole)))
+        alike, across = (whole[::2], whole[1]) if wanted.differing else (whole, median(whole))
         return max(alike) <= EQUAL_RATIO * min(alike) and last < UNFINISHED_SHARE * across
 
     @property

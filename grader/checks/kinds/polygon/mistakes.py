@@ -23,6 +23,7 @@ from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Floats
+from grader.geometry import median
 from grader.geometry.figure import PolygonFigure
 from grader.messages import say
 from grader.messages.quantity import listed, number
@@ -389,13 +390,11 @@ def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     sides = np.asarray(figure.sides_m)
     if not seen.loses("side_spread_pct", 100.0 * float(np.ptp(sides)) / float(np.mean(sides))):
         return
-    odd = int(np.argmax(np.abs(sides - np.median(sides))))
-    if (
-        odd == len(sides) - 1
-        and sides[odd] > np.median(sides)
-        and _coasts(seen, abs(float(sides[odd] - np.median(sides))))
-    ):
-        yield _no_final_stop(seen, number(float(sides[odd] - np.median(sides)), "m"))
+    apart = sides - median(figure.sides_m)
+    odd = int(np.argmax(np.abs(apart)))
+    over_m = float(apart[odd])
+    if odd == len(sides) - 1 and over_m > 0.0 and _coasts(seen, over_m):
+        yield _no_final_stop(seen, number(over_m, "m"))
         return
     others = np.delete(sides, odd)
     if seen.loses("side_spread_pct", 100.0 * float(np.ptp(others)) / float(np.mean(others))):
