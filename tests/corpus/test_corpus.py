@@ -39,7 +39,7 @@ def test_the_corpus_is_large_and_varied() -> None:
     assert {attempt.assignment for attempt in CORPUS} >= set(FIGURES)
 
 
-@pytest.mark.sweep(5)
+@pytest.mark.sweep(3)
 @pytest.mark.parametrize("name", [*FIGURES, "straight", "backward", "spin"])
 def test_nothing_is_scored_wrongly_on_the_ideal_turtle(name: str) -> None:
     scored = [on_the_ideal_turtle(attempt) for attempt in CORPUS if attempt.assignment == name]

@@ -192,7 +192,7 @@ def replayed_unseen(sandbox: Sandbox, task: Assignment, result: EpisodeResult) -
     return replay.account()
 
 
-@pytest.mark.sweep(6)
+@pytest.mark.sweep(4)
 @pytest.mark.parametrize("script", SCRIPTS)
 def test_a_replay_ends_in_the_very_state_that_the_script_saw(
     sandbox: Sandbox, car: BulletCar, script: str
@@ -205,6 +205,7 @@ def test_a_replay_ends_in_the_very_state_that_the_script_saw(
     assert printed.split()[-2:] == ["state", first.state]
 
 
+@pytest.mark.sweep(2)
 @pytest.mark.parametrize("name", EXERCISES)
 def test_a_solution_gets_full_marks_and_pictures(grader: Grader, name: str) -> None:
     assert grade(grader, name, own(name)).score == 100

@@ -14,6 +14,7 @@ from grader.sim.bullet import BulletCar
 from grader.sim.episode import Episode, EpisodeSpec
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, FakeLink
+from tests.tiers import examples
 from tests.unit.sim.playing import end_pose, play
 
 MS = 1_000_000
@@ -160,7 +161,7 @@ TWISTS = st.sampled_from(
 )
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(st.lists(st.tuples(GAPS_NS, st.sampled_from([2, 3]), TWISTS, st.integers(1, 4)), max_size=12))
 def test_repetitions_come_to_the_same_in_one_frame_and_in_many(
     car: BulletCar, drives: list[tuple[int, int, bytes, int]]

@@ -99,12 +99,14 @@ def test_what_is_not_exactly_a_call_is_refused(bad: bytes) -> None:
         RecordedCalls().take(bad, HORIZON_NS)
 
 
-def test_calls_are_counted() -> None:
+def test_calls_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert MOST_CALLS == 150_000
+    monkeypatch.setattr("grader.sim.recorded_calls.MOST_CALLS", 5_000)
     found = RecordedCalls()
     frame = calls.encode(FUNCTIONS.index("setDefaultContactERP"), [0], {}) * 1_000
-    for _ in range(MOST_CALLS // 1_000):
+    for _ in range(5):
         found.take(frame, HORIZON_NS)
-    with pytest.raises(ProtocolError, match="more than 150000 calls"):
+    with pytest.raises(ProtocolError, match="more than 5000 calls"):
         found.take(frame, HORIZON_NS)
 
 
