@@ -14,8 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from grader.contracts.record import PositionalRecord
-from grader.geometry import median
-from grader.geometry.path import MIN_TURN_RAD, Path, Segments, Straight, Turn
+from grader.geometry.path import MIN_TURN_RAD, Path, Segments, Straight, Turn, median
 
 FULL_TURN_RAD = 2.0 * math.pi
 

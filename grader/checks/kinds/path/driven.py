@@ -20,7 +20,6 @@ from grader.checks.kinds.path.wanted import (
     tracks,
 )
 from grader.contracts.assignment import StartPose, WantedPath
-from grader.geometry import median
 from grader.geometry.matching import (
     Floats,
     Points,
@@ -31,7 +30,7 @@ from grader.geometry.matching import (
     matched_each,
     resampled,
 )
-from grader.geometry.path import segment
+from grader.geometry.path import median, segment
 
 LEAST_M = 0.05  # a shorter drive is not a path
 LAPS_TRIED = 8  # ends of the first lap that are tried: where the car came back to its start

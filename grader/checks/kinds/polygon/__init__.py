@@ -17,8 +17,8 @@ from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchSid
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Floats, Trajectory
-from grader.geometry import median
 from grader.geometry.figure import PolygonFigure
+from grader.geometry.path import median
 from grader.messages import say
 from grader.messages.quantity import listed, number
 

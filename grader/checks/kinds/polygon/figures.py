@@ -16,9 +16,8 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.record import PositionalRecord
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
-from grader.geometry import median
 from grader.geometry.figure import CLOSED_SHARE, PolygonFigure, bare, measure_polygon
-from grader.geometry.path import Segments, segment
+from grader.geometry.path import Segments, median, segment
 
 FULL_TURN_DEG = 360.0
 Bools = NDArray[np.bool_]

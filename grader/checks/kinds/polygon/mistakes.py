@@ -23,8 +23,8 @@ from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Floats
-from grader.geometry import median
 from grader.geometry.figure import PolygonFigure
+from grader.geometry.path import median
 from grader.messages import say
 from grader.messages.quantity import listed, number
 from grader.messages.script import ScriptText
