@@ -538,7 +538,7 @@ def _longest_motion_ns(trajectory: Trajectory) -> int:
 def with_ends(trajectory: Trajectory) -> Iterator[tuple[Command, int]]:
     """Yield each command with the time until which it held, at most turtlesim's hold after it came."""
     nexts = [command.t_ns for command in trajectory.commands[1:]]
-    for command, next_ns in zip(trajectory.commands, [*nexts, _FOR_EVER_NS], strict=True):
+    for command, next_ns in zip(trajectory.commands, [*nexts, _FOR_EVER_NS], strict=False):
         yield command, min(next_ns, command.t_ns + COMMAND_LIFE_NS)
 
 

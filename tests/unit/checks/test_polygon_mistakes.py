@@ -45,6 +45,22 @@ def test_published_once_is_told_before_the_angle_it_leads_to() -> None:
 @pytest.mark.parametrize(
     ("name", "legs", "code"),
     [
+        ("triangle", [(2.0, 1.0, 0.0), (1.0, 0.0, math.pi / 3)] * 3, "interior_angle"),
+        ("square", [(2.0, 1.0, 0.0), (0.5, 0.0, math.pi / 2)] * 4, "turns_too_short"),
+        ("square", [(2.0, 1.0, 0.0), (1.0, 0.0, math.pi / 2)] * 3, "sides_missing"),
+        ("square", [(3.0, 1.0, 0.0), (1.0, 0.0, math.pi / 2), (0.8, 1.0, 0.0), (1.0, 0.0, math.pi / 2)] * 2,
+         "published_once"),
+    ],
+)  # fmt: skip
+def test_drives_that_turtlesim_cuts_to_the_same_length_explain_no_figure(
+    name: str, legs: list[tuple[float, float, float]], code: str
+) -> None:
+    assert graded(name, once_each(legs)).mistakes[0] == code
+
+
+@pytest.mark.parametrize(
+    ("name", "legs", "code"),
+    [
         ("square", polygon_legs(4, corners_deg=[57.3] * 4), "one_radian"),
         ("triangle", polygon_legs(3, corners_deg=[57.3] * 3), "one_radian"),
         ("octagon", polygon_legs(8, 1.0, corners_deg=[57.3] * 8), "one_radian"),

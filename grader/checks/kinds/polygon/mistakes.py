@@ -42,6 +42,8 @@ MOSTLY_ROUND_SHARE = (
 _LENGTHS = ("side_spread_pct", "side_error_pct")
 _TURNS = ("corner_deg", "sides", "gap_pct", "opposite_corners")
 _DRIVES = ("distance_m", *_LENGTHS, "gap_pct")
+_EQUAL_DRIVES = ("distance_m", "side_error_pct")
+_EQUAL_RATIO = 1.02  # of the longest to the shortest drive: a third of what costs points
 _SHAPE = ("sides", "corner_deg", *_LENGTHS, "gap_pct", "curved_pct", "opposite_corners", "settled")
 
 
@@ -77,7 +79,7 @@ def polygon_mistakes(
     yield from _degrees(seen)
     yield from _kept_driving(seen)
     yield from _kept_turning(seen)
-    yield from command_mistakes(run, assignment.world, turns=_TURNS, drives=_DRIVES)
+    yield from command_mistakes(run, assignment.world, turns=_TURNS, drives=_spoilt_by_short_drives(run))
     yield from _little_turns(seen)
     yield from _wall(seen)
     cut = _cut_at_the_end(seen)
@@ -90,6 +92,23 @@ def polygon_mistakes(
     yield from _shape(seen)
     if not cut:
         yield from _ending(seen)
+
+
+def _spoilt_by_short_drives(run: Run) -> tuple[str, ...]:
+    """Return the measures that drives spoil when they end too early.
+
+    Drives that come out equally long draw equal sides: if such a figure is not closed, it is for another reason.
+    """
+    drives = itertools.groupby(
+        with_ends(run.trajectory), lambda commanded: abs(commanded[0].v_mps) > MOVING_MPS
+    )
+    lengths_m = [
+        sum(abs(command.v_mps) * (until_ns - command.t_ns) for command, until_ns in drive) / 1e9
+        for drives_on, drive in drives
+        if drives_on
+    ]
+    equal = lengths_m and max(lengths_m) <= _EQUAL_RATIO * min(lengths_m)
+    return _EQUAL_DRIVES if equal else _DRIVES
 
 
 def _never_turned(seen: _Seen) -> Iterator[Mistake]:
