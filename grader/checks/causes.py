@@ -131,15 +131,23 @@ def _counts_ticks(seen: Searched) -> Mistake | None:
         return None
     for line, text in enumerate(seen.script.block(begins.line), start=begins.line):
         found = re.search(r"\bif ([\w.]+) ?(<=?|>=?|==) ?([\w.]+) ?:", text)
-        counted = found and seen.script.lines_with(
-            rf"{re.escape(found[1])} ?(\+= ?1|= ?{re.escape(found[1])} ?\+ ?1)\s*$"
-        )
+        counted = found and _counted_each_tick(found[1], seen.script)
         count = value_of(found[3], seen.script) if found and counted else None
         if found and count and count >= 1 and (count * period_s <= _EARLY_S or count <= _FEW_TICKS):
             took = number(count * period_s, "s")
             values = {"name": found[1], "count": f"{count:g}", "period": number(period_s, "s"), "took": took}
             return mistake("counts_ticks", line=line, **values)
     return None
+
+
+def _counted_each_tick(name: str, script: ScriptText) -> bool:
+    """Whether a name is raised by 1 at each tick: not only when another count has come somewhere, as sides are."""
+    others = "|".join(re.escape(other) for other in script.counters - {name})
+    for line in script.lines_with(rf"(?<![\w.]){re.escape(name)} ?(\+= ?1|= ?{re.escape(name)} ?\+ ?1)\s*$"):
+        conditions = [script.lines[line - 1].rpartition(":")[0], *script.conditions_of(line)]
+        if not others or not re.search(rf"(?<![\w.])({others})\b", " ".join(conditions)):
+            return True
+    return False
 
 
 _EARLY_S: Final = 1.0  # a motion of more was counted in ticks, and has another fault
@@ -715,7 +723,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_NOT_ON, _spin_once),
     (_NOT_ON, _ends_in_callback),
     (frozenset(("log_not_reached",)), _log_behind_spin),
-    (frozenset(("log_not_reached",)), _uncalled),
+    (frozenset(("log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on")), _uncalled),
     (frozenset(("wrong_topic",)), _lookalike),
     (frozenset(("never_published",)), _no_publish),
     (frozenset(("never_published", "publish_not_reached")), _long_period),

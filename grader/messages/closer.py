@@ -49,6 +49,14 @@ def main_needs_args(error: StudentError, written: str, script: ScriptText) -> Cl
     return "main_needs_args", {"name": found[1], "argument": found[2], "begins": made.line}
 
 
+def bare_class(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a method that is called on a class, as that was assigned without brackets."""
+    found = re.match(r"(\w+)\.(\w+)\(\) missing ", error.message)
+    called = re.search(rf"(\w+)\.{found[2]}\(", written) if found else None
+    kept = script.assigned(called[1]) if called else None
+    return ("class_for_object", {}) if found and kept and kept.value == found[1] else None
+
+
 def signature(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Say how the ``def`` should read, where a method lacks self or a callback has wrong parameters."""
     found = re.match(r"(?:(\w+)\.)?(\w+)\(\) (takes (\d+) .* but (\d+)|missing (\d+) )", error.message)
@@ -258,7 +266,7 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "assigned_later": (missing_global,),
     "bad_name": (backslash,),
     "callback_called": (called_here,),
-    "call_mismatch": (main_needs_args, signature),
+    "call_mismatch": (main_needs_args, bare_class, signature),
     "foreign_character": (dash,),
     "index_range": (list_too_short,),
     "init_twice": (calls_itself,),

@@ -41,7 +41,7 @@ class Definition(NamedTuple):
 
 
 class Mention(NamedTuple):
-    """A line on which the name of a function stands alone."""
+    """A line on which the name of a function stands alone, and the name as it is written there: ``self.stop``."""
 
     line: int
     name: str
@@ -205,6 +205,32 @@ class ScriptText:
                 return above
         return None
 
+    def conditions_of(self, number: int) -> list[str]:
+        """Return the heads of the blocks around a line, up to its function; of an ``else`` also its ``if``."""
+        heads: list[str] = []
+        above = self.owner_of(number)
+        while above is not None and not re.match(r"[ \t]*(def|class)\b", self.lines[above - 1]):
+            heads += self._chain(above)
+            above = self.owner_of(above)
+        return heads
+
+    def _chain(self, number: int) -> list[str]:
+        """Return the head of a block, and of an ``elif`` or ``else`` also those before it, up to ``if``."""
+        heads = [self.lines[number - 1]]
+        indent = _indent(heads[0])
+        for line in reversed(self.lines[: number - 1]):
+            if not re.match(r"[ \t]*(elif|else)\b", heads[-1]) or (line.strip() and _indent(line) < indent):
+                break
+            if line.strip() and _indent(line) == indent:
+                heads.append(line)
+        return heads
+
+    @property
+    def counters(self) -> set[str]:
+        """The names that are raised by 1 somewhere."""
+        raised = re.findall(r"(?<![\w.])([\w.]+) ?(?:\+= ?1|= ?\1 ?\+ ?1)(?![\w.])", "\n".join(self.lines))
+        return set(raised)
+
     def works_after(self, number: int) -> bool:
         """Whether code behind the given line, in the same block or one around it, does work."""
         if not 0 < number <= len(self.lines):
@@ -238,13 +264,14 @@ class ScriptText:
     def uncalled(self) -> Mention | None:
         """The first line that names a function of the script, by itself, without calling it."""
         for number in self.lines_with(r"^[ \t]*(\w+\.)*\w+$"):
-            name = self.lines[number - 1].strip().rpartition(".")[2]
+            written = self.lines[number - 1].strip()
             before, behind = (
                 "".join(self.lines[part]).strip()
                 for part in (slice(max(number - 2, 0), number - 1), slice(number, number + 1))
             )
-            if self.definition(name) is not None and before[-1:] not in {",", "("} and behind[:1] != ")":
-                return Mention(number, name)
+            made = self.definition(written.rpartition(".")[2])
+            if made is not None and before[-1:] not in {",", "("} and behind[:1] != ")":
+                return Mention(number, written)
         return None
 
     @property

@@ -228,6 +228,13 @@ SCRIPTS = (
     # Nothing, or only stops, arrived: where the program was, and what the script has around it.
     _script("guard without underscores", "hello", "main_guard", ("'__main__'", "'main'"), words="'main'"),
     _script("method named only", "square", "not_called", ("node.move_square()", "node.move_square"), words="move_square()"),
+    _script("stop named only", "square", "not_called",
+            ("        self.stop()\n        self.get_logger().info('✓ 旋转完成')", "        self.stop\n        self.get_logger().info('✓ 旋转完成')"),
+            words="self.stop()"),
+    _script("class without brackets", "", "class_for_object",
+            ("", "import rclpy, time\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\nclass Mover(Node):\n"
+             "    def __init__(self):\n        super().__init__('m')\n        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n"
+             "    def go(self, v, t):\n        pass\nrclpy.init()\nm = Mover\nm.go(1.0, 2.0)\n"), to="straight"),
     _script("main named only", "hello", "not_called", ("    main()\n", "    main\n"), words="main()"),
     _script("coroutine not awaited", "square", "never_awaited", ("    def move_square(self)", "    async def move_square(self)"), words="async"),
     _script("log never reached", "hello", "log_not_reached", ("        # 打印日志", "    def hallo(self):\n        # 打印日志")),

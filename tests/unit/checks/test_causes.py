@@ -29,6 +29,19 @@ def _run(source: str, case: str, status: RunStatus = RunStatus.FINISHED) -> Run:
     return replace(plain, case=case, source=source)
 
 
+SIDES = """
+def tick(self):
+    if self.n < 4 and self.k < 20:
+        drive()
+    elif self.n < 4 and self.k < 35:
+        turn()
+    if self.n < 4:
+        self.k += 1
+    if self.k >= 36:
+        self.k = 0
+{last}
+node.create_timer(0.1, node.tick)
+"""
 TICKS = (
     "class A(Node):\n    def __init__(self):\n        self.create_timer({period}, self.tick)\n        self.n = 0\n"
     "    def tick(self):\n        self.n += 1\n        if self.n <= {count}:\n            go()\n"
@@ -69,6 +82,9 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("place_away", "e = math.degrees(a)\nmsg.angular.z = 0.05 * e", "place_away"),  # a gain per degree
         ("turn_too_short", TICKS.format(period=0.1, count=6), "counts_ticks"),
         ("turn_too_short", TICKS.format(period=0.1, count=55), "turn_too_short"),
+        ("turns_too_short", SIDES.format(last="        self.n += 1"), "turns_too_short"),
+        ("turns_too_short", SIDES.format(last="        pass\n    self.n += 1"), "counts_ticks"),
+        ("no_final_stop", "def stop():\n    pub.publish(Twist())\ngo()\nstop\n", "not_called"),
         ("turns_too_short", "turn_time = 1.57\nturn(move_time)", "wrong_time"),
         ("turns_too_short", "turn_time = 1.57\nturn(move_time)\ngo(turn_time)", "times_exchanged"),
         ("turns_too_short", "turn_time = 1.57\nturn(turn_time)\ngo(move_time)", "turns_too_short"),

@@ -84,6 +84,7 @@ def test_drives_that_turtlesim_cuts_to_the_same_length_explain_no_figure(
         ("square", [(2 * math.pi, 1.0, 1.0)], "arcs"),
         ("square", [(2.0, 1.0, 0.2), (math.pi / 2 - 0.4, 0.0, 1.0)] * 4, "kept_turning"),  # bent sides
         ("square", [(2.0, 1.0, 0.0)], "no_turns"),
+        ("square", [(2.0, 1.0, 0.0), *[(math.pi / 2, 0.0, 1.0), (0.016, 1.0, 0.0)] * 4], "turned_instead"),
         ("square", [(2.0, 1.0, 0.0), (1.0, 0.0, 90.0)] * 4, "degrees_as_radians"),
         ("square", polygon_legs(5), "other_figure"),
     ],

@@ -94,19 +94,24 @@ def polygon_mistakes(
         yield from _ending(seen)
 
 
+def _drives_m(run: Run) -> list[float]:
+    """Return the lengths of the drives that were commanded, with a stop or a turn between one and the next."""
+    drives = itertools.groupby(
+        with_ends(run.trajectory), lambda commanded: abs(commanded[0].v_mps) > MOVING_MPS
+    )
+    return [
+        sum(abs(command.v_mps) * (until_ns - command.t_ns) for command, until_ns in drive) / 1e9
+        for drives_on, drive in drives
+        if drives_on
+    ]
+
+
 def _spoilt_by_short_drives(run: Run) -> tuple[str, ...]:
     """Return the measures that drives spoil when they end too early.
 
     Drives that come out equally long draw equal sides: if such a figure is not closed, it is for another reason.
     """
-    drives = itertools.groupby(
-        with_ends(run.trajectory), lambda commanded: abs(commanded[0].v_mps) > MOVING_MPS
-    )
-    lengths_m = [
-        sum(abs(command.v_mps) * (until_ns - command.t_ns) for command, until_ns in drive) / 1e9
-        for drives_on, drive in drives
-        if drives_on
-    ]
+    lengths_m = _drives_m(run)
     equal = lengths_m and max(lengths_m) <= _EQUAL_RATIO * min(lengths_m)
     return _EQUAL_DRIVES if equal else _DRIVES
 
@@ -251,9 +256,9 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
 
 
 def _drove_once(seen: _Seen) -> bool:
-    """Whether the script commanded one drive, and what it turned it turned on the spot."""
-    driving = [abs(command.v_mps) > MOVING_MPS for command in seen.run.trajectory.commands]
-    return _stretches(driving) == 1 and not any(map(_is_arc, seen.run.trajectory.commands))
+    """Whether the script commanded one drive, or further ones of a jolt each, and turned on the spot."""
+    far = [length_m for length_m in _drives_m(seen.run) if length_m > _SEEN_M]
+    return len(far) == 1 and not any(map(_is_arc, seen.run.trajectory.commands))
 
 
 def _circling(seen: _Seen) -> bool:
