@@ -272,6 +272,57 @@ def _start_once(seen: Searched) -> Mistake | None:
     return None
 
 
+def _since_1970(seen: Searched) -> Mistake | None:
+    """Find what a clock shows compared with a few seconds, in a script that never takes the difference."""
+    for line in seen.script.lines_with(rf"^[ \t]*(self\.)?\w+ ?=(?!=)[^-]*{_SHOWN}[^-]*$"):
+        name = seen.script.lines[line - 1].partition("=")[0].strip()
+        itself = rf"(?<![\w.]){re.escape(name)}(?![\w.])"
+        few = seen.script.lines_with(rf"\b(if|elif|while)\b.*{itself} ?<=? ?\d{{1,6}}(\.\d+)?(?![\w.])")
+        if few and not seen.script.lines_with(rf"- ?{itself}|{itself} ?-"):
+            return mistake("since_1970", line=line, name=name, compared=few[0])
+    return None
+
+
+_SHOWN: Final = r"(?:\btime\.time\(\)|\bnow\(\))"
+
+
+def _count_anew(seen: Searched) -> Mistake | None:
+    """Find a count that the callback of a timer or subscription sets to 0 whenever it is called."""
+    for kind in ("timer", "subscription"):
+        for _, callback in seen.script.callbacks(kind):
+            made = seen.script.definition(callback)
+            body = seen.script.body(made.line) if made else []
+            for line, text in body:
+                name = (re.match(r"(\w+) ?= ?0(\.0)?$", text) or ("", ""))[1]
+                raised = seen.script.lines_with(rf"^[ \t]*{name} ?(\+= ?1|= ?{name} ?\+ ?1)$") if name else []
+                if any(_once_a_call(at, callback, seen.script) for at in raised):
+                    return mistake("count_anew", line=line, name=name, callback=callback)
+    return None
+
+
+def _once_a_call(line: int, function: str, script: ScriptText) -> bool:
+    """Whether a line of a function stands in no loop."""
+    loops = (re.match(r"[ \t]*(for|while)\b", head) for head in script.conditions_of(line))
+    return script.function_around(line) == function and not any(loops)
+
+
+def _count_kept(seen: Searched) -> Mistake | None:
+    """Find a count of a timer's ticks that tells a side from a turn, and that is never set back to 0."""
+    sides = seen.findings.measures.get("sides")
+    if sides is None or sides.value != 1.0:
+        return None
+    for _, callback in seen.script.callbacks("timer"):
+        made = seen.script.definition(callback)
+        text = "\n".join(seen.script.block(made.line)) if made else ""
+        for name in sorted(seen.script.counters):
+            itself = rf"(?<![\w.]){re.escape(name)}(?![\w.])"
+            limits = set(re.findall(rf"\b(?:el)?if {itself} ?<=? ?([\w.]+)", text))
+            back = seen.script.lines_with(rf"{itself} ?(=(?!=)(?! ?{re.escape(name)} ?\+)|%|-=)")
+            if len(limits) == 2 and len(back) <= 1:
+                return mistake("count_kept", name=name)
+    return None
+
+
 def _wrong_time(seen: Searched) -> Mistake | None:
     """Find a turn that is given the time of the drive."""
     turned = _given(seen.script, r"(?i)turn|rotate|spin|zhuan", _DRIVE_TIME)
@@ -699,6 +750,9 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_NO_MOTION | _COUNT, _negative_time),
     (_NO_MOTION | _SHORT, _clock_before_sleep),
     (_NO_MOTION | _COUNT, _start_once),
+    (_NO_MOTION, _since_1970),
+    (_NO_MOTION | {"never_stops", "endless_turn"}, _count_anew),
+    (frozenset(("sides_missing",)), _count_kept),
     (_NO_MOTION, _empty_function),
     (_SHORT | _CORNERS, _radians_twice),
     (_SHORT | _CORNERS | _LOST, _radians_of_pose),

@@ -231,6 +231,11 @@ SCRIPTS = (
     _script("stop named only", "square", "not_called",
             ("        self.stop()\n        self.get_logger().info('✓ 旋转完成')", "        self.stop\n        self.get_logger().info('✓ 旋转完成')"),
             words="self.stop()"),
+    _script("count never set back", "", "count_kept",
+            ("", _BARE + "class Count:\n    n = side = 0\ndef tick():\n    m = Twist()\n    if Count.side < 4:\n"
+             "        if Count.n < 20: m.linear.x = 1.0\n        elif Count.n < 36: m.angular.z = 1.0\n        else: Count.side += 1\n"
+             "        Count.n += 1\n    pub_a.publish(m)\nnode.create_timer(0.1, tick)\nrclpy.spin(node)\n"),
+            words="Count.n = 0", to="square"),
     _script("class without brackets", "", "class_for_object",
             ("", "import rclpy, time\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\nclass Mover(Node):\n"
              "    def __init__(self):\n        super().__init__('m')\n        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n"

@@ -51,6 +51,7 @@ PASS = (
     "    def cb(self, msg):\n        pass\n    def {name}(self):\n        pass\n    def run(self):\n"
     "        self.{name}()\n"
 )
+ANEW = "def tick():\n{count}\n{then}\n    if n < 20:\n        go()\nnode.create_timer(0.1, tick)\n"
 GROWS = "for i in range(4):\n    {line}\n"
 
 
@@ -84,6 +85,18 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("turn_too_short", TICKS.format(period=0.1, count=55), "turn_too_short"),
         ("turns_too_short", SIDES.format(last="        self.n += 1"), "turns_too_short"),
         ("turns_too_short", SIDES.format(last="        pass\n    self.n += 1"), "counts_ticks"),
+        ("only_stops", "t = self.get_clock().now().nanoseconds / 1e9\nif t < 2:\n    go()\n", "since_1970"),
+        ("only_stops", "now = time.time()\nwhile now < 2.5:\n    go()\n", "since_1970"),
+        ("only_stops", "t = time.time()\nif t - start < 2:\n    go()\n", "only_stops"),
+        ("only_stops", "t = time.time() - start\nif t < 2:\n    go()\n", "only_stops"),
+        ("only_stops", "t = time.time()\nif t < until:\n    go()\n", "only_stops"),
+        ("no_turns", ANEW.format(count="    n = 0", then="    n += 1"), "count_anew"),
+        ("no_turns", ANEW.format(count="    global n", then="    n += 1"), "no_turns"),
+        (
+            "no_turns",
+            ANEW.format(count="    n = 0", then="    for i in range(3):\n        n += 1"),
+            "no_turns",
+        ),
         ("no_final_stop", "def stop():\n    pub.publish(Twist())\ngo()\nstop\n", "not_called"),
         ("turns_too_short", "turn_time = 1.57\nturn(move_time)", "wrong_time"),
         ("turns_too_short", "turn_time = 1.57\nturn(move_time)\ngo(turn_time)", "times_exchanged"),
