@@ -150,7 +150,10 @@ def motion_mistakes(
         yield mistake("to_and_fro", times=changes)
     if "turned_deg" not in lost or not _right_speed(drive, backward=backward):
         yield from _wrong_way(values["advance_m"], backward=backward)
-    yield from command_mistakes(run, assignment.world, turns=(), drives=("advance_m",))
+    drove_enough = fits(assignment, "advance_m", float(drive.path.along_m[-1])) is True  # if not ahead
+    yield from command_mistakes(
+        run, assignment.world, turns=(), drives=() if drove_enough else ("advance_m",)
+    )
     if "turned_deg" in lost:
         yield _turning(drive, values)
     if "way_back_m" in lost and values["advance_m"] > -MIN_MOTION_M:

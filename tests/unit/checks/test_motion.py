@@ -9,7 +9,7 @@ from grader.contracts.outcome import Note, RunStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.trajectory import Contact, Trajectory
 from tests.unit.checks.shipped import assignment, graded, item, score
-from tests.unit.checks.trajectories import drive, run_of
+from tests.unit.checks.trajectories import drive, once_each, run_of
 
 INTERRUPTED = RunStatus.INTERRUPTED
 
@@ -133,6 +133,13 @@ def test_whoever_turns_round_and_then_drives_as_asked_is_told_of_the_turn(name: 
     scoring = graded(name, drive([(math.pi, 0.0, 1.0), (2.0, v, 0.0)]))
     assert item(scoring, "distance").status is ItemStatus.FAILED
     assert scoring.mistakes == ("turned_too",)  # not that linear.x has the wrong sign
+
+
+def test_a_drive_that_is_cut_short_is_not_told_to_whoever_turned_round_before_it() -> None:
+    assert graded(
+        "backward", once_each([(1.0, 0.0, math.pi), (2.0, 1.0, 0.0), (1.0, 0.0, 0.0)])
+    ).mistakes == ("turned_too",)
+    assert graded("straight", once_each([(2.0, 0.3, 0.0), (1.0, 0.1, 0.0)])).mistakes[0] == "published_once"
 
 
 def test_whoever_drives_the_wrong_way_is_told_so_before_a_turn() -> None:

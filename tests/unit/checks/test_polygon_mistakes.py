@@ -8,7 +8,7 @@ import pytest
 from grader.contracts.outcome import RunStatus
 from grader.contracts.trajectory import Command, Trajectory
 from tests.unit.checks.shipped import graded, score
-from tests.unit.checks.trajectories import Leg, drive, polygon_legs
+from tests.unit.checks.trajectories import Leg, drive, once_each, polygon_legs
 
 
 def test_much_curve_is_told_before_the_one_corner_it_spoils() -> None:
@@ -20,20 +20,6 @@ def test_much_curve_is_told_before_the_one_corner_it_spoils() -> None:
     little: list[Leg] = [(2.0, 1.0, 0.0), (math.pi / 2, 0.3, 1.0)]
     early = [(2.0, 1.0, 0.0), (1.2, 0.3, 1.0)]
     assert graded("square", drive([*little, *little, *early, *little])).mistakes[0] == "one_corner_off"
-
-
-def once_each(legs: list[tuple[float, float, float]]) -> Trajectory:
-    """Each velocity published once; the car stops a second later."""
-    seen: list[tuple[float, float, float]] = []
-    commands, now_s = [], 0.0
-    for duration, v, w in legs:
-        commands.append(Command(t_ns=round(now_s * 1e9), v_mps=v, w_radps=w))
-        seen += [(min(duration, 1.0), v, w), (max(duration - 1.0, 0.0), 0.0, 0.0)]
-        now_s += duration
-    commands.append(Command(t_ns=round(now_s * 1e9), v_mps=0.0, w_radps=0.0))
-    trajectory = drive(seen)
-    values = {name: getattr(trajectory, name) for name in Trajectory.__slots__}
-    return Trajectory(**{**values, "commands": tuple(commands)})
 
 
 def test_published_once_is_told_before_the_angle_it_leads_to() -> None:

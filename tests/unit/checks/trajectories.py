@@ -92,6 +92,20 @@ def drive(
     )
 
 
+def once_each(legs: list[tuple[float, float, float]]) -> Trajectory:
+    """Each velocity published once; the car stops a second later."""
+    seen: list[tuple[float, float, float]] = []
+    commands, now_s = [], 0.0
+    for duration, v, w in legs:
+        commands.append(Command(t_ns=round(now_s * 1e9), v_mps=v, w_radps=w))
+        seen += [(min(duration, 1.0), v, w), (max(duration - 1.0, 0.0), 0.0, 0.0)]
+        now_s += duration
+    commands.append(Command(t_ns=round(now_s * 1e9), v_mps=0.0, w_radps=0.0))
+    trajectory = drive(seen)
+    values = {name: getattr(trajectory, name) for name in Trajectory.__slots__}
+    return Trajectory(**{**values, "commands": tuple(commands)})
+
+
 def _lagged(values: np.ndarray, steps: np.ndarray, lag_s: float) -> np.ndarray:
     out, state = np.empty_like(values), 0.0
     edges = [0, *(np.flatnonzero(np.diff(values)) + 1), len(values)]
