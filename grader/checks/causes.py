@@ -15,7 +15,7 @@ from typing import Final, NamedTuple
 
 from grader.checks.drive import FAST_TURN_RADPS, fastest_radps
 from grader.checks.measure import Findings, Mistake, mistake
-from grader.checks.mistakes import not_called
+from grader.checks.mistakes import PLACE, not_called
 from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
@@ -421,6 +421,24 @@ def _timer_ends(seen: Searched) -> Mistake | None:
 _MARGIN_S: Final = 2.0
 
 
+def _sleeps_on(seen: Searched) -> Mistake | None:
+    """Find the long pause of a loop in which the run ended."""
+    place = PLACE.fullmatch(seen.run.at_horizon)
+    line = int(place["line"]) if place else 0
+    if place is None or not place["call"].endswith("sleep") or not 0 < line <= len(seen.script.lines):
+        return None
+    slept = re.search(r"\bsleep\((.+)\)$", seen.script.lines[line - 1])
+    pause_s = value_of(slept[1], seen.script) if slept else None
+    looped = any(re.match(r"[ \t]*(for|while)\b", head) for head in seen.script.conditions_of(line))
+    if pause_s is None or pause_s < _LONG_PAUSE_S or not looped:
+        return None
+    until, end = number(int(place["until_ns"]) / 1e9, "s"), number(seen.run.outcome.duration_ns / 1e9, "s")
+    return mistake("sleeps_too_long", line=line, until=until, end=end)
+
+
+_LONG_PAUSE_S: Final = 5.0
+
+
 def _no_loop(seen: Searched) -> Mistake | None:
     """Recognise a script that writes a part of the figure once, and has no loop to repeat it."""
     count, item = seen.findings.measures.get("sides"), seen.assignment.item_on("sides")
@@ -764,6 +782,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_CORNERS - {"one_radian"}, _wrong_time),
     (frozenset(("turns_too_short", "one_corner_off", "turn_too_short", "too_short")), _ticks_cut),
     (_SHORT, _counts_ticks),
+    (_COUNT, _sleeps_on),
     (_COUNT, _removes_in_loop),
     (_COUNT, _leaves_loop),
     (_COUNT, _timer_ends),

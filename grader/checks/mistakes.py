@@ -194,7 +194,9 @@ def _apart(one: Floats, other: Floats) -> bool:
 
 
 _OVERSLEPT_NS = 5_000_000_000
-_PLACE = re.compile(r"(?P<line>\d+) (?P<call>\S+) (?P<until_ns>\d+)")
+PLACE = re.compile(r"(?P<line>\d+) (?P<call>\S+) (?P<until_ns>\d+)")
+"""How `Run.at_horizon` says in which call on which line a script waited, and until when."""
+
 _FOR_EVER_NS = 1 << 62  # when a wait without a deadline ends
 
 
@@ -203,7 +205,7 @@ def asleep(run: Run) -> Iterator[Mistake]:
 
     After a stop, or after a crash in another thread, a long sleep only keeps the program alive.
     """
-    place, commands = _PLACE.fullmatch(run.at_horizon), run.trajectory.commands
+    place, commands = PLACE.fullmatch(run.at_horizon), run.trajectory.commands
     if place is None or not place["call"].endswith("sleep") or (commands and not is_motion(commands[-1])):
         return
     until_ns, now_ns = int(place["until_ns"]), run.outcome.duration_ns
@@ -215,7 +217,7 @@ def asleep(run: Run) -> Iterator[Mistake]:
 
 def _behind_spin(run: Run) -> Mistake | None:
     """Recognise work that stands behind a call of `spin` that was still going on when the run ended."""
-    place, script = _PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
+    place, script = PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
     if place is None or not place["call"].endswith("spin"):
         return None
     line = int(place["line"])
@@ -229,7 +231,7 @@ def _behind_spin(run: Run) -> Mistake | None:
 
 def _spin_in_callback(run: Run) -> Mistake | None:
     """Recognise a callback that waits for a future, which only another callback of the same executor can bring."""
-    place, script = _PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
+    place, script = PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
     if place is None or not place["call"].endswith("spin_until_future_complete"):
         return None
     name = script.function_around(int(place["line"]))
@@ -444,7 +446,7 @@ def _waits(run: Run) -> Mistake | None:
 
 def _in_loop(run: Run, script: ScriptText) -> Mistake | None:
     """Recognise a loop that was still waiting when the run ended, and whether callbacks could have ended it."""
-    place = _PLACE.fullmatch(run.at_horizon)
+    place = PLACE.fullmatch(run.at_horizon)
     if place is None or (begins := script.loop_of(int(place["line"]))) is None:
         return None
     heard = any(each.kind == "subscription" for each in run.outcome.endpoints)
@@ -456,7 +458,7 @@ def _in_loop(run: Run, script: ScriptText) -> Mistake | None:
 
 def loop_in_callback(run: Run) -> Mistake | None:
     """Recognise a loop in a callback that waits for what only another callback can bring."""
-    place, script = _PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
+    place, script = PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
     if place is None or (begins := script.loop_of(int(place["line"]))) is None:
         return None
     heard = any(each.kind == "subscription" for each in run.outcome.endpoints)

@@ -539,10 +539,20 @@ def _own_name(error: StudentError, script: ScriptText) -> Closer:
     given = [] if found is None else script.lines_with(rf"\bself\.{found[1]}[ \t]*(:[^=]*)?=(?!=)")
     if found is not None and given:
         return "missing_self_value", {"name": found[1], "given": given[0]}
+    local = None if found is None else script.assigned(found[1])
+    if found is not None and local is not None and _in_other_method(local.line, error.line or 0, script):
+        values = {"name": found[1], "given": local.line, "function": script.function_around(local.line)}
+        return "local_of_method", values
     known = found is not None and found[1] in _ELSEWHERE_NAMES
     if found is not None and script.node_class and not known and _is_node(found[1], script_line(error)):
         return "node_not_made", {"name": found[1], "owner": script.node_class}
     return _name(error)
+
+
+def _in_other_method(line: int, other: int, script: ScriptText) -> bool:
+    """Whether two lines stand in different methods of the script."""
+    both = script.in_method(line) and script.in_method(other)
+    return both and script.function_around(line) != script.function_around(other)
 
 
 def _is_node(name: str, written: str) -> bool:

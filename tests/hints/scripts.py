@@ -236,6 +236,16 @@ SCRIPTS = (
              "        if Count.n < 20: m.linear.x = 1.0\n        elif Count.n < 36: m.angular.z = 1.0\n        else: Count.side += 1\n"
              "        Count.n += 1\n    pub_a.publish(m)\nnode.create_timer(0.1, tick)\nrclpy.spin(node)\n"),
             words="Count.n = 0", to="square"),
+    _script("turn behind the loop, at the wall", "", "turns_behind_loop",
+            ("", _BARE + "for _ in range(4):\n    go(1.0, 0.0, 2)\n    pub_a.publish(Twist())\ngo(0.0, 1.5708, 1)\npub_a.publish(Twist())\n"),
+            to="square"),
+    _script("half a minute between the sides", "", "sleeps_too_long",
+            ("", _BARE + "for _ in range(4):\n    go(1.0, 0.0, 2)\n    go(0.0, 1.5708, 1)\n    pub_a.publish(Twist())\n    time.sleep(30)\n"),
+            words="time.sleep(0.1)", to="square"),
+    _script("publisher of another method", "square", "local_of_method",
+            ("        self.cmd_vel_pub = self.create", "        cmd_vel_pub = self.create"),
+            ("            self.cmd_vel_pub.publish(msg)\n            time.sleep(0.01)\n\n        # 停止", "            cmd_vel_pub.publish(msg)\n            time.sleep(0.01)\n\n        # 停止"),
+            words="self.cmd_vel_pub"),
     _script("class without brackets", "", "class_for_object",
             ("", "import rclpy, time\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\nclass Mover(Node):\n"
              "    def __init__(self):\n        super().__init__('m')\n        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n"

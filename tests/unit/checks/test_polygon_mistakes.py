@@ -73,6 +73,8 @@ def test_drives_that_turtlesim_cuts_to_the_same_length_explain_no_figure(
         ("square", [(2.0, 1.0, 0.0), *[(math.pi / 2, 0.0, 1.0), (0.016, 1.0, 0.0)] * 4], "turned_instead"),
         ("square", [(2.0, 1.0, 0.0), (1.0, 0.0, 90.0)] * 4, "degrees_as_radians"),
         ("square", polygon_legs(5), "other_figure"),
+        ("triangle", polygon_legs(3, corners_deg=[-240] * 3), "long_way_by_time"),
+        ("square", polygon_legs(4, corners_deg=[90, -270, 90, 90]), "long_way"),
     ],
 )
 def test_shapes(name: str, legs: list[tuple[float, float, float]], code: str) -> None:

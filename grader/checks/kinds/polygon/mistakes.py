@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -134,7 +134,8 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
     drives = _straight_drives([command for command in commands if command.t_ns < turning[0]])
     hit = bool(contacts) and contacts[0].start_ns <= turning[0]
     turns = _stretches([_turns(command) for command in commands])
-    if drives > 1 and (hit or turns == 1):
+    at_last = hit and turns == 1 and seen.run.outcome.status is RunStatus.FINISHED
+    if at_last or (drives > 1 and (hit or turns == 1)):
         wall = say("detail.wall_hit") if hit else EMPTY
         ideal = _degree(seen.ideal_deg)
         yield mistake("turns_behind_loop", _SHAPE, count=drives, wall=wall, ideal=ideal, sides=seen.sides)
@@ -299,6 +300,15 @@ def _is_arc(command: Command) -> bool:
     return abs(command.v_mps) > MOVING_MPS and abs(command.w_radps) > MOVING_RADPS
 
 
+def _long_way(seen: _Seen, values: Mapping[str, object]) -> Mistake:
+    """Tell of corners that go the long way round: by a wrong difference of angles, or for too long."""
+    turned_deg, by_pose = seen.driven.turned_deg, ScriptText(seen.run.source).lines_with(r"\btheta\b")
+    if by_pose or not seen.driven.long_way.all():
+        return mistake("long_way", ("opposite_corners",), turned=listed(turned_deg, "deg"), **values)
+    turned = listed(np.abs(turned_deg), "deg")
+    return mistake("long_way_by_time", ("opposite_corners",), turned=turned, **values)
+
+
 def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     """Name the one mistake that explains the corners best, if any is wrong."""
     corners, ideal = seen.driven.corners_deg, seen.ideal_deg
@@ -314,9 +324,7 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     if back or (bool((corners < 0.0).any()) and _both_ways(seen)):
         yield mistake("turned_back" if back else "zigzag", spoilt, **values)
     elif not off.any() and bool(seen.driven.long_way.any()):
-        yield mistake(
-            "long_way", ("opposite_corners",), turned=listed(seen.driven.turned_deg, "deg"), **values
-        )
+        yield _long_way(seen, values)
     elif not off.any():
         # within the corners' band, but the figure does not close
         if uniform and _known_angle(seen, mean) == "one_radian" and seen.loses("gap_pct", _gap_pct(figure)):
