@@ -286,6 +286,15 @@ def _since_1970(seen: Searched) -> Mistake | None:
 _SHOWN: Final = r"(?:\btime\.time\(\)|\bnow\(\))"
 
 
+def _waits_for_past(seen: Searched) -> Mistake | None:
+    """Find a loop for as long as more time has passed than wanted, which it never has at the beginning."""
+    passed = rf"\bwhile\b.*{_CLOCK}\)* ?- ?[\w.]+\)*(\.nanoseconds)?( ?/ ?1e9)? ?>=? ?[\w.]"
+    for line in seen.script.lines_with(passed):
+        if any("publish(" in text for text in seen.script.block(line)):
+            return mistake("waits_for_past", line=line)
+    return None
+
+
 def _count_anew(seen: Searched) -> Mistake | None:
     """Find a count that the callback of a timer or subscription sets to 0 whenever it is called."""
     for kind in ("timer", "subscription"):
@@ -769,6 +778,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_NO_MOTION | _SHORT, _clock_before_sleep),
     (_NO_MOTION | _COUNT, _start_once),
     (_NO_MOTION, _since_1970),
+    (_NO_MOTION, _waits_for_past),
     (_NO_MOTION | {"never_stops", "endless_turn"}, _count_anew),
     (frozenset(("sides_missing",)), _count_kept),
     (_NO_MOTION, _empty_function),

@@ -90,6 +90,13 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("only_stops", "t = time.time()\nif t - start < 2:\n    go()\n", "only_stops"),
         ("only_stops", "t = time.time() - start\nif t < 2:\n    go()\n", "only_stops"),
         ("only_stops", "t = time.time()\nif t < until:\n    go()\n", "only_stops"),
+        ("only_stops", "while time.time() - start > 2.0:\n    pub.publish(m)\n", "waits_for_past"),
+        (
+            "only_stops",
+            "while (self.get_clock().now() - t0).nanoseconds > t * 1e9:\n    self.pub.publish(m)\n",
+            "waits_for_past",
+        ),
+        ("only_stops", "while time.time() - start < 2.0:\n    pub.publish(m)\n", "only_stops"),
         ("no_turns", ANEW.format(count="    n = 0", then="    n += 1"), "count_anew"),
         ("no_turns", ANEW.format(count="    global n", then="    n += 1"), "no_turns"),
         (
