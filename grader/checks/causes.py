@@ -286,6 +286,16 @@ def _since_1970(seen: Searched) -> Mistake | None:
 _SHOWN: Final = r"(?:\btime\.time\(\)|\bnow\(\))"
 
 
+def _set_to_plus(seen: Searched) -> Mistake | None:
+    """Find ``=+`` where ``+=`` is meant: the sign belongs to the number."""
+    for line in seen.script.lines_with(r"^[ \t]*(self\.)?\w+ ?=\+ ?\d+(\.\d+)?$"):
+        written = seen.script.lines[line - 1].strip()
+        name, _, amount = written.partition("=+")
+        right = f"{name.strip()} += {amount.strip()}"
+        return mistake("set_to_plus", line=line, written=written, right=right, value=amount.strip())
+    return None
+
+
 def _waits_for_past(seen: Searched) -> Mistake | None:
     """Find a loop for as long as more time has passed than wanted, which it never has at the beginning."""
     passed = rf"\bwhile\b.*{_CLOCK}\)* ?- ?[\w.]+\)*(\.nanoseconds)?( ?/ ?1e9)? ?>=? ?[\w.]"
@@ -769,9 +779,13 @@ _LOST: Final = frozenset(
         "never_finished",
     )
 )
+_COUNTED: Final = _NO_MOTION | _COUNT | _LOST | {"endless_turn", "never_stops", "turned_instead", "wall_hit"}
+"""What may come of a count or a state that never changes."""
+
 _NOT_ON: Final = frozenset(("lost_at_home", "not_spinning", "never_spun"))
 
 _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (
+    (_COUNTED, _set_to_plus),
     (_NO_MOTION | _SHORT, _floor_is_zero),
     (_NO_MOTION | _SHORT, _int_is_zero),
     (_NO_MOTION | _COUNT, _negative_time),

@@ -223,10 +223,19 @@ def _behind_spin(run: Run) -> Mistake | None:
     line = int(place["line"])
     if line in script.lines_with(r"\btarget ?= ?[\w.]*\bspin\("):
         return mistake("thread_called", line=line)
-    callbacks = script.lines_with(r"\bcreate_(timer|subscription)\(")
-    if not script.works_after(line) or any(number < line for number in callbacks):
+    if not script.works_after(line) or any(number < line for number in _working_callbacks(script)):
         return None  # with a callback the work may be meant to happen there, and only the stop stands behind
     return mistake("behind_spin", line=line)
+
+
+def _working_callbacks(script: ScriptText) -> Iterator[int]:
+    """Yield the lines that create timers and subscriptions, unless their callback only keeps what it is given."""
+    named = {line: name for kind in ("timer", "subscription") for line, name in script.callbacks(kind)}
+    for line in script.lines_with(r"\bcreate_(timer|subscription)\("):
+        made = script.definition(named.get(line, ""))
+        body = [] if made is None else [text for _, text in script.body(made.line)]
+        if not body or not all(re.match(r"self\.\w+ ?=(?!=) ?[\w.]+$|\"\"$|pass$", text) for text in body):
+            yield line
 
 
 def _spin_in_callback(run: Run) -> Mistake | None:

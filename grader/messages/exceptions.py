@@ -494,6 +494,9 @@ def _parameters(error: StudentError, script: ScriptText) -> Closer:
     made = script.definition(name)
     if made is not None and script.hands_over(error.line or 0, name):
         return "callback_called", {}
+    owner = re.match(r"(\w+)\.__init__\(\)", error.message)
+    if made is not None and owner is not None and f"{owner[1]}(" in script_line(error):
+        return "init_mismatch", {"name": owner[1], "begins": made.line}
     is_method = re.match(r"\w+\.", error.message) is not None
     if made is None or (is_method and not made.takes_self) or f"{name}(" not in script_line(error):
         return None if is_method else ("crashed", {})
@@ -546,7 +549,11 @@ def _own_name(error: StudentError, script: ScriptText) -> Closer:
     known = found is not None and found[1] in _ELSEWHERE_NAMES
     if found is not None and script.node_class and not known and _is_node(found[1], script_line(error)):
         return "node_not_made", {"name": found[1], "owner": script.node_class}
-    return _name(error)
+    near = difflib.get_close_matches(found[1], script.defined_names, 1, _NEAR) if found is not None else []
+    return ("misspelt", {"suggestion": near[0]}) if near else _name(error)
+
+
+_NEAR: Final = 0.75
 
 
 def _in_other_method(line: int, other: int, script: ScriptText) -> bool:
@@ -571,6 +578,8 @@ def _attribute(error: StudentError, script: ScriptText) -> Closer:
     if missing is not None and _IMPORTS.get(missing[1], "").startswith("from rclpy."):
         return "not_in_module", {"name": missing[1], "statement": _IMPORTS[missing[1]]}
     found = re.match(r"'(\w+)' object has no attribute '(\w+)'", error.message)
+    if found is not None and found[2] in ("spin", "spin_once") and found[1] in ("Node", script.node_class):
+        return "spin_of_rclpy", {"name": found[2]}
     if found is not None and found[1] in ("Duration", "Time") and found[2] in _DURATION_OF_ROS_1:
         return "ros_1_habit", {"name": f".{found[2]}", "instead": _DURATION_OF_ROS_1[found[2]]}
     if found is not None and (closer := _own_attribute(found[1], found[2], script)) is not None:

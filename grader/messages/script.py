@@ -205,6 +205,12 @@ class ScriptText:
                 return above
         return None
 
+    @property
+    def defined_names(self) -> list[str]:
+        """The names of the functions and classes that stand at the top level, in order."""
+        found = (re.match(r"(?:def|class) (\w+)", line) for line in self.lines)
+        return [one[1] for one in found if one is not None]
+
     def conditions_of(self, number: int) -> list[str]:
         """Return the heads of the blocks around a line, up to its function; of an ``else`` also its ``if``."""
         heads: list[str] = []

@@ -270,7 +270,7 @@ class BulletCar:
             raise InfrastructureError("the simulated car's body is not where its law says")
 
     def _turn_wheels(self, v_mps: float, w_radps: float) -> None:
-        """Have the motors turn the wheels as this velocity needs it."""
+        """Have the motors turn the wheels at the speeds that this velocity needs."""
         if (v_mps, w_radps) == self._turned:
             return
         self._turned = (v_mps, w_radps)

@@ -61,9 +61,8 @@ ROSOUT: Final = "/rosout"
 AHEAD_NS: Final = 100_000_000
 """A script that has gone this long without ADVANCE runs ahead. One that subscribes sends it every 16 ms."""
 MAX_REQUESTS: Final = 200  # whose values are kept
-MAX_DRIVERS: Final = (
-    50  # publishers that a reckoning script is told of; one that creates more asks for each pose
-)
+MAX_DRIVERS: Final = 50
+"""A script with more publishers that the world takes from, those of /rosout included, asks for each pose."""
 NEVER_NS: Final = 1 << 62
 
 _TWIST: Final = struct.Struct("<4s6d")

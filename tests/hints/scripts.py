@@ -246,6 +246,19 @@ SCRIPTS = (
             ("        self.cmd_vel_pub = self.create", "        cmd_vel_pub = self.create"),
             ("            self.cmd_vel_pub.publish(msg)\n            time.sleep(0.01)\n\n        # 停止", "            cmd_vel_pub.publish(msg)\n            time.sleep(0.01)\n\n        # 停止"),
             words="self.cmd_vel_pub"),
+    _script("plus behind the equals sign", "", "set_to_plus",
+            ("", _BARE + "class Count:\n    n = 0\ndef tick():\n    m = Twist()\n    if Count.n % 2 == 0: m.linear.x = 1.0\n"
+             "    else: m.angular.z = 1.57\n    n =+ 1\n    Count.n = n\n    pub_a.publish(m)\n"
+             "node.create_timer(0.9, tick)\nrclpy.spin(node)\n"), words="n += 1", to="square"),
+    _script("mian", "hello", "misspelt", ("    main()\n", "    mian()\n"), words="main"),
+    _script("name of the node not given", "hello", "init_mismatch", ("    def __init__(self):\n", "    def __init__(self, name):\n")),
+    _script("spin of the node", "", "spin_of_rclpy", ("", "import rclpy\nrclpy.init()\nnode = rclpy.create_node('a')\nnode.get_logger().info('Hello')\nnode.spin()\n"),
+            words="rclpy.spin(node)", to="hello"),
+    _script("work behind spin, with a pose that is kept", "", "behind_spin",
+            ("", "import rclpy\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\nfrom turtlesim.msg import Pose\n"
+             "class A(Node):\n    def __init__(self):\n        super().__init__('a')\n        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n"
+             "        self.create_subscription(Pose, '/turtle1/pose', self.hear, 10)\n    def hear(self, msg):\n        self.pose = msg\n"
+             "    def run(self):\n        self.pub.publish(Twist())\nrclpy.init()\na = A()\nrclpy.spin(a)\na.run()\n"), to="straight"),
     _script("class without brackets", "", "class_for_object",
             ("", "import rclpy, time\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\nclass Mover(Node):\n"
              "    def __init__(self):\n        super().__init__('m')\n        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n"

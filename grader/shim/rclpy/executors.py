@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 __getattr__ = passed_on(__name__)
 
 _MOST_WATCHES = 16
-"""Of waits beside callbacks under way: more combinations of these are seldom."""
+"""How many watches are kept for waits during which callbacks run: few scripts have more combinations of these."""
 
 CPU_COUNT = 4
 """Threads of a MultiThreadedExecutor that is not told a number: the same on every grading host."""
@@ -139,7 +139,9 @@ class Executor:
         self._last_kwargs: Any = None
         self._spinning = 0
         self._watch: Watch | None = None
-        self._busy_watches: dict[tuple[tuple[int, bool], ...], Watch] = {}  # of waits beside callbacks
+        self._busy_watches: dict[
+            tuple[tuple[int, bool], ...], Watch
+        ] = {}  # while callbacks run, by `given_out`
         self._context.on_shutdown(self.wake)
 
     @property
@@ -213,7 +215,7 @@ class Executor:
                 self._spin_on()
 
     def _spin_on(self) -> None:
-        """Do what further calls of `spin_once` would, if the executor has a shorter way to it."""
+        """Do what further calls of `spin_once` would, if the executor can do it faster."""
 
     def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
         """Run callbacks until the future is done or the timeout (None or negative: never) has passed."""
@@ -296,7 +298,7 @@ class Executor:
         return watch
 
     def _take_watch(self, nodes: Sequence[Node]) -> Watch:
-        """Return the watch of an earlier wait if it still holds; nobody else has it until it is put back."""
+        """Return the watch of an earlier wait if it still holds. No other wait uses it until `_put_back`."""
         if changes.executing:
             watch = self._busy_watches.pop(changes.given_out(), None)
         else:
@@ -304,7 +306,7 @@ class Executor:
         if watch is not None:
             if watch.holds(self.can_execute, nodes):
                 return watch
-            self._busy_watches.clear()  # what has changed since has changed for these, too
+            self._busy_watches.clear()  # what made this one stale made them stale as well
         return Watch(self.can_execute, nodes)
 
     def _put_back(self, watch: Watch) -> None:
@@ -555,8 +557,8 @@ class SingleThreadedExecutor(Executor):
     def _wait_for_lone_callback(self, timeout_sec: float | TimeoutObject | None) -> Place | None:
         """Wait for the next callback and give it out, if it is a plain one and the only one that is ready.
 
-        `wait_for_ready_callbacks` comes to the same and takes three times as long. What else the wait finds, that
-        one returns next.
+        `wait_for_ready_callbacks` comes to the same and takes three times as long. If the wait finds anything
+        else, that one returns it next.
 
         Raises:
             TimeoutException: nothing came in time.
@@ -577,7 +579,7 @@ class SingleThreadedExecutor(Executor):
         return place
 
     def _spin_on(self) -> None:
-        """Run callbacks one by one, for as long as only messages come and timers fall due."""
+        """Run callbacks one by one; return as soon as anything but messages and timers has to be looked at."""
         context = self._context.handle
         if context is None or type(self) is not SingleThreadedExecutor:
             return
@@ -624,7 +626,10 @@ class SingleThreadedExecutor(Executor):
             _run(handler)
 
     def _next_lone(self, watch: Watch, deadline_ns: int | None) -> Place | None:
-        """Block until something is ready; give it out, if it is the only one, plain and in time."""
+        """Block until something is ready; give it out, if it is the only one, plain and in time.
+
+        None: `watch` is settled, and the caller serves what it holds.
+        """
         self._woken.clear()
         settled = False
         place = watch.lone_timer()

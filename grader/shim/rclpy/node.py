@@ -248,7 +248,7 @@ class Node:
             self.__executor_weakref = ref(new_executor)
 
     def _wake_executor(self, *, added: bool = False) -> None:
-        """Have the executor look again: the node has got an entity (`added`) or lost one."""
+        """Have the executor look again: the node has gained an entity (`added`) or lost one."""
         changes.count += 1
         changes.additions += added
         executor = self.executor

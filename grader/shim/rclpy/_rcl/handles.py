@@ -18,8 +18,8 @@ class Changes:
 
     Attributes:
         count: grows whenever an entity is created or destroyed, or a timer may be due sooner than it said.
-        additions: how many of these changes were an entity more, which leaves the others as they were.
-        executing: whose callbacks any executor has given out and which have not ended: their groups may keep
+        additions: how many of these changes only added an entity.
+        executing: entities whose callbacks an executor has given out and that have not ended: their groups may keep
             others waiting.
     """
 
@@ -29,7 +29,7 @@ class Changes:
         self.executing: list[Any] = []
 
     def given_out(self) -> tuple[tuple[int, bool], ...]:
-        """Return what decides, besides `count`, which entities may execute: whose callbacks run, and how far."""
+        """Return what decides, besides `count`, which entities may execute: which callbacks run, and whether each has taken its data."""
         return tuple((id(entity), entity._executor_event) for entity in self.executing)
 
 

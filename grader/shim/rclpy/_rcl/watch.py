@@ -102,7 +102,7 @@ class Watch:
         self._known = [len(each) for each in members]
 
     def _take_in(self) -> bool:
-        """Count what the only node has got since; False, and the watch is of no use, if more has changed."""
+        """Count what the only node has got since. False: something else has changed; throw the watch away."""
         if len(self._nodes) != 1 or changes.count - self._seen != changes.additions - self._seen_additions:
             return False
         node = self._nodes[0]
@@ -212,7 +212,7 @@ class Watch:
     def lone_message(self) -> Place | None:
         """Return the subscription that has something, if only messages can have come, and only for that one.
 
-        None: `settle` and `lone` tell.
+        None: call `settle` and `lone` instead.
         """
         heap = self._heap
         if self._guards or self._reset or self._checked or not self._calm or changes.count != self._seen:
