@@ -19,7 +19,7 @@ class Changes:
     Attributes:
         count: grows whenever an entity is created or destroyed, or a timer may be due sooner than it said.
         additions: how many of these changes only added an entity.
-        executing: entities whose callbacks an executor has given out and that have not ended: their groups may keep
+        executing: entities whose callbacks an executor has given out, and have not ended. Their groups may keep
             others waiting.
     """
 
@@ -29,7 +29,10 @@ class Changes:
         self.executing: list[Any] = []
 
     def given_out(self) -> tuple[tuple[int, bool], ...]:
-        """Return what decides, besides `count`, which entities may execute: which callbacks run, and whether each has taken its data."""
+        """Return what decides, besides `count`, which entities may execute.
+
+        That is which callbacks run, and whether each has taken its data.
+        """
         return tuple((id(entity), entity._executor_event) for entity in self.executing)
 
 
