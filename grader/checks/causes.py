@@ -286,6 +286,28 @@ def _since_1970(seen: Searched) -> Mistake | None:
 _SHOWN: Final = r"(?:\btime\.time\(\)|\bnow\(\))"
 
 
+def _deaf_loop(seen: Searched) -> Mistake | None:
+    """Find a loop that waits for what a subscription's callback keeps, in which nothing spins."""
+    heard = [name for _, name in seen.script.callbacks("subscription")]
+    kept = {name for one in heard for name in seen.script.given_in(one)}
+    others = [name for _, name in seen.script.callbacks("timer")] + heard
+    if not kept or seen.script.lines_with(r"\bThread\(|Executor\("):
+        return None
+    for line in seen.script.lines_with(rf"\bwhile\b.*\bself\.({'|'.join(sorted(map(re.escape, kept)))})\b"):
+        if not _spins(line, seen.script) and seen.script.function_around(line) not in others:
+            name = re.findall(r"\bself\.(\w+)", seen.script.lines[line - 1])
+            return mistake("deaf_loop", line=line, name=next(one for one in name if one in kept))
+    return None
+
+
+def _spins(line: int, script: ScriptText) -> bool:
+    """Whether a block, or a function of the script that is called in it, spins."""
+    block = "\n".join(script.block(line))
+    called = (script.definition(name) for name in sorted(set(re.findall(r"(\w+)\(", block))))
+    blocks = [block, *("\n".join(script.block(made.line)) for made in called if made is not None)]
+    return any("spin" in text for text in blocks)
+
+
 def _set_to_plus(seen: Searched) -> Mistake | None:
     """Find ``=+`` where ``+=`` is meant: the sign belongs to the number."""
     for line in seen.script.lines_with(r"^[ \t]*(self\.)?\w+ ?=\+ ?\d+(\.\d+)?$"):
@@ -786,6 +808,7 @@ _NOT_ON: Final = frozenset(("lost_at_home", "not_spinning", "never_spun"))
 
 _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (
     (_COUNTED, _set_to_plus),
+    (_NO_MOTION | _LOST | {"never_stops", "wall_hit", "endless_turn"}, _deaf_loop),
     (_NO_MOTION | _SHORT, _floor_is_zero),
     (_NO_MOTION | _SHORT, _int_is_zero),
     (_NO_MOTION | _COUNT, _negative_time),

@@ -131,6 +131,20 @@ def none_in_init(error: StudentError, written: str, script: ScriptText) -> Close
     return ("none_in_init", {"name": name, "callback": heard[0]}) if empty and heard else None
 
 
+def none_before_spin(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a value of a message that a method uses before anything has spun, in a script without timers."""
+    heard = [one for _, one in script.callbacks("subscription")]
+    if not heard or script.callbacks("timer") or script.function_around(error.line or 0) in heard:
+        return None
+    used = [
+        name
+        for name in re.findall(r"\bself\.(\w+)\.\w+", written)
+        if script.lines_with(rf"\bself\.{name} ?= ?None\b")
+    ]
+    kept = [name for name in used if any(name in script.given_in(one) for one in heard)]
+    return ("none_before_spin", {"name": kept[0]}) if kept else None
+
+
 def constructor(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Find what keeps the node's name from Node: a misspelt ``__init__``, or empty brackets."""
     if re.search(r"\bsuper\(\)\.__init__\( ?\)", written):
@@ -280,7 +294,7 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "ros_1_habit": (rate_of_ros_1,),
     "self_outside": (class_body,),
     "shell_line": (only_shell,),
-    "still_none": (none_in_init,),
+    "still_none": (none_in_init, none_before_spin),
     "text_for_number": (text_plus_number,),
     "unknown_part": (wanted_field,),
     "wrong_parameters": (main_needs_args, signature),

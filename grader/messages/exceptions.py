@@ -495,7 +495,7 @@ def _parameters(error: StudentError, script: ScriptText) -> Closer:
     if made is not None and script.hands_over(error.line or 0, name):
         return "callback_called", {}
     owner = re.match(r"(\w+)\.__init__\(\)", error.message)
-    if made is not None and owner is not None and f"{owner[1]}(" in script_line(error):
+    if made is not None and made.takes_self and owner is not None and f"{owner[1]}(" in script_line(error):
         return "init_mismatch", {"name": owner[1], "begins": made.line}
     is_method = re.match(r"\w+\.", error.message) is not None
     if made is None or (is_method and not made.takes_self) or f"{name}(" not in script_line(error):

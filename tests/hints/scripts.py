@@ -246,6 +246,12 @@ SCRIPTS = (
             ("        self.cmd_vel_pub = self.create", "        cmd_vel_pub = self.create"),
             ("            self.cmd_vel_pub.publish(msg)\n            time.sleep(0.01)\n\n        # 停止", "            cmd_vel_pub.publish(msg)\n            time.sleep(0.01)\n\n        # 停止"),
             words="self.cmd_vel_pub"),
+    _script("pose used before any came", "", "none_before_spin",
+            ("", "import rclpy\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\nfrom turtlesim.msg import Pose\n"
+             "class A(Node):\n    def __init__(self):\n        super().__init__('a')\n        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n"
+             "        self.pose = None\n        self.create_subscription(Pose, '/turtle1/pose', self.hear, 10)\n    def hear(self, msg):\n        self.pose = msg\n"
+             "    def run(self):\n        x = self.pose.x\n        self.pub.publish(Twist())\nrclpy.init()\na = A()\na.run()\n"),
+            words="self.pose is None", to="straight"),
     _script("plus behind the equals sign", "", "set_to_plus",
             ("", _BARE + "class Count:\n    n = 0\ndef tick():\n    m = Twist()\n    if Count.n % 2 == 0: m.linear.x = 1.0\n"
              "    else: m.angular.z = 1.57\n    n =+ 1\n    Count.n = n\n    pub_a.publish(m)\n"

@@ -52,6 +52,11 @@ PASS = (
     "        self.{name}()\n"
 )
 ANEW = "def tick():\n{count}\n{then}\n    if n < 20:\n        go()\nnode.create_timer(0.1, tick)\n"
+DEAF = (
+    "class A(Node):\n    def __init__(self):\n        self.create_subscription(Pose, '/p', self.hear, 10)\n"
+    "    def hear(self, msg):\n        self.pose = msg\n    def step(self):\n        rclpy.spin_once(self)\n"
+    "    def run(self):\n        while self.pose.x < 7.0:\n            {block}\n"
+)
 GROWS = "for i in range(4):\n    {line}\n"
 
 
@@ -90,6 +95,16 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("only_stops", "t = time.time()\nif t - start < 2:\n    go()\n", "only_stops"),
         ("only_stops", "t = time.time() - start\nif t < 2:\n    go()\n", "only_stops"),
         ("only_stops", "t = time.time()\nif t < until:\n    go()\n", "only_stops"),
+        ("no_turns", DEAF.format(block="self.pub.publish(m)"), "deaf_loop"),
+        ("no_turns", DEAF.format(block="rclpy.spin_once(self)"), "no_turns"),
+        ("no_turns", DEAF.format(block="self.step()"), "no_turns"),
+        (
+            "no_turns",
+            DEAF.format(block="self.pub.publish(m)") + "Thread(target=spin, args=(a,)).start()\n",
+            "no_turns",
+        ),
+        ("never_stops", "self.n =+ 1\n", "set_to_plus"),
+        ("never_stops", "self.n = +x\n", "never_stops"),
         ("only_stops", "while time.time() - start > 2.0:\n    pub.publish(m)\n", "waits_for_past"),
         (
             "only_stops",
