@@ -310,7 +310,7 @@ def _spins(line: int, script: ScriptText) -> bool:
 
 def _set_to_plus(seen: Searched) -> Mistake | None:
     """Find ``=+`` where ``+=`` is meant: the sign belongs to the number."""
-    for line in seen.script.lines_with(r"^[ \t]*(self\.)?\w+ ?=\+ ?\d+(\.\d+)?$"):
+    for line in seen.script.lines_with(r"^[ \t]*(self\.)?\w+ ?=\+ ?\d+$"):
         written = seen.script.lines[line - 1].strip()
         name, _, amount = written.partition("=+")
         right = f"{name.strip()} += {amount.strip()}"
@@ -336,7 +336,8 @@ def _count_anew(seen: Searched) -> Mistake | None:
             for line, text in body:
                 name = (re.match(r"(\w+) ?= ?0(\.0)?$", text) or ("", ""))[1]
                 raised = seen.script.lines_with(rf"^[ \t]*{name} ?(\+= ?1|= ?{name} ?\+ ?1)$") if name else []
-                if any(_once_a_call(at, callback, seen.script) for at in raised):
+                many = name and seen.script.lines_with(rf"(?<![\w.]){name} ?[<>=]=? ?([2-9]|\d\d+)\b")
+                if many and len(raised) == 1 and _once_a_call(raised[0], callback, seen.script):
                     return mistake("count_anew", line=line, name=name, callback=callback)
     return None
 

@@ -549,8 +549,11 @@ def _own_name(error: StudentError, script: ScriptText) -> Closer:
     known = found is not None and found[1] in _ELSEWHERE_NAMES
     if found is not None and script.node_class and not known and _is_node(found[1], script_line(error)):
         return "node_not_made", {"name": found[1], "owner": script.node_class}
-    near = difflib.get_close_matches(found[1], script.defined_names, 1, _NEAR) if found is not None else []
-    return ("misspelt", {"suggestion": near[0]}) if near else _name(error)
+    closer = _name(error)
+    if found is None or (closer is not None and closer[0] != "misspelt"):
+        return closer
+    near = difflib.get_close_matches(found[1], script.defined_names, 1, _NEAR)
+    return ("misspelt", {"suggestion": near[0]}) if near else closer
 
 
 _NEAR: Final = 0.75

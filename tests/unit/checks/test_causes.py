@@ -113,6 +113,8 @@ GROWS = "for i in range(4):\n    {line}\n"
         ),
         ("only_stops", "while time.time() - start < 2.0:\n    pub.publish(m)\n", "only_stops"),
         ("no_turns", ANEW.format(count="    n = 0", then="    n += 1"), "count_anew"),
+        ("no_turns", ANEW.format(count="    n = 0", then="    n += 1\n    n += 1"), "no_turns"),
+        ("no_turns", ANEW.format(count="    n = 0", then="    n += 1").replace("20", "1"), "no_turns"),
         ("no_turns", ANEW.format(count="    global n", then="    n += 1"), "no_turns"),
         (
             "no_turns",
