@@ -9,6 +9,7 @@ cause for certain, the mistake stays as it was.
 import itertools
 import math
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Final, NamedTuple
@@ -274,7 +275,9 @@ def _start_once(seen: Searched) -> Mistake | None:
 
 def _since_1970(seen: Searched) -> Mistake | None:
     """Find what a clock shows compared with a few seconds, in a script that never takes the difference."""
-    for line in seen.script.lines_with(rf"^[ \t]*(self\.)?\w+ ?=(?!=)[^-]*{_SHOWN}[^-]*$"):
+    for line in seen.script.lines_with(r"^[ \t]*(self\.)?\w+ ?=(?!=)[^-]*$"):
+        if not re.search(_SHOWN, seen.script.lines[line - 1]):
+            continue
         name = seen.script.lines[line - 1].partition("=")[0].strip()
         itself = rf"(?<![\w.]){re.escape(name)}(?![\w.])"
         few = seen.script.lines_with(rf"\b(if|elif|while)\b.*{itself} ?<=? ?\d{{1,6}}(\.\d+)?(?![\w.])")
@@ -353,16 +356,20 @@ def _count_kept(seen: Searched) -> Mistake | None:
     sides = seen.findings.measures.get("sides")
     if sides is None or sides.value != 1.0:
         return None
-    for _, callback in seen.script.callbacks("timer"):
+    for _, callback in seen.script.callbacks("timer")[:1]:
         made = seen.script.definition(callback)
         text = "\n".join(seen.script.block(made.line)) if made else ""
-        for name in sorted(seen.script.counters):
+        compared = set(re.findall(r"\b(?:el)?if ([\w.]+) ?<=? ?([\w.]+)", text))
+        times = Counter(name for name, _ in compared)
+        for name in [one for one in sorted(seen.script.counters) if times[one] == 2][:_MOST_COUNTS]:
             itself = rf"(?<![\w.]){re.escape(name)}(?![\w.])"
-            limits = set(re.findall(rf"\b(?:el)?if {itself} ?<=? ?([\w.]+)", text))
             back = seen.script.lines_with(rf"{itself} ?(=(?!=)(?! ?{re.escape(name)} ?\+)|%|-=)")
-            if len(limits) == 2 and len(back) <= 1:
+            if len(back) <= 1:
                 return mistake("count_kept", name=name)
     return None
+
+
+_MOST_COUNTS: Final = 8
 
 
 def _wrong_time(seen: Searched) -> Mistake | None:

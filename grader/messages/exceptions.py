@@ -12,7 +12,7 @@ from grader.contracts.outcome import StudentError
 from grader.contracts.text import Text
 from grader.messages import enumerated, say
 from grader.messages.closer import Closer, looked_closer
-from grader.messages.script import NO_SCRIPT, ScriptText
+from grader.messages.script import LONGEST_NAME, NO_SCRIPT, ScriptText
 
 _AT: Final = r"\n(?:.*\n)*  File .*\n(?!(?:.*\n)*  File )"
 """Stands before a pattern of the line that raised the exception: the last ``File`` entry of the traceback."""
@@ -551,6 +551,8 @@ def _own_name(error: StudentError, script: ScriptText) -> Closer:
         return "node_not_made", {"name": found[1], "owner": script.node_class}
     closer = _name(error)
     if found is None or (closer is not None and closer[0] != "misspelt"):
+        return closer
+    if not script.is_short or len(found[1]) > LONGEST_NAME:  # comparing takes the square of the lengths
         return closer
     near = difflib.get_close_matches(found[1], script.defined_names, 1, _NEAR)
     return ("misspelt", {"suggestion": near[0]}) if near else closer

@@ -32,6 +32,9 @@ _ENDS: Final = re.compile(
 """What stands behind `rclpy.spin()` in every right script, and does no work."""
 
 
+LONGEST_NAME: Final = 60
+
+
 class Definition(NamedTuple):
     """A ``def``: where, how far in, and whether its first parameter is ``self``."""
 
@@ -207,8 +210,8 @@ class ScriptText:
 
     @property
     def defined_names(self) -> list[str]:
-        """The names of the functions and classes that stand at the top level, in order."""
-        found = (re.match(r"(?:def|class) (\w+)", line) for line in self.lines)
+        """The names of the functions and classes that stand at the top level, in order; none that is very long."""
+        found = (re.match(rf"(?:def|class) (\w{{1,{LONGEST_NAME}}})\b", line) for line in self.lines)
         return [one[1] for one in found if one is not None]
 
     def conditions_of(self, number: int) -> list[str]:
