@@ -16,7 +16,7 @@ from typing import Final, NamedTuple
 
 from grader.checks.drive import FAST_TURN_RADPS, fastest_radps
 from grader.checks.measure import Findings, Mistake, mistake
-from grader.checks.mistakes import PLACE, not_called
+from grader.checks.mistakes import not_called, sleep_at_horizon, sleeps_too_long
 from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
@@ -144,11 +144,21 @@ def _counts_ticks(seen: Searched) -> Mistake | None:
 def _counted_each_tick(name: str, script: ScriptText) -> bool:
     """Whether a name is raised by 1 at each tick: not only when another count has come somewhere, as sides are."""
     others = "|".join(re.escape(other) for other in script.counters - {name})
-    for line in script.lines_with(rf"(?<![\w.]){re.escape(name)} ?(\+= ?1|= ?{re.escape(name)} ?\+ ?1)\s*$"):
+    for line in script.lines_with(rf"(?<![\w.]){_raising(name)}\s*$"):
         conditions = [script.lines[line - 1].rpartition(":")[0], *script.conditions_of(line)]
         if not others or not re.search(rf"(?<![\w.])({others})\b", " ".join(conditions)):
             return True
     return False
+
+
+def _raising(name: str) -> str:
+    """Return the pattern of what raises a name by 1."""
+    return rf"{re.escape(name)} ?(\+= ?1|= ?{re.escape(name)} ?\+ ?1)"
+
+
+def _itself(name: str) -> str:
+    """Return the pattern of a name that is no part of another one, nor an attribute of something."""
+    return rf"(?<![\w.]){re.escape(name)}(?![\w.])"
 
 
 _EARLY_S: Final = 1.0  # a motion of more was counted in ticks, and has another fault
@@ -279,7 +289,7 @@ def _since_1970(seen: Searched) -> Mistake | None:
         if not re.search(_SHOWN, seen.script.lines[line - 1]):
             continue
         name = seen.script.lines[line - 1].partition("=")[0].strip()
-        itself = rf"(?<![\w.]){re.escape(name)}(?![\w.])"
+        itself = _itself(name)
         few = seen.script.lines_with(rf"\b(if|elif|while)\b.*{itself} ?<=? ?\d{{1,6}}(\.\d+)?(?![\w.])")
         if few and not seen.script.lines_with(rf"- ?{itself}|{itself} ?-"):
             return mistake("since_1970", line=line, name=name, compared=few[0])
@@ -337,18 +347,24 @@ def _count_anew(seen: Searched) -> Mistake | None:
             made = seen.script.definition(callback)
             body = seen.script.body(made.line) if made else []
             for line, text in body:
-                name = (re.match(r"(\w+) ?= ?0(\.0)?$", text) or ("", ""))[1]
-                raised = seen.script.lines_with(rf"^[ \t]*{name} ?(\+= ?1|= ?{name} ?\+ ?1)$") if name else []
-                many = name and seen.script.lines_with(rf"(?<![\w.]){name} ?[<>=]=? ?([2-9]|\d\d+)\b")
-                if many and len(raised) == 1 and _once_a_call(raised[0], callback, seen.script):
-                    return mistake("count_anew", line=line, name=name, callback=callback)
+                zeroed = re.match(r"(\w+) ?= ?0(\.0)?$", text)
+                if zeroed and _raised_once(zeroed[1], callback, seen.script):
+                    return mistake("count_anew", line=line, name=zeroed[1], callback=callback)
     return None
 
 
-def _once_a_call(line: int, function: str, script: ScriptText) -> bool:
-    """Whether a line of a function stands in no loop."""
-    loops = (re.match(r"[ \t]*(for|while)\b", head) for head in script.conditions_of(line))
-    return script.function_around(line) == function and not any(loops)
+def _raised_once(name: str, function: str, script: ScriptText) -> bool:
+    """Whether one line of a function raises a name, once in each call, and the name is compared with 2 or more."""
+    raised = script.lines_with(rf"^[ \t]*{_raising(name)}$")
+    compared = script.lines_with(rf"(?<![\w.]){name} ?([<>]=?|==) ?([2-9]|\d\d+)\b")
+    if len(raised) != 1 or not compared:
+        return False
+    return script.function_around(raised[0]) == function and not _is_repeated(raised[0], script)
+
+
+def _is_repeated(line: int, script: ScriptText) -> bool:
+    """Whether a line stands in a loop of its function."""
+    return any(re.match(r"[ \t]*(for|while)\b", head) for head in script.conditions_of(line))
 
 
 def _count_kept(seen: Searched) -> Mistake | None:
@@ -362,7 +378,7 @@ def _count_kept(seen: Searched) -> Mistake | None:
         compared = set(re.findall(r"\b(?:el)?if ([\w.]+) ?<=? ?([\w.]+)", text))
         times = Counter(name for name, _ in compared)
         for name in [one for one in sorted(seen.script.counters) if times[one] == 2][:_MOST_COUNTS]:
-            itself = rf"(?<![\w.]){re.escape(name)}(?![\w.])"
+            itself = _itself(name)
             back = seen.script.lines_with(rf"{itself} ?(=(?!=)(?! ?{re.escape(name)} ?\+)|%|-=)")
             if len(back) <= 1:
                 return mistake("count_kept", name=name)
@@ -472,17 +488,14 @@ _MARGIN_S: Final = 2.0
 
 def _sleeps_on(seen: Searched) -> Mistake | None:
     """Find the long pause of a loop in which the run ended."""
-    place = PLACE.fullmatch(seen.run.at_horizon)
-    line = int(place["line"]) if place else 0
-    if place is None or not place["call"].endswith("sleep") or not 0 < line <= len(seen.script.lines):
+    slept = sleep_at_horizon(seen.run)
+    if slept is None or not 0 < slept.line <= len(seen.script.lines):
         return None
-    slept = re.search(r"\bsleep\((.+)\)$", seen.script.lines[line - 1])
-    pause_s = value_of(slept[1], seen.script) if slept else None
-    looped = any(re.match(r"[ \t]*(for|while)\b", head) for head in seen.script.conditions_of(line))
-    if pause_s is None or pause_s < _LONG_PAUSE_S or not looped:
+    written = re.search(r"\bsleep\((.+)\)$", seen.script.lines[slept.line - 1])
+    pause_s = value_of(written[1], seen.script) if written else None
+    if pause_s is None or pause_s < _LONG_PAUSE_S or not _is_repeated(slept.line, seen.script):
         return None
-    until, end = number(int(place["until_ns"]) / 1e9, "s"), number(seen.run.outcome.duration_ns / 1e9, "s")
-    return mistake("sleeps_too_long", line=line, until=until, end=end)
+    return sleeps_too_long(seen.run, slept)
 
 
 _LONG_PAUSE_S: Final = 5.0

@@ -8,6 +8,7 @@ import difflib
 import math
 import re
 from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -194,9 +195,7 @@ def _apart(one: Floats, other: Floats) -> bool:
 
 
 _OVERSLEPT_NS = 5_000_000_000
-PLACE = re.compile(r"(?P<line>\d+) (?P<call>\S+) (?P<until_ns>\d+)")
-"""How `Run.at_horizon` says in which call on which line a script waited, and until when."""
-
+_PLACE = re.compile(r"(?P<line>\d+) (?P<call>\S+) (?P<until_ns>\d+)")
 _FOR_EVER_NS = 1 << 62  # when a wait without a deadline ends
 
 
@@ -205,19 +204,37 @@ def asleep(run: Run) -> Iterator[Mistake]:
 
     After a stop, or after a crash in another thread, a long sleep only keeps the program alive.
     """
-    place, commands = PLACE.fullmatch(run.at_horizon), run.trajectory.commands
-    if place is None or not place["call"].endswith("sleep") or (commands and not is_motion(commands[-1])):
+    slept, commands = sleep_at_horizon(run), run.trajectory.commands
+    if slept is None or (commands and not is_motion(commands[-1])):
         return
-    until_ns, now_ns = int(place["until_ns"]), run.outcome.duration_ns
-    if not now_ns + _OVERSLEPT_NS <= until_ns < _FOR_EVER_NS:
-        return
-    until, end = number(until_ns / 1e9, "s"), number(now_ns / 1e9, "s")
-    yield mistake("sleeps_too_long", line=place["line"], until=until, end=end)
+    if run.outcome.duration_ns + _OVERSLEPT_NS <= slept.until_ns < _FOR_EVER_NS:
+        yield sleeps_too_long(run, slept)
+
+
+class Sleep(NamedTuple):
+    """A call of ``sleep``: on which line, and until when."""
+
+    line: int
+    until_ns: int
+
+
+def sleep_at_horizon(run: Run) -> Sleep | None:
+    """Return the sleep in which the script was when the run ended."""
+    place = _PLACE.fullmatch(run.at_horizon)
+    if place is None or not place["call"].endswith("sleep"):
+        return None
+    return Sleep(int(place["line"]), int(place["until_ns"]))
+
+
+def sleeps_too_long(run: Run, slept: Sleep) -> Mistake:
+    """Tell of a sleep that outlasted the run."""
+    until, end = number(slept.until_ns / 1e9, "s"), number(run.outcome.duration_ns / 1e9, "s")
+    return mistake("sleeps_too_long", line=slept.line, until=until, end=end)
 
 
 def _behind_spin(run: Run) -> Mistake | None:
     """Recognise work that stands behind a call of `spin` that was still going on when the run ended."""
-    place, script = PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
+    place, script = _PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
     if place is None or not place["call"].endswith("spin"):
         return None
     line = int(place["line"])
@@ -240,7 +257,7 @@ def _working_callbacks(script: ScriptText) -> Iterator[int]:
 
 def _spin_in_callback(run: Run) -> Mistake | None:
     """Recognise a callback that waits for a future, which only another callback of the same executor can bring."""
-    place, script = PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
+    place, script = _PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
     if place is None or not place["call"].endswith("spin_until_future_complete"):
         return None
     name = script.function_around(int(place["line"]))
@@ -455,7 +472,7 @@ def _waits(run: Run) -> Mistake | None:
 
 def _in_loop(run: Run, script: ScriptText) -> Mistake | None:
     """Recognise a loop that was still waiting when the run ended, and whether callbacks could have ended it."""
-    place = PLACE.fullmatch(run.at_horizon)
+    place = _PLACE.fullmatch(run.at_horizon)
     if place is None or (begins := script.loop_of(int(place["line"]))) is None:
         return None
     heard = any(each.kind == "subscription" for each in run.outcome.endpoints)
@@ -467,7 +484,7 @@ def _in_loop(run: Run, script: ScriptText) -> Mistake | None:
 
 def loop_in_callback(run: Run) -> Mistake | None:
     """Recognise a loop in a callback that waits for what only another callback can bring."""
-    place, script = PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
+    place, script = _PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
     if place is None or (begins := script.loop_of(int(place["line"]))) is None:
         return None
     heard = any(each.kind == "subscription" for each in run.outcome.endpoints)

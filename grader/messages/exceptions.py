@@ -531,31 +531,36 @@ def _name(error: StudentError) -> Closer:
 def _own_name(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at an unknown name that may be a method of the student's own class."""
     found = re.match(r"name '(\w+)' is not defined", error.message)
-    made = None if found is None else script.definition(found[1])
-    if found is not None and made is not None and made.takes_self:
-        called = re.search(rf"\b{found[1]}[ \t]*\(", script_line(error)) is not None
-        return "missing_self", {"name": found[1], "call": "(...)" if called else ""}
-    if found is not None and made is not None and script.owner_of(made.line) is not None:
-        return "function_inside", {"name": found[1], "begins": made.line}
-    if found is not None and found[1] in _NODE_NAMES and script.in_method(error.line or 0):
-        return "missing_self", {"name": found[1], "call": "(...)"}
-    given = [] if found is None else script.lines_with(rf"\bself\.{found[1]}[ \t]*(:[^=]*)?=(?!=)")
-    if found is not None and given:
-        return "missing_self_value", {"name": found[1], "given": given[0]}
-    local = None if found is None else script.assigned(found[1])
-    if found is not None and local is not None and _in_other_method(local.line, error.line or 0, script):
-        values = {"name": found[1], "given": local.line, "function": script.function_around(local.line)}
-        return "local_of_method", values
-    known = found is not None and found[1] in _ELSEWHERE_NAMES
-    if found is not None and script.node_class and not known and _is_node(found[1], script_line(error)):
-        return "node_not_made", {"name": found[1], "owner": script.node_class}
-    closer = _name(error)
-    if found is None or (closer is not None and closer[0] != "misspelt"):
-        return closer
-    if not script.is_short or len(found[1]) > LONGEST_NAME:  # comparing takes the square of the lengths
-        return closer
-    near = difflib.get_close_matches(found[1], script.defined_names, 1, _NEAR)
-    return ("misspelt", {"suggestion": near[0]}) if near else closer
+    if found is None:
+        return None
+    name, line = found[1], error.line or 0
+    made = script.definition(name)
+    if made is not None and made.takes_self:
+        called = re.search(rf"\b{name}[ \t]*\(", script_line(error)) is not None
+        return "missing_self", {"name": name, "call": "(...)" if called else ""}
+    if made is not None and script.owner_of(made.line) is not None:
+        return "function_inside", {"name": name, "begins": made.line}
+    if name in _NODE_NAMES and script.in_method(line):
+        return "missing_self", {"name": name, "call": "(...)"}
+    if given := script.lines_with(rf"\bself\.{name}[ \t]*(:[^=]*)?=(?!=)"):
+        return "missing_self_value", {"name": name, "given": given[0]}
+    local = script.assigned(name)
+    if local is not None and _in_other_method(local.line, line, script):
+        function = script.function_around(local.line)
+        return "local_of_method", {"name": name, "given": local.line, "function": function}
+    if script.node_class and name not in _ELSEWHERE_NAMES and _is_node(name, script_line(error)):
+        return "node_not_made", {"name": name, "owner": script.node_class}
+    return _nearest_own(name, script, _name(error))
+
+
+def _nearest_own(name: str, script: ScriptText, otherwise: Closer) -> Closer:
+    """Prefer a name of the script's own, which Python does not know yet, to the one that Python suggests."""
+    if otherwise is not None and otherwise[0] != "misspelt":
+        return otherwise
+    if not script.is_short or len(name) > LONGEST_NAME:
+        return otherwise
+    near = difflib.get_close_matches(name, script.defined_names, 1, _NEAR)
+    return ("misspelt", {"suggestion": near[0]}) if near else otherwise
 
 
 _NEAR: Final = 0.75

@@ -33,6 +33,7 @@ _ENDS: Final = re.compile(
 
 
 LONGEST_NAME: Final = 60
+"""Of the names that are compared for being alike, which takes the square of their lengths."""
 
 
 class Definition(NamedTuple):

@@ -150,7 +150,8 @@ def motion_mistakes(
         yield mistake("to_and_fro", times=changes)
     if "turned_deg" not in lost or not _right_speed(drive, backward=backward):
         yield from _wrong_way(values["advance_m"], backward=backward)
-    drove_enough = fits(assignment, "advance_m", float(drive.path.along_m[-1])) is True  # if not ahead
+    # in whatever direction: then no drive that ended too early is why it did not get far
+    drove_enough = fits(assignment, "advance_m", float(drive.path.along_m[-1])) is True
     yield from command_mistakes(
         run, assignment.world, turns=(), drives=() if drove_enough else ("advance_m",)
     )

@@ -139,9 +139,8 @@ class Executor:
         self._last_kwargs: Any = None
         self._spinning = 0
         self._watch: Watch | None = None
-        self._busy_watches: dict[
-            tuple[tuple[int, bool], ...], Watch
-        ] = {}  # while callbacks run, by `given_out`
+        # those of waits while callbacks run, by `Changes.given_out`
+        self._busy_watches: dict[tuple[tuple[int, bool], ...], Watch] = {}
         self._context.on_shutdown(self.wake)
 
     @property
