@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
-from grader.checks.causes import unchanged_counter
+from grader.checks.causes.counts import unchanged_counter
 from grader.contracts.outcome import Note, RunStatus
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import COMMAND_LIFE_NS

@@ -192,7 +192,7 @@ def replayed_unseen(sandbox: Sandbox, task: Assignment, result: EpisodeResult) -
     return replay.account()
 
 
-@pytest.mark.sweep(4)
+@pytest.mark.sweep(2)
 @pytest.mark.parametrize("script", SCRIPTS)
 def test_a_replay_ends_in_the_very_state_that_the_script_saw(
     sandbox: Sandbox, car: BulletCar, script: str

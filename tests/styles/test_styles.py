@@ -62,7 +62,7 @@ def test_every_script_has_its_expectation() -> None:
     assert len(EXPECTED) >= 60
 
 
-@pytest.mark.sweep(45)
+@pytest.mark.sweep(24)
 @pytest.mark.parametrize("name", EXPECTED)
 def test_the_car_goes_where_an_ideal_turtle_goes(grader: Grader, name: str) -> None:
     expected = EXPECTED[name]
@@ -74,7 +74,7 @@ def test_the_car_goes_where_an_ideal_turtle_goes(grader: Grader, name: str) -> N
     assert abs(turns_rad).max() <= MAX_HEADING_ERROR_RAD
 
 
-@pytest.mark.sweep(45)
+@pytest.mark.sweep(24)
 @pytest.mark.parametrize("name", EXPECTED)
 def test_the_script_ends_and_speaks_as_at_home(grader: Grader, name: str) -> None:
     expected = EXPECTED[name]

@@ -83,7 +83,7 @@ ctypes.memset(ctypes.addressof(code), 0, 8)""",
 RIGHT = HEAD.replace("[0, 0, 0.5]", "[0, 0, 2]") + "steps(1300)"
 
 
-@pytest.mark.sweep(17)
+@pytest.mark.sweep(9)
 @pytest.mark.parametrize("attack", ATTACKS)
 def test_what_is_done_by_hand_or_forged_earns_nothing(slot: Slot, attack: str) -> None:
     report = grade(slot, "pb_sphere", HEAD + ATTACKS[attack])  # no fault of the host: that would be raised

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from grader.checks.causes import unchanged_counter, with_causes
+from grader.checks.causes import with_causes
+from grader.checks.causes.counts import unchanged_counter
 from grader.checks.measure import Findings, Mistake
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run

@@ -297,7 +297,7 @@ TOGETHER = [LOOKS, *([one] for one in OPERATIONS if one not in LOOKS)]
 together = pytest.mark.parametrize("operations", TOGETHER, ids=["looks", *(one for (one,) in TOGETHER[1:])])
 
 
-@pytest.mark.sweep(8)
+@pytest.mark.sweep(4)
 @together
 def test_in_courses(
     operations: list[str],
@@ -324,7 +324,7 @@ def _assistant_of_another_section(services: Services) -> dict[str, str]:
     return {"Authorization": f"Bearer {token}"}
 
 
-@pytest.mark.sweep(8)
+@pytest.mark.sweep(4)
 @together
 def test_without_courses(operations: list[str], client: httpx.Client, graded: Callable[..., str]) -> None:
     submission = graded(student="s1").rpartition("/")[2]

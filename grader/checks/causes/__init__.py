@@ -1,0 +1,107 @@
+"""Why a mistake happened: the line of the script that should be changed.
+
+A check knows only what the car did, and a mistake's code says no more: *sides missing*, *only stops*. Often one
+line of the script explains it. `with_causes` then puts that cause in the mistake's place. Each cause names the
+mistakes that it can lead to, so a line that did no harm is never mentioned. Where the script does not show the
+cause for certain, the mistake stays as it was.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Final
+
+from grader.checks.causes import counts, flow, given, numbers, times
+from grader.checks.causes.searched import Searched
+from grader.checks.measure import Findings, Mistake
+from grader.contracts.assignment import Assignment
+from grader.contracts.scoring import Run
+from grader.messages.script import ScriptText
+
+
+def with_causes(assignment: Assignment, run: Run, findings: Findings) -> Findings:
+    """Return the findings with each mistake replaced by the cause that the script shows, where it shows one."""
+    script = ScriptText(run.source)
+    if not script.is_short:
+        return findings
+    causes = tuple(_cause(Searched(assignment, run, script, findings, each)) for each in findings.mistakes)
+    return replace(findings, mistakes=causes)
+
+
+def _cause(seen: Searched) -> Mistake:
+    for codes, look in _CAUSES:
+        if seen.mistake.code in codes and (cause := look(seen)) is not None:
+            return Mistake(cause.code, cause.text, seen.mistake.measures, seen.mistake.apart)
+    return seen.mistake
+
+
+_NO_MOTION: Final = frozenset(("only_stops", "no_turns", "zero_commands"))
+_SHORT_TURN: Final = frozenset(("turn_too_short", "turned_one_radian", "half_turn", "turn_too_slow"))
+_SHORT: Final = _SHORT_TURN | {"too_short", "turns_too_short", "one_radian"}
+_COUNT: Final = frozenset(("sides_missing", "path_count", "path_unfinished"))
+_LENGTHS: Final = frozenset(("wrong_lengths", "unequal_sides"))
+_CORNERS: Final = frozenset(("turns_too_short", "turns_too_far", "one_corner_off", "one_radian"))
+_LOST: Final = frozenset(
+    (
+        "place_away",
+        "place_lost",
+        "place_circled",
+        "place_missed",
+        "place_too_slow",
+        "place_never_stops",
+        "endless_turn_by_pose",
+        "never_finished",
+    )
+)
+
+_COUNTED: Final = _NO_MOTION | _COUNT | _LOST | {"endless_turn", "never_stops", "turned_instead", "wall_hit"}
+"""What may come of a count or a state that never changes."""
+
+_NOT_ON: Final = frozenset(("lost_at_home", "not_spinning", "never_spun"))
+
+_CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (
+    (_COUNTED, counts.set_to_plus),
+    (_NO_MOTION | _LOST | {"never_stops", "wall_hit", "endless_turn"}, flow.deaf_loop),
+    (_NO_MOTION | _SHORT, numbers.floor_is_zero),
+    (_NO_MOTION | _SHORT, numbers.int_is_zero),
+    (_NO_MOTION | _COUNT, numbers.negative_time),
+    (_NO_MOTION | _SHORT, times.clock_before_sleep),
+    (_NO_MOTION | _COUNT, times.start_once),
+    (_NO_MOTION, times.since_1970),
+    (_NO_MOTION, times.waits_for_past),
+    (_NO_MOTION | {"never_stops", "endless_turn"}, counts.count_anew),
+    (frozenset(("sides_missing",)), counts.count_kept),
+    (_NO_MOTION, flow.empty_function),
+    (_SHORT | _CORNERS, numbers.radians_twice),
+    (_SHORT | _CORNERS | _LOST, numbers.radians_of_pose),
+    (
+        frozenset(("endless_turn", "turns_too_far", "degrees_as_radians", "turned_instead")),
+        numbers.degrees_for_radians,
+    ),
+    (_CORNERS | _LOST | {"degrees_as_radians"}, numbers.degrees_of_radians),
+    (_CORNERS - {"one_radian"}, times.wrong_time),
+    (frozenset(("turns_too_short", "one_corner_off", "turn_too_short", "too_short")), numbers.ticks_cut),
+    (_SHORT, counts.counts_ticks),
+    (_COUNT, times.sleeps_on),
+    (_COUNT, flow.removes_in_loop),
+    (_COUNT, flow.leaves_loop),
+    (_COUNT, times.timer_ends),
+    (_COUNT, flow.no_loop),
+    (_LENGTHS | _CORNERS | _COUNT | {"other_figure"}, counts.always_true),
+    (_LENGTHS | {"never_stops", "sides_extra", "drove_on", "turned_on"}, counts.counter_unchanged),
+    (frozenset(("one_corner_off", "unequal_sides", "turns_too_far")), counts.grows),
+    (frozenset(("wrong_lengths",)), given.clamped),
+    (frozenset(("wrong_lengths",)), given.parameter_default),
+    (frozenset(("stopped_at_once", "too_brief", "stop_in_loop")), flow.timer_stops),
+    (_NOT_ON, flow.spin_once),
+    (_NOT_ON, flow.ends_in_callback),
+    (frozenset(("log_not_reached",)), flow.log_behind_spin),
+    (frozenset(("log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on")), flow.uncalled),
+    (frozenset(("wrong_topic",)), flow.lookalike),
+    (frozenset(("never_published",)), flow.no_publish),
+    (frozenset(("never_published", "publish_not_reached")), flow.long_period),
+    (frozenset(("publisher_not_reached",)), flow.class_not_made),
+    (frozenset(("publish_not_reached",)), flow.returns_before),
+    (frozenset(("waits_in_loop", "waits_without_spin")), flow.waits_for_two),
+    (frozenset(("error_hidden",)), numbers.hidden_int),
+)
+"""Which mistakes a cause explains, and what looks for it; the first that is found counts."""

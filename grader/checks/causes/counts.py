@@ -1,0 +1,174 @@
+"""Counts, and the loops and ticks that they count."""
+
+import re
+from collections import Counter
+from typing import Final
+
+from grader.checks.causes.searched import Searched, is_repeated
+from grader.checks.measure import Mistake, mistake
+from grader.contracts.outcome import RunStatus
+from grader.contracts.scoring import Run
+from grader.messages.arithmetic import value_of
+from grader.messages.quantity import number
+from grader.messages.script import ScriptText
+
+
+def counts_ticks(seen: Searched) -> Mistake | None:
+    """Find a count of a timer's ticks whose limit is reached much too early."""
+    timers = seen.script.callbacks("timer")
+    if len(timers) != 1:
+        return None
+    made = re.search(r"create_timer\( ?([^,()]+),", seen.script.lines[timers[0][0] - 1])
+    period_s = value_of(made[1].strip(), seen.script) if made else None
+    begins = seen.script.definition(timers[0][1])
+    if period_s is None or begins is None or not 0.0 < period_s < 1.0:
+        return None
+    for line, text in enumerate(seen.script.block(begins.line), start=begins.line):
+        found = re.search(r"\bif ([\w.]+) ?(<=?|>=?|==) ?([\w.]+) ?:", text)
+        counted = found and _counted_each_tick(found[1], seen.script)
+        count = value_of(found[3], seen.script) if found and counted else None
+        if found and count and count >= 1 and (count * period_s <= _EARLY_S or count <= _FEW_TICKS):
+            took = number(count * period_s, "s")
+            values = {"name": found[1], "count": f"{count:g}", "period": number(period_s, "s"), "took": took}
+            return mistake("counts_ticks", line=line, **values)
+    return None
+
+
+_EARLY_S: Final = 1.0  # a motion of more was counted in ticks, and has another fault
+
+_FEW_TICKS: Final = 10
+
+
+def _counted_each_tick(name: str, script: ScriptText) -> bool:
+    """Whether a name is raised by 1 at each tick: not only when another count has come somewhere, as sides are."""
+    others = "|".join(re.escape(other) for other in script.counters - {name})
+    for line in script.lines_with(rf"(?<![\w.]){_raising(name)}\s*$"):
+        conditions = [script.lines[line - 1].rpartition(":")[0], *script.conditions_of(line)]
+        if not others or not re.search(rf"(?<![\w.])({others})\b", " ".join(conditions)):
+            return True
+    return False
+
+
+def _raising(name: str) -> str:
+    """Return the pattern of what raises a name by 1."""
+    return rf"{re.escape(name)} ?(\+= ?1|= ?{re.escape(name)} ?\+ ?1)"
+
+
+def itself(name: str) -> str:
+    """Return the pattern of a name that is no part of another one, nor an attribute of something."""
+    return rf"(?<![\w.]){re.escape(name)}(?![\w.])"
+
+
+def set_to_plus(seen: Searched) -> Mistake | None:
+    """Find ``=+`` where ``+=`` is meant: the sign belongs to the number."""
+    for line in seen.script.lines_with(r"^[ \t]*(self\.)?\w+ ?=\+ ?\d+$"):
+        written = seen.script.lines[line - 1].strip()
+        name, _, amount = written.partition("=+")
+        right = f"{name.strip()} += {amount.strip()}"
+        return mistake("set_to_plus", line=line, written=written, right=right, value=amount.strip())
+    return None
+
+
+def count_anew(seen: Searched) -> Mistake | None:
+    """Find a count that the callback of a timer or subscription sets to 0 whenever it is called."""
+    for kind in ("timer", "subscription"):
+        for _, callback in seen.script.callbacks(kind):
+            made = seen.script.definition(callback)
+            body = seen.script.body(made.line) if made else []
+            for line, text in body:
+                zeroed = re.match(r"(\w+) ?= ?0(\.0)?$", text)
+                if zeroed and _raised_once(zeroed[1], callback, seen.script):
+                    return mistake("count_anew", line=line, name=zeroed[1], callback=callback)
+    return None
+
+
+def _raised_once(name: str, function: str, script: ScriptText) -> bool:
+    """Whether one line of a function raises a name, once in each call, and the name is compared with 2 or more."""
+    raised = script.lines_with(rf"^[ \t]*{_raising(name)}$")
+    compared = script.lines_with(rf"(?<![\w.]){name} ?([<>]=?|==) ?([2-9]|\d\d+)\b")
+    if len(raised) != 1 or not compared:
+        return False
+    return script.function_around(raised[0]) == function and not is_repeated(raised[0], script)
+
+
+def count_kept(seen: Searched) -> Mistake | None:
+    """Find a count of a timer's ticks that tells a side from a turn, and that is never set back to 0."""
+    sides = seen.findings.measures.get("sides")
+    if sides is None or sides.value != 1.0:
+        return None
+    for _, callback in seen.script.callbacks("timer")[:1]:
+        made = seen.script.definition(callback)
+        text = "\n".join(seen.script.block(made.line)) if made else ""
+        compared = set(re.findall(r"\b(?:el)?if ([\w.]+) ?<=? ?([\w.]+)", text))
+        times = Counter(name for name, _ in compared)
+        for name in [one for one in sorted(seen.script.counters) if times[one] == 2][:_MOST_COUNTS]:
+            name_alone = itself(name)
+            back = seen.script.lines_with(rf"{name_alone} ?(=(?!=)(?! ?{re.escape(name)} ?\+)|%|-=)")
+            if len(back) <= 1:
+                return mistake("count_kept", name=name)
+    return None
+
+
+_MOST_COUNTS: Final = 8
+
+
+def grows(seen: Searched) -> Mistake | None:
+    """Find a time, an angle or a speed that is multiplied by the counter of the loop."""
+    for loop in seen.script.lines_with(r"^[ \t]*for \w+ in range\("):
+        name = seen.script.lines[loop - 1].split("for ")[1].split()[0]
+        if seen.script.callbacks("subscription"):
+            return None  # with a pose the counter gives the heading or place of the next side
+        grown = rf"\* ?(?:\( ?{name} ?[+-] ?\d ?\)|{name}\b)|(?<![\w.]){name} ?\*"
+        for line, text in enumerate(seen.script.block(loop)[1:], start=loop + 1):
+            found = re.search(grown, text)
+            if (
+                found is not None
+                and "%" not in text
+                and not re.search(r"(?i)\b(cos|sin)\(|\.info\(|\bprint\(|target|goal", text)
+            ):
+                return mistake("grows_in_loop", line=line, name=name, written=found[0].strip())
+    return None
+
+
+def always_true(seen: Searched) -> Mistake | None:
+    """Find a condition that ends in ``or`` and a bare number."""
+    for line in seen.script.lines_with(r"[=!<>]=? ?[\w.]+ or \d+(\.\d+)?(?![\w.]| ?[=!<>%*/+-])"):
+        found = re.search(r"([\w.% ]+) ?[=!]= ?([\w.]+) or (\d+)", seen.script.lines[line - 1])
+        if found is not None and found[3].strip("0"):
+            return mistake("always_true", line=line, second=found[3])
+    return None
+
+
+def unchanged_counter(run: Run, script: ScriptText) -> tuple[int, str] | None:
+    """Return line and name of a counter that its ``while`` never changes, in a script that never ended."""
+    if run.outcome.status is not RunStatus.INTERRUPTED:
+        return None
+    for line in script.lines_with(r"^[ \t]*while \(?[^\W\d]\w* ?(<=?|!=) ?[\w.]+\)? ?:"):
+        found = re.match(r"[ \t]*while \(?(\w+) ?(?:<=?|(!=)) ?([\w.]+)", script.lines[line - 1])
+        if found is None or re.search(_AMOUNT, found[1]):
+            continue  # a time or a way grows by less than 1
+        name, unlike, bound = found.groups()
+        if unlike and not _starts_below(name, bound, script):
+            continue  # it may have to count down
+        if script.lines_with(rf"\b(global|nonlocal)\b.*\b{name}\b"):
+            continue
+        block = "\n".join(script.block(line)[1:])
+        names = f"{name}|{re.escape(bound)}"
+        changed = rf"(?<![\w.])({names})\b ?(,[^=\n]*|[-+*/%]|//)?=(?!=)|\b(for|as) [\w, ]*\b({names})\b|:="
+        if not re.search(rf"{changed}|\b(break|return|raise|exit|shutdown|quit)\b", block):
+            return line, name
+    return None
+
+
+def _starts_below(name: str, bound: str, script: ScriptText) -> bool:
+    start, end = value_of(name, script), value_of(bound, script)
+    return start is not None and end is not None and start < end
+
+
+_AMOUNT: Final = r"(?i)time|elapsed|dur|sec|dist|angle|theta|yaw|turned|^[twxy]$"
+
+
+def counter_unchanged(seen: Searched) -> Mistake | None:
+    """Find a counter that the loop on it never changes."""
+    found = unchanged_counter(seen.run, seen.script)
+    return None if found is None else mistake("counter_unchanged", line=found[0], name=found[1])

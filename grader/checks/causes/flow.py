@@ -1,0 +1,238 @@
+"""Code that never runs, runs at the wrong time, or is ended too early; and topics that nobody hears."""
+
+import itertools
+import re
+from typing import Final
+
+from grader.checks.causes.searched import CLOCK, Searched
+from grader.checks.measure import Mistake, mistake
+from grader.checks.mistakes import not_called
+from grader.messages.arithmetic import value_of
+from grader.messages.quantity import number
+from grader.messages.script import ScriptText
+
+
+def deaf_loop(seen: Searched) -> Mistake | None:
+    """Find a loop that waits for what a subscription's callback keeps, in which nothing spins."""
+    heard = [name for _, name in seen.script.callbacks("subscription")]
+    kept = {name for one in heard for name in seen.script.given_in(one)}
+    others = [name for _, name in seen.script.callbacks("timer")] + heard
+    if not kept or seen.script.lines_with(r"\bThread\(|Executor\("):
+        return None
+    for line in seen.script.lines_with(rf"\bwhile\b.*\bself\.({'|'.join(sorted(map(re.escape, kept)))})\b"):
+        if not _spins(line, seen.script) and seen.script.function_around(line) not in others:
+            name = re.findall(r"\bself\.(\w+)", seen.script.lines[line - 1])
+            return mistake("deaf_loop", line=line, name=next(one for one in name if one in kept))
+    return None
+
+
+def _spins(line: int, script: ScriptText) -> bool:
+    """Whether a block, or a function of the script that is called in it, spins."""
+    block = "\n".join(script.block(line))
+    called = (script.definition(name) for name in sorted(set(re.findall(r"(\w+)\(", block))))
+    blocks = [block, *("\n".join(script.block(made.line)) for made in called if made is not None)]
+    return any("spin" in text for text in blocks)
+
+
+def empty_function(seen: Searched) -> Mistake | None:
+    """Find functions in which nothing but ``pass`` stands, and that the script calls."""
+    empty = []
+    heard = {one for kind in ("subscription", "service") for _, one in seen.script.callbacks(kind)}
+    for line in seen.script.lines_with(r"^[ \t]*def \w+ ?\("):
+        name = seen.script.lines[line - 1].split("def ")[1].partition("(")[0].strip()
+        behind = seen.script.lines[line - 1].rpartition(":")[2].strip()
+        body = [text for _, text in seen.script.body(line) if text != '""'] or [behind]
+        if (
+            body == ["pass"]
+            and seen.script.calls(name)
+            and name not in heard
+            and not re.search(_HARMLESS, name)
+        ):
+            empty.append((line, name))
+    if not empty:
+        return None
+    lines = ", ".join(str(line) for line, _ in empty[:4])
+    return mistake("empty_function", lines=lines, names=", ".join(f"{name}()" for _, name in empty[:4]))
+
+
+_HARMLESS: Final = r"(?i)log|print|wait|sleep|stop|clean|close|exit|shut|finish|done|handler|signal|__"
+"""Names of functions that may be empty without harm to a motion."""
+
+
+def removes_in_loop(seen: Searched) -> Mistake | None:
+    """Find a list that loses items while a loop goes through it."""
+    for loop in seen.script.lines_with(r"^[ \t]*for \w+ in [\w.]+ ?:"):
+        name = seen.script.lines[loop - 1].partition(" in ")[2].rpartition(":")[0].strip()
+        for line, text in enumerate(seen.script.block(loop), start=loop):
+            removes = rf"(?<![\w.]){re.escape(name)}\.(remove|pop)\(|\bdel {re.escape(name)}\["
+            nexts = "".join(seen.script.lines[line : line + 1])
+            if re.search(removes, text) and not re.match(r"[ \t]*(break|return)\b", nexts):
+                return mistake("removes_in_loop", line=line, loop=loop, name=name)
+    return None
+
+
+def leaves_loop(seen: Searched) -> Mistake | None:
+    """Find a ``return`` or ``break`` that ends a ``for`` loop in its first round, whatever happens."""
+    for loop in seen.script.lines_with(r"^[ \t]*for \w+ in "):
+        for line, text in seen.script.body(loop):
+            found = re.match(r"(return|break)\b", text)
+            if found is not None:
+                return mistake("leaves_loop", line=line, loop=loop, word=found[1])
+    return None
+
+
+def no_loop(seen: Searched) -> Mistake | None:
+    """Recognise a script that writes a part of the figure once, and has no loop to repeat it."""
+    count, item = seen.findings.measures.get("sides"), seen.assignment.item_on("sides")
+    wanted = item.low if item is not None else None
+    if count is None or not wanted or not 0 < count.value < wanted or wanted % count.value:
+        return None
+    counted = seen.script.lines_with(r"\bcreate_timer\(|\bimport threading\b") + [
+        line
+        for line in seen.script.lines_with(r"^[ \t]*for\b")
+        if not any(re.search(r"\.publish\(", text) for text in seen.script.block(line))
+    ]
+    waiting = seen.script.lines_with(rf"^[ \t]*while\b.*({CLOCK}|\bok\(|time)")
+    left = seen.script.lines_with(r"^[ \t]*(return$|raise\b|(\w+\.)*_?exit\(|quit\()")
+    if counted or left or len(waiting) != len(seen.script.lines_with(r"^[ \t]*while\b")):
+        return None
+    values = {"count": f"{count.value:g}", "sides": f"{wanted:g}", "times": f"{wanted / count.value:g}"}
+    return mistake("no_loop", **values)
+
+
+_MOTION: Final = r"\.(linear\.x|angular\.z) ?[-+]?=(?!=)(?! ?-?[0.]+ ?(;|\n|$))"
+
+
+def timer_stops(seen: Searched) -> Mistake | None:
+    """Find the timer whose callback only stops, beside another one that drives."""
+    timers = seen.script.callbacks("timer")
+    stops, drives = [], []
+    for line, name in timers:
+        made = seen.script.definition(name)
+        body = "\n".join(seen.script.block(made.line)[1:]) if made else ""
+        if re.search(_MOTION, body):
+            drives.append((line, name))
+        elif re.search(r"\.publish\(", body):
+            stops.append((line, name))
+    if len(timers) < 2 or not stops or not drives:
+        return None
+    return mistake("timer_stops", line=stops[0][0], name=stops[0][1])
+
+
+def spin_once(seen: Searched) -> Mistake | None:
+    """Find a ``spin_once`` that stands in no loop; where commands were lost, callbacks must have sent them."""
+    callbacks = seen.script.lines_with(r"\bcreate_(timer|subscription|service)\(")
+    if seen.mistake.code == "lost_at_home" and not callbacks:
+        return None
+    once = seen.script.lines_with(r"\bspin_once\(")
+    loose = [line for line in once if _loop_around(seen.script, line) is None]
+    spins = seen.script.lines_with(r"\bspin\(")
+    return mistake("spin_once", line=loose[0]) if len(once) == len(loose) == 1 and not spins else None
+
+
+def _loop_around(script: ScriptText, number: int) -> int | None:
+    above = script.owner_of(number)
+    while above is not None and not re.match(r"[ \t]*(while|for)\b", script.lines[above - 1]):
+        above = script.owner_of(above)
+    return above
+
+
+_ENDS: Final = re.compile(r"\b(shutdown|destroy_timer|destroy_node|cancel|exit)\(|^raise SystemExit")
+
+
+def ends_in_callback(seen: Searched) -> Mistake | None:
+    """Find a call in a timer's callback that ends the timer or the program at the first tick."""
+    for _, name in seen.script.callbacks("timer"):
+        made = seen.script.definition(name)
+        body = seen.script.body(made.line) if made else ()
+        always = itertools.takewhile(lambda one: not re.match(r"if\b|return\b|for\b|while\b", one[1]), body)
+        ends = [line for line, text in always if _ENDS.search(text)]
+        if ends:
+            return mistake("ends_in_callback", lines=", ".join(map(str, ends)), name=name)
+    return None
+
+
+def log_behind_spin(seen: Searched) -> Mistake | None:
+    """Find a message that stands behind ``spin`` in the same function."""
+    for spin in seen.script.lines_with(r"\bspin\("):
+        around = seen.script.function_around(spin)
+        for line in seen.script.lines_with(r"\bget_logger\(\)\.\w+\("):
+            if line > spin and seen.script.function_around(line) == around:
+                return mistake("log_behind_spin", line=line, spin=spin)
+    return None
+
+
+def uncalled(seen: Searched) -> Mistake | None:
+    """Find a function that the script never calls."""
+    return not_called(seen.run)
+
+
+def lookalike(seen: Searched) -> Mistake | None:
+    """Recognise a topic in which a letter stands for a digit, or that a namespace has changed."""
+    topic = seen.assignment.world.cmd_vel_topic
+    used = [one.name for one in seen.run.outcome.endpoints if one.kind == "publisher"]
+    for name in used:
+        if name != topic and name.translate(_DIGITS) == topic.translate(_DIGITS):
+            wrong = next(one for one, other in zip(name, topic, strict=True) if one != other)
+            right = next(other for one, other in zip(name, topic, strict=True) if one != other)
+            return mistake("lookalike", used=name, topic=topic, wrong=wrong, right=right)
+        lines = seen.script.lines_with(r"\bnamespace ?=")
+        if lines and name != topic and name.endswith(topic):
+            return mistake("in_namespace", line=lines[0], used=name, topic=topic)
+    return None
+
+
+_DIGITS: Final = str.maketrans("lIOo", "1100")
+
+
+def no_publish(seen: Searched) -> Mistake | None:
+    """Find a timer's callback in a script that publishes nothing anywhere."""
+    timers = seen.script.callbacks("timer")
+    if not timers or seen.script.lines_with(r"\bpublish\b"):
+        return None
+    made = seen.script.definition(timers[0][1])
+    publisher = seen.script.publisher or "self.pub"
+    return mistake("no_publish", name=timers[0][1], begins=made.line, publisher=publisher) if made else None
+
+
+def long_period(seen: Searched) -> Mistake | None:
+    """Find a timer whose first tick comes after the end of the run."""
+    for line in seen.script.lines_with(r"\bcreate_timer\("):
+        found = re.search(r"create_timer\( ?([^,()]+),", seen.script.lines[line - 1])
+        period_s = value_of(found[1].strip(), seen.script) if found else None
+        if period_s is not None and period_s * 1e9 > seen.run.outcome.duration_ns:
+            return mistake("long_period", line=line, period=number(period_s, "s"))
+    return None
+
+
+def class_not_made(seen: Searched) -> Mistake | None:
+    """Find a class that has the publisher, but of which the script creates no object."""
+    for line in seen.script.lines_with(r"\bcreate_publisher\("):
+        above: int | None = line
+        while above is not None and not re.match(r"class (\w+)", seen.script.lines[above - 1]):
+            above = seen.script.owner_of(above)
+        found = re.match(r"class (\w+)", seen.script.lines[above - 1]) if above is not None else None
+        if found is not None and not seen.script.lines_with(rf"(?<!class )\b{found[1]}\b"):
+            return mistake("class_not_made", name=found[1], begins=above)
+    return None
+
+
+def returns_before(seen: Searched) -> Mistake | None:
+    """Find a ``return`` in the same block as the ``publish`` behind it."""
+    for line in seen.script.lines_with(r"\.publish\("):
+        owner = seen.script.owner_of(line)
+        for at, text in seen.script.body(owner) if owner is not None else ():
+            if at < line and re.match(r"return\b", text):
+                return mistake("returns_before", line=at, publish=line)
+    return None
+
+
+def waits_for_two(seen: Searched) -> Mistake | None:
+    """Find a wait for more subscribers than there are."""
+    lines = seen.script.lines_with(
+        r"\bget_subscription_count\(\) ?(<= ?1|< ?[2-9]|!= ?[02-9])|\bcount_subscribers\([^)]*\) ?(<= ?1|< ?[2-9])"
+    )
+    lines += seen.script.lines_with(
+        r"\bwhile not .*(get_subscription_count\(\)|count_subscribers\(.*\)) ?(> ?[1-9]|>= ?[2-9])"
+    )
+    return mistake("waits_for_two", line=lines[0]) if lines else None

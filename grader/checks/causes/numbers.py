@@ -1,0 +1,164 @@
+"""Numbers that come out wrong: what division and ``int()`` drop, degrees for radians, whole numbers for floats."""
+
+import math
+import re
+from collections.abc import Iterator
+from typing import Final
+
+from grader.checks.causes.searched import Searched
+from grader.checks.drive import FAST_TURN_RADPS, fastest_radps
+from grader.checks.measure import Mistake, mistake
+from grader.messages.arithmetic import value_of
+from grader.messages.quantity import exact, number
+from grader.messages.script import ScriptText
+
+_INNER: Final = r"([^()\n]*(?:\([^()]*\)[^()\n]*)*)"
+"""What stands between two brackets, with at most one pair of brackets inside."""
+
+
+def floor_is_zero(seen: Searched) -> Mistake | None:
+    """Find a division with ``//`` whose result is 0."""
+    for line in seen.script.lines_with(r"//"):
+        for found in re.finditer(_WHOLE, seen.script.lines[line - 1]):
+            share = _quotient(found[1], found[2], seen.script)
+            if share is not None and 0.0 < share < 1.0:
+                return mistake("floor_is_zero", line=line, written=found[0])
+    return None
+
+
+_WHOLE: Final = r"(?<![\w.])(?<![*/%)\]])(?<![*/%)\]] )([\w.]+) ?// ?([\w.]+)(?![\w.(])"
+"""A division with ``//`` of two names or numbers, and not of what is multiplied or divided before."""
+
+
+def _quotient(above: str, below: str, script: ScriptText) -> float | None:
+    one, other = value_of(above, script), value_of(below, script)
+    return one / other if one is not None and other else None
+
+
+def int_is_zero(seen: Searched) -> Mistake | None:
+    """Find an ``int(...)`` that makes 0 of a speed or a time."""
+    for line in seen.script.lines_with(r"\bint\("):
+        for found in re.finditer(rf"\bint\({_INNER}\)", seen.script.lines[line - 1]):
+            value = value_of(found[1], seen.script)
+            if value is not None and 0.0 < abs(value) < 1.0:
+                return mistake("int_is_zero", line=line, written=found[0], value=exact(value))
+    return None
+
+
+_TIME: Final = r"(?i)(time|dur|sec(?!ond_)|shijian|miao|时间|秒)"
+
+
+def negative_time(seen: Searched) -> Mistake | None:
+    """Find a time that is divided by a negative speed, in a script that takes no amounts."""
+    if seen.script.lines_with(r"\bf?abs\("):
+        return None
+    for line in seen.script.lines_with(r"^[ \t]*(self\.)?\w+ ?=(?!=).*/"):
+        name, _, written = seen.script.lines[line - 1].strip().partition("=")
+        value = value_of(written.strip(), seen.script) if re.search(_TIME, name) else None
+        if value is not None and value < 0.0:
+            return mistake("negative_time", line=line, name=name.strip(), value=number(value, "s"))
+    return None
+
+
+def ticks_cut(seen: Searched) -> Mistake | None:
+    """Find a number of ticks that ``int()`` or ``//`` cut by more than a hundredth."""
+    for line in seen.script.lines_with(r"\bint\(|//"):
+        text = seen.script.lines[line - 1]
+        cut = [
+            (found[0], value_of(found[1], seen.script)) for found in re.finditer(rf"\bint\({_INNER}\)", text)
+        ]
+        cut += [(found[0], _quotient(found[1], found[2], seen.script)) for found in re.finditer(_WHOLE, text)]
+        for written, value in cut:
+            if value is not None and value > 1.0 and (value - math.floor(value)) / value > _CUT:
+                values = {"value": number(value, ""), "whole": math.floor(value)}
+                return mistake("ticks_cut", line=line, written=written, **values)
+    return None
+
+
+_CUT: Final = 0.01
+
+_RADIANS: Final = 6.3  # more is meant as degrees
+
+_TOLERANCE: Final = 0.03  # of 15 degrees
+
+
+def radians_twice(seen: Searched) -> Mistake | None:
+    """Find ``math.radians`` of an angle that is in radians already."""
+    for line, found in _calls_of("radians", seen.script):
+        if _in_radians(found[1], seen.script.lines[line - 1], seen.script):
+            return mistake("radians_twice", line=line, written=found[0], inner=found[1].strip())
+    return None
+
+
+def radians_of_pose(seen: Searched) -> Mistake | None:
+    """Find ``math.radians`` of a pose's theta, or of ``math.atan2``."""
+    for line, found in _calls_of("radians", seen.script):
+        if _angle_of_pose(found[1], seen.script) or re.fullmatch(r"(?:math\.)?atan2\(.*\)", found[1].strip()):
+            return mistake("radians_twice", line=line, written=found[0], inner=found[1].strip())
+    return None
+
+
+def _calls_of(function: str, script: ScriptText) -> Iterator[tuple[int, re.Match[str]]]:
+    """Yield the line number and the match of each call of a conversion; the match's group is the argument."""
+    for line in script.lines_with(rf"\b{function}\("):
+        for found in re.finditer(rf"\b(?:math\.)?{function}\({_INNER}\)", script.lines[line - 1]):
+            yield line, found
+
+
+def _in_radians(written: str, line: str, script: ScriptText) -> bool:
+    """Whether an expression is an angle in radians, or a rate; a few degrees may be meant as a tolerance."""
+    value = value_of(written, script)
+    if value is None:
+        return re.search(r"\bpi\b", written) is not None and not re.search(r"180|degrees", written)
+    parts = abs(value) / (math.pi / 12)
+    of_circle = round(parts) >= 1 and abs(parts - round(parts)) < _TOLERANCE
+    return 0.0 < abs(value) < _RADIANS and (of_circle or re.search(_RATE, line) is not None)
+
+
+_RATE: Final = r"(?i)angular\.z ?=|\w*(speed|omega|rate|vel)\w* ?="
+
+
+def _angle_of_pose(written: str, script: ScriptText) -> bool:
+    """Whether an expression is a pose's theta, in a script that nowhere sets a theta in degrees."""
+    converted = r"theta\w* *=.*(?:\b180|degrees\()"
+    return re.fullmatch(r"[\w.]+\.theta", written.strip()) is not None and not script.lines_with(converted)
+
+
+def degrees_for_radians(seen: Searched) -> Mistake | None:
+    """Find ``math.degrees`` of an angle that is in degrees already."""
+    for line, found in _calls_of("degrees", seen.script):
+        value = value_of(found[1], seen.script)
+        if value is not None and abs(value) > 2 * _RADIANS:
+            return mistake("degrees_for_radians", line=line, written=found[0], inner=found[1].strip())
+    return None
+
+
+def degrees_of_radians(seen: Searched) -> Mistake | None:
+    """Find an angle in degrees from which theta is subtracted, or that sets a turn rate nobody would choose."""
+    script = seen.script
+    is_too_fast = fastest_radps(seen.run) >= FAST_TURN_RADPS
+    for line, found in _calls_of("degrees", script):
+        before, after = found.string[: found.start()], found.string[found.end() :]
+        beside = re.match(r" *- *([\w.]+)(?![\w.(]| *[*/])", after)
+        mixed = beside is not None and _angle_of_pose(beside[1], script)
+        if mixed or (is_too_fast and _becomes_rate(before, after, script)):
+            return mistake("degrees_of_radians", line=line, written=found[0])
+    return None
+
+
+def _becomes_rate(before: str, after: str, script: ScriptText) -> bool:
+    """Whether a line assigns what stands between these parts to a variable of which ``angular.z`` is computed."""
+    assigned = re.fullmatch(r"\s*([\w.]+) *= *", before)
+    if assigned is None or re.fullmatch(r"\s*(?:#.*)?", after) is None:
+        return False
+    name = re.escape(assigned[1])
+    return bool(script.lines_with(rf"angular\.z *=[^#(]*(?<![\w.]){name}(?![\w.(])"))
+
+
+def hidden_int(seen: Searched) -> Mistake | None:
+    """Find a whole number that was given to a float's field, if an ``except`` hides the error."""
+    lines = seen.script.lines_with(r"\.(linear|angular)\.[xyz] ?= ?-?\d+$")
+    if not lines or (hidden := seen.script.swallowed) is None:
+        return None
+    written = seen.script.lines[lines[0] - 1].strip()
+    return mistake("hidden_int", line=lines[0], hidden=hidden, written=written, right=f"{written}.0")

@@ -1,0 +1,27 @@
+"""What the looks at a script share."""
+
+import re
+from typing import Final, NamedTuple
+
+from grader.checks.measure import Findings, Mistake
+from grader.contracts.assignment import Assignment
+from grader.contracts.scoring import Run
+from grader.messages.script import ScriptText
+
+
+class Searched(NamedTuple):
+    """A run with its script, and what was measured and recognised in it."""
+
+    assignment: Assignment
+    run: Run
+    script: ScriptText
+    findings: Findings
+    mistake: Mistake
+
+
+CLOCK: Final = r"(?:time\.(?:time|monotonic|perf_counter)\(\)|(?:[\w.]+\(\)\.)?now\(\)(?:\.nanoseconds)?)"
+
+
+def is_repeated(line: int, script: ScriptText) -> bool:
+    """Whether a line stands in a loop of its function."""
+    return any(re.match(r"[ \t]*(for|while)\b", head) for head in script.conditions_of(line))

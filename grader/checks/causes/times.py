@@ -1,0 +1,138 @@
+"""Times that are taken, waited for or given wrongly."""
+
+import re
+from typing import Final
+
+from grader.checks.causes.counts import itself
+from grader.checks.causes.searched import CLOCK, Searched, is_repeated
+from grader.checks.measure import Mistake, mistake
+from grader.checks.mistakes import sleep_at_horizon, sleeps_too_long
+from grader.messages.arithmetic import value_of
+from grader.messages.quantity import number
+from grader.messages.script import ScriptText
+
+
+def clock_before_sleep(seen: Searched) -> Mistake | None:
+    """Find a start time that is taken before a pause, and not after it."""
+    for line in seen.script.lines_with(rf"^[ \t]*[\w.]+ ?= ?[\w.()]*{CLOCK}"):
+        name = seen.script.lines[line - 1].partition("=")[0].strip()
+        owner = seen.script.owner_of(line)
+        for at in range(line + 1, min(line + 8, len(seen.script.lines) + 1)):
+            text = seen.script.lines[at - 1].strip()
+            if seen.script.owner_of(at) != owner or re.match(r"(while|def|for)\b", text):
+                break
+            slept = re.match(r"(?:time\.)?sleep\((.+)\)$", text)
+            waited_s = value_of(slept[1], seen.script) if slept else None
+            if waited_s is not None and waited_s >= _PAUSE_S and _loops_on(seen, name, at):
+                values = {"name": name, "sleep": at, "waited": number(waited_s, "s")}
+                return mistake("clock_before_sleep", line=line, **values)
+    return None
+
+
+_PAUSE_S: Final = 0.3
+
+
+def _loops_on(seen: Searched, name: str, after: int) -> bool:
+    """Whether one of the next lines is a ``while`` that looks at `name`."""
+    nexts = seen.script.lines[after : after + 4]
+    return any(re.match(rf"[ \t]*while\b.*(?<!\w){re.escape(name)}\b", line) for line in nexts)
+
+
+def start_once(seen: Searched) -> Mistake | None:
+    """Find a start time that only ``__init__`` takes."""
+    for line in seen.script.lines_with(rf"^[ \t]*self\.\w+ ?= ?.*{CLOCK}"):
+        name = seen.script.lines[line - 1].partition("=")[0].strip().removeprefix("self.")
+        once = seen.script.assigned(name) is not None and seen.script.function_around(line) == "__init__"
+        if once and len(seen.script.lines_with(rf"\bwhile\b.*\bself\.{name}\b")) > 1:
+            again = seen.script.lines[line - 1].strip()
+            return mistake("start_once", line=line, name=name, again=again)
+    return None
+
+
+def since_1970(seen: Searched) -> Mistake | None:
+    """Find what a clock shows compared with a few seconds, in a script that never takes the difference."""
+    for line in seen.script.lines_with(r"^[ \t]*(self\.)?\w+ ?=(?!=)[^-]*$"):
+        if not re.search(_SHOWN, seen.script.lines[line - 1]):
+            continue
+        name = seen.script.lines[line - 1].partition("=")[0].strip()
+        name_alone = itself(name)
+        few = seen.script.lines_with(rf"\b(if|elif|while)\b.*{name_alone} ?<=? ?\d{{1,6}}(\.\d+)?(?![\w.])")
+        if few and not seen.script.lines_with(rf"- ?{name_alone}|{name_alone} ?-"):
+            return mistake("since_1970", line=line, name=name, compared=few[0])
+    return None
+
+
+_SHOWN: Final = r"(?:\btime\.time\(\)|\bnow\(\))"
+
+
+def waits_for_past(seen: Searched) -> Mistake | None:
+    """Find a loop for as long as more time has passed than wanted, which it never has at the beginning."""
+    passed = rf"\bwhile\b.*{CLOCK}\)* ?- ?[\w.]+\)*(\.nanoseconds)?( ?/ ?1e9)? ?>=? ?[\w.]"
+    for line in seen.script.lines_with(passed):
+        if any("publish(" in text for text in seen.script.block(line)):
+            return mistake("waits_for_past", line=line)
+    return None
+
+
+def wrong_time(seen: Searched) -> Mistake | None:
+    """Find a turn that is given the time of the drive."""
+    turned = _given(seen.script, r"(?i)turn|rotate|spin|zhuan", _DRIVE_TIME)
+    driven = _given(seen.script, r"(?i)move|drive|straight|forward|go|zou", _TURN_TIME)
+    assigned = (re.match(r"[ \t]*((?:self\.)?\w+) ?=(?!=)", text) for text in seen.script.lines)
+    known = [found[1] for found in assigned if found is not None and re.search(_TURN_TIME, found[1])]
+    if not turned or not known:
+        return None
+    values = {"line": turned[0][0], "given": turned[0][1], "wanted": known[0]}
+    return (
+        mistake("times_exchanged", **values, other=driven[0][0])
+        if driven
+        else mistake("wrong_time", **values)
+    )
+
+
+def _given(script: ScriptText, function: str, argument: str) -> list[tuple[int, str]]:
+    """Return the calls of one argument whose names fit: line and argument."""
+    calls = (re.match(r"[ \t]*(?:\w+\.)*(\w+)\( ?((?:self\.)?\w+) ?\)", text) for text in script.lines)
+    return [
+        (line, found[2])
+        for line, found in enumerate(calls, start=1)
+        if found is not None and re.search(function, found[1]) and re.search(argument, found[2])
+    ]
+
+
+_DRIVE_TIME: Final = r"(?i)(?:move|drive|straight|side|forward|line)\w*time"
+
+_TURN_TIME: Final = r"(?i)(?:turn|rotate|spin)\w*time"
+
+
+def sleeps_on(seen: Searched) -> Mistake | None:
+    """Find the long pause of a loop in which the run ended."""
+    slept = sleep_at_horizon(seen.run)
+    if slept is None or not 0 < slept.line <= len(seen.script.lines):
+        return None
+    written = re.search(r"\bsleep\((.+)\)$", seen.script.lines[slept.line - 1])
+    pause_s = value_of(written[1], seen.script) if written else None
+    if pause_s is None or pause_s < _LONG_PAUSE_S or not is_repeated(slept.line, seen.script):
+        return None
+    return sleeps_too_long(seen.run, slept)
+
+
+_LONG_PAUSE_S: Final = 5.0
+
+
+def timer_ends(seen: Searched) -> Mistake | None:
+    """Find a ``threading.Timer`` that ends the program, and at the time at which the run ended."""
+    ended_s = seen.run.outcome.duration_ns / 1e9
+    for line in seen.script.lines_with(r"\bTimer\( ?[\w.]+ ?, ?[\w.]+"):
+        found = re.search(r"\bTimer\( ?([\w.]+) ?, ?(?:\w+\.)*(\w+)", seen.script.lines[line - 1])
+        after_s = value_of(found[1], seen.script) if found else None
+        function = found[2] if found else ""
+        made = seen.script.definition(function)
+        inside = seen.script.block(made.line) if made else [function]
+        ends = any(re.search(r"\b_?exit\b|\bshutdown\(|\bkill\(", text) for text in inside)
+        if after_s is not None and ends and 0.0 <= ended_s - after_s < _MARGIN_S:
+            return mistake("timer_ends", line=line, function=function, after=number(after_s, "s"))
+    return None
+
+
+_MARGIN_S: Final = 2.0
