@@ -135,6 +135,14 @@ def command_mistakes(
     return _timeouts(run.trajectory, outcome, turns, drives)
 
 
+def only_turned(run: Run, spoilt: tuple[str, ...]) -> Iterator[Mistake]:
+    """Recognise a car that was told to turn, and never to drive."""
+    moves = [command for command in run.trajectory.commands if is_motion(command)]
+    if moves and not any(abs(command.v_mps) > MOVING_MPS for command in moves):
+        by_pose = ScriptText(run.source).lines_with(r"\.theta\b|\borientation\b")
+        yield mistake("no_drive_by_pose" if by_pose else "no_drive", spoilt)
+
+
 def robot_mistakes(run: Run, world: World) -> tuple[Mistake, ...]:
     """Return why a robot got no commands, or the script nothing of its sensors."""
     outcome, topic = run.outcome, world.cmd_vel_topic

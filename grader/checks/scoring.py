@@ -352,6 +352,14 @@ def _run_message(
     return say("item.mean", value=value, count=len(found))
 
 
+_TINY_M = 0.5
+
+
+def _is_tiny(seen: Findings) -> bool:
+    """Whether so little was driven that one length cannot be told from another."""
+    return seen.measures["distance_m"].value < _TINY_M
+
+
 def ignored_input(
     assignment: Assignment,
     runs: Sequence[Run],
@@ -362,7 +370,7 @@ def ignored_input(
     if len({given.get(run.case) for run in runs}) < 2 or any(len(each.mistakes) > 1 for each in seen):
         return None
     wrong = [each.mistakes[0] for each in seen if each.mistakes]
-    if {each.code for each in wrong} != {"wrong_lengths"}:
+    if {each.code for each in wrong} != {"wrong_lengths"} or any(map(_is_tiny, seen)):
         return None
     lengths = {str(each.measures["side_error_pct"].details.get("lengths")) for each in seen}
     if len(lengths) > 1:

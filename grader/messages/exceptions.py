@@ -597,9 +597,32 @@ def _attribute(error: StudentError, script: ScriptText) -> Closer:
     if found is not None and (closer := _of_an_object(found[2], script_line(error), script)) is not None:
         return closer
     suggestion = suggested(error)
-    if suggestion is None or suggestion in _LISTS_OF_NODE:
-        return None
-    return "misspelt", {"suggestion": suggestion}
+    if suggestion is not None and suggestion not in _LISTS_OF_NODE:
+        return "misspelt", {"suggestion": suggestion}
+    return None if found is None else _message_fields(found[1], found[2], script)
+
+
+_FIELDS: Final = {
+    "Odometry": "pose.pose.position (x, y, z), pose.pose.orientation, twist.twist (linear, angular)",
+    "PoseWithCovariance": "pose.position (x, y, z), pose.orientation (x, y, z, w)",
+    "TwistWithCovariance": "twist.linear (x, y, z), twist.angular (x, y, z)",
+    "LaserScan": "ranges, angle_min, angle_max, angle_increment, range_min, range_max",
+}
+"""The fields of the messages that beginners read."""
+
+_FIELDS_OF_POSE: Final = {
+    "turtlesim": "x, y, theta, linear_velocity, angular_velocity",
+    "geometry_msgs": "position (x, y, z), orientation (x, y, z, w)",
+}
+
+
+def _message_fields(kind: str, name: str, script: ScriptText) -> Closer:
+    """Tell the fields of a message that has no field of that name."""
+    fields = _FIELDS.get(kind)
+    if kind == "Pose":
+        packages = [one for one in _FIELDS_OF_POSE if script.lines_with(rf"\b{one}\.msg import\b.*\bPose\b")]
+        fields = _FIELDS_OF_POSE[packages[0]] if len(packages) == 1 else None
+    return None if fields is None else ("message_fields", {"type": kind, "name": name, "fields": fields})
 
 
 def _of_an_object(name: str, written: str, script: ScriptText) -> Closer:

@@ -34,7 +34,8 @@ def _cause(seen: Searched) -> Mistake:
     return seen.mistake
 
 
-_NO_MOTION: Final = frozenset(("only_stops", "no_turns", "zero_commands"))
+_NO_MOTION: Final = frozenset(("only_stops", "no_turns", "zero_commands", "no_drive", "no_drive_by_pose"))
+_SILENT: Final = frozenset(("never_published", "publish_not_reached", "nothing_ran", "only_printed"))
 _SHORT_TURN: Final = frozenset(("turn_too_short", "turned_one_radian", "half_turn", "turn_too_slow"))
 _SHORT: Final = _SHORT_TURN | {"too_short", "turns_too_short", "one_radian"}
 _COUNT: Final = frozenset(("sides_missing", "path_count", "path_unfinished"))
@@ -53,6 +54,7 @@ _LOST: Final = frozenset(
     )
 )
 
+_WRONG_WAY: Final = frozenset(("place_away", "place_lost", "place_circled", "place_missed", "place_wall"))
 _COUNTED: Final = _NO_MOTION | _COUNT | _LOST | {"endless_turn", "never_stops", "turned_instead", "wall_hit"}
 """What may come of a count or a state that never changes."""
 
@@ -61,6 +63,7 @@ _NOT_ON: Final = frozenset(("lost_at_home", "not_spinning", "never_spun"))
 _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (
     (_COUNTED, counts.set_to_plus),
     (_NO_MOTION | _LOST | {"never_stops", "wall_hit", "endless_turn"}, flow.deaf_loop),
+    (_NO_MOTION | _LOST | _SILENT, flow.kept_local),
     (_NO_MOTION | _SHORT, numbers.floor_is_zero),
     (_NO_MOTION | _SHORT, numbers.int_is_zero),
     (_NO_MOTION | _COUNT, numbers.negative_time),
@@ -72,12 +75,15 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("sides_missing",)), counts.count_kept),
     (_NO_MOTION, flow.empty_function),
     (_SHORT | _CORNERS, numbers.radians_twice),
-    (_SHORT | _CORNERS | _LOST, numbers.radians_of_pose),
+    (_SHORT | _CORNERS | _LOST | {"no_drive_by_pose"}, numbers.radians_of_pose),
     (
         frozenset(("endless_turn", "turns_too_far", "degrees_as_radians", "turned_instead")),
         numbers.degrees_for_radians,
     ),
-    (_CORNERS | _LOST | {"degrees_as_radians"}, numbers.degrees_of_radians),
+    (_CORNERS | _LOST | {"degrees_as_radians", "no_drive_by_pose"}, numbers.degrees_of_radians),
+    (_WRONG_WAY, numbers.arctan_exchanged),
+    (_WRONG_WAY, numbers.away_from_goal),
+    (frozenset(("place_never_stops", "place_circled")), numbers.tolerance_too_small),
     (_CORNERS - {"one_radian"}, times.wrong_time),
     (frozenset(("turns_too_short", "one_corner_off", "turn_too_short", "too_short")), numbers.ticks_cut),
     (_SHORT, counts.counts_ticks),
@@ -89,6 +95,10 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_LENGTHS | _CORNERS | _COUNT | {"other_figure"}, counts.always_true),
     (_LENGTHS | {"never_stops", "sides_extra", "drove_on", "turned_on"}, counts.counter_unchanged),
     (frozenset(("one_corner_off", "unequal_sides", "turns_too_far")), counts.grows),
+    (_NO_MOTION | _LENGTHS, given.other_kind),
+    (_NO_MOTION | _SILENT | {"no_input", "exited_early"}, given.whole_only),
+    (frozenset(("none_in_sum", "still_none", "crashed")), given.no_default),
+    (frozenset(("wrong_lengths",)), given.rounded),
     (frozenset(("wrong_lengths",)), given.clamped),
     (frozenset(("wrong_lengths",)), given.parameter_default),
     (frozenset(("stopped_at_once", "too_brief", "stop_in_loop")), flow.timer_stops),

@@ -236,3 +236,21 @@ def waits_for_two(seen: Searched) -> Mistake | None:
         r"\bwhile not .*(get_subscription_count\(\)|count_subscribers\(.*\)) ?(> ?[1-9]|>= ?[2-9])"
     )
     return mistake("waits_for_two", line=lines[0]) if lines else None
+
+
+def kept_local(seen: Searched) -> Mistake | None:
+    """Find a callback that keeps what it is given in a variable of its own, and not in the node."""
+    for _, callback in seen.script.callbacks("subscription"):
+        made = seen.script.definition(callback)
+        head = seen.script.lines[made.line - 1] if made is not None else ""
+        given = re.search(r"\((?:self ?, ?)?(\w+)", head)
+        if made is None or given is None:
+            continue
+        for line, text in enumerate(seen.script.block(made.line)[1:], start=made.line + 1):
+            kept = re.match(rf"[ \t]*(\w+) ?= ?{given[1]}(\.\w+)*$", text)
+            own = kept and seen.script.lines_with(rf"\bself\.{kept[1]}\b ?=(?!=)")
+            inside = {seen.script.function_around(one) for one in own or ()}
+            read = kept and seen.script.lines_with(rf"\bself\.{kept[1]}\b(?! ?=(?!=))")
+            if kept and inside == {"__init__"} and read:
+                return mistake("kept_local", line=line, name=kept[1], callback=callback, written=text.strip())
+    return None

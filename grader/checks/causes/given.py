@@ -78,3 +78,60 @@ def parameter_default(seen: Searched) -> Mistake | None:
 
 
 _SIDE: Final = r"(?i)declare_parameter\( *[\"'][^\"']*(side|len|bian|chang|size|边|长)"
+
+
+def whole_only(seen: Searched) -> Mistake | None:
+    """Find a test for digits, which no decimal passes, if a decimal was typed."""
+    case = next((one for one in seen.assignment.cases if one.id == seen.run.case), None)
+    if case is None or not re.search(r"\d\.\d", case.stdin or ""):
+        return None
+    for line in seen.script.lines_with(r"\.(isdigit|isnumeric|isdecimal)\("):
+        found = re.search(r"\.(is\w+)\(", seen.script.lines[line - 1])
+        if found is not None and "replace(" not in seen.script.lines[line - 1]:
+            return mistake("whole_only", line=line, written=f"{found[1]}()", given=(case.stdin or "").strip())
+    return None
+
+
+def rounded(seen: Searched) -> Mistake | None:
+    """Find what makes a whole number of a side that was given with decimals."""
+    given = _given_m(seen)
+    if given is None or given == int(given):
+        return None
+    taken = r"\b(int|round)\(.*(\binput\(|\bget_parameter\(.*value\b)"
+    for line in seen.script.lines_with(taken):
+        found = re.search(taken, seen.script.lines[line - 1])
+        if found is None:
+            continue
+        whole = int(given) if found[1] == "int" else round(given)
+        if whole != given:
+            values = {"written": f"{found[1]}()", "given": number(given, "m"), "whole": number(whole, "m")}
+            return mistake("rounded", line=line, **values)
+    return None
+
+
+def other_kind(seen: Searched) -> Mistake | None:
+    """Find a parameter that is read as another kind than its default has: what is read then is 0."""
+    script = seen.script
+    declared = [
+        found
+        for line in script.lines_with(r"\bdeclare_parameter\(")
+        for found in _DECLARED.finditer(script.written(line))
+    ]
+    kinds = {found[1]: "double_value" if "." in found[2] else "integer_value" for found in declared}
+    for line in script.lines_with(r"\bget_parameter\(.*\.(integer|double)_value\b"):
+        for read in _READ.finditer(script.written(line)):
+            right = kinds.get(read[1], read[2])
+            if read[2] != right:
+                return mistake("other_kind", line=line, name=read[1], written=read[2], right=right)
+    return None
+
+
+_DECLARED: Final = re.compile(r"declare_parameter\( *[\"'](\w+)[\"'] *, *(\d+(?:\.\d*)?) *\)")
+_READ: Final = re.compile(r"get_parameter\( *[\"'](\w+)[\"'] *\)[\w.()]*\.(integer_value|double_value)")
+
+
+def no_default(seen: Searched) -> Mistake | None:
+    """Find a parameter that is declared without a default, in a run that sets none."""
+    case = next((one for one in seen.assignment.cases if one.id == seen.run.case), None)
+    lines = seen.script.lines_with(r'\bdeclare_parameter\( ?"" ?\)')
+    return mistake("no_default", line=lines[0]) if lines and (case is None or not case.args) else None

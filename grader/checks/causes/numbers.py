@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
+from grader.checks.causes.counts import itself
 from grader.checks.causes.searched import Searched
 from grader.checks.drive import FAST_TURN_RADPS, fastest_radps
 from grader.checks.measure import Mistake, mistake
@@ -162,3 +163,43 @@ def hidden_int(seen: Searched) -> Mistake | None:
         return None
     written = seen.script.lines[lines[0] - 1].strip()
     return mistake("hidden_int", line=lines[0], hidden=hidden, written=written, right=f"{written}.0")
+
+
+def tolerance_too_small(seen: Searched) -> Mistake | None:
+    """Find a distance that must get smaller than the car moves between two poses."""
+    near = (
+        r"\b(?:if|elif|while)\b.*?(?<![\w.])((?:self\.)?\w*(?:dist|juli|err|距离)\w*) ?(?:<=?|>=?) ?([\w.]+)"
+    )
+    for line in seen.script.lines_with(near):
+        for found in re.finditer(near, seen.script.lines[line - 1]):
+            value = value_of(found[2], seen.script)
+            if value is not None and 0.0 <= value <= _LEAST_M:
+                return mistake("tolerance_too_small", line=line, name=found[1], value=exact(value))
+    return None
+
+
+_LEAST_M: Final = 0.01
+
+
+def arctan_exchanged(seen: Searched) -> Mistake | None:
+    """Find a direction that is computed with x and y exchanged."""
+    for line in seen.script.lines_with(r"\batan2\("):
+        found = re.search(rf"\batan2\( ?{_ALONG_X} ?, ?{_ALONG_Y} ?\)", seen.script.lines[line - 1])
+        if found is not None:
+            return mistake("arctan_exchanged", line=line, written=found[0], first=found[2], second=found[1])
+    return None
+
+
+_ALONG_X: Final = r"((?:self\.)?(?:d|delta_?|error_?|err_?|diff_?)x|[\w.]*x ?- ?[\w.]*x)"
+_ALONG_Y: Final = _ALONG_X.replace("x", "y")
+"""A difference along an axis: ``dx``, or ``goal_x - self.pose.x``."""
+
+
+def away_from_goal(seen: Searched) -> Mistake | None:
+    """Find a direction whose differences lead from the goal to the car."""
+    for line in seen.script.lines_with(r"^[ \t]*[\w.]+ ?= ?[\w.]*pose\.x ?- ?[^-+]+$"):
+        name, _, written = seen.script.lines[line - 1].strip().partition("=")
+        near, _, far = (part.strip() for part in written.partition("-"))
+        if "pose" not in far and seen.script.lines_with(rf"\batan2\([^()]*{itself(name.strip())} ?\)"):
+            return mistake("away_from_goal", line=line, right=f"{name.strip()} = {far} - {near}")
+    return None

@@ -58,6 +58,15 @@ DEAF = (
     "    def hear(self, msg):\n        self.pose = msg\n    def step(self):\n        rclpy.spin_once(self)\n"
     "    def run(self):\n        while self.pose.x < 7.0:\n            {block}\n"
 )
+HEARD = (
+    "class A(Node):\n    def __init__(self):\n        self.create_subscription(Pose, '/p', self.hear, 10)\n"
+    "        self.pose = None\n    def hear(self, msg):\n        {kept}\n    def tick(self):\n"
+    "        if self.pose is None:\n            return\n        go()\n"
+)
+READ = (
+    "self.declare_parameter('side', {default})\n"
+    "self.side = self.get_parameter('side').get_parameter_value().{kind}\n"
+)
 GROWS = "for i in range(4):\n    {line}\n"
 
 
@@ -138,6 +147,31 @@ GROWS = "for i in range(4):\n    {line}\n"
             "sides_missing",
         ),
         ("never_stops", "while n < 4:\n    go()\n", "never_stops"),  # it did end
+        ("publish_not_reached", HEARD.format(kept="pose = msg"), "kept_local"),
+        ("no_drive_by_pose", HEARD.format(kept="pose = msg.theta"), "kept_local"),
+        ("publish_not_reached", HEARD.format(kept="self.pose = msg"), "publish_not_reached"),
+        (
+            "publish_not_reached",
+            HEARD.format(kept="pose = msg\n        self.pose = pose"),
+            "publish_not_reached",
+        ),
+        ("place_away", "a = math.atan2(dx, dy)", "arctan_exchanged"),
+        ("place_lost", "a = atan2(self.goal_x - p.x, self.goal_y - p.y)", "arctan_exchanged"),
+        ("place_away", "a = math.atan2(dy, dx)", "place_away"),
+        ("place_away", "a = math.atan2(b, c)", "place_away"),
+        ("place_away", "dx = self.pose.x - gx\na = math.atan2(dy, dx)", "away_from_goal"),
+        ("place_away", "dx = gx - self.pose.x\na = math.atan2(dy, dx)", "place_away"),
+        ("place_away", "step = self.pose.x - self.last_pose.x\na = math.atan2(dy, step)", "place_away"),
+        ("place_never_stops", "if distance < 0.001:\n    stop()", "tolerance_too_small"),
+        ("place_never_stops", "tol = 0.005\nwhile self.dist > tol:\n    go()", "tolerance_too_small"),
+        ("place_never_stops", "if distance < 0.1:\n    stop()", "place_never_stops"),
+        ("place_never_stops", "if angle < 0.001:\n    stop()", "place_never_stops"),
+        ("none_in_sum", "self.declare_parameter('side')", "no_default"),
+        ("none_in_sum", "self.declare_parameter('side', 2.0)", "none_in_sum"),
+        ("no_drive", READ.format(default="2.0", kind="integer_value"), "other_kind"),
+        ("no_drive", READ.format(default="2", kind="double_value"), "other_kind"),
+        ("no_drive", READ.format(default="2.0", kind="double_value"), "no_drive"),
+        ("no_drive", READ.format(default="side", kind="integer_value"), "no_drive"),
     ],
 )
 def test_the_cause_is_told_where_the_script_shows_it(code: str, source: str, wanted: str) -> None:
@@ -156,6 +190,22 @@ def test_the_cause_is_told_where_the_script_shows_it(code: str, source: str, wan
 def test_a_limit_of_the_speed_is_none_of_the_side(source: str, wanted: str) -> None:
     task = assignment("square_input")
     assert cause("wrong_lengths", source, "square_input", task.cases[0].id) == wanted
+
+
+@pytest.mark.parametrize(
+    ("code", "source", "case", "wanted"),
+    [
+        ("wrong_lengths", "side = round(float(input()))\n", 0, "rounded"),
+        ("wrong_lengths", "side = round(float(input()))\n", 1, "wrong_lengths"),  # 3 is whole
+        ("wrong_lengths", "side = float(input())\nn = round(side)\n", 0, "wrong_lengths"),
+        ("no_input", "s = input()\nif s.isdigit():\n    go()\n", 0, "whole_only"),
+        ("no_input", "s = input()\nif s.isdigit():\n    go()\n", 1, "no_input"),
+        ("no_input", "s = input()\nif s.replace('.', '').isdigit():\n    go()\n", 0, "no_input"),
+    ],
+)
+def test_decimals_that_were_typed_and_lost_are_told(code: str, source: str, case: int, wanted: str) -> None:
+    task = assignment("square_input")
+    assert cause(code, source, "square_input", task.cases[case].id) == wanted
 
 
 @pytest.mark.parametrize(("name", "wanted"), [("side", "parameter_default"), ("speed", "wrong_lengths")])

@@ -165,6 +165,11 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
         ),
         (error("AttributeError", "'Car' object has no attribute 'method'"), "unknown_attribute", ("17",)),
         (
+            error("AttributeError", "'Odometry' object has no attribute 'x'"),
+            "message_fields",
+            ("pose.pose.position",),
+        ),
+        (
             error("AttributeError", "property 'speed' of 'Car' object has no setter"),
             "unknown_attribute",
             ("speed",),

@@ -159,6 +159,14 @@ def test_a_path_from_the_given_start_is_judged_there() -> None:
         ("right_triangle", [TRIANGLE[0], ("turn", 75.0), *TRIANGLE[2:]], "path_corner", "75"),
         ("letter_l", [*L, ("turn", 90.0), ("line", 2.0)], "path_count", "driven: 3; the path has 2"),
         ("two_circles", [("arc", 360.0, 1.6), ("arc", 360.0, 0.8)], "path_reversed", "Begin with its first"),
+        ("two_circles", [("arc", 180.0, 0.8), ("arc", 180.0, 1.6)], "path_swept", "turned by 180°; 360°"),
+        (
+            "figure_eight",
+            [("arc", -300.0, 1.0), ("arc", 360.0, 1.0)],
+            "path_swept",
+            "circle 1, the car turned by 300°",
+        ),
+        ("letter_l", [("line", -3.0), *L[1:]], "path_backwards", "linear.x is negative"),
     ],
 )
 def test_what_is_said(name: str, pieces: list[tuple[object, ...]], code: str, words: str) -> None:
@@ -186,9 +194,11 @@ def test_a_corner_is_told_as_it_was_turned(driven_deg: float, wanted_deg: float,
 def test_a_wall_comes_first_and_standing_still_is_no_path() -> None:
     hit = replace(drive(legs(L[:1])), contacts=(Contact(wall="right", start_ns=1, end_ns=2),))
     assert graded("letter_l", hit).mistakes[0] == "wall_hit"
+    circle = replace(drive(legs(EIGHT[:1])), contacts=hit.contacts)
+    assert graded("figure_eight", circle).mistakes[0] == "wall_hit_in_arc"
     assert score(graded("letter_l", drive([(1.0, 0.0, 0.0)]))) == 0
     spun = graded("figure_eight", drive([(30.0, 0.0, 1.0)]))
-    assert score(spun) == 0
+    assert (score(spun), spun.mistakes[0]) == (0, "no_drive")
 
 
 def test_the_sketch_shows_the_wanted_path_where_it_fits() -> None:

@@ -139,6 +139,9 @@ def _is_rising(chosen: Sequence[int], mask: int) -> bool:
             "place_missed",
             "reached 2 of 3 goals. The nearest",
         ),
+        (goals(*POINTS), through(*POINTS[:2]), "place_stuck", "came to goal 2 and stayed there"),
+        (goals(POINTS[0]), through((3.0, 8.0)), "place_exchanged", "at x = 8 m, y = 3 m"),
+        (goals((3.0, 3.4), POINTS[0]), through((3.0, 8.0)), "place_missed", "reached 1 of 2"),
         (goals(*POINTS, hold_s=5.0), through(*POINTS), "place_not_held", "5 s is wanted"),
         (goals(POINTS[0], by_s=3.0), through(POINTS[0]), "place_late", "3 s is the latest"),
         (goals(POINTS[0]), through((1.0, 3.0)), "place_away", "at the start (5 m)"),
@@ -274,7 +277,7 @@ def test_places_that_do_not_fit_the_rubric_are_refused(changes: dict[str, object
 
 def test_who_never_drove_is_told_to_drive_and_not_where_to() -> None:
     scoring = graded(task(*goals(POINTS[0])), drive([(5.0, 0.0, 1.0)], start_m=START))
-    assert not [code for code in scoring.mistakes if code.startswith("place_")]
+    assert scoring.mistakes == ("no_drive",)
 
 
 def test_how_near_a_box_was_is_told_from_its_edge() -> None:

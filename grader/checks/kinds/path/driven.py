@@ -6,10 +6,11 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from grader.checks.drive import Drive
+from grader.checks.drive import MOVING_MPS, MOVING_RADPS, Drive, is_motion
 from grader.checks.kinds.path.wanted import (
     MIN_CORNER_RAD,
     SAMPLES,
@@ -19,7 +20,9 @@ from grader.checks.kinds.path.wanted import (
     size_m,
     tracks,
 )
+from grader.checks.mistakes import with_ends
 from grader.contracts.assignment import StartPose, WantedPath
+from grader.contracts.trajectory import Trajectory
 from grader.geometry.matching import (
     Floats,
     Points,
@@ -49,6 +52,7 @@ LIKELY = 4  # ways of driving that are matched, those that fit best at equal dis
 THIN = 4  # the matching uses every fourth point: it only chooses among them
 NO_LINE_SHARE = 0.02  # of the path: a corner this near to its end has no line behind it
 REFINED = 2  # rounds of matching and fitting in turn: further ones hardly change anything
+ONE_ARC_SHARE = 0.02  # of the radius: commands that differ by more belong to two arcs
 FINE = 5 * SAMPLES  # points of the driven figure from which pieces are measured
 
 
@@ -74,6 +78,36 @@ class DrivenStretch:
     deviation_m: float = math.nan
     centre: complex = 0j
     swept_rad: float = math.nan
+
+
+class CommandedArc(NamedTuple):
+    """An arc as it was commanded: how far it went round, positive to the left, and its radius."""
+
+    swept_deg: float
+    radius_m: float
+
+
+def commanded_arcs(trajectory: Trajectory) -> list[CommandedArc]:
+    """Return the arcs that were commanded one after the other; nothing if something else was driven, too.
+
+    Commands of the same curvature belong to one arc, whatever their speed, and though the car stood still between.
+    """
+    found: list[CommandedArc] = []
+    for command, until_ns in with_ends(trajectory):
+        if not is_motion(command):
+            continue
+        if abs(command.v_mps) <= MOVING_MPS or abs(command.w_radps) <= MOVING_RADPS:
+            return []
+        radius_m = command.v_mps / command.w_radps
+        swept_deg = math.degrees(command.w_radps) * (until_ns - command.t_ns) / 1e9
+        if (
+            found
+            and abs(radius_m / math.copysign(found[-1].radius_m, found[-1].swept_deg) - 1.0) < ONE_ARC_SHARE
+        ):
+            found[-1] = found[-1]._replace(swept_deg=found[-1].swept_deg + swept_deg)
+        else:
+            found.append(CommandedArc(swept_deg, abs(radius_m)))
+    return found
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

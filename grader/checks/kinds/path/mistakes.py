@@ -13,14 +13,15 @@ from grader.checks.kinds.path.driven import (
     Figure,
     as_turned_deg,
     begun_off,
+    commanded_arcs,
     corners_deg,
     figure_in,
     inner_corners_m,
     roughly_off,
 )
-from grader.checks.kinds.path.wanted import Stretch
+from grader.checks.kinds.path.wanted import Stretch, track_of, tracks
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import command_mistakes
+from grader.checks.mistakes import command_mistakes, only_turned, with_ends
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment, WantedPath
 from grader.contracts.scoring import Run
@@ -37,6 +38,9 @@ FAR_SHARE = 0.06  # of the size: a drive that is nearer is the wanted one, drive
 # A path driven the other way round, or elsewhere, is tried twice: roughly, and closely where that is promising.
 MUCH_BETTER_SHARE = 0.6  # of the rough distance: a variant that leaves more is not tried closely
 LEFT_SHARE = 0.25  # of the close distance: a variant that leaves no more explains the drive
+BACK_SHARE = 0.5  # of the way: a car that backed up for more was driven backwards
+SAME_RADIUS_SHARE = 0.1  # of the radius: an arc that is no further off is the wanted one
+SWEPT_SHARE = 0.03  # of the angle: an arc that is off by more was driven for too short or too long
 SIZE_FACTOR = 5.0  # a variant that is larger or smaller by more fits by chance
 _SHAPE_MEASURES = (
     "off_pct",
@@ -128,17 +132,20 @@ def path_mistakes(
 ) -> Iterator[Mistake]:
     """Yield what probably went wrong on the way."""
     yield from command_mistakes(run, assignment.world, turns=_SHAPE_MEASURES, drives=_DRIVE_MEASURES)
-    yield from _wall(run)
+    yield from only_turned(run, _DRIVE_MEASURES)
+    yield from _wall(assignment, run)
     if figure is not None:
         seen = _Seen(assignment, run, drive, figure, stretches)
         yield from _shape(seen)
         yield from _ending(seen)
 
 
-def _wall(run: Run) -> Iterator[Mistake]:
+def _wall(assignment: Assignment, run: Run) -> Iterator[Mistake]:
+    track = None if assignment.path is None else track_of(assignment.path)
+    is_round = track is not None and all(each.kind == "arc" for each in track.stretches)
     for contact in run.trajectory.contacts[:1]:
         time, wall = number(contact.start_ns / 1e9, "s"), say(f"wall.{contact.wall}")
-        yield mistake("wall_hit", _SHAPE_MEASURES, time=time, wall=wall)
+        yield mistake("wall_hit_in_arc" if is_round else "wall_hit", _SHAPE_MEASURES, time=time, wall=wall)
 
 
 def _shape(seen: _Seen) -> Iterator[Mistake]:
@@ -152,6 +159,9 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
     has_one_cause = off or seen.assignment.item_on("off_pct") is None
     if not seen.figure.begun and has_one_cause and (code := _other_way(seen, away / size)) is not None:
         yield mistake(code, _SHAPE_MEASURES)
+        return
+    if off and (closer := _backwards(seen) or _swept(seen)) is not None:
+        yield closer
         return
     corners = inner_corners_m(seen.figure, seen.drive)
     count, wanted = len(corners or ()) + 1, len(seen.figure.track.stretches)
@@ -194,6 +204,42 @@ def _other_way(seen: _Seen, share: float) -> str | None:
         left = figure.apart_m / figure.size_m
         if left < LEFT_SHARE * share and not seen.loses("off_pct", 100.0 * left):
             return code
+    return None
+
+
+def _backwards(seen: _Seen) -> Mistake | None:
+    """Recognise a path that was mostly driven backing up, though no piece of it asks for that."""
+    wanted = seen.assignment.path
+    if wanted is None or wanted.by_solution or any(piece.length_m < 0.0 for piece in wanted.pieces):
+        return None
+    ways_m = [
+        command.v_mps * (until_ns - command.t_ns) / 1e9
+        for command, until_ns in with_ends(seen.run.trajectory)
+    ]
+    back_m = -math.fsum(way for way in ways_m if way < 0.0)
+    mostly = back_m > BACK_SHARE * math.fsum(map(abs, ways_m))
+    return mistake("path_backwards", _SHAPE_MEASURES) if mostly else None
+
+
+def _swept(seen: _Seen) -> Mistake | None:
+    """Recognise arcs of the right radii, driven in the right order, of which one ends too early or too late."""
+    wanted = seen.assignment.path
+    if wanted is None or wanted.any_scale:
+        return None
+    driven = commanded_arcs(seen.run.trajectory)
+    for track in tracks(wanted):
+        if len(driven) != len(track.stretches) or any(each.kind != "arc" for each in track.stretches):
+            continue
+        pairs = list(zip(driven, track.stretches, strict=True))
+        sides = {math.copysign(1.0, one.swept_deg * each.angle_deg) for one, each in pairs}
+        same_radii = all(abs(one.radius_m / each.radius_m - 1.0) < SAME_RADIUS_SHARE for one, each in pairs)
+        if not same_radii or len(sides) > 1 or (sides == {-1.0} and not wanted.mirror):
+            continue
+        one, each = max(pairs, key=lambda pair: abs(abs(pair[0].swept_deg) - abs(pair[1].angle_deg)))
+        if abs(abs(one.swept_deg) - abs(each.angle_deg)) > SWEPT_SHARE * abs(each.angle_deg):
+            values = {"driven": abs(one.swept_deg), "wanted": abs(each.angle_deg)}
+            named = {name: number(value, "deg") for name, value in values.items()}
+            return mistake("path_swept", _SHAPE_MEASURES, piece=name_of(each), **named)
     return None
 
 

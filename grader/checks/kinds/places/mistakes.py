@@ -8,10 +8,10 @@ import numpy as np
 from grader.checks.drive import Drive
 from grader.checks.kinds.places.visits import Visit, Way, entered
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import command_mistakes
+from grader.checks.mistakes import command_mistakes, only_turned
 from grader.checks.scoring import fits
 from grader.checks.surroundings import name_of
-from grader.contracts.assignment import Assignment
+from grader.contracts.assignment import Assignment, outside_m
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
 from grader.messages import say
@@ -20,12 +20,13 @@ from grader.messages.script import ScriptText
 
 _GOAL_MEASURES = ("reached", "missed_m", "time_s", "detour_pct")
 _END_MEASURES = ("end_off_m", "heading_error_deg")
-_WRONG_WAY = ("place_no_feedback", "place_away", "place_lost")
+_WRONG_WAY = ("place_no_feedback", "place_away", "place_lost", "place_exchanged")
 _DRIVE_MEASURES = ("distance_m", *_GOAL_MEASURES, *_END_MEASURES)
 LEAST_M = 0.02  # a shorter way is no drive
 AWAY_SHARE = 0.9  # of the distance at the start: a car that never came nearer drove the wrong way
 CIRCLED_RAD = 2.5 * math.tau  # a car that turned further than this and did not arrive circles the goal
 NEAR_TIMES = 12.0  # the radius of the goal: a car that never came nearer circles something else
+EXCHANGED_M = 0.5  # from the goal with x and y exchanged: a car that rests this near to it went there
 # A car that ends this much further from a goal than it was at best did not lack time: it drove past the goal.
 LOST_TIMES, LOST_M = 1.25, 0.5
 
@@ -41,7 +42,8 @@ def place_mistakes(
         yield from touched
         yield from _ending(assignment, run, drive, way, visits)
     elif float(drive.path.along_m[-1]) < LEAST_M:
-        yield from touched  # `command_mistakes` says to drive; where to is the next question
+        yield from only_turned(run, _DRIVE_MEASURES)
+        yield from touched  # otherwise `command_mistakes` says to drive; where to is the next question
     else:
         cause = _missed(assignment, run, drive, way, visits)
         # A car on the wrong way met the wall because of it; otherwise the wall may be why the goal was missed.
@@ -82,7 +84,13 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, visits: Se
         return mistake("place_no_feedback", spoilt, topic=_pose_topic(assignment), **values)
     if drive.moving_at_end and _circles(drive, first):
         return mistake("place_circled", (*spoilt, "settled"), **values)
+    if (standing := _standing_at(way, visits)) is not None:
+        return mistake("place_stuck", spoilt, at=standing.number, goal=first.number)
     last_m = _final_distance_m(way, first)
+    if values["reached"] == 0 and _at_exchanged(way, first):
+        region = first.goal.region
+        x, y = (number(value, "m") for value in (region.x_m, region.y_m))
+        return mistake("place_exchanged", spoilt, goal=first.number, x=x, y=y)
     stayed_away = first.nearest_m > AWAY_SHARE * first.first_m and values["reached"] == 0
     if stayed_away and not _was_approaching(first, last_m):
         return mistake("place_away", spoilt, first=number(first.first_m, "m"), **values)
@@ -91,6 +99,21 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, visits: Se
     if drive.cut_short:
         return mistake("place_too_slow", (*spoilt, "settled"), **values)
     return mistake("place_missed", spoilt, **values)
+
+
+def _standing_at(way: Way, visits: Sequence[Visit]) -> Visit | None:
+    """Return the visited goal at which the car stands in the end."""
+    done = [visit for visit in visits if visit.done_s is not None]
+    ends = (float(way.x_m[-1]), float(way.y_m[-1]))
+    return next((one for one in done if way.rests and outside_m(one.goal.region, *ends) <= 0.0), None)
+
+
+def _at_exchanged(way: Way, goal: Visit) -> bool:
+    """Whether the car came to rest where the goal would be if its x and y were exchanged."""
+    region = goal.goal.region
+    off_m = math.hypot(float(way.x_m[-1]) - region.y_m, float(way.y_m[-1]) - region.x_m)
+    apart_m = math.hypot(region.x_m - region.y_m, region.y_m - region.x_m)
+    return way.rests and off_m <= EXCHANGED_M < apart_m / 2.0
 
 
 def _nearest(visit: Visit) -> Text | str:

@@ -15,6 +15,7 @@ from grader.checks.mistakes import (
     defined_twice,
     loop_in_callback,
     noted,
+    only_turned,
     with_ends,
 )
 from grader.checks.scoring import fits
@@ -76,7 +77,7 @@ def polygon_mistakes(
     seen = _Seen(assignment, run, wanted, driven)
     if noted(run.outcome, "lateral_command") is None:  # or a figure was meant to be driven sideways
         yield from _never_turned(seen)
-    yield from _degrees(seen)
+    yield from list(_degrees(seen)) or only_turned(run, ("distance_m", *_SHAPE))
     yield from _kept_driving(seen)
     yield from _kept_turning(seen)
     yield from command_mistakes(run, assignment.world, turns=_TURNS, drives=_spoilt_by_short_drives(run))
