@@ -240,7 +240,7 @@ def waits_for_two(seen: Searched) -> Mistake | None:
 
 def kept_local(seen: Searched) -> Mistake | None:
     """Find a callback that keeps what it is given in a variable of its own, and not in the node."""
-    for _, callback in seen.script.callbacks("subscription"):
+    for callback in dict.fromkeys(name for _, name in seen.script.callbacks("subscription")):
         made = seen.script.definition(callback)
         head = seen.script.lines[made.line - 1] if made is not None else ""
         given = re.search(r"\((?:self ?, ?)?(\w+)", head)
