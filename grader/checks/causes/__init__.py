@@ -38,7 +38,7 @@ _NO_MOTION: Final = frozenset(("only_stops", "no_turns", "zero_commands", "no_dr
 _SILENT: Final = frozenset(("never_published", "publish_not_reached", "nothing_ran", "only_printed"))
 _SHORT_TURN: Final = frozenset(("turn_too_short", "turned_one_radian", "half_turn", "turn_too_slow"))
 _SHORT: Final = _SHORT_TURN | {"too_short", "turns_too_short", "one_radian"}
-_COUNT: Final = frozenset(("sides_missing", "path_count", "path_unfinished"))
+_COUNT: Final = frozenset(("sides_missing", "sides_missing_by_timer", "path_count", "path_unfinished"))
 _LENGTHS: Final = frozenset(("wrong_lengths", "unequal_sides"))
 _CORNERS: Final = frozenset(("turns_too_short", "turns_too_far", "one_corner_off", "one_radian"))
 _LOST: Final = frozenset(
@@ -58,10 +58,16 @@ _WRONG_WAY: Final = frozenset(("place_away", "place_lost", "place_circled", "pla
 _COUNTED: Final = _NO_MOTION | _COUNT | _LOST | {"endless_turn", "never_stops", "turned_instead", "wall_hit"}
 """What may come of a count or a state that never changes."""
 
+_BY_POSE: Final = _LOST | {"side_goes_on", "turned_instead", "no_turns"}
+"""What may come of a wrong comparison with a pose."""
+
 _NOT_ON: Final = frozenset(("lost_at_home", "not_spinning", "never_spun"))
 
 _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (
     (_COUNTED, counts.set_to_plus),
+    (_COUNTED | _BY_POSE | {"sides_missing", "curved"}, flow.state_never_set),
+    (_BY_POSE | _COUNT | {"wall_hit"}, numbers.equals_exactly),
+    (_BY_POSE | _CORNERS | _COUNT | {"endless_turn", "degrees_as_radians"}, numbers.degrees_added),
     (_NO_MOTION | _LOST | {"never_stops", "wall_hit", "endless_turn"}, flow.deaf_loop),
     (_NO_MOTION | _LOST | _SILENT, flow.kept_local),
     (_NO_MOTION | _SHORT, numbers.floor_is_zero),
@@ -72,7 +78,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_NO_MOTION, times.since_1970),
     (_NO_MOTION, times.waits_for_past),
     (_NO_MOTION | {"never_stops", "endless_turn"}, counts.count_anew),
-    (frozenset(("sides_missing",)), counts.count_kept),
+    (frozenset(("sides_missing", "sides_missing_by_timer")), counts.count_kept),
     (_NO_MOTION, flow.empty_function),
     (_SHORT | _CORNERS, numbers.radians_twice),
     (_SHORT | _CORNERS | _LOST | {"no_drive_by_pose"}, numbers.radians_of_pose),
@@ -84,6 +90,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_WRONG_WAY, numbers.arctan_exchanged),
     (_WRONG_WAY, numbers.away_from_goal),
     (frozenset(("place_never_stops", "place_circled")), numbers.tolerance_too_small),
+    (frozenset(("turns_too_short", "one_corner_off")), numbers.wide_tolerance),
     (_CORNERS - {"one_radian"}, times.wrong_time),
     (frozenset(("turns_too_short", "one_corner_off", "turn_too_short", "too_short")), numbers.ticks_cut),
     (_SHORT, counts.counts_ticks),

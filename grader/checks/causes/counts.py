@@ -29,7 +29,8 @@ def counts_ticks(seen: Searched) -> Mistake | None:
         count = value_of(found[3], seen.script) if found and counted else None
         if found and count and count >= 1 and (count * period_s <= _EARLY_S or count <= _FEW_TICKS):
             took = number(count * period_s, "s")
-            values = {"name": found[1], "count": f"{count:g}", "period": number(period_s, "s"), "took": took}
+            period = number(period_s, "s", 4)
+            values = {"name": found[1], "count": f"{count:g}", "period": period, "took": took}
             return mistake("counts_ticks", line=line, **values)
     return None
 
@@ -44,9 +45,15 @@ def _counted_each_tick(name: str, script: ScriptText) -> bool:
     others = "|".join(re.escape(other) for other in script.counters - {name})
     for line in script.lines_with(rf"(?<![\w.]){_raising(name)}\s*$"):
         conditions = [script.lines[line - 1].rpartition(":")[0], *script.conditions_of(line)]
+        if any(re.search(_MEASURED, head) for head in conditions):
+            continue
         if not others or not re.search(rf"(?<![\w.])({others})\b", " ".join(conditions)):
             return True
     return False
+
+
+_MEASURED: Final = r"(?i)abs\(|hypot|dist|err|diff|angle|theta|yaw|pose|target|goal|time|now|\d\.\d"
+"""What a condition says that comes true once for each side, and not for a number of ticks."""
 
 
 def _raising(name: str) -> str:

@@ -1,5 +1,6 @@
 """Code that never runs, runs at the wrong time, or is ended too early; and topics that nobody hears."""
 
+import difflib
 import itertools
 import re
 from typing import Final
@@ -254,3 +255,23 @@ def kept_local(seen: Searched) -> Mistake | None:
             if kept and inside == {"__init__"} and read:
                 return mistake("kept_local", line=line, name=kept[1], callback=callback, written=text.strip())
     return None
+
+
+def state_never_set(seen: Searched) -> Mistake | None:
+    """Find a state that is asked for, and never set: what is set is written in another way."""
+    script = seen.script
+    written = [(line, script.written(line)) for line in script.lines_with(r"\bstate\w* ?[=!]=? ?\"\"")]
+    known = {found[1] for _, text in written for found in _STATE_SET.finditer(text)}
+    for line, text in written if len(known) <= _MOST_STATES else ():
+        for found in _STATE_ASKED.finditer(text):
+            near = [one for one in sorted(known) if one.strip().lower() == found[2].strip().lower()]
+            near = near or difflib.get_close_matches(found[2], sorted(known), 1, _NEAR)
+            if found[2] not in known and near:
+                return mistake("state_never_set", line=line, name=found[1], asked=found[2], known=near[0])
+    return None
+
+
+_STATE_SET: Final = re.compile(r"(?<![\w.])(?:self\.)?\w*state\w* *= *[\"'](\w{1,40})[\"']")
+_STATE_ASKED: Final = re.compile(r"(?<![\w.])((?:self\.)?\w*state\w*) *== *[\"'](\w{1,40})[\"']")
+_NEAR: Final = 0.8
+_MOST_STATES: Final = 20

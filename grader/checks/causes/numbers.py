@@ -181,6 +181,63 @@ def tolerance_too_small(seen: Searched) -> Mistake | None:
 _LEAST_M: Final = 0.01
 
 
+def equals_exactly(seen: Searched) -> Mistake | None:
+    """Find a distance or an angle that must equal a number exactly."""
+    exactly = rf"\b(?:if|elif|while)\b.*?{_MEASURED} ?(==|!=) ?([\w.]+)"
+    for line in seen.script.lines_with(exactly):
+        found = re.search(exactly, seen.script.lines[line - 1])
+        if (
+            found is not None
+            and found[3] not in ("None", "True", "False")
+            and found[1] not in seen.script.counters
+        ):
+            return mistake(
+                "equals_exactly", line=line, written=f"{found[1]} {found[2]} {found[3]}", name=found[1]
+            )
+    return None
+
+
+_MEASURED: Final = (
+    r"(?<![\w.])([\w.]{0,40}(?:dist|err|angle|theta|yaw|diff|delta|pose\.[xy])\w{0,40}|d)(?![\w.])"
+)
+
+
+def degrees_added(seen: Searched) -> Mistake | None:
+    """Find whole degrees that are added to a heading, which is in radians."""
+    for line in seen.script.lines_with(_DEGREES_ADDED):
+        found = re.search(_DEGREES_ADDED, seen.script.lines[line - 1])
+        if found is not None and not seen.script.lines_with(
+            r"\b(degrees|rad2deg)\(|\b180\b.*\bpi\b|\b57\.\d"
+        ):
+            return mistake("degrees_added", line=line, written=found[0], degrees=found[1])
+    return None
+
+
+_DEGREES_ADDED: Final = (
+    r"(?i)(?<![\w.])[\w.]*(?:theta|heading|yaw)\w* ?[-+] ?(\d{2,3})(?:\.0*)?(?![\w.]| ?[*/])"
+)
+
+
+def wide_tolerance(seen: Searched) -> Mistake | None:
+    """Find a turn that ends as soon as the heading is wrong by less than many degrees."""
+    angle = r"[\w.]{0,40}(?:err|diff|delta|angle|theta|yaw)\w{0,40}"
+    near = rf"\b(?:if|elif|while)\b.*?\babs\( ?{angle} ?\) ?(?:<=?|>=?) ?([\w.]+)"
+    for line in seen.script.lines_with(near):
+        found = re.search(near, seen.script.lines[line - 1])
+        value = value_of(found[1], seen.script) if found is not None else None
+        if value is not None and _WIDE_RAD <= value <= math.pi / 2:
+            return mistake(
+                "wide_tolerance",
+                line=line,
+                value=number(value, "rad"),
+                degrees=number(math.degrees(value), "deg"),
+            )
+    return None
+
+
+_WIDE_RAD: Final = 0.08
+
+
 def arctan_exchanged(seen: Searched) -> Mistake | None:
     """Find a direction that is computed with x and y exchanged."""
     for line in seen.script.lines_with(r"\batan2\("):

@@ -67,6 +67,11 @@ READ = (
     "self.declare_parameter('side', {default})\n"
     "self.side = self.get_parameter('side').get_parameter_value().{kind}\n"
 )
+STATES = "self.state = 'turn'\nself.state = 'turning'\nif self.state == '{asked}':\n    go()\n"
+MEASURED = (
+    "def tick(self):\n    if self.sides >= 4:\n        return\n    if {condition}:\n        self.sides += 1\n"
+    "node.create_timer(0.02, node.tick)\n"
+)
 GROWS = "for i in range(4):\n    {line}\n"
 
 
@@ -166,6 +171,24 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("place_never_stops", "tol = 0.005\nwhile self.dist > tol:\n    go()", "tolerance_too_small"),
         ("place_never_stops", "if distance < 0.1:\n    stop()", "place_never_stops"),
         ("place_never_stops", "if angle < 0.001:\n    stop()", "place_never_stops"),
+        ("never_finished", "if err == 0:\n    go()", "equals_exactly"),
+        ("wall_hit", "while self.distance != 2.0:\n    go()", "equals_exactly"),
+        ("never_finished", "if state == 0:\n    go()", "never_finished"),
+        ("never_finished", "if self.target_angle is None or self.angle == None:\n    go()", "never_finished"),
+        ("turns_too_far", "self.target = self.theta + 90", "degrees_added"),
+        ("turns_too_far", "self.target = self.pose.theta - 90.0", "degrees_added"),
+        ("turns_too_far", "self.target = self.theta + 90 * math.pi / 180", "turns_too_far"),
+        ("turns_too_far", "theta = math.degrees(msg.theta)\ntarget = theta + 90", "turns_too_far"),
+        ("turns_too_short", "if abs(err) < 0.3:\n    stop()", "wide_tolerance"),
+        ("turns_too_short", "tol = 0.15\nwhile abs(self.yaw_error) > tol:\n    go()", "wide_tolerance"),
+        ("turns_too_short", "if abs(err) < 0.02:\n    stop()", "turns_too_short"),
+        ("turns_too_short", "if abs(dist) < 0.3:\n    stop()", "turns_too_short"),
+        ("never_finished", STATES.format(asked="Turn"), "state_never_set"),
+        ("sides_missing", STATES.format(asked="truning"), "state_never_set"),
+        ("never_finished", STATES.format(asked="turning"), "never_finished"),
+        ("never_finished", STATES.format(asked="done"), "never_finished"),
+        ("turns_too_short", MEASURED.format(condition="abs(err) < 0.02"), "turns_too_short"),
+        ("turns_too_short", MEASURED.format(condition="self.state == 'turn'"), "counts_ticks"),
         ("none_in_sum", "self.declare_parameter('side')", "no_default"),
         ("none_in_sum", "self.declare_parameter('side', 2.0)", "none_in_sum"),
         ("no_drive", READ.format(default="2.0", kind="integer_value"), "other_kind"),

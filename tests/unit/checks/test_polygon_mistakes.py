@@ -5,10 +5,12 @@ from dataclasses import replace
 
 import pytest
 
-from grader.contracts.outcome import RunStatus
-from grader.contracts.trajectory import Command, Trajectory
-from tests.unit.checks.shipped import graded, score
-from tests.unit.checks.trajectories import Leg, drive, once_each, polygon_legs
+from grader.checks import evaluate
+from grader.contracts.outcome import Endpoint, RunStatus
+from grader.contracts.scoring import Scoring
+from grader.contracts.trajectory import Command, Contact, Trajectory
+from tests.unit.checks.shipped import assignment, graded, score
+from tests.unit.checks.trajectories import Leg, drive, once_each, polygon_legs, run_of
 
 
 def test_much_curve_is_told_before_the_one_corner_it_spoils() -> None:
@@ -164,3 +166,42 @@ def test_a_corner_within_a_wider_band_is_no_mistake() -> None:
         "feedback_square", drive(polygon_legs(4, corners_deg=[95, 90, 90, 90], lengths_m=[2.2, 2, 2, 2]))
     )
     assert scoring.mistakes == ("unequal_sides",)
+
+
+BY_POSE = (
+    "def tick(self):\n    d = pose.x - x0\n    if d < 2.0:\n        go()\nnode.create_timer(0.1, node.tick)\n"
+)
+POSE = Endpoint(kind="subscription", name="/turtle1/pose", type="turtlesim/msg/Pose", node="/mover")
+
+
+def by_pose(legs: list[Leg], *, contact_s: float | None = None) -> Scoring:
+    """Score a drive of a script that steers by the pose; it meets the top wall at `contact_s`."""
+    trajectory = drive(legs)
+    if contact_s is not None:
+        hit_ns = int(contact_s * 1e9)
+        trajectory = replace(trajectory, contacts=(Contact(wall="top", start_ns=hit_ns, end_ns=hit_ns + 1),))
+    run = replace(run_of(trajectory, endpoints=(POSE,)), source=BY_POSE)
+    return evaluate(assignment("square"), [run])
+
+
+@pytest.mark.parametrize(
+    ("legs", "contact_s", "code"),
+    [
+        ([(4.0, 1.0, 0.0)], 3.9, "side_goes_on"),
+        ([(2.0, 1.0, 0.0), (math.pi / 2, 0.0, 1.0), (4.0, 1.0, 0.0)], 7.5, "side_goes_on"),
+        ([(4.0, 1.0, 0.0), (math.pi / 2, 0.0, 1.0), (4.0, 1.0, 0.0)], 9.5, "wall_hit"),  # all sides too long
+    ],
+)
+def test_a_side_by_pose_that_only_a_wall_ended_is_told(legs: list[Leg], contact_s: float, code: str) -> None:
+    scoring = by_pose(legs, contact_s=contact_s)
+    assert scoring.mistakes[0] == code
+    timed = drive(legs)
+    hit = replace(timed, contacts=(Contact(wall="top", start_ns=int(contact_s * 1e9), end_ns=1 << 40),))
+    assert "side_goes_on" not in graded("square", hit).mistakes
+
+
+def test_one_side_that_was_corrected_on_its_way_is_one_side() -> None:
+    corrected: list[Leg] = [(1.0, 1.0, 0.0), (0.2, 1.0, 0.2), (0.2, 1.0, -0.2), (0.6, 1.0, 0.0)]
+    scoring = by_pose(corrected)
+    assert scoring.mistakes[0] == "sides_missing_by_timer"
+    assert "once for each side" in scoring.hint.en

@@ -130,6 +130,8 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
             return  # turned by turtlesim's own action
         if not _on_first_side(seen):
             closer = loop_in_callback(seen.run) or defined_twice(seen.run)
+            if closer is None and contacts and _goes_on(seen, contacts[0].start_ns):
+                return  # `_wall` says what by pose never ended
             yield closer or mistake("no_turns", _SHAPE, ideal=_degree(seen.ideal_deg), sides=seen.sides)
         return
     drives = _straight_drives([command for command in commands if command.t_ns < turning[0]])
@@ -234,9 +236,28 @@ def _wall(seen: _Seen) -> Iterator[Mistake]:
     contacts = seen.run.trajectory.contacts
     if contacts and contacts[0].start_ns <= int(seen.driven.drive.t_ns[end]):
         wall = contacts[0]
-        yield mistake(
-            "wall_hit", _SHAPE, time=number(wall.start_ns / 1e9, "s"), wall=say(f"wall.{wall.wall}")
-        )
+        code = "side_goes_on" if _goes_on(seen, wall.start_ns) else "wall_hit"
+        yield mistake(code, _SHAPE, time=number(wall.start_ns / 1e9, "s"), wall=say(f"wall.{wall.wall}"))
+
+
+def _goes_on(seen: _Seen, hit_ns: int) -> bool:
+    """Whether a script that steers by the pose drove into a wall in its first side, or in a much longer one."""
+    run = seen.run
+    heard = any(one.kind == "subscription" and one.name.endswith("/pose") for one in run.outcome.endpoints)
+    if not heard or not ScriptText(run.source).lines_with(r"\.(x|theta)\b"):
+        return False
+    path, until = seen.driven.drive.path, int(np.searchsorted(seen.driven.drive.t_ns, hit_ns))
+    headings, along = path.heading_rad[: until + 1], path.along_m[: until + 1]
+    turned = np.flatnonzero(np.abs(headings - headings[-1]) > _CORNER_RAD)
+    if len(turned) == 0:
+        return True
+    last_m = float(along[-1] - along[turned[-1]])
+    first = np.flatnonzero(np.abs(headings - headings[0]) > _CORNER_RAD)
+    return last_m > _LONGER * float(along[first[0]])
+
+
+_CORNER_RAD = math.radians(30.0)
+_LONGER = 1.5
 
 
 def _degrees(seen: _Seen) -> Iterator[Mistake]:
@@ -246,15 +267,20 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
         (abs(turn.angle_rad) for turn in seen.driven.segments.turns if turn is not None), default=0.0
     )
     unfinished = seen.driven.figure is None or len(seen.driven.figure.sides_m) < seen.sides
-    if fastest >= FAST_TURN_RADPS:
+    by_pose = ScriptText(seen.run.source).lines_with(r"\.theta\b")
+    # who steers by the pose, and forgets that it jumps by 2π, turns fast as well
+    jumps = by_pose and FAST_TURN_RADPS <= fastest < _FAST_BY_POSE_RADPS
+    if fastest >= FAST_TURN_RADPS and not jumps:
         yield mistake("degrees_as_radians", _SHAPE, rate=number(fastest, ""), ideal=_degree(seen.ideal_deg))
-    elif math.degrees(widest) > 1.25 * FULL_TURN_DEG and unfinished and not _circling(seen):
-        by_pose = ScriptText(seen.run.source).lines_with(r"\.theta\b")
+    elif (jumps or math.degrees(widest) > 1.25 * FULL_TURN_DEG) and unfinished and not _circling(seen):
         code = "endless_turn_by_pose" if by_pose else "endless_turn"
         yield mistake(code, _SHAPE, turned=_degree(math.degrees(widest)), ideal=_degree(seen.ideal_deg))
     elif math.degrees(widest) > FULL_TURN_DEG - seen.ideal_deg / 2 and unfinished and _drove_once(seen):
         turned = _degree(math.degrees(widest))
         yield mistake("turned_instead", _SHAPE, turned=turned, ideal=_degree(seen.ideal_deg))
+
+
+_FAST_BY_POSE_RADPS = 40.0
 
 
 def _drove_once(seen: _Seen) -> bool:
@@ -273,6 +299,8 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
     if figure is None:
         if float(seen.driven.drive.path.along_m[-1]) > 0.1 and _circling(seen):
             yield mistake("arcs", _SHAPE, share="100 %")
+        elif _is_one_side(seen):
+            yield mistake(_too_few(seen.run), ("sides", "gap_pct", "settled"), count=1, sides=seen.sides)
         return
     if figure.curved_share > MOSTLY_ROUND_SHARE or _drives_blindly(seen):
         yield _arcs(seen, figure)
@@ -281,6 +309,21 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
     if figure.curved_share <= MOSTLY_ROUND_SHARE and seen.loses("curved_pct", 100.0 * figure.curved_share):
         yield _arcs(seen, figure)
     yield from _sides(seen, figure) if seen.wanted.lengths_m is None else _lengths(seen, figure)
+
+
+def _is_one_side(seen: _Seen) -> bool:
+    """Whether the car, correcting its heading on the way, drove one side and then stood still."""
+    drive, headings = seen.driven.drive, seen.driven.drive.path.heading_rad
+    straight = float(np.ptp(headings)) < _CORNER_RAD and float(drive.path.along_m[-1]) > _SEEN_M
+    turned = any(map(_turns, seen.run.trajectory.commands))
+    return straight and turned and not drive.cut_short and not seen.run.trajectory.contacts
+
+
+def _too_few(run: Run) -> str:
+    """Return the mistake of missing sides in words that fit the script: a timer counts, or a loop does."""
+    script = ScriptText(run.source)
+    by_timer = script.callbacks("timer") and not script.lines_with(r"^[ \t]*for\b")
+    return "sides_missing_by_timer" if by_timer else "sides_missing"
 
 
 def _drives_blindly(seen: _Seen) -> bool:
@@ -391,14 +434,14 @@ def _count(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     """Tell of missing or extra sides where the corners are right."""
     count, corners = len(figure.sides_m), seen.driven.corners_deg
     near = bool((np.abs(corners - seen.ideal_deg) <= NEAR_DEG).all())
-    right = near if len(corners) else _on_first_side(seen)
+    right = near if len(corners) else _on_first_side(seen) or _is_one_side(seen)
     if not right or count == seen.sides:
         return
     if (joined := _joined_sides(seen, figure)) is not None:
         yield joined
         return
     code = (
-        ("too_slow" if seen.driven.drive.cut_short else "sides_missing")
+        ("too_slow" if seen.driven.drive.cut_short else _too_few(seen.run))
         if count < seen.sides
         else "sides_extra"
     )
