@@ -256,8 +256,8 @@ def _goes_on(seen: _Seen, hit_ns: int) -> bool:
     return last_m > _LONGER * float(along[first[0]])
 
 
-_CORNER_RAD = math.radians(30.0)
-_LONGER = 1.5
+_CORNER_RAD = math.radians(30.0)  # less is a correction of the heading on the way
+_LONGER = 1.5  # times the first side: otherwise all sides may just be too long
 
 
 def _degrees(seen: _Seen) -> Iterator[Mistake]:
@@ -268,11 +268,9 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
     )
     unfinished = seen.driven.figure is None or len(seen.driven.figure.sides_m) < seen.sides
     by_pose = ScriptText(seen.run.source).lines_with(r"\.theta\b")
-    # who steers by the pose, and forgets that it jumps by 2π, turns fast as well
-    jumps = by_pose and FAST_TURN_RADPS <= fastest < _FAST_BY_POSE_RADPS
-    if fastest >= FAST_TURN_RADPS and not jumps:
+    if fastest >= (_FAST_BY_POSE_RADPS if by_pose else FAST_TURN_RADPS):
         yield mistake("degrees_as_radians", _SHAPE, rate=number(fastest, ""), ideal=_degree(seen.ideal_deg))
-    elif (jumps or math.degrees(widest) > 1.25 * FULL_TURN_DEG) and unfinished and not _circling(seen):
+    elif math.degrees(widest) > 1.25 * FULL_TURN_DEG and unfinished and not _circling(seen):
         code = "endless_turn_by_pose" if by_pose else "endless_turn"
         yield mistake(code, _SHAPE, turned=_degree(math.degrees(widest)), ideal=_degree(seen.ideal_deg))
     elif math.degrees(widest) > FULL_TURN_DEG - seen.ideal_deg / 2 and unfinished and _drove_once(seen):
@@ -280,6 +278,7 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
         yield mistake("turned_instead", _SHAPE, turned=turned, ideal=_degree(seen.ideal_deg))
 
 
+# A rate that is several times the error of the heading gets this high without degrees, where theta jumps by 2π.
 _FAST_BY_POSE_RADPS = 40.0
 
 
