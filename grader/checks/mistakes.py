@@ -137,9 +137,9 @@ def command_mistakes(
 
 def only_turned(run: Run, spoilt: tuple[str, ...]) -> Iterator[Mistake]:
     """Recognise a car that was told to turn, and never to drive."""
-    moves = [command for command in run.trajectory.commands if is_motion(command)]
     if noted(run.outcome, "lateral_command") is not None:
         return  # it was told to drive, but sideways
+    moves = [command for command in run.trajectory.commands if is_motion(command)]
     if moves and not any(abs(command.v_mps) > MOVING_MPS for command in moves):
         by_pose = ScriptText(run.source).lines_with(r"\.theta\b|\borientation\b")
         yield mistake("no_drive_by_pose" if by_pose else "no_drive", spoilt)

@@ -352,7 +352,7 @@ def _run_message(
     return say("item.mean", value=value, count=len(found))
 
 
-_TINY_M = 0.5
+_TINY_M = 0.5  # of the whole way: sides of a few centimetres are commanded as equally many publishes
 
 
 def _is_tiny(seen: Findings) -> bool:

@@ -6,7 +6,7 @@ patterns over lines from which strings and comments are blanked out.
 
 import itertools
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import Final, NamedTuple
 
@@ -83,6 +83,13 @@ class ScriptText:
         """Return the numbers of the lines in which `pattern` is found."""
         found = re.compile(pattern)
         return [number for number, line in enumerate(self.lines, start=1) if found.search(line)]
+
+    def matches(self, pattern: str) -> Iterator[tuple[int, re.Match[str]]]:
+        """Yield each place in a line at which `pattern` is found, with the line's number."""
+        found = re.compile(pattern)
+        for number, line in enumerate(self.lines, start=1):
+            for match in found.finditer(line):
+                yield number, match
 
     def definition(self, name: str) -> Definition | None:
         """Return the only ``def`` of that name; None when there is none, or more than one."""

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
-from grader.checks.causes import counts, flow, given, numbers, times
+from grader.checks.causes import counts, flow, given, numbers, steering, times
 from grader.checks.causes.searched import Searched
 from grader.checks.measure import Findings, Mistake
 from grader.contracts.assignment import Assignment
@@ -65,9 +65,9 @@ _NOT_ON: Final = frozenset(("lost_at_home", "not_spinning", "never_spun"))
 
 _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (
     (_COUNTED, counts.set_to_plus),
-    (_COUNTED | _BY_POSE | {"sides_missing", "curved"}, flow.state_never_set),
-    (_BY_POSE | _COUNT | {"wall_hit"}, numbers.equals_exactly),
-    (_BY_POSE | _CORNERS | _COUNT | {"endless_turn", "degrees_as_radians"}, numbers.degrees_added),
+    (_COUNTED | _BY_POSE | {"curved"}, flow.state_never_set),
+    (_BY_POSE | _COUNT | {"wall_hit"}, steering.equals_exactly),
+    (_BY_POSE | _CORNERS | _COUNT | {"endless_turn", "degrees_as_radians"}, steering.degrees_added),
     (_NO_MOTION | _LOST | {"never_stops", "wall_hit", "endless_turn"}, flow.deaf_loop),
     (_NO_MOTION | _LOST | _SILENT, flow.kept_local),
     (_NO_MOTION | _SHORT, numbers.floor_is_zero),
@@ -87,10 +87,10 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
         numbers.degrees_for_radians,
     ),
     (_CORNERS | _LOST | {"degrees_as_radians", "no_drive_by_pose"}, numbers.degrees_of_radians),
-    (_WRONG_WAY, numbers.arctan_exchanged),
-    (_WRONG_WAY, numbers.away_from_goal),
-    (frozenset(("place_never_stops", "place_circled")), numbers.tolerance_too_small),
-    (frozenset(("turns_too_short", "one_corner_off")), numbers.wide_tolerance),
+    (_WRONG_WAY, steering.arctan_exchanged),
+    (_WRONG_WAY, steering.away_from_goal),
+    (frozenset(("place_never_stops", "place_circled")), steering.tolerance_too_small),
+    (frozenset(("turns_too_short", "one_corner_off")), steering.wide_tolerance),
     (_CORNERS - {"one_radian"}, times.wrong_time),
     (frozenset(("turns_too_short", "one_corner_off", "turn_too_short", "too_short")), numbers.ticks_cut),
     (_SHORT, counts.counts_ticks),

@@ -4,7 +4,7 @@ import re
 from collections import Counter
 from typing import Final
 
-from grader.checks.causes.searched import Searched, is_repeated
+from grader.checks.causes.searched import Searched, is_repeated, itself
 from grader.checks.measure import Mistake, mistake
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
@@ -59,11 +59,6 @@ _MEASURED: Final = r"(?i)abs\(|hypot|dist|err|diff|angle|theta|yaw|pose|target|g
 def _raising(name: str) -> str:
     """Return the pattern of what raises a name by 1."""
     return rf"{re.escape(name)} ?(\+= ?1|= ?{re.escape(name)} ?\+ ?1)"
-
-
-def itself(name: str) -> str:
-    """Return the pattern of a name that is no part of another one, nor an attribute of something."""
-    return rf"(?<![\w.]){re.escape(name)}(?![\w.])"
 
 
 def set_to_plus(seen: Searched) -> Mistake | None:

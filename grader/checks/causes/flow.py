@@ -243,18 +243,20 @@ def kept_local(seen: Searched) -> Mistake | None:
     """Find a callback that keeps what it is given in a variable of its own, and not in the node."""
     for callback in dict.fromkeys(name for _, name in seen.script.callbacks("subscription")):
         made = seen.script.definition(callback)
-        head = seen.script.lines[made.line - 1] if made is not None else ""
-        given = re.search(r"\((?:self ?, ?)?(\w+)", head)
-        if made is None or given is None:
-            continue
-        for line, text in enumerate(seen.script.block(made.line)[1:], start=made.line + 1):
-            kept = re.match(rf"[ \t]*(\w+) ?= ?{given[1]}(\.\w+)*$", text)
-            own = kept and seen.script.lines_with(rf"\bself\.{kept[1]}\b ?=(?!=)")
-            inside = {seen.script.function_around(one) for one in own or ()}
-            read = kept and seen.script.lines_with(rf"\bself\.{kept[1]}\b(?! ?=(?!=))")
-            if kept and inside == {"__init__"} and read:
+        block = seen.script.block(made.line) if made is not None else [""]
+        given = re.search(r"\((?:self ?, ?)?(\w+)", block[0])
+        for line, text in enumerate(block[1:], start=made.line + 1 if made is not None else 0):
+            kept = re.match(rf"[ \t]*(\w+) ?= ?{given[1]}(\.\w+)*$", text) if given is not None else None
+            if kept is not None and _only_in_init(kept[1], seen.script):
                 return mistake("kept_local", line=line, name=kept[1], callback=callback, written=text.strip())
     return None
+
+
+def _only_in_init(name: str, script: ScriptText) -> bool:
+    """Whether an attribute of the node is read, and assigned by ``__init__`` alone."""
+    assigned = script.lines_with(rf"\bself\.{name}\b ?=(?!=)")
+    read = script.lines_with(rf"\bself\.{name}\b(?! ?=(?!=))")
+    return bool(read) and {script.function_around(line) for line in assigned} == {"__init__"}
 
 
 def state_never_set(seen: Searched) -> Mistake | None:
@@ -264,7 +266,7 @@ def state_never_set(seen: Searched) -> Mistake | None:
     known = {found[1] for _, text in written for found in _STATE_SET.finditer(text)}
     for line, text in written if len(known) <= _MOST_STATES else ():
         for found in _STATE_ASKED.finditer(text):
-            near = [one for one in sorted(known) if one.strip().lower() == found[2].strip().lower()]
+            near = [one for one in sorted(known) if one.lower() == found[2].lower()]
             near = near or difflib.get_close_matches(found[2], sorted(known), 1, _NEAR)
             if found[2] not in known and near:
                 return mistake("state_never_set", line=line, name=found[1], asked=found[2], known=near[0])
@@ -274,4 +276,4 @@ def state_never_set(seen: Searched) -> Mistake | None:
 _STATE_SET: Final = re.compile(r"(?<![\w.])(?:self\.)?\w*state\w* *= *[\"'](\w{1,40})[\"']")
 _STATE_ASKED: Final = re.compile(r"(?<![\w.])((?:self\.)?\w*state\w*) *== *[\"'](\w{1,40})[\"']")
 _NEAR: Final = 0.8
-_MOST_STATES: Final = 20
+_MOST_STATES: Final = 20  # each that is asked for is compared with all of them

@@ -48,7 +48,7 @@ _NO_LENGTH: Final = r"(?i)speed|vel|linear|angular|rate|turn|angle|omega|theta|y
 
 def _given_m(seen: Searched) -> float | None:
     """Return the side that this run was given as input or argument."""
-    case = next((one for one in seen.assignment.cases if one.id == seen.run.case), None)
+    case = seen.case
     if case is None:
         return None
     found = re.findall(
@@ -59,8 +59,7 @@ def _given_m(seen: Searched) -> float | None:
 
 def parameter_default(seen: Searched) -> Mistake | None:
     """Find a default that the run without a parameter shows to be another than the wanted one."""
-    case = next((one for one in seen.assignment.cases if one.id == seen.run.case), None)
-    wanted = seen.assignment.options.get("side_m")
+    case, wanted = seen.case, seen.assignment.options.get("side_m")
     if case is None or case.args or case.stdin or not isinstance(wanted, (int, float)):
         return None
     for line in seen.script.lines_with(r"\bdeclare_parameter\("):
@@ -82,13 +81,12 @@ _SIDE: Final = r"(?i)declare_parameter\( *[\"'][^\"']*(side|len|bian|chang|size|
 
 def whole_only(seen: Searched) -> Mistake | None:
     """Find a test for digits, which no decimal passes, if a decimal was typed."""
-    case = next((one for one in seen.assignment.cases if one.id == seen.run.case), None)
-    if case is None or not re.search(r"\d\.\d", case.stdin or ""):
+    typed = "" if seen.case is None else (seen.case.stdin or "").strip()
+    if not re.search(r"\d\.\d", typed):
         return None
-    for line in seen.script.lines_with(r"\.(isdigit|isnumeric|isdecimal)\("):
-        found = re.search(r"\.(is\w+)\(", seen.script.lines[line - 1])
-        if found is not None and "replace(" not in seen.script.lines[line - 1]:
-            return mistake("whole_only", line=line, written=f"{found[1]}()", given=(case.stdin or "").strip())
+    for line, found in seen.script.matches(r"\.(isdigit|isnumeric|isdecimal)\("):
+        if "replace(" not in found.string:
+            return mistake("whole_only", line=line, written=f"{found[1]}()", given=typed)
     return None
 
 
@@ -97,11 +95,7 @@ def rounded(seen: Searched) -> Mistake | None:
     given = _given_m(seen)
     if given is None or given == int(given):
         return None
-    taken = r"\b(int|round)\(.*(\binput\(|\bget_parameter\(.*value\b)"
-    for line in seen.script.lines_with(taken):
-        found = re.search(taken, seen.script.lines[line - 1])
-        if found is None:
-            continue
+    for line, found in seen.script.matches(r"\b(int|round)\(.*(\binput\(|\bget_parameter\(.*value\b)"):
         whole = int(given) if found[1] == "int" else round(given)
         if whole != given:
             values = {"written": f"{found[1]}()", "given": number(given, "m"), "whole": number(whole, "m")}
@@ -132,6 +126,7 @@ _READ: Final = re.compile(r"get_parameter\( *[\"'](\w+)[\"'] *\)[\w.()]*\.(integ
 
 def no_default(seen: Searched) -> Mistake | None:
     """Find a parameter that is declared without a default, in a run that sets none."""
-    case = next((one for one in seen.assignment.cases if one.id == seen.run.case), None)
     lines = seen.script.lines_with(r'\bdeclare_parameter\( ?"" ?\)')
-    return mistake("no_default", line=lines[0]) if lines and (case is None or not case.args) else None
+    return (
+        mistake("no_default", line=lines[0]) if lines and (seen.case is None or not seen.case.args) else None
+    )

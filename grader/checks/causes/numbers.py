@@ -5,7 +5,6 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
-from grader.checks.causes.counts import itself
 from grader.checks.causes.searched import Searched
 from grader.checks.drive import FAST_TURN_RADPS, fastest_radps
 from grader.checks.measure import Mistake, mistake
@@ -101,9 +100,7 @@ def radians_of_pose(seen: Searched) -> Mistake | None:
 
 def _calls_of(function: str, script: ScriptText) -> Iterator[tuple[int, re.Match[str]]]:
     """Yield the line number and the match of each call of a conversion; the match's group is the argument."""
-    for line in script.lines_with(rf"\b{function}\("):
-        for found in re.finditer(rf"\b(?:math\.)?{function}\({_INNER}\)", script.lines[line - 1]):
-            yield line, found
+    return script.matches(rf"\b(?:math\.)?{function}\({_INNER}\)")
 
 
 def _in_radians(written: str, line: str, script: ScriptText) -> bool:
@@ -163,100 +160,3 @@ def hidden_int(seen: Searched) -> Mistake | None:
         return None
     written = seen.script.lines[lines[0] - 1].strip()
     return mistake("hidden_int", line=lines[0], hidden=hidden, written=written, right=f"{written}.0")
-
-
-def tolerance_too_small(seen: Searched) -> Mistake | None:
-    """Find a distance that must get smaller than the car moves between two poses."""
-    near = (
-        r"\b(?:if|elif|while)\b.*?(?<![\w.])((?:self\.)?\w*(?:dist|juli|err|距离)\w*) ?(?:<=?|>=?) ?([\w.]+)"
-    )
-    for line in seen.script.lines_with(near):
-        for found in re.finditer(near, seen.script.lines[line - 1]):
-            value = value_of(found[2], seen.script)
-            if value is not None and 0.0 <= value <= _LEAST_M:
-                return mistake("tolerance_too_small", line=line, name=found[1], value=exact(value))
-    return None
-
-
-_LEAST_M: Final = 0.01
-
-
-def equals_exactly(seen: Searched) -> Mistake | None:
-    """Find a distance or an angle that must equal a number exactly."""
-    exactly = rf"\b(?:if|elif|while)\b.*?{_MEASURED} ?(==|!=) ?([\w.]+)"
-    for line in seen.script.lines_with(exactly):
-        found = re.search(exactly, seen.script.lines[line - 1])
-        if (
-            found is not None
-            and found[3] not in ("None", "True", "False")
-            and found[1] not in seen.script.counters
-        ):
-            return mistake(
-                "equals_exactly", line=line, written=f"{found[1]} {found[2]} {found[3]}", name=found[1]
-            )
-    return None
-
-
-_MEASURED: Final = (
-    r"(?<![\w.])([\w.]{0,40}(?:dist|err|angle|theta|yaw|diff|delta|pose\.[xy])\w{0,40}|d)(?![\w.])"
-)
-
-
-def degrees_added(seen: Searched) -> Mistake | None:
-    """Find whole degrees that are added to a heading, which is in radians."""
-    for line in seen.script.lines_with(_DEGREES_ADDED):
-        found = re.search(_DEGREES_ADDED, seen.script.lines[line - 1])
-        if found is not None and not seen.script.lines_with(
-            r"\b(degrees|rad2deg)\(|\b180\b.*\bpi\b|\b57\.\d"
-        ):
-            return mistake("degrees_added", line=line, written=found[0], degrees=found[1])
-    return None
-
-
-_DEGREES_ADDED: Final = (
-    r"(?i)(?<![\w.])[\w.]*(?:theta|heading|yaw)\w* ?[-+] ?(\d{2,3})(?:\.0*)?(?![\w.]| ?[*/])"
-)
-
-
-def wide_tolerance(seen: Searched) -> Mistake | None:
-    """Find a turn that ends as soon as the heading is wrong by less than many degrees."""
-    angle = r"[\w.]{0,40}(?:err|diff|delta|angle|theta|yaw)\w{0,40}"
-    near = rf"\b(?:if|elif|while)\b.*?\babs\( ?{angle} ?\) ?(?:<=?|>=?) ?([\w.]+)"
-    for line in seen.script.lines_with(near):
-        found = re.search(near, seen.script.lines[line - 1])
-        value = value_of(found[1], seen.script) if found is not None else None
-        if value is not None and _WIDE_RAD <= value <= math.pi / 2:
-            return mistake(
-                "wide_tolerance",
-                line=line,
-                value=number(value, "rad"),
-                degrees=number(math.degrees(value), "deg"),
-            )
-    return None
-
-
-_WIDE_RAD: Final = 0.08
-
-
-def arctan_exchanged(seen: Searched) -> Mistake | None:
-    """Find a direction that is computed with x and y exchanged."""
-    for line in seen.script.lines_with(r"\batan2\("):
-        found = re.search(rf"\batan2\( ?{_ALONG_X} ?, ?{_ALONG_Y} ?\)", seen.script.lines[line - 1])
-        if found is not None:
-            return mistake("arctan_exchanged", line=line, written=found[0], first=found[2], second=found[1])
-    return None
-
-
-_ALONG_X: Final = r"((?:self\.)?(?:d|delta_?|error_?|err_?|diff_?)x|[\w.]*x ?- ?[\w.]*x)"
-_ALONG_Y: Final = _ALONG_X.replace("x", "y")
-"""A difference along an axis: ``dx``, or ``goal_x - self.pose.x``."""
-
-
-def away_from_goal(seen: Searched) -> Mistake | None:
-    """Find a direction whose differences lead from the goal to the car."""
-    for line in seen.script.lines_with(r"^[ \t]*[\w.]+ ?= ?[\w.]*pose\.x ?- ?[^-+]+$"):
-        name, _, written = seen.script.lines[line - 1].strip().partition("=")
-        near, _, far = (part.strip() for part in written.partition("-"))
-        if "pose" not in far and seen.script.lines_with(rf"\batan2\([^()]*{itself(name.strip())} ?\)"):
-            return mistake("away_from_goal", line=line, right=f"{name.strip()} = {far} - {near}")
-    return None

@@ -4,7 +4,7 @@ import re
 from typing import Final, NamedTuple
 
 from grader.checks.measure import Findings, Mistake
-from grader.contracts.assignment import Assignment
+from grader.contracts.assignment import Assignment, Case
 from grader.contracts.scoring import Run
 from grader.messages.script import ScriptText
 
@@ -18,6 +18,11 @@ class Searched(NamedTuple):
     findings: Findings
     mistake: Mistake
 
+    @property
+    def case(self) -> Case | None:
+        """The case of the assignment that was run; None if it has no such case."""
+        return next((case for case in self.assignment.cases if case.id == self.run.case), None)
+
 
 CLOCK: Final = r"(?:time\.(?:time|monotonic|perf_counter)\(\)|(?:[\w.]+\(\)\.)?now\(\)(?:\.nanoseconds)?)"
 
@@ -25,3 +30,8 @@ CLOCK: Final = r"(?:time\.(?:time|monotonic|perf_counter)\(\)|(?:[\w.]+\(\)\.)?n
 def is_repeated(line: int, script: ScriptText) -> bool:
     """Whether a line stands in a loop of its function."""
     return any(re.match(r"[ \t]*(for|while)\b", head) for head in script.conditions_of(line))
+
+
+def itself(name: str) -> str:
+    """Return the pattern of a name that is no part of another one, nor an attribute of something."""
+    return rf"(?<![\w.]){re.escape(name)}(?![\w.])"

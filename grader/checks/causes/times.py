@@ -3,8 +3,7 @@
 import re
 from typing import Final
 
-from grader.checks.causes.counts import itself
-from grader.checks.causes.searched import CLOCK, Searched, is_repeated
+from grader.checks.causes.searched import CLOCK, Searched, is_repeated, itself
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import sleep_at_horizon, sleeps_too_long
 from grader.messages.arithmetic import value_of

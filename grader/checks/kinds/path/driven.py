@@ -81,7 +81,7 @@ class DrivenStretch:
 
 
 class CommandedArc(NamedTuple):
-    """An arc as it was commanded: how far it went round, positive to the left, and its radius."""
+    """An arc as it was commanded: how far the car turned, and the radius; either is positive to the left."""
 
     swept_deg: float
     radius_m: float
@@ -100,13 +100,9 @@ def commanded_arcs(trajectory: Trajectory) -> list[CommandedArc]:
             return []
         radius_m = command.v_mps / command.w_radps
         swept_deg = math.degrees(command.w_radps) * (until_ns - command.t_ns) / 1e9
-        if (
-            found
-            and abs(radius_m / math.copysign(found[-1].radius_m, found[-1].swept_deg) - 1.0) < ONE_ARC_SHARE
-        ):
-            found[-1] = found[-1]._replace(swept_deg=found[-1].swept_deg + swept_deg)
-        else:
-            found.append(CommandedArc(swept_deg, abs(radius_m)))
+        if found and abs(radius_m / found[-1].radius_m - 1.0) < ONE_ARC_SHARE:
+            swept_deg += found.pop().swept_deg
+        found.append(CommandedArc(swept_deg, radius_m))
     return found
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from grader.checks.drive import Drive
 from grader.checks.kinds.path.driven import (
     UNFINISHED_SHARE,
+    CommandedArc,
     DrivenStretch,
     Figure,
     as_turned_deg,
@@ -141,9 +142,9 @@ def path_mistakes(
 
 
 def _wall(assignment: Assignment, run: Run) -> Iterator[Mistake]:
-    track = None if assignment.path is None else track_of(assignment.path)
-    is_round = track is not None and all(each.kind == "arc" for each in track.stretches)
     for contact in run.trajectory.contacts[:1]:
+        track = None if assignment.path is None else track_of(assignment.path)
+        is_round = track is not None and all(each.kind == "arc" for each in track.stretches)
         time, wall = number(contact.start_ns / 1e9, "s"), say(f"wall.{contact.wall}")
         yield mistake("wall_hit_in_arc" if is_round else "wall_hit", _SHAPE_MEASURES, time=time, wall=wall)
 
@@ -228,19 +229,32 @@ def _swept(seen: _Seen) -> Mistake | None:
         return None
     driven = commanded_arcs(seen.run.trajectory)
     for track in tracks(wanted):
-        if len(driven) != len(track.stretches) or any(each.kind != "arc" for each in track.stretches):
+        pairs = list(zip(driven, track.stretches, strict=False))
+        if len(driven) != len(track.stretches) or not all(map(_is_as_wide, pairs)):
             continue
-        pairs = list(zip(driven, track.stretches, strict=True))
         sides = {math.copysign(1.0, one.swept_deg * each.angle_deg) for one, each in pairs}
-        same_radii = all(abs(one.radius_m / each.radius_m - 1.0) < SAME_RADIUS_SHARE for one, each in pairs)
-        if not same_radii or len(sides) > 1 or (sides == {-1.0} and not wanted.mirror):
+        if len(sides) > 1 or (sides == {-1.0} and not wanted.mirror):
             continue
-        one, each = max(pairs, key=lambda pair: abs(abs(pair[0].swept_deg) - abs(pair[1].angle_deg)))
-        if abs(abs(one.swept_deg) - abs(each.angle_deg)) > SWEPT_SHARE * abs(each.angle_deg):
-            values = {"driven": abs(one.swept_deg), "wanted": abs(each.angle_deg)}
-            named = {name: number(value, "deg") for name, value in values.items()}
+        one, each = max(pairs, key=_angle_off_deg)
+        if _angle_off_deg((one, each)) > SWEPT_SHARE * abs(each.angle_deg):
+            named = {
+                "driven": number(abs(one.swept_deg), "deg"),
+                "wanted": number(abs(each.angle_deg), "deg"),
+            }
             return mistake("path_swept", _SHAPE_MEASURES, piece=name_of(each), **named)
     return None
+
+
+def _is_as_wide(pair: tuple[CommandedArc, Stretch]) -> bool:
+    """Whether a wanted piece is an arc, and the driven one has its radius."""
+    driven, wanted = pair
+    return wanted.kind == "arc" and abs(abs(driven.radius_m) / wanted.radius_m - 1.0) < SAME_RADIUS_SHARE
+
+
+def _angle_off_deg(pair: tuple[CommandedArc, Stretch]) -> float:
+    """Return by how much an arc went too far or not far enough round."""
+    driven, wanted = pair
+    return abs(abs(driven.swept_deg) - abs(wanted.angle_deg))
 
 
 def _unfinished(seen: _Seen) -> Iterator[Mistake]:

@@ -1,0 +1,83 @@
+"""Steering by the pose: directions, distances and angles that are computed or compared wrongly."""
+
+import math
+from typing import Final
+
+from grader.checks.causes.searched import Searched, itself
+from grader.checks.measure import Mistake, mistake
+from grader.messages.arithmetic import value_of
+from grader.messages.quantity import exact, number
+
+_CONDITION: Final = r"\b(?:if|elif|while)\b.*?"
+_ANGLE: Final = (
+    r"[\w.]{0,40}(?:err|diff|delta|angle|theta|yaw)\w{0,40}"  # bounded: a hostile name takes long else
+)
+_MEASURED: Final = (
+    r"(?<![\w.])([\w.]{0,40}(?:dist|err|angle|theta|yaw|diff|delta|pose\.[xy])\w{0,40}|d)(?![\w.])"
+)
+
+
+def equals_exactly(seen: Searched) -> Mistake | None:
+    """Find a distance or an angle that must equal a number exactly."""
+    for line, found in seen.script.matches(rf"{_CONDITION}{_MEASURED} ?(==|!=) ?([\w.]+)"):
+        name, sign, value = found.groups()
+        if value not in ("None", "True", "False") and name not in seen.script.counters:
+            return mistake("equals_exactly", line=line, written=f"{name} {sign} {value}", name=name)
+    return None
+
+
+def degrees_added(seen: Searched) -> Mistake | None:
+    """Find whole degrees that are added to a heading, in a script that keeps no heading in degrees."""
+    if seen.script.lines_with(r"\b(degrees|rad2deg)\(|\b180\b.*\bpi\b|\b57\.\d"):
+        return None
+    added = r"(?i)(?<![\w.])[\w.]*(?:theta|heading|yaw)\w* ?[-+] ?(\d{2,3})(?:\.0*)?(?![\w.]| ?[*/])"
+    for line, found in seen.script.matches(added):
+        return mistake("degrees_added", line=line, written=found[0], degrees=found[1])
+    return None
+
+
+def wide_tolerance(seen: Searched) -> Mistake | None:
+    """Find a turn that ends while many degrees are still missing."""
+    for line, found in seen.script.matches(rf"{_CONDITION}\babs\( ?{_ANGLE} ?\) ?(?:<=?|>=?) ?([\w.]+)"):
+        rad = value_of(found[1], seen.script)
+        if rad is not None and _WIDE_RAD <= rad <= math.pi / 2:
+            degrees = number(math.degrees(rad), "deg")
+            return mistake("wide_tolerance", line=line, value=number(rad, "rad"), degrees=degrees)
+    return None
+
+
+_WIDE_RAD: Final = 0.08  # almost 5 degrees, which cost points at each corner
+
+
+def tolerance_too_small(seen: Searched) -> Mistake | None:
+    """Find a distance that must get smaller than the way that the car drives between two poses."""
+    distance = r"(?<![\w.])((?:self\.)?\w*(?:dist|juli|err|距离)\w*)"
+    for line, found in seen.script.matches(rf"{_CONDITION}{distance} ?(?:<=?|>=?) ?([\w.]+)"):
+        value = value_of(found[2], seen.script)
+        if value is not None and 0.0 <= value <= _LEAST_M:
+            return mistake("tolerance_too_small", line=line, name=found[1], value=exact(value))
+    return None
+
+
+_LEAST_M: Final = 0.01  # poses come every 16 ms: at 1 m/s the car drives more than that in between
+
+
+def arctan_exchanged(seen: Searched) -> Mistake | None:
+    """Find a direction that is computed with x and y exchanged."""
+    for line, found in seen.script.matches(rf"\batan2\( ?{_ALONG_X} ?, ?{_ALONG_Y} ?\)"):
+        return mistake("arctan_exchanged", line=line, written=found[0], first=found[2], second=found[1])
+    return None
+
+
+_ALONG_X: Final = r"((?:self\.)?(?:d|delta_?|error_?|err_?|diff_?)x|[\w.]*x ?- ?[\w.]*x)"
+_ALONG_Y: Final = _ALONG_X.replace("x", "y")
+"""A difference along an axis: ``dx``, or ``goal_x - self.pose.x``."""
+
+
+def away_from_goal(seen: Searched) -> Mistake | None:
+    """Find a direction whose differences lead from the goal to the car."""
+    for line, found in seen.script.matches(r"^[ \t]*([\w.]+) ?= ?([\w.]*pose\.x) ?- ?([^-+]+)$"):
+        name, near, far = (part.strip() for part in found.groups())
+        if "pose" not in far and seen.script.lines_with(rf"\batan2\([^()]*{itself(name)} ?\)"):
+            return mistake("away_from_goal", line=line, right=f"{name} = {far} - {near}")
+    return None
