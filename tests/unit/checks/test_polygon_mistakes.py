@@ -168,9 +168,7 @@ def test_a_corner_within_a_wider_band_is_no_mistake() -> None:
     assert scoring.mistakes == ("unequal_sides",)
 
 
-BY_POSE = (
-    "def tick(self):\n    d = pose.x - x0\n    if d < 2.0:\n        go()\nnode.create_timer(0.1, node.tick)\n"
-)
+BY_POSE = "def tick(self):\n    d, h = pose.x - x0, pose.theta\n    if d < 2.0:\n        go()\nnode.create_timer(0.1, node.tick)\n"
 POSE = Endpoint(kind="subscription", name="/turtle1/pose", type="turtlesim/msg/Pose", node="/mover")
 
 
@@ -205,3 +203,8 @@ def test_one_side_that_was_corrected_on_its_way_is_one_side() -> None:
     scoring = by_pose(corrected)
     assert scoring.mistakes[0] == "sides_missing_by_timer"
     assert "once for each side" in scoring.hint.en
+
+
+def test_a_fast_turn_by_pose_is_neither_degrees_nor_endless() -> None:
+    fast = by_pose([(2.0, 1.0, 0.0), (0.1, 0.0, 15.0), (2.0, 1.0, 0.0)])
+    assert not {"degrees_as_radians", "endless_turn_by_pose"} & set(fast.mistakes)
