@@ -168,7 +168,10 @@ def test_a_corner_within_a_wider_band_is_no_mistake() -> None:
     assert scoring.mistakes == ("unequal_sides",)
 
 
-BY_POSE = "def tick(self):\n    d, h = pose.x - x0, pose.theta\n    if d < 2.0:\n        go()\nnode.create_timer(0.1, node.tick)\n"
+BY_POSE = (
+    "def tick(self):\n    d, h = pose.x - x0, pose.theta\n    if d < 2.0:\n        go()\n"
+    "node.create_timer(0.1, node.tick)\n"
+)
 POSE = Endpoint(kind="subscription", name="/turtle1/pose", type="turtlesim/msg/Pose", node="/mover")
 
 
