@@ -63,6 +63,8 @@ _BY_POSE: Final = _LOST | {"side_goes_on", "turned_instead", "no_turns"}
 
 _NOT_ON: Final = frozenset(("lost_at_home", "not_spinning", "never_spun"))
 
+_KEPT_BUSY: Final = frozenset(("waits_in_loop", "cpu_limit", "log_not_reached", "publish_not_reached"))
+
 _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (
     (_COUNTED, counts.set_to_plus),
     (_COUNTED | _BY_POSE | {"curved"}, flow.state_never_set),
@@ -119,6 +121,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("publisher_not_reached",)), flow.class_not_made),
     (frozenset(("publish_not_reached",)), flow.returns_before),
     (frozenset(("waits_in_loop", "waits_without_spin")), flow.waits_for_two),
+    (_KEPT_BUSY, flow.loop_for_spin),
     (frozenset(("error_hidden",)), numbers.hidden_int),
 )
 """Which mistakes a cause explains, and what looks for it; the first that is found counts."""

@@ -35,6 +35,19 @@ def _spins(line: int, script: ScriptText) -> bool:
     return any("spin" in text for text in blocks)
 
 
+def loop_for_spin(seen: Searched) -> Mistake | None:
+    """Find an endless loop that only keeps a script running, in which nothing ever calls its callbacks."""
+    script = seen.script
+    callbacks = [name for kind in ("timer", "subscription", "service") for _, name in script.callbacks(kind)]
+    if not callbacks or script.lines_with(r"spin|Executor\("):
+        return None
+    for line in script.lines_with(r"^[ \t]*while \(?(True|1|([\w.]+\.)?ok\( ?\))\)? ?:"):
+        acts = any(re.search(r"\.publish\(|\bget_logger\(|\bbreak\b", text) for text in script.block(line))
+        if not acts and script.function_around(line) not in callbacks:
+            return mistake("loop_for_spin", line=line, name=callbacks[0])
+    return None
+
+
 def empty_function(seen: Searched) -> Mistake | None:
     """Find functions in which nothing but ``pass`` stands, and that the script calls."""
     empty = []

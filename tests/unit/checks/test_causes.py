@@ -67,6 +67,7 @@ READ = (
     "self.declare_parameter('side', {default})\n"
     "self.side = self.get_parameter('side').get_parameter_value().{kind}\n"
 )
+KEPT = "def tick():\n    go()\nnode.create_timer(0.1, tick)\n{loop}\n    {block}\n"
 STATES = "self.state = 'turn'\nself.state = 'turning'\nif self.state == '{asked}':\n    go()\n"
 MEASURED = (
     "def tick(self):\n    if self.sides >= 4:\n        return\n    if {condition}:\n        self.sides += 1\n"
@@ -183,6 +184,11 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("turns_too_short", "tol = 0.15\nwhile abs(self.yaw_error) > tol:\n    go()", "wide_tolerance"),
         ("turns_too_short", "if abs(err) < 0.02:\n    stop()", "turns_too_short"),
         ("turns_too_short", "if abs(dist) < 0.3:\n    stop()", "turns_too_short"),
+        ("waits_in_loop", KEPT.format(loop="while True:", block="time.sleep(1)"), "loop_for_spin"),
+        ("cpu_limit", KEPT.format(loop="while rclpy.ok():", block="pass"), "loop_for_spin"),
+        ("waits_in_loop", KEPT.format(loop="while rclpy.ok():", block="rclpy.spin_once(n)"), "waits_in_loop"),
+        ("waits_in_loop", KEPT.format(loop="while not ready:", block="time.sleep(1)"), "waits_in_loop"),
+        ("cpu_limit", KEPT.format(loop="while True:", block="pub.publish(m)"), "cpu_limit"),
         ("never_finished", STATES.format(asked="Turn"), "state_never_set"),
         ("sides_missing", STATES.format(asked="truning"), "state_never_set"),
         ("never_finished", STATES.format(asked="turning"), "never_finished"),
