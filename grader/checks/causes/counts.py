@@ -63,11 +63,9 @@ def _raising(name: str) -> str:
 
 def set_to_plus(seen: Searched) -> Mistake | None:
     """Find ``=+`` where ``+=`` is meant: the sign belongs to the number."""
-    for line in seen.script.lines_with(r"^[ \t]*(self\.)?\w+ ?=\+ ?\d+$"):
-        written = seen.script.lines[line - 1].strip()
-        name, _, amount = written.partition("=+")
-        right = f"{name.strip()} += {amount.strip()}"
-        return mistake("set_to_plus", line=line, written=written, right=right, value=amount.strip())
+    for line, found in seen.script.matches(r"^[ \t]*((?:self\.)?\w+) ?=\+ ?(\d+)$"):
+        written, right = found[0].strip(), f"{found[1]} += {found[2]}"
+        return mistake("set_to_plus", line=line, written=written, right=right, value=found[2])
     return None
 
 
@@ -116,10 +114,10 @@ _MOST_COUNTS: Final = 8
 
 def grows(seen: Searched) -> Mistake | None:
     """Find a time, an angle or a speed that is multiplied by the counter of the loop."""
-    for loop in seen.script.lines_with(r"^[ \t]*for \w+ in range\("):
-        name = seen.script.lines[loop - 1].split("for ")[1].split()[0]
-        if seen.script.callbacks("subscription"):
-            return None  # with a pose the counter gives the heading or place of the next side
+    if seen.script.callbacks("subscription"):
+        return None  # with a pose the counter gives the heading or place of the next side
+    for loop, head in seen.script.matches(r"^[ \t]*for (\w+) in range\("):
+        name = head[1]
         grown = rf"\* ?(?:\( ?{name} ?[+-] ?\d ?\)|{name}\b)|(?<![\w.]){name} ?\*"
         for line, text in enumerate(seen.script.block(loop)[1:], start=loop + 1):
             found = re.search(grown, text)
@@ -145,9 +143,8 @@ def unchanged_counter(run: Run, script: ScriptText) -> tuple[int, str] | None:
     """Return line and name of a counter that its ``while`` never changes, in a script that never ended."""
     if run.outcome.status is not RunStatus.INTERRUPTED:
         return None
-    for line in script.lines_with(r"^[ \t]*while \(?[^\W\d]\w* ?(<=?|!=) ?[\w.]+\)? ?:"):
-        found = re.match(r"[ \t]*while \(?(\w+) ?(?:<=?|(!=)) ?([\w.]+)", script.lines[line - 1])
-        if found is None or re.search(_AMOUNT, found[1]):
+    for line, found in script.matches(r"^[ \t]*while \(?([^\W\d]\w*) ?(?:<=?|(!=)) ?([\w.]+)\)? ?:"):
+        if re.search(_AMOUNT, found[1]):
             continue  # a time or a way grows by less than 1
         name, unlike, bound = found.groups()
         if unlike and not _starts_below(name, bound, script):

@@ -211,9 +211,8 @@ def no_publish(seen: Searched) -> Mistake | None:
 
 def long_period(seen: Searched) -> Mistake | None:
     """Find a timer whose first tick comes after the end of the run."""
-    for line in seen.script.lines_with(r"\bcreate_timer\("):
-        found = re.search(r"create_timer\( ?([^,()]+),", seen.script.lines[line - 1])
-        period_s = value_of(found[1].strip(), seen.script) if found else None
+    for line, found in seen.script.matches(r"\bcreate_timer\( ?([^,()]+),"):
+        period_s = value_of(found[1].strip(), seen.script)
         if period_s is not None and period_s * 1e9 > seen.run.outcome.duration_ns:
             return mistake("long_period", line=line, period=number(period_s, "s"))
     return None

@@ -12,35 +12,27 @@ from grader.messages.quantity import number
 def clamped(seen: Searched) -> Mistake | None:
     """Find a limit that makes the side of this run shorter than it was asked for."""
     given = _given_m(seen)
-    bound = r"^[ \t]*(?:if|elif) ([\w.]+) ?(>=?|<=?) ?([\w.]+) ?:"
-    for line in seen.script.lines_with(bound):
-        found = re.match(bound, seen.script.lines[line - 1])
-        limit = value_of(found[3], seen.script) if found else None
+    if given is None:
+        return None
+    for line, found in seen.script.matches(r"^[ \t]*(?:if|elif) ([\w.]+) ?(>=?|<=?) ?([\w.]+) ?:"):
+        if re.search(_NO_LENGTH, found[0]):
+            continue
         body = seen.script.body(line)
-        set_again = found and body and re.match(rf"{re.escape(found[1])} ?= ?[\w.]+$", body[0][1])
-        if found and re.search(_NO_LENGTH, found[0]):
+        set_again = body and re.match(rf"{re.escape(found[1])} ?= ?[\w.]+$", body[0][1])
+        if set_again and _is_beyond(given, value_of(found[3], seen.script), upper=found[2][0] == ">"):
+            return mistake("clamped", line=line, last=body[0][0], given=number(given, "m"))
+    for line, found in seen.script.matches(r"=.*\b(min|max)\( ?([\w.]+) ?, ?([\w.]+) ?\)"):
+        if re.search(_NO_LENGTH, found.string):
             continue
-        beyond = (
-            limit is not None
-            and given is not None
-            and (given > limit if found and found[2][0] == ">" else given < limit)
-        )
-        if set_again and beyond:
-            return mistake("clamped", line=line, last=body[0][0], given=number(given or 0.0, "m"))
-    for line in seen.script.lines_with(r"=.*\b(min|max)\("):
-        found = re.search(r"\b(min|max)\( ?([\w.]+) ?, ?([\w.]+) ?\)", seen.script.lines[line - 1])
-        if re.search(_NO_LENGTH, seen.script.lines[line - 1]):
-            continue
-        bounds = [value_of(part, seen.script) for part in found.groups()[1:]] if found else []
+        bounds = (value_of(part, seen.script) for part in found.groups()[1:])
         known = next((value for value in bounds if value is not None), None)
-        if (
-            found
-            and known is not None
-            and given is not None
-            and (given > known if found[1] == "min" else given < known)
-        ):
+        if _is_beyond(given, known, upper=found[1] == "min"):
             return mistake("clamped", line=line, last=line, given=number(given, "m"))
     return None
+
+
+def _is_beyond(given: float, limit: float | None, *, upper: bool) -> bool:
+    return limit is not None and (given > limit if upper else given < limit)
 
 
 _NO_LENGTH: Final = r"(?i)speed|vel|linear|angular|rate|turn|angle|omega|theta|yaw|time|dur|\b[vwzt]\b"
@@ -62,15 +54,11 @@ def parameter_default(seen: Searched) -> Mistake | None:
     case, wanted = seen.case, seen.assignment.options.get("side_m")
     if case is None or case.args or case.stdin or not isinstance(wanted, (int, float)):
         return None
-    for line in seen.script.lines_with(r"\bdeclare_parameter\("):
-        found = re.search(r'\bdeclare_parameter\( ?"" ?, ?([\w.]+) ?\)', seen.script.lines[line - 1])
-        given = value_of(found[1], seen.script) if found else None
-        if (
-            given is not None
-            and given != wanted
-            and re.search(_SIDE, seen.script.written(line))
-            and len(seen.script.lines_with(r"\bdeclare_parameter\(")) == 1
-        ):
+    if len(seen.script.lines_with(r"\bdeclare_parameter\(")) != 1:
+        return None
+    for line, found in seen.script.matches(r'\bdeclare_parameter\( ?"" ?, ?([\w.]+) ?\)'):
+        given = value_of(found[1], seen.script)
+        if given is not None and given != wanted and re.search(_SIDE, seen.script.written(line)):
             values = {"given": number(given, "m"), "wanted": number(float(wanted), "m")}
             return mistake("parameter_default", line=line, written=f"{float(wanted):.1f}", **values)
     return None

@@ -18,11 +18,10 @@ _INNER: Final = r"([^()\n]*(?:\([^()]*\)[^()\n]*)*)"
 
 def floor_is_zero(seen: Searched) -> Mistake | None:
     """Find a division with ``//`` whose result is 0."""
-    for line in seen.script.lines_with(r"//"):
-        for found in re.finditer(_WHOLE, seen.script.lines[line - 1]):
-            share = _quotient(found[1], found[2], seen.script)
-            if share is not None and 0.0 < share < 1.0:
-                return mistake("floor_is_zero", line=line, written=found[0])
+    for line, found in seen.script.matches(_WHOLE):
+        share = _quotient(found[1], found[2], seen.script)
+        if share is not None and 0.0 < share < 1.0:
+            return mistake("floor_is_zero", line=line, written=found[0])
     return None
 
 
@@ -37,11 +36,10 @@ def _quotient(above: str, below: str, script: ScriptText) -> float | None:
 
 def int_is_zero(seen: Searched) -> Mistake | None:
     """Find an ``int(...)`` that makes 0 of a speed or a time."""
-    for line in seen.script.lines_with(r"\bint\("):
-        for found in re.finditer(rf"\bint\({_INNER}\)", seen.script.lines[line - 1]):
-            value = value_of(found[1], seen.script)
-            if value is not None and 0.0 < abs(value) < 1.0:
-                return mistake("int_is_zero", line=line, written=found[0], value=exact(value))
+    for line, found in seen.script.matches(rf"\bint\({_INNER}\)"):
+        value = value_of(found[1], seen.script)
+        if value is not None and 0.0 < abs(value) < 1.0:
+            return mistake("int_is_zero", line=line, written=found[0], value=exact(value))
     return None
 
 
@@ -52,11 +50,10 @@ def negative_time(seen: Searched) -> Mistake | None:
     """Find a time that is divided by a negative speed, in a script that takes no amounts."""
     if seen.script.lines_with(r"\bf?abs\("):
         return None
-    for line in seen.script.lines_with(r"^[ \t]*(self\.)?\w+ ?=(?!=).*/"):
-        name, _, written = seen.script.lines[line - 1].strip().partition("=")
-        value = value_of(written.strip(), seen.script) if re.search(_TIME, name) else None
+    for line, found in seen.script.matches(r"^[ \t]*((?:self\.)?\w+) ?=(?!=)(.*/.*)$"):
+        value = value_of(found[2].strip(), seen.script) if re.search(_TIME, found[1]) else None
         if value is not None and value < 0.0:
-            return mistake("negative_time", line=line, name=name.strip(), value=number(value, "s"))
+            return mistake("negative_time", line=line, name=found[1], value=number(value, "s"))
     return None
 
 

@@ -13,8 +13,8 @@ from grader.messages.script import ScriptText
 
 def clock_before_sleep(seen: Searched) -> Mistake | None:
     """Find a start time that is taken before a pause, and not after it."""
-    for line in seen.script.lines_with(rf"^[ \t]*[\w.]+ ?= ?[\w.()]*{CLOCK}"):
-        name = seen.script.lines[line - 1].partition("=")[0].strip()
+    for line, found in seen.script.matches(rf"^[ \t]*([\w.]+) ?= ?[\w.()]*{CLOCK}"):
+        name = found[1]
         owner = seen.script.owner_of(line)
         for at in range(line + 1, min(line + 8, len(seen.script.lines) + 1)):
             text = seen.script.lines[at - 1].strip()
@@ -39,22 +39,18 @@ def _loops_on(seen: Searched, name: str, after: int) -> bool:
 
 def start_once(seen: Searched) -> Mistake | None:
     """Find a start time that only ``__init__`` takes."""
-    for line in seen.script.lines_with(rf"^[ \t]*self\.\w+ ?= ?.*{CLOCK}"):
-        name = seen.script.lines[line - 1].partition("=")[0].strip().removeprefix("self.")
+    for line, found in seen.script.matches(rf"^[ \t]*self\.(\w+) ?= ?.*{CLOCK}"):
+        name = found[1]
         once = seen.script.assigned(name) is not None and seen.script.function_around(line) == "__init__"
         if once and len(seen.script.lines_with(rf"\bwhile\b.*\bself\.{name}\b")) > 1:
-            again = seen.script.lines[line - 1].strip()
-            return mistake("start_once", line=line, name=name, again=again)
+            return mistake("start_once", line=line, name=name, again=found.string.strip())
     return None
 
 
 def since_1970(seen: Searched) -> Mistake | None:
     """Find what a clock shows compared with a few seconds, in a script that never takes the difference."""
-    for line in seen.script.lines_with(r"^[ \t]*(self\.)?\w+ ?=(?!=)[^-]*$"):
-        if not re.search(_SHOWN, seen.script.lines[line - 1]):
-            continue
-        name = seen.script.lines[line - 1].partition("=")[0].strip()
-        name_alone = itself(name)
+    for line, found in seen.script.matches(rf"^[ \t]*((?:self\.)?\w+) ?=(?!=)[^-]*?{_SHOWN}[^-]*$"):
+        name, name_alone = found[1], itself(found[1])
         few = seen.script.lines_with(rf"\b(if|elif|while)\b.*{name_alone} ?<=? ?\d{{1,6}}(\.\d+)?(?![\w.])")
         if few and not seen.script.lines_with(rf"- ?{name_alone}|{name_alone} ?-"):
             return mistake("since_1970", line=line, name=name, compared=few[0])
@@ -122,10 +118,8 @@ _LONG_PAUSE_S: Final = 5.0
 def timer_ends(seen: Searched) -> Mistake | None:
     """Find a ``threading.Timer`` that ends the program, and at the time at which the run ended."""
     ended_s = seen.run.outcome.duration_ns / 1e9
-    for line in seen.script.lines_with(r"\bTimer\( ?[\w.]+ ?, ?[\w.]+"):
-        found = re.search(r"\bTimer\( ?([\w.]+) ?, ?(?:\w+\.)*(\w+)", seen.script.lines[line - 1])
-        after_s = value_of(found[1], seen.script) if found else None
-        function = found[2] if found else ""
+    for line, found in seen.script.matches(r"\bTimer\( ?([\w.]+) ?, ?(?:\w+\.)*(\w+)"):
+        after_s, function = value_of(found[1], seen.script), found[2]
         made = seen.script.definition(function)
         inside = seen.script.block(made.line) if made else [function]
         ends = any(re.search(r"\b_?exit\b|\bshutdown\(|\bkill\(", text) for text in inside)
