@@ -72,6 +72,7 @@ def _serve(channel: Channel, sandbox: Sandbox) -> None:
     with Pipeline(sandbox) as pipeline:
         proof.join()
         gc.freeze()  # nothing that was imported is garbage
+        is_first = True
         while (request := channel.receive()) is not None:
             job = job_from_message(request)
             on_progress = partial(_tell, channel) if request.get("tells") else None
@@ -81,6 +82,9 @@ def _serve(channel: Channel, sandbox: Sandbox) -> None:
             with suppress(GraderError):  # the next grading meets the fault again, and can report it
                 pipeline.prepare(job.assignment)
             gc.collect()
+            if is_first:
+                gc.freeze()  # nor what the first grading has left: more modules, and caches
+                is_first = False
 
 
 def _prepare(sandbox: Sandbox, limits: Limits) -> None:
