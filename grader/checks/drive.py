@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
@@ -16,8 +17,8 @@ MOVING_RADPS = 0.02
 
 FAST_TURN_RADPS = 12.0  # nobody wants to turn twice a second: this is a number of degrees
 
-# A longer rest before the horizon is the end of the motion, not a pause in it. Scripts that pause between motions
-# do so for up to a second.
+# A longer rest before the horizon is the end of the motion, not a pause in it, unless the script rested as long
+# between two motions before. Scripts that pause between motions do so for up to a second.
 MAX_PAUSE_NS = 1_500_000_000
 
 
@@ -105,13 +106,24 @@ def _moving_at_end(trajectory: Trajectory) -> bool:
 
 
 def _pausing(run: Run) -> bool:
-    last_ns = run.outcome.last_command_ns
-    return (
-        run.outcome.status is RunStatus.INTERRUPTED
-        and last_ns is not None
-        and run.trajectory.end_ns - last_ns <= MAX_PAUSE_NS
-        and run.trajectory.end_ns - _last_driven_ns(run.trajectory) <= MAX_PAUSE_NS
+    last_ns, trajectory = run.outcome.last_command_ns, run.trajectory
+    if run.outcome.status is not RunStatus.INTERRUPTED or last_ns is None:
+        return False
+    rested_ns = trajectory.end_ns - min(last_ns, _last_driven_ns(trajectory))
+    return rested_ns <= MAX_PAUSE_NS or rested_ns <= _longest_rest_ns(trajectory)
+
+
+def _longest_rest_ns(trajectory: Trajectory) -> int:
+    """Return the longest time between two motions of the car."""
+    t_ns = trajectory.t_ns[_is_moving(trajectory)]
+    return int(np.max(np.diff(t_ns))) if len(t_ns) > 1 else 0
+
+
+def _is_moving(trajectory: Trajectory) -> NDArray[np.bool_]:
+    moving: NDArray[np.bool_] = (np.abs(trajectory.v_mps) > MOVING_MPS) | (
+        np.abs(trajectory.w_radps) > MOVING_RADPS
     )
+    return moving
 
 
 def _last_driven_ns(trajectory: Trajectory) -> int:
@@ -119,6 +131,6 @@ def _last_driven_ns(trajectory: Trajectory) -> int:
 
     A script that keeps publishing zero until the horizon counts as at rest.
     """
-    moving = (np.abs(trajectory.v_mps) > MOVING_MPS) | (np.abs(trajectory.w_radps) > MOVING_RADPS)
+    moving = _is_moving(trajectory)
     commanded = (command.t_ns for command in reversed(trajectory.commands) if is_motion(command))
     return max(int(t_ns) for t_ns in (*trajectory.t_ns[moving][-1:], next(commanded, 0)))

@@ -14,9 +14,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from grader.contracts.record import PositionalRecord
-from grader.geometry.path import MIN_TURN_RAD, Path, Segments, Straight, Turn, median
-
-FULL_TURN_RAD = 2.0 * math.pi
+from grader.geometry.path import (
+    FULL_TURN_RAD,
+    MIN_TURN_RAD,
+    SETTLING_SHARE,
+    Path,
+    Segments,
+    Straight,
+    Turn,
+    bare,
+    median,
+)
 
 # The shipped rubrics give full credit to sides that differ by 4 %, a gap of 4 % of the perimeter and corners
 # within 3°, and nothing beyond 20 %, 16 % and 15°. Up to the first, a motion is what was meant; beyond the
@@ -39,7 +47,9 @@ REPEAT_TOLERANCE = 0.15  # by how much a side of a later lap may differ: on a sl
 # first is judged. Up to here the corner costs less than that does.
 APART_RAD = math.radians(9.0)
 SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's extent is no turn on the spot
-WILD_RAD = 2.0 * FULL_TURN_RAD  # nobody means a corner this wide: what it leaves of a turn is chance
+# Of the distance travelled along a side: so much may be driven beside its line (`Straight.strayed_m`) before it
+# counts as less than one side, and from the second on it counts as none.
+STRAYED_SHARE, LOST_SHARE = 0.1, 0.5
 MAX_APPROACH_STRAIGHTS = 3  # to one of its sides, perhaps round something, and along that to a corner
 
 
@@ -59,8 +69,10 @@ class PolygonFigure(PositionalRecord):
         end: sample index where the figure ends, its last turn included.
         rest: sample index where the car came to rest: `end` unless it drove on.
         gap_m: distance from `start` to `rest`.
-        curved_share: share of the distance travelled within corners or on bent sides instead of straight ones.
-        bows: of each side 0 where it bends little, up to 1 where it bends so much as to be taken for a turn.
+        curved_share: share of the distance travelled within corners, on bent sides or beside the sides.
+        strayed_share: that of what was driven beside the sides alone.
+        bows: of each side 0 where it is about straight, up to 1 where it bends so much as to be taken for a turn,
+            or is lost among detours.
         repeated: further sides follow that continue the figure over again.
         overrun: something else follows the complete figure.
         apart: what follows is the same figure, but turned.
@@ -77,6 +89,7 @@ class PolygonFigure(PositionalRecord):
     rest: int
     gap_m: float
     curved_share: float
+    strayed_share: float
     bows: tuple[float, ...]
     repeated: bool
     overrun: bool
@@ -93,12 +106,16 @@ class _Extent(PositionalRecord):
 
     Attributes:
         joined: the last and the first straight are two parts of one side.
+        inside: the path began in the middle of what is now the last side.
+        retraced: what follows lies on the figure itself, whatever turn led to it.
         apart: what follows repeats the figure, but turned against it.
     """
 
     first: int
     count: int
     joined: bool = False
+    inside: bool = False
+    retraced: bool = False
     repeated: bool = False
     overrun: bool = False
     apart: bool = False
@@ -131,7 +148,7 @@ def _corners(path: Path, segments: Segments) -> list[float]:
     """
     corners = []
     for before, after in itertools.pairwise(segments.straights):
-        corner_rad = after.direction_rad - before.direction_rad
+        corner_rad = after.direction_rad - before.direction_rad - before.spun_rad
         other_way = _backs_up(path, before) != _backs_up(path, after)
         corners.append(math.remainder(corner_rad, FULL_TURN_RAD) if other_way else corner_rad)
     return corners
@@ -144,8 +161,9 @@ def _closing_corner(path: Path, segments: Segments, first: int) -> list[float]:
     """
     if (closing := segments.turns[-1]) is None:
         return []
-    corner_rad = float(path.travel_rad[closing.last]) - segments.straights[-1].direction_rad
-    other_way = _backs_up(path, segments.straights[-1]) != _backs_up(path, segments.straights[first])
+    last = segments.straights[-1]
+    corner_rad = float(path.travel_rad[closing.last]) - last.direction_rad - last.spun_rad
+    other_way = _backs_up(path, last) != _backs_up(path, segments.straights[first])
     return [math.remainder(corner_rad + math.pi, FULL_TURN_RAD) if other_way else corner_rad]
 
 
@@ -164,16 +182,68 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
     lap = _comes_round(corners) or total
     if _halves(lengths, corners, lap):
         return _Extent(0, total, joined=True)
+    if _begins_inside(path, segments, lengths, lap) and _repeats(
+        [*lengths[1:-1], lengths[-1] if cut_short else _completed(lengths, lap)],
+        corners[1:],
+        lap,
+        cut_short=cut_short,
+    ):
+        return _Extent(1, lap, inside=True, repeated=True)
     again = _repeats(lengths, corners, lap, cut_short=cut_short)
     first, count = (None if again else _closed(path, segments, corners, lengths, sides)) or (0, lap)
     if first + count == total:
         return _Extent(first, count)
-    repeated = _repeats(lengths[first:], corners[first:], count, cut_short=cut_short)
+    retraced = _retraced(path, segments, first, count, cut_short=cut_short)
+    repeated = retraced or _repeats(lengths[first:], corners[first:], count, cut_short=cut_short)
     meant = total == sides or _one_too_many(lengths[first:], corners[first:])
     if meant and not repeated and not cut_short:
         return _Extent(first, total - first)
-    apart = repeated and _turned_between(corners[first : first + count])
-    return _Extent(first, count, repeated=repeated and not apart, overrun=not repeated or apart, apart=apart)
+    apart = repeated and not retraced and _turned_between(corners[first : first + count])
+    return _Extent(
+        first,
+        count,
+        retraced=retraced,
+        repeated=repeated and not apart,
+        overrun=not repeated or apart,
+        apart=apart,
+    )
+
+
+def _begins_inside(path: Path, segments: Segments, lengths: list[float], lap: int) -> bool:
+    """Whether the path begins in the middle of a side, and drives all of that side once it has come round."""
+    if lap < 3 or len(lengths) < lap + 2 or lengths[0] > (1.0 - 0.5 * MERGE_TOLERANCE) * lengths[lap]:
+        return False
+    begin, corner = span(path, segments, 0)
+    before, again = span(path, segments, lap)
+    near_m = MERGE_TOLERANCE * lengths[lap]
+    rest_m = chord(path, before, begin)
+    return chord(path, corner, again) <= near_m and abs(rest_m + lengths[0] - lengths[lap]) <= near_m
+
+
+def _completed(lengths: list[float], lap: int) -> float:
+    """Return the length of the last straight with that of the first, if they are two parts of one side."""
+    both = lengths[-1] + lengths[0]
+    return both if abs(both - lengths[lap]) <= MERGE_TOLERANCE * lengths[lap] else lengths[-1]
+
+
+def _retraced(path: Path, segments: Segments, first: int, count: int, *, cut_short: bool) -> bool:
+    """Whether what follows the figure lies on its sides, in either sense, for a lap or until it was cut short."""
+    later = [span(path, segments, i) for i in range(first + count, len(segments.straights))]
+    if len(later) < count and not cut_short:
+        return False
+    corners = [span(path, segments, i)[0] for i in range(first, first + count)]
+    near_m = REPEAT_TOLERANCE * min(
+        chord(path, *span(path, segments, i)) for i in range(first, first + count)
+    )
+    whole = later[:-1] if cut_short else later
+
+    def places(sample: int) -> set[int]:
+        return {place for place, corner in enumerate(corners) if chord(path, sample, corner) <= near_m}
+
+    return bool(whole) and all(
+        any((one - other) % count in (1, count - 1) for one in places(start) for other in places(stop))
+        for start, stop in whole
+    )
 
 
 def _turned_between(lap: list[float]) -> bool:
@@ -204,11 +274,6 @@ def _comes_round(corners: list[float]) -> int | None:
         if abs(abs(total) + mean - FULL_TURN_RAD) <= 0.5 * mean:
             return sides
     return None
-
-
-def bare(corner_rad: float) -> float:
-    """Return a corner less the whole turn in it; a wild one is no corner and stays as it is."""
-    return math.remainder(corner_rad, FULL_TURN_RAD) if abs(corner_rad) < WILD_RAD else corner_rad
 
 
 def _alike(corners: list[float]) -> bool:
@@ -251,7 +316,7 @@ def _halves(lengths: list[float], corners: list[float], lap: int) -> bool:
     first, last = lengths[0], lengths[-1]
     return any(
         abs(first + last - whole) <= MERGE_TOLERANCE * whole
-        and max(first, last) < (1.0 - 0.5 * MERGE_TOLERANCE) * whole  # else one of them is a whole side
+        and abs(first + last - whole) < abs(max(first, last) - whole)  # else one of them is a whole side
         for whole in like
     )
 
@@ -263,36 +328,82 @@ def _figure(
     spans = [span(path, segments, i) for i in range(first, stop)]
     closing = segments.turns[stop] if len(corners) >= stop else None
     end = segments.straights[stop - 1].last if closing is None else closing.last
-    sides = [chord(path, *one) for one in spans]
-    start, rest = segments.straights[0].first, len(path) - 1 if extent.overrun and at_rest else end
+    start = spans[0][0] if extent.inside else _set_out(path, segments)
+    rest = len(path) - 1 if extent.overrun and at_rest else end
+    vertices = [spans[0][0], *(stop for _, stop in spans)]
+    if first == 0 and stop == len(segments.straights) and at_rest and not extent.joined:
+        vertices = _closed_up(path, vertices, segments.turns[0], closing)
+    sides = [chord(path, *one) for one in itertools.pairwise(vertices)]
     driven_m = float(path.along_m[end] - path.along_m[spans[0][0]])
-    curved_m = _curved_m(segments.straights[first:stop], [*segments.turns[first + 1 : stop], closing])
+    strayed_m = sum(straight.strayed_m for straight in segments.straights[first:stop])
+    curved_m = strayed_m + _curved_m(
+        segments.straights[first:stop], [*segments.turns[first + 1 : stop], closing]
+    )
     if extent.joined:
         sides = [sides[0] + sides[-1], *sides[1:-1]]
     inner, last_turn_rad, last_turned_rad = corners[first : stop - 1], 0.0, 0.0
     if closing is not None and not extent.joined:
-        if extent.repeated or _comes_round(inner) != extent.count:
+        about = extent.retraced and _turned_between(corners[first:stop])
+        if (extent.repeated and not about) or _comes_round(inner) != extent.count:
             inner.append(corners[stop - 1])
         else:
             last_turned_rad = corners[stop - 1]
             last_turn_rad = _last_turn(path, closing, last_turned_rad)
     return PolygonFigure(
-        vertices=(spans[0][0], *(stop for _, stop in spans)),
+        vertices=tuple(vertices),
         sides_m=tuple(sides),
         corners_rad=tuple(inner),
         last_turn_rad=last_turn_rad,
         last_turned_rad=last_turned_rad,
-        approach_m=float(path.along_m[spans[0][0]] - path.along_m[start]),
+        approach_m=max(float(path.along_m[spans[0][0]] - path.along_m[start]), 0.0),
         start=start,
         end=end,
         rest=rest,
         gap_m=chord(path, start, rest),
-        curved_share=curved_m / driven_m if driven_m > 0.0 else 0.0,
+        curved_share=min(curved_m / driven_m, 1.0) if driven_m > 0.0 else 0.0,
+        strayed_share=min(strayed_m / driven_m, 1.0) if driven_m > 0.0 else 0.0,
         bows=tuple(_bow(straight, path.extent_m) for straight in segments.straights[first:stop]),
         repeated=extent.repeated,
         overrun=extent.overrun,
         apart=extent.apart,
     )
+
+
+def _set_out(path: Path, segments: Segments) -> int:
+    """Return the sample where the car set out: an arc before the first straight led it away from there."""
+    begun = segments.turns[0]
+    far = begun is not None and begun.length_m > SPOT_SHARE * path.extent_m
+    return begun.first if begun is not None and far else segments.straights[0].first
+
+
+def _closed_up(path: Path, vertices: list[int], begun: Turn | None, closing: Turn | None) -> list[int]:
+    """Return the corners of a figure that began, or ended, near one: what was driven there counts as a corner.
+
+    The short part of the side beyond that corner completes the other part, if the two make a better side.
+    """
+    sides = [chord(path, *one) for one in itertools.pairwise(vertices)]
+    usual_m, perimeter_m = median(sides), sum(sides)
+
+    def better(turn: Turn | None, end: int, far: int, side_m: float) -> bool:
+        if turn is None or chord(path, end, 0) > CLOSED_SHARE * perimeter_m:
+            return False
+        if turn.length_m < SETTLING_SHARE * path.extent_m or _is_arc(path, turn):
+            return False
+        return abs(chord(path, _vertex(path, turn), far) - usual_m) < abs(side_m - usual_m)
+
+    rest = len(path) - 1
+    if begun is not None and better(begun, rest, vertices[-2], sides[-1]):
+        return [*vertices[:-1], _vertex(path, begun)]
+    if closing is not None and better(closing, rest, vertices[1], sides[0]):
+        return [_vertex(path, closing), *vertices[1:]]
+    return vertices
+
+
+def _is_arc(path: Path, turn: Turn) -> bool:
+    """Whether a good part of a turn was driven while turning, and not straight before or after it."""
+    travel, along = path.travel_rad[turn.first : turn.last + 1], path.along_m[turn.first : turn.last + 1]
+    turning = (np.abs(travel - travel[0]) > MIN_TURN_RAD) & (np.abs(travel - travel[-1]) > MIN_TURN_RAD)
+    return float(np.sum(np.diff(along)[turning[1:]])) > 0.1 * turn.length_m
 
 
 def _curved_m(straights: Sequence[Straight], turns: Sequence[Turn | None]) -> float:
@@ -309,9 +420,15 @@ def _bent_m(straight: Straight) -> float:
 
 
 def _bow(straight: Straight, extent_m: float) -> float:
-    """Return how near a side is to an arc that is taken for a turn; from half of that bend on it counts."""
+    """Return how far a side is from being one: 1 if it bends as much as a turn, or if it is mostly detours.
+
+    A bend counts from half of that on.
+    """
     most_rad = max(straight.length_m / extent_m, MIN_TURN_RAD)
-    return min(max(2.0 * straight.bend_rad / most_rad - 1.0, 0.0), 1.0)
+    bent = 2.0 * straight.bend_rad / most_rad - 1.0
+    strayed = straight.strayed_m / straight.length_m if straight.length_m > 0.0 else 0.0
+    astray = (strayed - STRAYED_SHARE) / (LOST_SHARE - STRAYED_SHARE)
+    return min(max(bent, astray, 0.0), 1.0)
 
 
 def _last_turn(path: Path, turn: Turn, angle_rad: float) -> float:
@@ -356,7 +473,10 @@ def span(path: Path, segments: Segments, index: int) -> tuple[int, int]:
     """Return the sample indices of the two vertices of straight `index`."""
     straight, before, after = segments.straights[index], segments.turns[index], segments.turns[index + 1]
     start = _start(path, straight) if index == 0 or before is None else _vertex(path, before)
-    return start, _end(path, straight) if after is None else _vertex(path, after)
+    if after is None:
+        return start, _end(path, straight)
+    is_last = index == len(segments.straights) - 1
+    return start, _last_vertex(path, after) if is_last else _vertex(path, after)
 
 
 def chord(path: Path, start: int, stop: int) -> float:
@@ -368,6 +488,13 @@ def _vertex(path: Path, turn: Turn) -> int:
     """Return the sample at which half of the turn is done: where the corner of a rounded turn is measured from."""
     travel = path.travel_rad[turn.first : turn.last + 1]
     return turn.first + int(np.argmin(np.abs(travel - (travel[0] + travel[-1]) / 2.0)))
+
+
+def _last_vertex(path: Path, turn: Turn) -> int:
+    """Return the sample at which half of the corner in the last turn is done, before any whole turns."""
+    turned = np.abs(path.travel_rad[turn.first : turn.last + 1] - path.travel_rad[turn.first])
+    corner_rad = abs(math.remainder(float(turned[-1]), FULL_TURN_RAD))
+    return turn.first + int(np.argmax(turned >= 0.5 * corner_rad))
 
 
 def _start(path: Path, straight: Straight) -> int:

@@ -27,6 +27,9 @@ Floats = NDArray[np.float64]
 # earn more than a shorter one.
 REVERSAL_SHARE = 0.1
 
+# Of the extent: what is shorter is how a controller settles, and no way worth counting.
+SETTLING_SHARE = 0.01
+
 MIN_REVERSAL_M = 0.01  # of a path that hardly moved; halved, the noise of a car at rest adds up to a distance
 
 
@@ -125,6 +128,15 @@ def _unfold(signed_m: Floats, heading_rad: Floats, turning: list[int]) -> tuple[
     return along_m, travel_rad
 
 
+FULL_TURN_RAD = 2.0 * math.pi
+WILD_RAD = 2.0 * FULL_TURN_RAD  # nobody means a corner this wide: what it leaves of a turn is chance
+
+
+def bare(corner_rad: float) -> float:
+    """Return a corner less the whole turn in it; a wild one is no corner and stays as it is."""
+    return math.remainder(corner_rad, FULL_TURN_RAD) if abs(corner_rad) < WILD_RAD else corner_rad
+
+
 HEADING_TOLERANCE_RAD = math.radians(10.0)  # doubled, it swallows the corners of a dodecagon
 DISTANCE_TOLERANCE_SHARE = 0.02  # of the extent; doubled, weaving is taken for corners
 WOBBLE_RAD = math.radians(12.0)  # to either side: a swing of 10° with some noise is still straight
@@ -143,12 +155,14 @@ STILL_RAD, STILL_M = 1e-3, 1e-3  # less than this is rest, not motion
 
 
 class Straight(PositionalRecord):
-    """A straight stretch between samples `first` and `last`.
+    """A straight stretch between samples `first` and `last`, perhaps with a detour, after which it goes on.
 
     Attributes:
-        direction_rad: mean continuous direction of travel over its middle part.
+        direction_rad: mean continuous direction of travel over its middle part, detours left out.
         bend_rad: by how much that direction changes from its start to its end, wobble aside (not negative).
         length_m: distance travelled.
+        strayed_m: distance driven in its detours.
+        spun_rad: whole turns made on the way: by so much the direction at its end is ahead of `direction_rad`.
     """
 
     first: int
@@ -156,6 +170,8 @@ class Straight(PositionalRecord):
     direction_rad: float
     bend_rad: float
     length_m: float
+    strayed_m: float = 0.0
+    spun_rad: float = 0.0
 
 
 class Turn(PositionalRecord):
@@ -186,9 +202,12 @@ class Segments(PositionalRecord):
 
 @dataclass(slots=True)
 class _Piece:
+    """A turn, or a straight. `detours`: the turns within a straight, from sample to sample."""
+
     first: int
     last: int
     straight: bool
+    detours: tuple[tuple[int, int], ...] = ()
 
 
 def segment(path: Path) -> Segments:
@@ -251,7 +270,7 @@ def _classify(path: Path, corners: list[int], extent_m: float) -> list[_Piece]:
 
 
 def _join(path: Path, pieces: list[_Piece]) -> list[_Piece]:
-    """Merge neighbours of one kind, and two straights in one direction with the turn between them."""
+    """Merge neighbours of one kind, and two straights in one direction with the detour between them."""
     joined: list[_Piece] = []
     for piece in pieces:
         if joined and joined[-1].straight == piece.straight:
@@ -261,31 +280,66 @@ def _join(path: Path, pieces: list[_Piece]) -> list[_Piece]:
     i = 1
     while i < len(joined) - 1:
         before, turn, after = joined[i - 1 : i + 2]
-        change = _line(path, after)[0] - _line(path, before)[0]
-        if not turn.straight and abs(change) < MIN_TURN_RAD:
-            joined[i - 1 : i + 2] = [_Piece(before.first, after.last, straight=True)]
+        if (
+            not turn.straight
+            and abs(math.remainder(_change(path, before, after), FULL_TURN_RAD)) < MIN_TURN_RAD
+        ):
+            detours = (*before.detours, (turn.first, turn.last), *after.detours)
+            joined[i - 1 : i + 2] = [_Piece(before.first, after.last, True, detours)]
         else:
             i += 1
     return joined
 
 
-def _line(path: Path, piece: _Piece) -> tuple[float, float]:
-    """Return direction and bend of a straight piece: a line fitted over its middle four fifths, by distance.
+def _change(path: Path, before: _Piece, after: _Piece) -> float:
+    """Return the change of direction from the end of one straight piece to the start of another."""
+    return _line(path, after)[0] - _line(path, before)[0] - _line(path, before)[2]
 
-    Its ends are left out because the car still settles there after a turn.
+
+def _line(path: Path, piece: _Piece) -> tuple[float, float, float]:
+    """Return direction, bend and whole turns of a straight piece: a line fitted over its middle four fifths.
+
+    Its ends are left out because the car still settles there after a turn; so are its detours.
     """
     along = path.along_m[piece.first : piece.last + 1]
+    travel, spun_rad = _without_detours(path, piece)
     start, length = float(along[0]), float(along[-1] - along[0])
     if length <= 0.0:
-        return float(path.travel_rad[piece.last]), 0.0
+        return float(travel[-1]), 0.0, spun_rad
     inner = np.clip(along, start + 0.1 * length, start + 0.9 * length)
-    travel = path.travel_rad[piece.first : piece.last + 1]
     steps, ahead, middle = np.diff(inner), (inner[1:] + inner[:-1]) / 2.0, (travel[1:] + travel[:-1]) / 2.0
-    direction = float(np.dot(steps, middle) / np.sum(steps))
-    ahead = ahead - float(np.dot(steps, ahead) / np.sum(steps))
+    for first, last in piece.detours:
+        steps[first - piece.first : last - piece.first] = 0.0
+    total = float(np.sum(steps))
+    if total <= 0.0:
+        return float(travel[-1]), 0.0, spun_rad
+    direction = float(np.dot(steps, middle) / total)
+    ahead = ahead - float(np.dot(steps, ahead) / total)
     spread = float(np.dot(steps, ahead * ahead))
     slope = float(np.dot(steps, ahead * (middle - direction))) / spread if spread > 0.0 else 0.0
-    return direction, min(length * abs(slope), abs(float(travel[-1] - travel[0])))
+    return direction, min(length * abs(slope), abs(float(travel[-1] - travel[0]))), spun_rad
+
+
+def _without_detours(path: Path, piece: _Piece) -> tuple[Floats, float]:
+    """Return the direction of travel in a straight piece as if it made no whole turn, and the turns it made."""
+    travel = path.travel_rad[piece.first : piece.last + 1]
+    spun_rad = 0.0
+    for first, last in piece.detours:
+        turned_rad = float(path.travel_rad[last] - path.travel_rad[first])
+        whole_rad = FULL_TURN_RAD * round(turned_rad / FULL_TURN_RAD)
+        if whole_rad:
+            travel = travel.copy()
+            travel[last - piece.first :] -= whole_rad
+            spun_rad += whole_rad
+    return travel, spun_rad
+
+
+def _driven_m(path: Path, first: int, last: int) -> float:
+    """Return how far the car drove between two samples, to and fro, but for how it settled."""
+    signed_m = path.signed_m[first : last + 1]
+    turning = _turning_points(signed_m, max(SETTLING_SHARE * path.extent_m, MIN_REVERSAL_M))
+    edges = [0, *turning, len(signed_m) - 1]
+    return sum(abs(float(signed_m[end] - signed_m[begin])) for begin, end in itertools.pairwise(edges))
 
 
 def _assemble(path: Path, pieces: list[_Piece]) -> Segments:
@@ -294,7 +348,11 @@ def _assemble(path: Path, pieces: list[_Piece]) -> Segments:
     for piece in pieces:
         length_m = float(path.along_m[piece.last] - path.along_m[piece.first])
         if piece.straight:
-            straights.append(Straight(piece.first, piece.last, *_line(path, piece), length_m))
+            direction_rad, bend_rad, spun_rad = _line(path, piece)
+            strayed_m = sum(_driven_m(path, *detour) for detour in piece.detours)
+            straights.append(
+                Straight(piece.first, piece.last, direction_rad, bend_rad, length_m, strayed_m, spun_rad)
+            )
             turns.append(None)
         else:
             angle = float(path.travel_rad[piece.last] - path.travel_rad[piece.first])

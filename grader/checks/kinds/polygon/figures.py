@@ -16,8 +16,8 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.record import PositionalRecord
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
-from grader.geometry.figure import CLOSED_SHARE, PolygonFigure, bare, measure_polygon
-from grader.geometry.path import Segments, median, segment
+from grader.geometry.figure import CLOSED_SHARE, PolygonFigure, measure_polygon
+from grader.geometry.path import Segments, bare, median, segment
 
 FULL_TURN_DEG = 360.0
 Bools = NDArray[np.bool_]

@@ -303,6 +303,8 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
         return
     if figure.curved_share > MOSTLY_ROUND_SHARE or _drives_blindly(seen):
         yield _arcs(seen, figure)
+    elif _is_astray(figure) and max(figure.bows) > 0.0:
+        yield _astray(figure)
     yield from _angles(seen, figure)
     yield from _count(seen, figure)
     if figure.curved_share <= MOSTLY_ROUND_SHARE and seen.loses("curved_pct", 100.0 * figure.curved_share):
@@ -334,9 +336,20 @@ def _drives_blindly(seen: _Seen) -> bool:
 
 def _arcs(seen: _Seen, figure: PolygonFigure) -> Mistake:
     """Say how much was driven in arcs, either because that was commanded or because the car slips."""
+    if _is_astray(figure):
+        return _astray(figure)
     code = "arcs" if any(map(_is_arc, seen.run.trajectory.commands)) else "slipped"
     spoilt = _SHAPE if figure.curved_share > MOSTLY_ROUND_SHARE else ("curved_pct", *_LENGTHS, "gap_pct")
     return mistake(code, spoilt, share=number(100.0 * figure.curved_share, "%"))
+
+
+def _is_astray(figure: PolygonFigure) -> bool:
+    """Whether more was driven beside the sides than in arcs."""
+    return figure.strayed_share > 0.5 * figure.curved_share
+
+
+def _astray(figure: PolygonFigure) -> Mistake:
+    return mistake("astray", _SHAPE, share=number(100.0 * figure.strayed_share, "%"))
 
 
 def _is_arc(command: Command) -> bool:
