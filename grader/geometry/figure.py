@@ -325,7 +325,7 @@ def _figure(
     path: Path, segments: Segments, corners: list[float], extent: _Extent, *, at_rest: bool
 ) -> PolygonFigure:
     first, stop = extent.first, extent.first + extent.count
-    spans = [span(path, segments, i) for i in range(first, stop)]
+    spans, straights = [span(path, segments, i) for i in range(first, stop)], segments.straights[first:stop]
     closing = segments.turns[stop] if len(corners) >= stop else None
     end = segments.straights[stop - 1].last if closing is None else closing.last
     start = spans[0][0] if extent.inside else _set_out(path, segments)
@@ -335,25 +335,16 @@ def _figure(
         vertices = _closed_up(path, vertices, segments.turns[0], closing)
     sides = [chord(path, *one) for one in itertools.pairwise(vertices)]
     driven_m = float(path.along_m[end] - path.along_m[spans[0][0]])
-    strayed_m = sum(straight.strayed_m for straight in segments.straights[first:stop])
-    curved_m = strayed_m + _curved_m(
-        segments.straights[first:stop], [*segments.turns[first + 1 : stop], closing]
-    )
+    strayed_m = sum(straight.strayed_m for straight in straights)
+    curved_m = strayed_m + _curved_m(straights, [*segments.turns[first + 1 : stop], closing])
     if extent.joined:
         sides = [sides[0] + sides[-1], *sides[1:-1]]
-    inner, last_turn_rad, last_turned_rad = corners[first : stop - 1], 0.0, 0.0
-    if closing is not None and not extent.joined:
-        about = extent.retraced and _turned_between(corners[first:stop])
-        if (extent.repeated and not about) or _comes_round(inner) != extent.count:
-            inner.append(corners[stop - 1])
-        else:
-            last_turned_rad = corners[stop - 1]
-            last_turn_rad = _last_turn(path, closing, last_turned_rad)
+    inner, last_turned_rad = _shaping(corners[first:stop], extent, turned=closing is not None)
     return PolygonFigure(
         vertices=tuple(vertices),
         sides_m=tuple(sides),
         corners_rad=tuple(inner),
-        last_turn_rad=last_turn_rad,
+        last_turn_rad=_last_turn(path, closing, last_turned_rad) if closing is not None else 0.0,
         last_turned_rad=last_turned_rad,
         approach_m=max(float(path.along_m[spans[0][0]] - path.along_m[start]), 0.0),
         start=start,
@@ -362,11 +353,22 @@ def _figure(
         gap_m=chord(path, start, rest),
         curved_share=min(curved_m / driven_m, 1.0) if driven_m > 0.0 else 0.0,
         strayed_share=min(strayed_m / driven_m, 1.0) if driven_m > 0.0 else 0.0,
-        bows=tuple(_bow(straight, path.extent_m) for straight in segments.straights[first:stop]),
+        bows=tuple(_bow(straight, path.extent_m) for straight in straights),
         repeated=extent.repeated,
         overrun=extent.overrun,
         apart=extent.apart,
     )
+
+
+def _shaping(corners: list[float], extent: _Extent, *, turned: bool) -> tuple[list[float], float]:
+    """Return the corners that shape the figure, and the turn after its last side if it is none of them, else 0."""
+    inner = corners[: extent.count - 1]
+    if not turned or extent.joined:
+        return inner, 0.0
+    about = extent.retraced and _turned_between(corners)
+    if (extent.repeated and not about) or _comes_round(inner) != extent.count:
+        return corners, 0.0
+    return inner, corners[-1]
 
 
 def _set_out(path: Path, segments: Segments) -> int:
