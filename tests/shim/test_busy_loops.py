@@ -118,3 +118,28 @@ def test_time_passes_for_a_loop_that_a_sleeper_may_end_after_main(run_bare: RunS
         "for target in (work, later): threading.Thread(target=target).start()\n"
     )
     assert run.stdout.splitlines()[0] == "set 2.0"
+
+
+LARGE = {
+    "numbers": "from std_msgs.msg import UInt8MultiArray as Kind\nfield, values = 'data', [1] * 512_000\n",
+    "messages": (
+        "from nav_msgs.msg import Path as Kind\nfrom geometry_msgs.msg import PoseStamped\n"
+        "field, values = 'poses', [PoseStamped() for _ in range(4_000)]\n"
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", LARGE)
+def test_large_messages_count_as_steps(kind: str, run_script: RunScript) -> None:
+    """A thousand each, so that a script which sends them for ever ends at the same place on every machine."""
+    script = (
+        "import rclpy\n" + LARGE[kind] + "rclpy.init()\nnode = rclpy.create_node('n')\n"
+        "publisher = node.create_publisher(Kind, 'large', 10)\n"
+        "def tick():\n    message = Kind()\n    setattr(message, field, values)\n    publisher.publish(message)\n"
+        "node.create_subscription(Kind, 'large', lambda m: None, 10)\n"
+        "node.create_timer(0.1, tick)\nrclpy.spin(node)\n"
+    )
+    ends = [run_script(script, steps=steps, horizon_s=10.0).exit["t_ns"] for steps in (5_000, 5_000, 10_000)]
+    assert ends[0] == ends[1]
+    assert 0.15 * 10**9 < ends[0] < 0.7 * 10**9
+    assert 0.35 * 10**9 < ends[2] < 1.2 * 10**9

@@ -122,6 +122,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("publish_not_reached",)), flow.returns_before),
     (frozenset(("waits_in_loop", "waits_without_spin")), flow.waits_for_two),
     (_KEPT_BUSY, flow.loop_for_spin),
+    (frozenset(("cpu_limit",)), flow.large_message),
     (frozenset(("error_hidden",)), numbers.hidden_int),
 )
 """Which mistakes a cause explains, and what looks for it; the first that is found counts."""

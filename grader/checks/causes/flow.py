@@ -48,6 +48,16 @@ def loop_for_spin(seen: Searched) -> Mistake | None:
     return None
 
 
+def large_message(seen: Searched) -> Mistake | None:
+    """Find what makes messages so large that they took all the time: a list of pixels, or one that grows."""
+    for line, found in seen.script.matches(r"\.data ?= ?.*\.tolist\( ?\)"):
+        return mistake("list_of_pixels", line=line, written=found[0].lstrip("."))
+    if seen.script.lines_with(r"\.publish\("):
+        for line, found in seen.script.matches(r"\.(poses|points|markers|data)\.append\("):
+            return mistake("message_grows", line=line, name=found[1])
+    return None
+
+
 def empty_function(seen: Searched) -> Mistake | None:
     """Find functions in which nothing but ``pass`` stands, and that the script calls."""
     empty = []
