@@ -26,7 +26,7 @@ from grader.messages.exceptions import meaning
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
-_IN_THREAD = re.compile(r".*, line (\d+): (\w+)(?:: (.*))?", re.DOTALL)
+_IN_THREAD = re.compile(r".*, line (\d{1,7}): (\w+)(?:: (.*))?", re.DOTALL | re.ASCII)
 _SPACE = Text(zh="", en=" ")
 _REPEATED_LINES = 40
 _MOST_DIFFERENT = 4  # lines in one round of a loop that asks again
@@ -205,7 +205,7 @@ def _apart(one: Floats, other: Floats) -> bool:
 
 
 _OVERSLEPT_NS = 5_000_000_000
-_PLACE = re.compile(r"(?P<line>\d+) (?P<call>\S+) (?P<until_ns>\d+)")
+_PLACE = re.compile(r"(?P<line>\d{1,7}) (?P<call>\S+) (?P<until_ns>\d{1,19})", re.ASCII)
 _FOR_EVER_NS = 1 << 62  # when a wait without a deadline ends
 
 

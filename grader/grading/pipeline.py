@@ -1,12 +1,14 @@
 """From a submission to a graded report: run every case, score the motion, put the report together."""
 
 import hashlib
+import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, Self, TypeAlias
 
 from grader import __version__
 from grader.contracts.assignment import Assignment, Case, WorldKind
+from grader.contracts.errors import AssignmentError
 from grader.contracts.grading import GradingJob, GradingResult, RunProgress
 from grader.contracts.outcome import Note, RunOutcome, StudentError
 from grader.contracts.package import PackageProblem
@@ -146,9 +148,7 @@ class Pipeline:
             for case, account in zip(cases, accounts, strict=True)
         ]
         trajectories = {run.case: encode_trajectory(run.trajectory) for run in runs}
-        from grader.checks import evaluate
-
-        report = _report(job, runs, evaluate(job.assignment, runs), trajectories)
+        report = _report(job, runs, _evaluated(job.assignment, runs), trajectories)
         measurements = self._measurements(accounts)
         cut = outputs_within_budget(
             _cut_output(case, jail, job.assignment)
@@ -251,7 +251,7 @@ def _cut_output(case: Case, jail: JailReport, assignment: Assignment) -> CaseOut
 def _scored_run(
     case: Case, assignment: Assignment, script: _Script, episode: EpisodeResult, jail: JailReport
 ) -> Run:
-    outcome = merge(episode, jail, assignment.release)
+    outcome = _within_file(merge(episode, jail, assignment.release), script)
     if episode.replayed is not None:
         from grader.grading.replaying import with_replayed_end
 
@@ -269,6 +269,41 @@ def _scored_run(
         at_horizon=next((note.text for note in episode.notes if note.code == INTERRUPTED_NOTE), ""),
         replayed=episode.replayed,
     )
+
+
+def _within_file(outcome: RunOutcome, script: _Script) -> RunOutcome:
+    """Return the outcome; its error has no line if its file has no such line, as where `exec` ran other code."""
+    error = outcome.error
+    if error is None or error.line is None or 0 < error.line <= script.concerned(error).count("\n") + 1:
+        return outcome
+    return replace(outcome, error=replace(error, line=None))
+
+
+def _evaluated(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
+    """Score the runs; if a script's text or account of itself leads a look for hints astray, without either.
+
+    Only hints read them, and none is worth a grading.
+
+    Raises:
+        AssignmentError: the assignment does not fit its check.
+    """
+    from grader.checks import evaluate
+
+    try:
+        return evaluate(assignment, runs)
+    except AssignmentError:
+        raise
+    except Exception:
+        logging.getLogger(__name__).exception(
+            "%s: scored without hints from the script's text", assignment.id
+        )
+        return evaluate(assignment, [_without_text(run) for run in runs])
+
+
+def _without_text(run: Run) -> Run:
+    error = run.outcome.error
+    told = None if error is None else replace(error, line=None)
+    return replace(run, source="pass\n", at_horizon="", outcome=replace(run.outcome, error=told))
 
 
 def _episode_spec(job: GradingJob, script: _Script, case: Case) -> EpisodeSpec:

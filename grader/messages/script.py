@@ -6,6 +6,7 @@ patterns over lines from which strings and comments are blanked out.
 
 import itertools
 import re
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import Final, NamedTuple
@@ -60,10 +61,16 @@ class Assigned(NamedTuple):
 
 
 class ScriptText:
-    """The code of a script, line by line, without strings and comments."""
+    """The code of a script, line by line, without strings and comments.
+
+    A script that is longer than what beginners write has no lines here: searching it would take minutes. Line
+    numbers come from the script's own account of itself, so any number may be asked for.
+    """
 
     def __init__(self, source: str) -> None:
         self._source = source
+        self._called: dict[str, bool] = {}
+        self._blocks: dict[int, list[str]] = {}
 
     @cached_property
     def lines(self) -> list[str]:
@@ -71,13 +78,20 @@ class ScriptText:
 
         Patterns try blanks in several ways, and a hostile line of blanks would take them a minute.
         """
+        if not self.is_short:
+            return []
         code = _PROSE.sub(_blank, self._source.replace("\r\n", "\n"))
         return [_BLANKS.sub(" ", line)[:_LONGEST_LINE] for line in code.split("\n")]
 
     @property
+    def is_short(self) -> bool:
+        """Whether it is as short as what beginners write; only then is it searched."""
+        return self._source.count("\n") < _LONGEST_SCRIPT and len(self._source) <= _MOST_CHARACTERS
+
+    @property
     def has_code(self) -> bool:
         """Whether there is more than comments and strings."""
-        return any(line.strip().strip("\"'") for line in self.lines)
+        return not self.is_short or any(line.strip().strip("\"'") for line in self.lines)
 
     def lines_with(self, pattern: str) -> list[int]:
         """Return the numbers of the lines in which `pattern` is found."""
@@ -93,22 +107,19 @@ class ScriptText:
 
     def definition(self, name: str) -> Definition | None:
         """Return the only ``def`` of that name; None when there is none, or more than one."""
-        pattern = rf"^[ \t]*def[ \t]+{re.escape(name)}[ \t]*\("
-        numbers = self.lines_with(pattern)
-        if len(numbers) != 1:
-            return None
-        line = self.lines[numbers[0] - 1]
-        takes_self = re.search(pattern + r"[ \t]*self\b", line) is not None
-        return Definition(numbers[0], _indent(line), takes_self)
+        return self._definitions.get(name)
+
+    @cached_property
+    def _definitions(self) -> dict[str, Definition | None]:
+        found: dict[str, Definition | None] = {}
+        for number, made in self.matches(r"^[ \t]*def[ \t]+(\w+)[ \t]*\([ \t]*(self\b)?"):
+            known = made[1] in found
+            found[made[1]] = None if known else Definition(number, _indent(made.string), made[2] is not None)
+        return found
 
     def is_decorated(self, number: int) -> bool:
         """Whether a decorator stands above the given line, such as ``@staticmethod``."""
-        return number > 1 and self.lines[number - 2].lstrip().startswith("@")
-
-    @property
-    def is_short(self) -> bool:
-        """Whether it is as short as what beginners write; only then is it searched line against line."""
-        return len(self.lines) <= _LONGEST_SCRIPT and sum(map(len, self.lines)) <= _MOST_CHARACTERS
+        return 1 < number <= len(self.lines) and self.lines[number - 2].lstrip().startswith("@")
 
     def assigned(self, name: str) -> Assigned | None:
         """Return the only assignment of that name; None when there is none, or more than one."""
@@ -168,7 +179,11 @@ class ScriptText:
 
     def written(self, number: int) -> str:
         """Return the given line as it was written, with its strings and comments."""
-        return self._source.replace("\r\n", "\n").split("\n")[number - 1][:_LONGEST_LINE]
+        return self._written[number - 1][:_LONGEST_LINE] if 0 < number <= len(self._written) else ""
+
+    @cached_property
+    def _written(self) -> list[str]:
+        return self._source.replace("\r\n", "\n").split("\n")
 
     @property
     def numbers_as_text(self) -> list[int]:
@@ -179,7 +194,10 @@ class ScriptText:
 
     def calls(self, name: str) -> bool:
         """Whether the script calls a function by this name, or hands it over."""
-        return bool(self.lines_with(rf"(?<!\bdef )(?<!\w){re.escape(name)}\b"))
+        known = self._called.get(name)
+        if known is None:
+            known = self._called[name] = bool(self.lines_with(rf"(?<!\bdef )(?<!\w){re.escape(name)}\b"))
+        return known
 
     @property
     def defined_twice(self) -> tuple[str, int, int] | None:
@@ -209,12 +227,19 @@ class ScriptText:
 
     def owner_of(self, number: int) -> int | None:
         """Return the line that begins the block in which the given line stands; None at the top level."""
-        indent = _indent(self.lines[number - 1])
-        for above in range(number - 1, 0, -1):
-            line = self.lines[above - 1]
-            if line.strip() and _indent(line) < indent:
-                return above
-        return None
+        return self._owners[number - 1] if 0 < number <= len(self.lines) else None
+
+    @cached_property
+    def _owners(self) -> list[int | None]:
+        owners: list[int | None] = []
+        begun: list[int] = []  # the blocks around the line, and how far in each begins
+        indents: list[int] = []
+        for number, line in enumerate(self.lines, start=1):
+            depth = bisect_left(indents, _indent(line))
+            owners.append(begun[depth - 1] if depth else None)
+            if line.strip():
+                begun[depth:], indents[depth:] = [number], [_indent(line)]
+        return owners
 
     @property
     def defined_names(self) -> list[str]:
@@ -329,9 +354,13 @@ class ScriptText:
 
     def block(self, number: int) -> list[str]:
         """Return the given line and the block that it begins."""
-        lines, indent = self.lines[number - 1 :], _indent(self.lines[number - 1])
-        deeper = itertools.takewhile(lambda line: not line.strip() or _indent(line) > indent, lines[1:])
-        return [*lines[:1], *deeper]
+        if not 0 < number <= len(self.lines):
+            return []
+        if number not in self._blocks:
+            lines, indent = self.lines[number - 1 :], _indent(self.lines[number - 1])
+            deeper = itertools.takewhile(lambda line: not line.strip() or _indent(line) > indent, lines[1:])
+            self._blocks[number] = [*lines[:1], *deeper]
+        return self._blocks[number]
 
     @property
     def node_class(self) -> str | None:

@@ -15,9 +15,36 @@ def test_a_class_without_a_base_is_found_however_it_is_spaced() -> None:
 
 
 def test_a_hostile_line_leaves_patterns_little_to_try() -> None:
-    script = ScriptText("class Mover" + " " * 250_000 + "\n" + "x" * 250_000)
+    script = ScriptText("class Mover" + " " * 20_000 + "\n" + "x" * 20_000)
     assert [len(line) for line in script.lines] == [len("class Mover "), 500]
     assert not script.class_without_base("Mover")
+
+
+@pytest.mark.parametrize("source", ["x\n" * 130_000, "x" * 260_000, "def f():\n" + " exit()\n" * 30_000])
+def test_a_script_longer_than_a_beginner_writes_is_not_searched(source: str) -> None:
+    script = ScriptText(source)
+    assert script.has_code
+    assert script.lines == []
+    assert script.uncalled is None
+    assert script.defined_twice is None
+
+
+@pytest.mark.parametrize("number", [-1, 0, 4, 90_000, 10**30])
+def test_lines_that_the_script_does_not_have_may_be_asked_for(number: int) -> None:
+    """They come from the script's own account of itself: code that `exec` runs has others."""
+    script = ScriptText("def f():\n    g()\n    h()")
+    assert script.owner_of(number) is None
+    assert script.function_around(number) == ""
+    assert script.block(number) == []
+    assert script.body(number) == []
+    assert script.written(number) == ""
+    assert script.conditions_of(number) == []
+    assert script.loop_of(number) is None
+    assert script.for_of(number, "i") is None
+    assert not script.in_method(number)
+    assert not script.is_decorated(number)
+    assert not script.works_after(number)
+    assert not script.hands_over(number, "g")
 
 
 def test_only_a_function_called_in_the_arguments_is_handed_over_wrongly() -> None:
