@@ -108,7 +108,8 @@ def _as_one_quick_slot(arrived: Seconds, service: Seconds) -> Seconds:
     """
     worked = np.cumsum(service)
     idle = np.maximum.accumulate(arrived - (worked - service))
-    return worked + idle - arrived
+    took: NDArray[np.float64] = worked + idle - arrived
+    return took
 
 
 def measured() -> dict[str, object]:

@@ -68,7 +68,7 @@ def matched(first: Points, second: Points) -> NDArray[np.intp]:
 
 def matched_each(first: Points, second: Points) -> list[NDArray[np.intp]]:
     """Return what `matched` says of each row of (b, n) and (b, m) points; all at once is many times faster."""
-    squares = np.abs(first[:, :, None] - second[:, None, :]) ** 2
+    squares: NDArray[np.float64] = np.square(np.abs(first[:, :, None] - second[:, None, :]))
     ways = _ways_back(_accumulated(squares, "sum"))
     return [_walked_back(way, first.shape[1], second.shape[1]) for way in ways]
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.shim.conftest import PYTHON
@@ -38,6 +39,11 @@ def test_random_steps_say_what_they_say_on_a_real_disk(
     assert run.stdout.splitlines() == real.stdout.splitlines()
     assert run.stdout.count("\n") == int(COUNT)
     assert run.notes == []
+
+
+SITE_PACKAGES = "sys; sys.path.append({!r})".format(
+    next(path for path in sys.path if path.endswith("site-packages"))
+)
 
 
 def test_ordinary_ways_of_writing_a_file(run_bare: RunScript) -> None:
@@ -86,10 +92,7 @@ def test_numpy_saves_and_loads(run_bare: RunScript) -> None:
         "np.savetxt('c.txt', [[1.5, 2]], fmt='%.1f')\n"
         "print(np.load('a.npy').sum(), np.load('b.npz')['a'], np.loadtxt('c.txt'), open('c.txt').read())\n"
     )
-    search = "sys; sys.path.append({!r})".format(
-        next(path for path in sys.path if path.endswith("site-packages"))
-    )
-    for preload in [(search,), (search, "numpy")]:  # imported by the script, and ahead of it
+    for preload in [(SITE_PACKAGES,), (SITE_PACKAGES, "numpy")]:  # imported by the script, and ahead of it
         run = run_bare(source, preload=preload)
         assert (run.stdout, run.stderr) == ("2.0 [0 1 2] [1.5 2. ] 1.5 2.0\n\n", "")
 
@@ -146,3 +149,16 @@ def test_nothing_of_it_is_real(run_bare: RunScript, tmp_path: Path) -> None:
     assert run.stdout == "True 1000\n" * 3
     assert run.exit["message"] == "[Errno 9] Bad file descriptor"
     assert not any(os.path.exists(f"{folder}/{name}") for folder in ("", "/tmp", "/home"))
+
+
+def test_numpy_is_that_of_home(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import numpy as np\nprint(np.float, np.int(3), np.Inf, np.product([2, 3]), np.trapz([1, 2]))\n"
+        "print(isinstance(np.array([1.5], np.float32).min() * 0.5, float), np.array([200], np.uint8)[0] + 100)\n"
+        "print([np.float64(1.5)])\n",
+        preload=(SITE_PACKAGES,),
+    )
+    names, *rest = run.stdout.splitlines()
+    assert names == "<class 'float'> 3 inf 6 1.5"
+    if np.lib.NumpyVersion(np.__version__) < "2.0.0":
+        assert rest == ["True 300", "[1.5]"]

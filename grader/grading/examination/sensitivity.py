@@ -15,7 +15,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.rubric import ItemStatus, RubricItem, Unit
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
-from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Floats, Trajectory
+from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Floats, Ints, Trajectory
 from grader.messages.quantity import number
 
 Commands = Sequence[Command]
@@ -378,7 +378,7 @@ def replayed(recorded: Trajectory, commands: Sequence[Command]) -> Trajectory:
     )
 
 
-def _constant_stretches(commands: Sequence[Command], end_ns: int) -> tuple[np.ndarray, Floats, Floats]:
+def _constant_stretches(commands: Sequence[Command], end_ns: int) -> tuple[Ints, Floats, Floats]:
     """Return start times, v and w of stretches of constant velocity; turtlesim drops a command that is too old."""
     stretches = [(0, 0.0, 0.0)]
     following = [command.t_ns for command in commands[1:]] + [end_ns]

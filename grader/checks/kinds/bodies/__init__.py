@@ -67,7 +67,8 @@ class _Counted:
     @property
     def there(self) -> Floats:
         """Return the object's rows of the time when it was there."""
-        return self.object[np.isfinite(self.object[:, 0])]
+        there: Floats = self.object[np.isfinite(self.object[:, 0])]
+        return there
 
 
 def examine(assignment: Assignment, run: Run) -> Findings:

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grader.checks.drive import MOVING_MPS, MOVING_RADPS, Drive, is_motion
 from grader.checks.kinds.path.wanted import (
@@ -127,7 +128,7 @@ class Figure:
     wanted: Points
     driven: Points
     fine: Points
-    pairs: np.ndarray
+    pairs: NDArray[np.intp]
     end_m: float
     residual: float
     begun: float = 0.0
@@ -331,7 +332,7 @@ def _refined(figures: Sequence[Figure], allowed: _Allowed, thinned: int = 1) -> 
     return found
 
 
-def _matched(placed: Sequence[Similarity], given: Sequence[Points], driven: Points) -> list[np.ndarray]:
+def _matched(placed: Sequence[Similarity], given: Sequence[Points], driven: Points) -> list[NDArray[np.intp]]:
     """Return the match of each of the wanted paths, where it is placed, with its part of the drive."""
     there = np.array([one.of(points) for one, points in zip(placed, given, strict=True)])
     return matched_each(there, driven)

@@ -32,6 +32,7 @@ LAZY = {
     "dbm": ("host", "patch_dbm"),
     "datetime": ("datetime", "patch_datetime"),
     "logging": ("threads", "patch_logging"),
+    "numpy": ("numpy", "patch_names"),
     "numpy.lib._datasource": ("numpy", "patch_datasource"),
     "numpy.lib._format_impl": ("numpy", "patch_format"),
     "numpy.lib.format": ("numpy", "patch_format"),

@@ -1,7 +1,11 @@
-"""Lets numpy read and write the files of `rclpy._storage`."""
+"""Lets numpy read and write the files of `rclpy._storage`, and have the names of the version at home.
+
+Ubuntu 22.04 has numpy 1.21 (Humble), 24.04 has 1.26 (Jazzy).
+"""
 
 from __future__ import annotations
 
+from rclpy import _distro
 from rclpy._storage.descriptors import descriptors
 from rclpy._storage.open_files import open as open_file
 
@@ -9,6 +13,34 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from types import ModuleType
     from typing import Any
+
+
+_UP_TO_1_23 = {
+    one.__name__: one for one in (bool, int, float, complex, object, str)
+}  # deprecated there, which is said to nobody here
+_UP_TO_1 = {
+    "Inf": "inf",
+    "NaN": "nan",
+    "float_": "float64",
+    "complex_": "complex128",
+    "round_": "round",
+    "product": "prod",
+    "cumproduct": "cumprod",
+    "alltrue": "all",
+    "sometrue": "any",
+    "trapz": "trapezoid",
+    "in1d": "isin",
+}
+
+
+def patch_names(module: ModuleType) -> None:
+    """Give numpy the names that a newer version than the one at home has dropped."""
+    for name, other in _UP_TO_1.items():
+        if not hasattr(module, name):
+            setattr(module, name, getattr(module, other))
+    if _distro.chosen == _distro.HUMBLE:
+        for name, builtin in _UP_TO_1_23.items():
+            module.__dict__.setdefault(name, builtin)
 
 
 def patch_format(module: ModuleType) -> None:
