@@ -102,6 +102,9 @@ Options = dict[str, Annotated[StrictBool | StrictInt | StrictFloat | StrictStr, 
 MAX_HORIZON_S = 600.0
 
 
+_MOST = 1_000_000_000  # of a whole number: what a column of every database holds
+
+
 class TextModel(SpecModel):
     """A sentence in both languages."""
 
@@ -220,7 +223,7 @@ class WorldModel(SpecModel):
     walls: bool = True
     start: StartModel = StartModel()
     cmd_vel_topic: Topic = "/turtle1/cmd_vel"
-    seed: Annotated[int, Field(ge=0)] = 0
+    seed: Annotated[int, Field(ge=0, le=_MOST)] = 0
     odometry: bool = False
 
     @model_validator(mode="before")
@@ -356,7 +359,7 @@ class CaseModel(SpecModel):
     stdin: str = ""
     args: tuple[str, ...] = ()
     options: Options = Field(default_factory=dict)
-    seed: Annotated[int, Field(ge=0)] | None = None
+    seed: Annotated[int, Field(ge=0, le=_MOST)] | None = None
     start: StartModel | None = None
     visit: Annotated[tuple[GoalModel, ...], Field(max_length=20)] = ()
 
@@ -539,8 +542,8 @@ class AssignmentModel(SpecModel):
     """The whole file."""
 
     id: Id
-    version: Annotated[int, Field(ge=1)]
-    order: int
+    version: Annotated[int, Field(ge=1, le=_MOST)]
+    order: Annotated[int, Field(ge=-_MOST, le=_MOST)]
     title: TextModel
     brief: TextModel
     check: str

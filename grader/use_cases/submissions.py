@@ -75,7 +75,8 @@ def listed(
 ) -> tuple[tuple[Submission, ...], str | None]:
     """Return at most `limit` submissions in the order of their arrival, and the `after` of the next page.
 
-    Students get their own, whatever `wanted` says; the staff get those of the class.
+    Students get their own, whatever `wanted` says; the staff get those of the class. An instant without an offset
+    is on the clock of the course.
 
     Raises:
         RefusedError: nobody knows who the caller is.
@@ -84,6 +85,9 @@ def listed(
         if caller.course is None or caller.person is None:
             require_staff(caller)
         wanted = replace(wanted, student=caller.person)
+    if wanted.since is not None and wanted.since.tzinfo is None:
+        zone = services.rules.of(caller.course).zone
+        wanted = replace(wanted, since=wanted.since.replace(tzinfo=zone))
     found = services.submissions.of_class(caller.course, wanted, limit + 1, caller.students)
     page = found[:limit]
     return shown_list(services, caller, page), page[-1].id if len(found) > limit else None

@@ -41,6 +41,9 @@ _ROLES = {
     "助教": Role.ASSISTANT.value,
     "教师": Role.INSTRUCTOR.value,
     "老师": Role.INSTRUCTOR.value,
+    "ta": Role.ASSISTANT.value,
+    "teaching assistant": Role.ASSISTANT.value,
+    "teacher": Role.INSTRUCTOR.value,
 }
 _SHORTENED = re.compile(r"[0-9][.,]?[0-9]*e[+]?[0-9]+", re.IGNORECASE)
 _WIDENING = re.compile(r"(?<=[^\x00-\x7f]) (?=[^\x00-\x7f])")
@@ -242,11 +245,10 @@ def _checked_student(text: str) -> str:
 
 
 def _checked_role(text: str) -> Role | None:
-    role = text.casefold()
-    role = _ROLES.get(role, role)
+    role = _ROLES.get(text.casefold(), text.casefold())
     if role and role not in list(Role):
         known = ", ".join(Role)
-        raise CourseError(f"{role!r} is no role: use {known}", f"没有角色 {role!r}：只能用 学生、助教、教师")
+        raise CourseError(f"{text!r} is no role: use {known}", f"没有角色 {text!r}：只能用 学生、助教、教师")
     return Role(role) if role else None
 
 

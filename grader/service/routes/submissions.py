@@ -10,7 +10,7 @@ from datetime import datetime
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, File, Form, Header, Query, Response, UploadFile, status
-from pydantic import AwareDatetime, BaseModel, Field
+from pydantic import BaseModel, Field
 
 from grader.contracts.judgement import judged
 from grader.contracts.outcome import SHOWN_CHARACTERS, SHOWN_LOGS, Blame, RunStatus
@@ -33,6 +33,7 @@ from grader.service.requests.dependencies import (
 from grader.service.requests.middleware import UploadRoute, arrival
 from grader.service.routes.problems import responses
 from grader.use_cases import submissions
+from grader.use_cases.bodies import Instant
 from grader.use_cases.handing_in import Upload, hand_in, most_upload_bytes
 from grader.use_cases.submissions import ShownSubmission
 from grader.use_cases.visibility import graded
@@ -259,7 +260,8 @@ def read_all(  # noqa: PLR0913
     assignment: Annotated[str | None, Query(max_length=64)] = None,
     state: Annotated[SubmissionState | None, Query(alias="status")] = None,
     since: Annotated[
-        AwareDatetime | None, Query(description="Received then or later; with an offset.")
+        Instant | None,
+        Query(description="Received then or later; without an offset on the clock of the course."),
     ] = None,
     after: Annotated[str | None, Query(max_length=36, description="From `next_after`.")] = None,
     limit: Annotated[QueryWhole, Query(ge=1, le=1_000)] = 100,

@@ -125,6 +125,8 @@ def test_an_edit_is_seen_without_a_restart(tmp_path: Path) -> None:
         ("en: Demo}", "en: Go to (2, 9)}", 4, ("title.9)", "quotes around")),
         ("version: 1\n", "", 1, ("version", "required")),
         ("version: 1", "version: one", 2, ("version", "whole number")),
+        ("version: 1", "version: 9223372036854775808", 2, ("version", "or less")),
+        ("order: 1", "order: 10000000000000000000000000", 3, ("order", "or less")),
         ("zh: 演示, ", "", 4, ("title.zh", "required")),
         ("points: 40", "points: -40", 15, ("items.1.points", "more than 0")),
         ("points: 40", "points: .nan", 15, ("items.1.points", "finite")),

@@ -202,6 +202,19 @@ def test_a_wrong_row_is_named_and_the_others_are_kept(rows: Rows, number: int, w
         roster.checked()
 
 
+@pytest.mark.parametrize(
+    ("written", "role"),
+    [
+        ("TA", Role.ASSISTANT),
+        ("Teaching Assistant", Role.ASSISTANT),
+        ("Teacher", Role.INSTRUCTOR),
+        ("Student", Role.STUDENT),
+    ],
+)
+def test_roles_may_be_named_as_platforms_name_them(written: str, role: Role) -> None:
+    assert read_roster(f"id,name,role\nx1,Smith,{written}\n".encode()).entries[0].role is role
+
+
 def test_what_is_wrong_with_a_roster_is_told_in_its_own_words() -> None:
     with pytest.raises(CourseError) as caught:
         read_roster("姓名\n李雷\n".encode())

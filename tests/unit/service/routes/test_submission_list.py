@@ -1,7 +1,9 @@
 """The list of submissions: whose, which, page by page."""
 
 from collections.abc import Callable
+from datetime import timedelta
 from typing import Any
+from zoneinfo import ZoneInfo
 
 import httpx
 
@@ -38,7 +40,12 @@ def test_everything_is_listed_once(
     assert listed(client, school.as_("ta"), student="li", assignment="square") == [("li", "square")]
     assert listed(client, school.as_("ta"), since=START.isoformat()) == everything
     assert listed(client, school.as_("ta"), status="queued") == []
-    assert client.get(URL, headers=school.as_("ta"), params={"since": "2026-03-02"}).status_code == 422
+    local = START.astimezone(ZoneInfo("Asia/Shanghai")).replace(tzinfo=None)
+    assert listed(client, school.as_("ta"), since=local.isoformat()) == everything
+    assert listed(client, school.as_("ta"), since=(local + timedelta(days=1)).isoformat()) == []
+    for since in ("2026-03-02", "0", "1.5", "0001-01-01T00:00:00+14:00", "9999-12-31T23:59:59-14:00"):
+        refused = client.get(URL, headers=school.as_("ta"), params={"since": since})
+        assert (refused.status_code, refused.json()["code"]) == (422, "invalid_request"), since
 
 
 def test_students_get_their_own_without_what_is_hidden(
