@@ -418,3 +418,14 @@ def test_a_timer_made_while_a_callback_is_under_way_counts_and_few_watches_are_m
         executor.spin()
     """
     assert run_lines(run_script, source) == ["5250 52 True"]
+
+
+def test_a_coroutine_object_is_a_task(run_script):
+    """As with asyncio; upstream looks at what it is given when it runs it (task.py:236)."""
+    run = run_script(
+        "import rclpy\nfrom rclpy.executors import SingleThreadedExecutor\nrclpy.init()\n"
+        "async def seven():\n    return 7\n"
+        "executor = SingleThreadedExecutor()\ntask = executor.create_task(seven())\n"
+        "executor.spin_once(timeout_sec=0.1)\nprint(task.done(), task.result())\n"
+    )
+    assert run.stdout == "True 7\n"

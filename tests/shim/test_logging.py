@@ -206,3 +206,9 @@ def test_the_episode_is_told_what_a_node_logs_after_its_end(run_script):
     run = run_script(dedent(source))
     texts = (b"destruction", b"shutdown")
     assert [text for _, cdr in run.published("/rosout") for text in texts if text in cdr] == list(texts)
+
+
+def test_none_is_a_null_pointer_to_c(run_script):
+    run, lines = run_and_stderr(run_script, "print(log.info(None))")
+    assert run.stdout == "True\n"
+    assert lines[0].endswith("(null)")

@@ -255,3 +255,38 @@ def test_a_remap_rule_outside_ros_arguments_counts_and_is_warned_of(run_script):
         "Found remap rule '__ns:=/q'. This syntax is deprecated. Use '--ros-args --remap __ns:=/q' instead."
         in run.stderr
     )
+
+
+UPSTREAM = {
+    "_apply_descriptor",
+    "_check_undeclared_parameters",
+    "_set_parameters",
+    "_set_parameters_atomically",
+    "_validate_qos_or_depth_parameter",
+    "_validate_topic_or_service_name",
+    "_wake_executor",
+}
+"""Private methods of rclpy's Node that a class of its own may replace at home as well."""
+
+
+def test_methods_of_a_script_replace_none_of_the_nodes_own(run_script):
+    source = """
+        rclpy.init()
+        own = [name for name in vars(Node) if not name.startswith(("__", "_rcl_", "_Node__"))]
+        print(*[name for name in own if name.startswith("_")])
+        class Mover(Node):
+            def __init__(self):
+                self._store, self._infos, self._waitables = [], {}, 3
+                super().__init__("mover")
+                self._store, self._infos, self._waitables = [], {}, 3
+                self.declare_parameter("speed", 1.0)
+            def _start_services(self): pass
+            def _destroy(self): pass
+            def _add_publisher(self, name): pass
+        node = Mover()
+        node.create_publisher(Twist, "a", 10)
+        print(node.destroy_node())
+    """
+    names, destroyed = lines(run_script, source)
+    assert set(names.split()) <= UPSTREAM
+    assert destroyed == "None"

@@ -122,7 +122,7 @@ class Node:
         automatically_declare_parameters_from_overrides: bool = False,
     ) -> None:
         self._context = get_default_context() if context is None else context
-        self._start_without_entities()
+        self._rcl_start_without_entities()
         self._parameters: dict[str, Parameter] = {}
         self._descriptors: dict[str, Any] = {}
         self._parameters_callbacks: list[SetCallback] = []
@@ -131,29 +131,29 @@ class Node:
         self.__executor_weakref: Callable[[], Executor | None] | None = None
         if not self._context._valid():
             raise NotInitializedException("cannot create node")
-        self.__node = self._create_handle(
+        self.__node = self._rcl_create_handle(
             node_name, namespace or "", cli_args, use_global_arguments, enable_rosout
         )
         self._logger = get_logger(self.__node.logger_name())
-        self._parameter_event_publisher: Publisher | None = self._create_event_publisher()
+        self._parameter_event_publisher: Publisher | None = self._rcl_create_event_publisher()
         self._parameter_overrides = self.__node.get_parameters(Parameter)
         self._parameter_overrides.update({p.name: p for p in parameter_overrides or ()})
         self._clock = ROSClock()
         if automatically_declare_parameters_from_overrides:
-            self._declare_overrides()
-        self._start_services(self._clock, start_parameter_services)
+            self._rcl_declare_overrides()
+        self._rcl_start_services(self._clock, start_parameter_services)
 
-    def _start_without_entities(self) -> None:
+    def _rcl_start_without_entities(self) -> None:
         self._publishers: list[Publisher] = []
         self._subscriptions: list[Subscription] = []
         self._clients: list[Client] = []
         self._services: list[Service] = []
         self._timers: list[Timer] = []
         self._guards: list[GuardCondition] = []
-        self._waitables: list[Waitable] = []
+        self._rcl_waitables: list[Waitable] = []
         self._rate_group = ReentrantCallbackGroup()
 
-    def _start_services(self, clock: ROSClock, of_parameters: bool) -> None:
+    def _rcl_start_services(self, clock: ROSClock, of_parameters: bool) -> None:
         from rclpy.parameter_service import ParameterService
         from rclpy.time_source import TimeSource
 
@@ -162,7 +162,7 @@ class Node:
         if of_parameters:
             self._parameter_service = ParameterService(self)
 
-    def _declare_overrides(self) -> None:
+    def _rcl_declare_overrides(self) -> None:
         from rclpy._interfaces.own import ParameterDescriptor
 
         overrides = self._parameter_overrides.items()
@@ -170,7 +170,7 @@ class Node:
             "", [(name, p.value, ParameterDescriptor()) for name, p in overrides], ignore_override=True
         )
 
-    def _create_handle(
+    def _rcl_create_handle(
         self, name: str, namespace: str, cli_args: list[str] | None, use_global: bool, enable_rosout: bool
     ) -> NodeHandle:
         if not isinstance(name, str):
@@ -191,11 +191,11 @@ class Node:
             open_rosout(handle)
         return handle
 
-    def _create_event_publisher(self) -> Publisher:
+    def _rcl_create_event_publisher(self) -> Publisher:
         kind = LazyType("rcl_interfaces/msg/ParameterEvent")
         qos = qos_profile_parameter_events
         impl = PublisherHandle(self.__node, kind, "/parameter_events", qos.get_c_qos_profile())
-        return self._add_publisher(
+        return self._rcl_add_publisher(
             Publisher, impl, (kind, "/parameter_events", qos), None, self.default_callback_group
         )
 
@@ -227,7 +227,7 @@ class Node:
 
     @property
     def waitables(self) -> Iterator[Waitable]:
-        yield from self._waitables
+        yield from self._rcl_waitables
 
     @property
     def executor(self) -> Executor | None:
@@ -274,15 +274,15 @@ class Node:
 
     def get_name(self) -> str:
         """Return the node's name."""
-        return self._graph_handle().name
+        return self._rcl_graph_handle().name
 
     def get_namespace(self) -> str:
         """Return the node's namespace."""
-        return self._graph_handle().namespace
+        return self._rcl_graph_handle().namespace
 
     def get_fully_qualified_name(self) -> str:
         """Return namespace and name."""
-        return self._graph_handle().path
+        return self._rcl_graph_handle().path
 
     def get_clock(self) -> Clock:
         """Return the node's clock, which shows ROS time."""
@@ -311,7 +311,7 @@ class Node:
             raise ValueError("history depth must be greater than or equal to zero")
         return QoSProfile(depth=qos_or_depth)
 
-    def _prepare_topic(
+    def _rcl_prepare_topic(
         self,
         kind: type[Publisher] | type[Subscription],
         topic: str,
@@ -335,12 +335,12 @@ class Node:
 
     def add_waitable(self, waitable: Waitable) -> None:
         """Have the node's executor wait for a custom waitable."""
-        self._waitables.append(waitable)
+        self._rcl_waitables.append(waitable)
         self._wake_executor(added=True)
 
     def remove_waitable(self, waitable: Waitable) -> None:
         """Undo `add_waitable`."""
-        self._waitables.remove(waitable)
+        self._rcl_waitables.remove(waitable)
         self._wake_executor()
 
     def create_publisher(
@@ -370,14 +370,14 @@ class Node:
         """
         qos_profile = self._validate_qos_or_depth_parameter(qos_profile)
         group = callback_group or self.default_callback_group
-        self._prepare_topic(Publisher, topic, qos_profile, qos_overriding_options)
+        self._rcl_prepare_topic(Publisher, topic, qos_profile, qos_overriding_options)
         check_is_valid_msg_type(msg_type)
         impl = PublisherHandle(self.handle, class_of(msg_type), topic, qos_profile.get_c_qos_profile())
-        return self._add_publisher(
+        return self._rcl_add_publisher(
             publisher_class, impl, (msg_type, topic, qos_profile), event_callbacks, group
         )
 
-    def _add_publisher(
+    def _rcl_add_publisher(
         self,
         publisher_class: type[Publisher],
         impl: PublisherHandle,
@@ -412,7 +412,7 @@ class Node:
         """Create a subscription; `callback` gets each message (bytes when `raw`). Raises as a publisher."""
         qos_profile = self._validate_qos_or_depth_parameter(qos_profile)
         group = callback_group or self.default_callback_group
-        self._prepare_topic(Subscription, topic, qos_profile, qos_overriding_options)
+        self._rcl_prepare_topic(Subscription, topic, qos_profile, qos_overriding_options)
         check_is_valid_msg_type(msg_type)
         msg_type = class_of(msg_type)
         impl = SubscriptionHandle(self.handle, msg_type, topic, qos_profile.get_c_qos_profile())
@@ -441,7 +441,7 @@ class Node:
         """Create a client of a service; InvalidServiceNameException when the name is invalid."""
         group = self.default_callback_group if callback_group is None else callback_group
         check_is_valid_srv_type(srv_type)
-        impl = self._service_endpoint(ClientHandle, srv_type, srv_name, qos_profile)
+        impl = self._rcl_service_endpoint(ClientHandle, srv_type, srv_name, qos_profile)
         client = Client(self.context, impl, srv_type, srv_name, qos_profile, group)
         group.add_entity(client)
         self._clients.append(client)
@@ -459,9 +459,9 @@ class Node:
     ) -> Service:
         """Offer a service: `callback` gets request and response and returns the response."""
         check_is_valid_srv_type(srv_type)
-        return self._add_service(srv_type, srv_name, callback, qos_profile, callback_group)
+        return self._rcl_add_service(srv_type, srv_name, callback, qos_profile, callback_group)
 
-    def _add_service(
+    def _rcl_add_service(
         self,
         srv_type: Any,
         srv_name: str,
@@ -470,14 +470,14 @@ class Node:
         callback_group: CallbackGroup | None,
     ) -> Service:
         group = self.default_callback_group if callback_group is None else callback_group
-        impl = self._service_endpoint(ServiceHandle, srv_type, srv_name, qos_profile)
+        impl = self._rcl_service_endpoint(ServiceHandle, srv_type, srv_name, qos_profile)
         service = Service(impl, srv_type, srv_name, callback, group, qos_profile)
         group.add_entity(service)
         self._services.append(service)
         self._wake_executor(added=True)
         return service
 
-    def _service_endpoint(self, kind: Any, srv_type: Any, name: str, qos: QoSProfile) -> Any:
+    def _rcl_service_endpoint(self, kind: Any, srv_type: Any, name: str, qos: QoSProfile) -> Any:
         try:
             return kind(self.handle, srv_type, name, qos.get_c_qos_profile())
         except ValueError:
@@ -522,39 +522,39 @@ class Node:
 
     # Destruction ----------------------------------------------------------------------------------
 
-    def _destroy(self, members: list[Any], entity: Any) -> bool:
+    def _rcl_destroy(self, members: list[Any], entity: Any) -> bool:
         if entity not in members:
             return False
         members.remove(entity)
         for handler in getattr(entity, "event_handlers", ()):
-            self._waitables.remove(handler)
+            self._rcl_waitables.remove(handler)
         entity.destroy()
         self._wake_executor()
         return True
 
     def destroy_publisher(self, publisher: Publisher) -> bool:
         """Destroy a publisher of this node; whether it was one."""
-        return self._destroy(self._publishers, publisher)
+        return self._rcl_destroy(self._publishers, publisher)
 
     def destroy_subscription(self, subscription: Subscription) -> bool:
         """Destroy a subscription of this node; whether it was one."""
-        return self._destroy(self._subscriptions, subscription)
+        return self._rcl_destroy(self._subscriptions, subscription)
 
     def destroy_client(self, client: Client) -> bool:
         """Destroy a client of this node; whether it was one."""
-        return self._destroy(self._clients, client)
+        return self._rcl_destroy(self._clients, client)
 
     def destroy_service(self, service: Service) -> bool:
         """Destroy a service of this node; whether it was one."""
-        return self._destroy(self._services, service)
+        return self._rcl_destroy(self._services, service)
 
     def destroy_timer(self, timer: Timer) -> bool:
         """Destroy a timer of this node; whether it was one."""
-        return self._destroy(self._timers, timer)
+        return self._rcl_destroy(self._timers, timer)
 
     def destroy_guard_condition(self, guard: GuardCondition) -> bool:
         """Destroy a guard condition of this node; whether it was one."""
-        return self._destroy(self._guards, guard)
+        return self._rcl_destroy(self._guards, guard)
 
     def destroy_rate(self, rate: Rate) -> bool:
         """Destroy a rate of this node and wake its sleepers; whether it was one."""
@@ -575,7 +575,7 @@ class Node:
         )
         for members in kinds:
             while members:
-                self._destroy(members, members[0])
+                self._rcl_destroy(members, members[0])
         self.__node.destroy_when_not_in_use()
         self._wake_executor()
 
@@ -744,16 +744,16 @@ class Node:
             result = callback(parameter_list)
             if not result.successful:
                 return result
-        self._graph_handle()  # upstream asks for the node's name here: a destroyed one stores nothing any more
+        self._rcl_graph_handle()  # upstream asks for the node's name here: a destroyed one stores nothing any more
         event: dict[str, list[Parameter]] = {"new": [], "changed": [], "deleted": []}
         for parameter in parameter_list:
-            event[self._store(parameter, descriptors, allow_not_set_type)].append(parameter)
-        self._publish_parameter_event(event)
+            event[self._rcl_store(parameter, descriptors, allow_not_set_type)].append(parameter)
+        self._rcl_publish_parameter_event(event)
         from rclpy._interfaces.own import SetParametersResult
 
         return SetParametersResult(successful=True)
 
-    def _store(
+    def _rcl_store(
         self, parameter: Parameter, descriptors: Mapping[str, Any] | None, allow_not_set_type: bool
     ) -> str:
         """Store one parameter and return what happened to it."""
@@ -772,7 +772,7 @@ class Node:
         self._parameters[name] = parameter
         return "new" if old is None or old.type_ == NOT_SET else "changed"
 
-    def _publish_parameter_event(self, event: dict[str, list[Parameter]]) -> None:
+    def _rcl_publish_parameter_event(self, event: dict[str, list[Parameter]]) -> None:
         publisher = self._parameter_event_publisher
         if publisher is None or not (publisher.handle.readers or not self.__node.context.valid):
             return  # nobody listens, and publishing would not fail: building the message is the costly part
@@ -825,7 +825,7 @@ class Node:
         if name not in self._parameters:
             if not self._allow_undeclared_parameters:
                 raise ParameterNotDeclaredException(name)
-            return self._value_message(name)
+            return self._rcl_value_message(name)
         if self.describe_parameter(name).read_only:
             raise ParameterImmutableException(name)
         candidates = [self._parameters[name]]
@@ -839,33 +839,33 @@ class Node:
             if result.successful:
                 self._parameters[name] = candidate
                 self._descriptors[name] = descriptor
-                return self._value_message(name)
+                return self._rcl_value_message(name)
         raise InvalidParameterValueException(name, candidates[-1].value, result.reason)
 
-    def _value_message(self, name: str) -> Any:
+    def _rcl_value_message(self, name: str) -> Any:
         parameter = self._parameters.get(name) or Parameter(name, Parameter.Type.NOT_SET)
         return parameter.get_parameter_value()
 
     # Questions about the graph --------------------------------------------------------------------
 
-    def _graph_handle(self) -> NodeHandle:
+    def _rcl_graph_handle(self) -> NodeHandle:
         handle = self.handle
         handle.require()
         return handle
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
         """Return a topic name made absolute and, unless `only_expand`, remapped; RCLError when invalid."""
-        return self._graph_handle().resolve(topic, only_expand, False)
+        return self._rcl_graph_handle().resolve(topic, only_expand, False)
 
     def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
         """Return a service name made absolute and, unless `only_expand`, remapped; RCLError when invalid."""
-        return self._graph_handle().resolve(service, only_expand, True)
+        return self._rcl_graph_handle().resolve(service, only_expand, True)
 
     def get_publisher_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> NamesAndTypes:
         """Return the topics a node publishes; NodeNameNonExistentError."""
-        handle = self._graph_handle()
+        handle = self._rcl_graph_handle()
         failure = "failed to get publisher names and types"
         return handle.names_and_types_by_node(failure, handle.graph.writers, node_name, node_namespace)
 
@@ -873,66 +873,66 @@ class Node:
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> NamesAndTypes:
         """Return the topics a node listens to; NodeNameNonExistentError."""
-        handle = self._graph_handle()
+        handle = self._rcl_graph_handle()
         failure = "failed to get subscriber names and types"
         return handle.names_and_types_by_node(failure, handle.graph.readers, node_name, node_namespace)
 
     def get_service_names_and_types_by_node(self, node_name: str, node_namespace: str) -> NamesAndTypes:
         """Return the services a node offers; NodeNameNonExistentError."""
-        handle = self._graph_handle()
+        handle = self._rcl_graph_handle()
         failure = "failed to get service names and types"
         return handle.names_and_types_by_node(failure, handle.graph.servers, node_name, node_namespace)
 
     def get_client_names_and_types_by_node(self, node_name: str, node_namespace: str) -> NamesAndTypes:
         """Return the services a node has clients of; NodeNameNonExistentError."""
-        handle = self._graph_handle()
+        handle = self._rcl_graph_handle()
         failure = "failed to get client names and types"
         return handle.names_and_types_by_node(failure, handle.graph.clients, node_name, node_namespace)
 
     def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
         """Return all topics with their types."""
-        handle = self._graph_handle()
+        handle = self._rcl_graph_handle()
         failure = "failed to get topic names and types"
         return handle.names_and_types(failure, handle.graph.writers, handle.graph.readers)
 
     def get_service_names_and_types(self) -> NamesAndTypes:
         """Return all services with their types."""
-        handle = self._graph_handle()
+        handle = self._rcl_graph_handle()
         return handle.names_and_types("failed to get service names and types", handle.graph.servers)
 
     def get_node_names(self) -> list[str]:
         """Return the names of all nodes."""
-        return [name for name, _ in self._graph_handle().get_node_names_and_namespaces()]
+        return [name for name, _ in self._rcl_graph_handle().get_node_names_and_namespaces()]
 
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
         """Return the names and namespaces of all nodes."""
-        return self._graph_handle().get_node_names_and_namespaces()
+        return self._rcl_graph_handle().get_node_names_and_namespaces()
 
     def get_node_names_and_namespaces_with_enclaves(self) -> list[tuple[str, str, str]]:
         """Return the names, namespaces and security enclaves of all nodes."""
-        return self._graph_handle().get_node_names_and_namespaces_with_enclaves()
+        return self._rcl_graph_handle().get_node_names_and_namespaces_with_enclaves()
 
-    def _full_topic_name(self, topic_name: str) -> str:
-        handle = self._graph_handle()
+    def _rcl_full_topic_name(self, topic_name: str) -> str:
+        handle = self._rcl_graph_handle()
         full = expand(topic_name, handle.name, handle.namespace)
         validate_full_topic_name(full)
         return full
 
     def count_publishers(self, topic_name: str) -> int:
         """Return how many publishers a topic has."""
-        return self._graph_handle().get_count_publishers(self._full_topic_name(topic_name))
+        return self._rcl_graph_handle().get_count_publishers(self._rcl_full_topic_name(topic_name))
 
     def count_subscribers(self, topic_name: str) -> int:
         """Return how many subscriptions a topic has."""
-        return self._graph_handle().get_count_subscribers(self._full_topic_name(topic_name))
+        return self._rcl_graph_handle().get_count_subscribers(self._rcl_full_topic_name(topic_name))
 
-    def _infos(self, topic_name: str, no_mangle: bool, *, writers: bool) -> list[TopicEndpointInfo]:
+    def _rcl_infos(self, topic_name: str, no_mangle: bool, *, writers: bool) -> list[TopicEndpointInfo]:
         from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-        handle = self._graph_handle()
+        handle = self._rcl_graph_handle()
         name = topic_name
         if not no_mangle:
-            name = handle.remap(self._full_topic_name(topic_name), "topic")
+            name = handle.remap(self._rcl_full_topic_name(topic_name), "topic")
         what = "publishers" if writers else "subscriptions"
         handle.require_context(f"Failed to get information by topic for {what}")
         kind = handle.graph.writers if writers else handle.graph.readers
@@ -952,13 +952,13 @@ class Node:
         self, topic_name: str, no_mangle: bool = False
     ) -> list[TopicEndpointInfo]:
         """Return what is known of a topic's publishers."""
-        return self._infos(topic_name, no_mangle, writers=True)
+        return self._rcl_infos(topic_name, no_mangle, writers=True)
 
     def get_subscriptions_info_by_topic(
         self, topic_name: str, no_mangle: bool = False
     ) -> list[TopicEndpointInfo]:
         """Return what is known of a topic's subscriptions."""
-        return self._infos(topic_name, no_mangle, writers=False)
+        return self._rcl_infos(topic_name, no_mangle, writers=False)
 
 
 def _no_publisher_callbacks() -> PublisherEventCallbacks:

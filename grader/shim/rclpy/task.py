@@ -51,6 +51,11 @@ async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:
     return callback(*args)
 
 
+_awaited = await_or_execute(print)
+_COROUTINE: Any = type(_awaited)
+_awaited.close()
+
+
 def _no_executor() -> None:
     return None
 
@@ -172,8 +177,9 @@ class Task(Future):
         self._handler: Any = handler
         self._args: Sequence[Any] | None = () if args is None else args
         self._kwargs: Mapping[str, Any] | None = {} if kwargs is None else kwargs
-        self._coroutine = is_coroutine_function(handler)
-        if self._coroutine:
+        self._coroutine = type(handler) is _COROUTINE  # asyncio's habit: an object instead of the function
+        if is_coroutine_function(handler):
+            self._coroutine = True
             self._handler = handler(*self._args, **self._kwargs)
             self._args = self._kwargs = None
         self._executing = False

@@ -41,7 +41,7 @@ class TypeDescriptionService:
             node.get_logger().error(text)
         if self.enabled:
             lazy = LazyType("type_description_interfaces/srv/GetTypeDescription")
-            self._type_description_srv = node._add_service(
+            self._type_description_srv = node._rcl_add_service(
                 lazy, self.service_name, self._service_callback, qos_profile_services_default, None
             )
 

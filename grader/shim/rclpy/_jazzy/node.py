@@ -38,7 +38,7 @@ _NOTHING_LEFT = (
 
 _humble_init = node.Node.__init__
 _humble_destroy = node.Node.destroy_node
-_humble_infos = node.Node._infos
+_humble_infos = node.Node._rcl_infos
 _humble_set_atomically = node.Node._set_parameters_atomically
 _humble_create_node = rclpy.create_node
 
@@ -233,22 +233,22 @@ class Node(node.Node):
         return found
 
     def _full_service_name(self, service_name: str) -> str:
-        handle = self._graph_handle()
+        handle = self._rcl_graph_handle()
         full = expand(service_name, handle.name, handle.namespace)
         validate_full_topic_name(full, is_service=True)
         return full
 
     def count_clients(self, service_name: str) -> int:
         """Return how many clients a service has."""
-        handle: Any = self._graph_handle()
+        handle: Any = self._rcl_graph_handle()
         return int(handle.get_count_clients(self._full_service_name(service_name)))
 
     def count_services(self, service_name: str) -> int:
         """Return how many servers a service has."""
-        handle: Any = self._graph_handle()
+        handle: Any = self._rcl_graph_handle()
         return int(handle.get_count_services(self._full_service_name(service_name)))
 
-    def _infos(self, topic_name: str, no_mangle: bool, *, writers: bool) -> list[TopicEndpointInfo]:
+    def _rcl_infos(self, topic_name: str, no_mangle: bool, *, writers: bool) -> list[TopicEndpointInfo]:
         infos: list[Any] = _humble_infos(self, topic_name, no_mangle, writers=writers)
         for info in infos:
             info.topic_type_hash = hash_of(info.topic_type)

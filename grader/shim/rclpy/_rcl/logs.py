@@ -112,12 +112,16 @@ def is_enabled(name: str, severity: int) -> bool:
     return severity >= effective_level(name)
 
 
-def log(severity: int, name: str, message: str | bytes, function: str, file: str, line: int) -> None:
+def log(severity: int, name: str, message: str | bytes | None, function: str, file: str, line: int) -> None:
     """Write one line to the console and publish it on the node's /rosout.
+
+    None becomes a null pointer on its way to C, which prints it as ``(null)``. (rclpy's _rclpy_logging.cpp:126)
 
     Raises:
         TypeError: the message is no text, with the text of upstream's C binding.
     """
+    if message is None:
+        message = "(null)"
     if isinstance(message, bytes):
         message = message.decode("utf-8", "replace")
     if not isinstance(message, str):

@@ -304,7 +304,7 @@ def _order(place: Place) -> tuple[int, int, int]:
 
 def _members(node: Node) -> tuple[list[Any], ...]:
     """Return what a node consists of, by kind."""
-    return node._timers, node._subscriptions, node._guards, node._clients, node._services, node._waitables
+    return node._timers, node._subscriptions, node._guards, node._clients, node._services, node._rcl_waitables
 
 
 def _free(entity: Any) -> bool:
