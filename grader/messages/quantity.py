@@ -157,11 +157,13 @@ class SpokenQuantity(PositionalRecord):
     Attributes:
         unit: one of `ANSWER_UNITS`, or empty when none of them follows.
         foreign: a unit that no question asks for, as written (``平方米``); or empty.
+        behind: the text from there to the next number, or to the end.
     """
 
     value: float
     unit: Unit
     foreign: str = ""
+    behind: str = ""
 
     def in_unit(self, unit: Unit) -> float | None:
         """Return the value in `unit`; a bare number is taken to be in it. None: another kind, or no known unit."""
@@ -180,10 +182,14 @@ def quantities(text: str) -> Iterator[SpokenQuantity]:
     each three of them a thousands separator (``1,200``); a full-width comma is punctuation.
     """
     pattern, units = _reader()
-    for match in pattern.finditer(unicodedata.normalize("NFKC", text.replace("，", "， "))):
+    plain = unicodedata.normalize("NFKC", text.replace("，", "， "))
+    found = list(pattern.finditer(plain))
+    ends = [*(match.start() for match in found[1:]), len(plain)]
+    for match, end in zip(found, ends, strict=False):  # without numbers there is one end
         unit = match["unit"]
         digits = match["number"].replace(",", "" if match["grouped"] else ".")
-        yield SpokenQuantity(float(digits), units[unit.lower()] if unit else "", match["foreign"] or "")
+        known = units[unit.lower()] if unit else ""
+        yield SpokenQuantity(float(digits), known, match["foreign"] or "", plain[match.end() : end])
 
 
 _IN_WORDS: Final = re.compile(

@@ -1,5 +1,7 @@
 """Check ``number``: a question whose answer is a number with a unit."""
 
+import re
+
 from grader.checks.measure import (
     UNMEASURED,
     Findings,
@@ -30,7 +32,7 @@ _DECIMALS = 3
 def examine(assignment: Assignment, text: str) -> Findings:
     """Compare the given number with the known answers."""
     unit = _unit(assignment)
-    given = given_answer(text, unit)
+    given = _answering(assignment, text, unit)
     if given is None:
         return Findings(
             {"correct": UNMEASURED, "with_unit": UNMEASURED}, number_mistakes(text, None, None, unit)
@@ -53,12 +55,33 @@ def examine(assignment: Assignment, text: str) -> Findings:
     return Findings(measures, mistakes)
 
 
-def given_answer(text: str, unit: Unit) -> SpokenQuantity | None:
-    """Return the quantity that answers: the last one in a fitting unit, else the last number of all."""
+def given_answers(text: str, unit: Unit) -> list[SpokenQuantity]:
+    """Return the quantities that may answer: the last in a fitting unit and the first, else the last number.
+
+    Some compute and end with the answer, others give it and then say why. The first does not answer where it is
+    computed with (``12 s + 6 s``) or one of several (``12 s or 13 s``).
+    """
     found = list(quantities(text))
     fitting = [each for each in found if each.unit and each.in_unit(unit) is not None]
-    chosen = fitting or found
-    return chosen[-1] if chosen else None
+    if not fitting:
+        return found[-1:]
+    return [fitting[-1], *(each for each in fitting[:1] if _EXPLAINED.match(each.behind))]
+
+
+_EXPLAINED = re.compile(
+    r"\s*(?!\W*(?:or|and|to|或|还是|和|及|到|至)\b|\W*(?:或|还是|和|及|到|至))(?:[=(]|\W*[^\W\d])"
+)
+
+
+def _answering(assignment: Assignment, text: str, unit: Unit) -> SpokenQuantity | None:
+    """Return the first of these that is right, else the first; None without any number."""
+    given = given_answers(text, unit)
+    for each in given:
+        value = each.in_unit(unit)
+        known = None if value is None else _known(assignment, value)
+        if known is not None and known.right:
+            return each
+    return given[0] if given else None
 
 
 def _unit(assignment: Assignment) -> Unit:

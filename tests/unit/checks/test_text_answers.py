@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grader.checks import evaluate, evaluate_text, problems, published_rubric
-from grader.checks.kinds.number import given_answer
+from grader.checks.kinds.number import given_answers
 from grader.checks.summary import summarise
 from grader.contracts.errors import AssignmentError
 from grader.contracts.rubric import ItemStatus, RubricItem
@@ -34,6 +34,11 @@ TASK = assignment("calculation")
         "边长 3 m，速度 1 m/s：12 s，要转 4 次弯",
         "18.3 s",
         "18.28秒",
+        "12 s (4 sides, 3 s each)",
+        "总时间为12秒，其中每边3秒。",
+        "答：18.28 秒。其中直行 12 秒，转弯 6.28 秒。",
+        "18.28 s = 12 s + 4 × 1.57 s",
+        "3 s per side, 12 s in all",
         "16.7 s",
         "12 s，加上转弯共 18.3 s",
         "12,0 s",
@@ -54,6 +59,8 @@ def test_right_answers(text: str) -> None:
         ("12", 80, ()),
         ("3 s", 20, ("known_wrong_answer",)),
         ("9 s", 20, ("known_wrong_answer",)),
+        ("3 s for each side, 9 s for three", 20, ("known_wrong_answer",)),
+        ("9 s, since 12 s is too much and 3 s too little", 20, ("known_wrong_answer",)),
         ("14.28 s", 20, ("known_wrong_answer",)),
         ("13 s", 20, ()),
         ("12 m", 0, ("other_unit",)),
@@ -65,6 +72,10 @@ def test_right_answers(text: str) -> None:
         ("", 0, ("no_number",)),
         ("nan s inf s 1e309 s", 0, ()),
         ("12 s 13 s", 20, ()),
+        ("12 s or 13 s", 20, ()),
+        ("12 s，或者 13 s", 20, ()),
+        ("12 s + 1 s = 13 s", 20, ()),
+        ("12 s × 4 = 48 s", 20, ("known_wrong_answer",)),
     ],
 )
 def test_wrong_answers(text: str, points: float, mistakes: tuple[str, ...]) -> None:
@@ -99,7 +110,7 @@ def test_commas_in_and_between_numbers(text: str, values: list[float]) -> None:
 
 
 def test_a_quantity_in_a_fitting_unit_is_preferred_to_a_later_number() -> None:
-    given = given_answer("12 s after 4 turns of 90°", "s")
+    given = given_answers("12 s after 4 turns of 90°", "s")[0]
     assert given is not None
     assert (given.value, given.unit) == (12.0, "s")
 
@@ -164,8 +175,7 @@ def test_a_question_needs_a_right_answer_and_a_known_unit() -> None:
 
 @pytest.mark.parametrize("text", ["答案是12秒", "１２秒", "总时间为12s。", "时间＝１２ 秒", "第1题：12秒"])
 def test_a_number_needs_no_space_before_or_behind_it(text: str) -> None:
-    given = given_answer(text, "s")
-    assert given is not None
+    given = given_answers(text, "s")[0]
     assert (given.value, given.unit) == (12.0, "s")
 
 
