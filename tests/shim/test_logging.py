@@ -140,7 +140,6 @@ def test_rosout_carries_the_record(run_script):
         def speak():
             log.warning("careful")
         speak()
-        log.get_child("arm").info("not on rosout")
     """
     run, _ = run_and_stderr(run_script, source)
     ((t_ns, cdr),) = run.published("/rosout")
@@ -163,6 +162,26 @@ def test_rosout_can_be_read_by_the_script(run_script):
     """
     run, _ = run_and_stderr(run_script, source)
     assert run.stdout.splitlines() == ["ns.talker 20 early 10", "ns.talker 40 late 13"]
+
+
+def test_what_is_on_the_console_alone_is_told_all_the_same(run_script):
+    """On Humble a child's messages, and those of a node without a log publisher, reach no subscription."""
+    source = """
+        from rcl_interfaces.msg import Log
+        node.create_subscription(Log, "/rosout", lambda m: print(m.msg), 10)
+        silent = rclpy.create_node("silent", enable_rosout=False)
+        log.get_child("arm").get_child("hand").info("of a child")
+        silent.get_logger().info("of the silent one")
+        log.info("heard")
+        for _ in range(3):
+            rclpy.spin_once(node, timeout_sec=0.1)
+    """
+    run, lines = run_and_stderr(run_script, source)
+    assert run.stdout.splitlines() == ["heard"]
+    assert len(lines) == 3
+    told = [cdr for _, cdr in run.published("/rosout")]
+    for text, name in ((b"of a child\0", b"ns.talker.arm.hand\0"), (b"of the silent one\0", b"silent\0")):
+        assert any(text in cdr and name in cdr for cdr in told)
 
 
 def test_a_very_long_message_is_shown_whole_and_bounded_on_rosout(run_script):

@@ -113,6 +113,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("stopped_at_once", "too_brief", "stop_in_loop")), flow.timer_stops),
     (_NOT_ON, flow.spin_once),
     (_NOT_ON, flow.ends_in_callback),
+    (frozenset(("log_not_reached",)), flow.level_raised),
     (frozenset(("log_not_reached",)), flow.log_behind_spin),
     (frozenset(("log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on")), flow.uncalled),
     (frozenset(("wrong_topic",)), flow.lookalike),

@@ -176,6 +176,13 @@ def ends_in_callback(seen: Searched) -> Mistake | None:
     return None
 
 
+def level_raised(seen: Searched) -> Mistake | None:
+    """Find a level of a logger below which it shows nothing, above that of the message."""
+    for line, found in seen.script.matches(r"\bset_(?:logger_)?level\(.*\b(WARN|WARNING|ERROR|FATAL)\b"):
+        return mistake("level_raised", line=line, level=found[1])
+    return None
+
+
 def log_behind_spin(seen: Searched) -> Mistake | None:
     """Find a message that stands behind ``spin`` in the same function."""
     for spin in seen.script.lines_with(r"\bspin\("):

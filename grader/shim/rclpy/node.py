@@ -187,8 +187,7 @@ class Node:
                 namespace = "/" + namespace
             validate_namespace(namespace)
             raise
-        if enable_rosout:
-            open_rosout(handle)
+        open_rosout(handle, enabled=enable_rosout)
         return handle
 
     def _rcl_create_event_publisher(self) -> Publisher:

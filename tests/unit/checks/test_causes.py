@@ -189,6 +189,8 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("waits_in_loop", KEPT.format(loop="while rclpy.ok():", block="rclpy.spin_once(n)"), "waits_in_loop"),
         ("waits_in_loop", KEPT.format(loop="while not ready:", block="time.sleep(1)"), "waits_in_loop"),
         ("cpu_limit", KEPT.format(loop="while True:", block="pub.publish(m)"), "cpu_limit"),
+        ("log_not_reached", "self.get_logger().set_level(LoggingSeverity.WARN)\n", "level_raised"),
+        ("log_not_reached", "self.get_logger().set_level(LoggingSeverity.DEBUG)\n", "log_not_reached"),
         ("cpu_limit", "m.data = img.flatten().tolist()\n", "list_of_pixels"),
         ("cpu_limit", "m.data = img.tobytes()\n", "cpu_limit"),
         ("cpu_limit", "self.path.poses.append(p)\nself.pub.publish(self.path)\n", "message_grows"),

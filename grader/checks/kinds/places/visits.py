@@ -14,7 +14,7 @@ NEAR_M = (
     0.02  # points of the way are no further apart, so that a small goal is not passed between two samples
 )
 MOST_PARTS = 8  # into which the way between two samples is divided for that
-SAME_M = 0.01  # a shorter jump does not count as being put elsewhere
+SAME_M = 0.01  # jumps that are shorter, all together, do not count as being put elsewhere
 FOR_EVER_S = math.inf
 
 
@@ -87,9 +87,10 @@ def way_of(run: Run, *, moving_at_end: bool) -> Way:
 
 def _driven(trajectory: Trajectory) -> int:
     """Return how many samples there are before the car was put elsewhere."""
+    x, y, put_m = trajectory.x_m, trajectory.y_m, 0.0
     for i in trajectory.jumps:
-        x, y = trajectory.x_m, trajectory.y_m
-        if math.hypot(float(x[i] - x[i - 1]), float(y[i] - y[i - 1])) > SAME_M:
+        put_m += math.hypot(float(x[i] - x[i - 1]), float(y[i] - y[i - 1]))
+        if put_m > SAME_M:
             return i
     return len(trajectory)
 

@@ -55,7 +55,7 @@ _rosout_open = False
 _nodes: dict[str, str] = {}
 """Logger -> path of its node, which may be gone."""
 _late: dict[str, int] = {}
-"""Logger -> id on the link of what carries its records when no publisher does (`_tell_late`)."""
+"""Path of a node -> id on the link of what carries its records when no publisher does (`_tell_apart`)."""
 
 
 def configure(levels: dict[str, int], *, rosout: bool) -> None:
@@ -133,7 +133,7 @@ def log(severity: int, name: str, message: str | bytes | None, function: str, fi
         )
     stamp_ns = kernel.epoch_ns + kernel.now_ns
     _print(int(severity), name, message, stamp_ns, (function, file, line))
-    if name in _nodes:
+    if name in _nodes or _is_child(name):
         _publish(name, _record(stamp_ns, int(severity), name, message, (function, file, line)))
 
 
@@ -198,6 +198,25 @@ def attach_rosout(name: str, node: str, publisher: LogPublisher) -> None:
     _nodes[name] = node
 
 
+def know_node(name: str, node: str) -> None:
+    """Note that the logger of that name is that of the node at path `node`, which publishes no logs."""
+    _nodes.setdefault(name, node)
+
+
+def _is_child(name: str) -> bool:
+    """Whether a logger descends from a node's; what it logs is on the console, and on Humble on no /rosout."""
+    parent = name.rpartition(".")[0]
+    while parent and parent not in _nodes:
+        parent = parent.rpartition(".")[0]
+    if not parent or len(_nodes) >= _MOST_LOGGERS:
+        return False
+    _nodes[name] = _nodes[parent]
+    return True
+
+
+_MOST_LOGGERS = 1_000
+
+
 def adopt(name: str, parent: str) -> bool:
     """Have a logger publish where `parent` does; whether that publishes."""
     if parent not in _rosout:
@@ -242,17 +261,18 @@ def _publish(name: str, record: bytes) -> None:
         from rclpy._rcl.errors import PUBLISHER_CONTEXT
 
         write(f"Failed to publish log message to rosout: {PUBLISHER_CONTEXT}\n")
-    _tell_late(name, record)
+    _tell_apart(name, record)
 
 
-def _tell_late(name: str, record: bytes) -> None:
+def _tell_apart(name: str, record: bytes) -> None:
     """Tell the episode of a record that reaches no /rosout: it is on the console, so it belongs in the report."""
-    if name not in _late:
+    node = _nodes[name]
+    if node not in _late:
         try:
-            _late[name] = link.register("publisher", _nodes[name], "/rosout", "rcl_interfaces/msg/Log")
+            _late[node] = link.register("publisher", node, "/rosout", "rcl_interfaces/msg/Log")
         except RuntimeError:
             return  # the script has used up all entities
-    link.publish(_late[name], record)
+    link.publish(_late[node], record)
 
 
 _HEAD = struct.Struct("<iIB3x")

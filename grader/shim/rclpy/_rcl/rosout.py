@@ -19,10 +19,11 @@ SECOND_OF_ITS_NAME = (
 )
 
 
-def open_rosout(node: NodeHandle) -> None:
+def open_rosout(node: NodeHandle, *, enabled: bool) -> None:
     """Create a node's log publisher, unless a node of that name has one; it goes with either of them."""
     name = node.logger_name()
-    if not logs.is_rosout_open():
+    if not enabled or not logs.is_rosout_open():
+        logs.know_node(name, node.path)
         return
     node.at_disposal = lambda: logs.close_rosout(name)
     if logs.has_rosout(name):
