@@ -31,7 +31,7 @@ from grader.render.documents import to_gradescope
 _ROOT: Final = Path("/autograder")
 _STAMP: Final = (2020, 1, 1, 0, 0, 0)  # of all files of the zip: the same parts make the same bytes
 _LOCK: Final = "requirements.lock"
-_OF_PYTHON: Final = re.compile(rb"^(\S+) ; python_full_version (<|>=) '3\.12'", re.MULTILINE)
+_OF_PYTHON: Final = re.compile(rb"^(\S+) ; python_full_version (<|>=) '3\.\d+'", re.MULTILINE)
 _LEFT_OUT: Final = ("__pycache__", "assignments", "lesson", "docs", _LOCK)
 
 _SETUP: Final = """\
@@ -154,7 +154,7 @@ def _lock(package: Path) -> Path:
 def _for_python_311(lock: bytes) -> bytes:
     """Return the packages for the Python that `_SETUP` installs, without conditions.
 
-    Ubuntu 22.04 has 3.11.0rc1, of which its pip 22.0 says that it is neither below 3.12 nor above.
+    Ubuntu 22.04 has 3.11.0rc1, of which its pip 22.0 says that it is neither below 3.13 nor above.
     """
     entries = re.split(rb"^(?=\S)", lock, flags=re.MULTILINE)
     found = [(one, _OF_PYTHON.match(one)) for one in entries]
