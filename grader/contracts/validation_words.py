@@ -18,7 +18,9 @@ _OBJECT = Text(zh="要填一个 JSON 对象。", en="This is not a JSON object."
 _UNREADABLE = Text(zh="文字里有不能使用的字符。", en="The text has characters that are not accepted.")
 
 OUT_OF_YEARS: Final = ("out_of_years", "Use a year from 2000 to 2200.")
-"""Type and English message of the one error that is ours: an instant outside of `rules.YEARS`."""
+NO_FILE: Final = ("no_file", "This is text, not a file. With curl write -F file=@square.py, with the @.")
+SENT_TWICE: Final = ("sent_twice", "Send this field once.")
+"""Type and English message of errors of our own: an instant outside of `rules.YEARS`, and parts of a form."""
 
 _SENTENCES: Mapping[str, Text] = {
     "missing": Text(zh="缺少这个字段。", en="This field is missing."),
@@ -47,6 +49,8 @@ _SENTENCES: Mapping[str, Text] = {
     "datetime_parsing": _INSTANT,
     "datetime_from_date_parsing": _INSTANT,
     OUT_OF_YEARS[0]: Text(zh="年份要在 2000 到 2200 之间。", en=OUT_OF_YEARS[1]),
+    NO_FILE[0]: Text(zh="这是文字，不是文件。用 curl 时写 -F file=@square.py，不要漏掉 @。", en=NO_FILE[1]),
+    SENT_TWICE[0]: Text(zh="这个字段只能有一个。", en=SENT_TWICE[1]),
     "list_type": _LIST,
     "tuple_type": _LIST,
     "dict_type": _OBJECT,

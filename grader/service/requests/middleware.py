@@ -15,6 +15,7 @@ from typing import Any
 from urllib.parse import urlsplit, urlunsplit
 
 from fastapi import Request, Response
+from fastapi.exceptions import RequestValidationError
 from fastapi.routing import APIRoute
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -22,6 +23,7 @@ from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.text import Text
+from grader.contracts.validation_words import SENT_TWICE
 from grader.operation import context
 from grader.operation.metrics import Metrics
 from grader.service.requests.dependencies import PEER
@@ -227,6 +229,20 @@ def arrival_of(request: Request) -> datetime:
     """
     instant: datetime = request.state.arrived_at
     return instant
+
+
+async def single_parts(request: Request) -> None:
+    """Refuse a form with two parts of one name: only one of them would be read.
+
+    Raises:
+        RequestValidationError: there is one.
+    """
+    form = await request.form()
+    kind, told = SENT_TWICE
+    twice = [name for name in form if len(form.getlist(name)) > 1]
+    if twice:
+        errors = [{"type": kind, "loc": ("body", name), "msg": told} for name in dict.fromkeys(twice)]
+        raise RequestValidationError(errors)
 
 
 async def arrival(request: Request) -> datetime:

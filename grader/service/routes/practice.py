@@ -14,7 +14,7 @@ from grader.contracts.grading import RunProgress
 from grader.contracts.report import GradeStatus
 from grader.contracts.text import Language
 from grader.service.requests.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep, ServicesDep
-from grader.service.requests.middleware import UploadRoute
+from grader.service.requests.middleware import UploadRoute, single_parts
 from grader.service.routes.problems import problem_of, responses
 from grader.service.routes.submissions import (
     AssignmentField,
@@ -27,7 +27,12 @@ from grader.service.routes.submissions import (
 from grader.use_cases.handing_in import most_upload_bytes
 from grader.use_cases.practising import Practice, UnderWay, practising
 
-router = APIRouter(prefix="/api/v1/practice", tags=["practice"], route_class=UploadRoute)
+router = APIRouter(
+    prefix="/api/v1/practice",
+    tags=["practice"],
+    route_class=UploadRoute,
+    dependencies=[Depends(single_parts)],
+)
 _PROBLEMS = (
     *ENTRY_PROBLEMS,
     "no_course",

@@ -10,7 +10,8 @@ from datetime import datetime
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, File, Form, Header, Query, Response, UploadFile, status
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, BeforeValidator, Field
+from pydantic_core import PydanticCustomError
 
 from grader.contracts.judgement import judged
 from grader.contracts.outcome import SHOWN_CHARACTERS, SHOWN_LOGS, Blame, RunStatus
@@ -18,6 +19,7 @@ from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import StoredReport, Submission, SubmissionFilter, SubmissionState
 from grader.contracts.text import Language
+from grader.contracts.validation_words import NO_FILE
 from grader.formats.packages.bundle import is_package
 from grader.render.escape import visible
 from grader.service.requests.dependencies import (
@@ -30,7 +32,7 @@ from grader.service.requests.dependencies import (
     ServicesDep,
     SubmissionId,
 )
-from grader.service.requests.middleware import UploadRoute, arrival
+from grader.service.requests.middleware import UploadRoute, arrival, single_parts
 from grader.service.routes.problems import responses
 from grader.use_cases import submissions
 from grader.use_cases.bodies import Instant
@@ -39,11 +41,25 @@ from grader.use_cases.submissions import ShownSubmission
 from grader.use_cases.visibility import graded
 
 router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"])
-uploads = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], route_class=UploadRoute)
+uploads = APIRouter(
+    prefix="/api/v1/submissions",
+    tags=["submissions"],
+    route_class=UploadRoute,
+    dependencies=[Depends(single_parts)],
+)
 _EXAMPLE_ID = "0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f"
 
+
+def _file(value: object) -> object:
+    if isinstance(value, str):
+        raise PydanticCustomError(*NO_FILE)
+    return value
+
+
 UploadedFile = Annotated[
-    UploadFile, File(description="The script as it runs at home, or a text; at most 256 KiB.")
+    UploadFile,
+    BeforeValidator(_file),
+    File(description="The script as it runs at home, or a text; at most 256 KiB."),
 ]
 AssignmentField = Annotated[str, Form(description="Id of the assignment.", examples=["square"])]
 StudentField = Annotated[

@@ -111,3 +111,22 @@ def test_a_large_answer_ends_only_after_its_body_was_taken() -> None:
 
     asyncio.run(HeldToTheEnd(answer)({"type": "http"}, None, take))
     assert sent == [(100_000, True), (0, False), (1, False)]
+
+
+def test_a_file_without_curls_at_sign_is_told_so(client: httpx.Client, services: Services) -> None:
+    sent = client.post(
+        "/api/v1/submissions", files={"file": (None, "square.py"), "assignment": (None, "square")}
+    )
+    document = problem(sent, 422, "invalid_request")
+    assert document["field"] == "file"
+    assert "-F file=@square.py" in document["detail"]
+    assert nothing_stored(services)
+
+
+@pytest.mark.parametrize("twice", ["file", "assignment"])
+def test_of_two_parts_of_one_name_none_is_taken(twice: str, client: httpx.Client, services: Services) -> None:
+    parts = [("file", ("a.py", b"good\n")), ("assignment", (None, "square"))]
+    parts += [(name, part) for name, part in parts if name == twice]
+    document = problem(client.post("/api/v1/submissions", files=parts), 422, "invalid_request")
+    assert document["field"] == twice
+    assert nothing_stored(services)
