@@ -63,6 +63,7 @@ _BY_POSE: Final = _LOST | {"side_goes_on", "turned_instead", "no_turns"}
 
 _NOT_ON: Final = frozenset(("lost_at_home", "not_spinning", "never_spun"))
 
+_WAITS: Final = frozenset(("waits_in_loop", "waits_without_spin"))
 _KEPT_BUSY: Final = frozenset(("waits_in_loop", "cpu_limit", "log_not_reached", "publish_not_reached"))
 
 _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (
@@ -72,6 +73,8 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_BY_POSE | _CORNERS | _COUNT | {"endless_turn", "degrees_as_radians"}, steering.degrees_added),
     (_NO_MOTION | _LOST | {"never_stops", "wall_hit", "endless_turn"}, flow.deaf_loop),
     (_NO_MOTION | _LOST | _SILENT, flow.kept_local),
+    (_NO_MOTION | _LOST | _SILENT | _BY_POSE, flow.kept_global),
+    (_NO_MOTION | _LOST | _SILENT | _WAITS, flow.thread_runs_here),
     (_NO_MOTION | _SHORT, numbers.floor_is_zero),
     (_NO_MOTION | _SHORT, numbers.int_is_zero),
     (_NO_MOTION | _COUNT, numbers.negative_time),
@@ -121,7 +124,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("never_published", "publish_not_reached")), flow.long_period),
     (frozenset(("publisher_not_reached",)), flow.class_not_made),
     (frozenset(("publish_not_reached",)), flow.returns_before),
-    (frozenset(("waits_in_loop", "waits_without_spin")), flow.waits_for_two),
+    (_WAITS, flow.waits_for_two),
     (_KEPT_BUSY, flow.loop_for_spin),
     (frozenset(("cpu_limit",)), flow.large_message),
     (frozenset(("error_hidden",)), numbers.hidden_int),

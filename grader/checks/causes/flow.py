@@ -20,19 +20,33 @@ def deaf_loop(seen: Searched) -> Mistake | None:
     others = [name for _, name in seen.script.callbacks("timer")] + heard
     if not kept or seen.script.lines_with(r"\bThread\(|Executor\("):
         return None
-    for line in seen.script.lines_with(rf"\bwhile\b.*\bself\.({'|'.join(sorted(map(re.escape, kept)))})\b"):
-        if not _spins(line, seen.script) and seen.script.function_around(line) not in others:
-            name = re.findall(r"\bself\.(\w+)", seen.script.lines[line - 1])
-            return mistake("deaf_loop", line=line, name=next(one for one in name if one in kept))
+    for line, found in seen.script.matches(r"\bwhile\b(.*)$"):
+        waited = [name for name in _read_in(found[1], seen.script) if name in kept]
+        if waited and not _spins(line, seen.script) and seen.script.function_around(line) not in others:
+            return mistake("deaf_loop", line=line, name=waited[0])
     return None
 
 
+def _read_in(condition: str, script: ScriptText) -> list[str]:
+    """Return the attributes of ``self`` that a condition reads, itself or in the methods that it calls."""
+    names = re.findall(r"\bself\.(\w+)", condition)
+    called = (script.definition(name) for name in re.findall(r"\bself\.(\w+)\(", condition))
+    blocks = ("\n".join(script.block(made.line)) for made in called if made is not None)
+    return names + [name for block in blocks for name in re.findall(r"\bself\.(\w+)", block)]
+
+
 def _spins(line: int, script: ScriptText) -> bool:
-    """Whether a block, or a function of the script that is called in it, spins."""
-    block = "\n".join(script.block(line))
-    called = (script.definition(name) for name in sorted(set(re.findall(r"(\w+)\(", block))))
-    blocks = [block, *("\n".join(script.block(made.line)) for made in called if made is not None)]
-    return any("spin" in text for text in blocks)
+    """Whether a block spins, or a function of the script that is called from there, in whatever depth."""
+    known, left = {line}, [line]
+    while left:
+        block = "\n".join(script.block(left.pop()))
+        if "spin" in block:
+            return True
+        called = (script.definition(name) for name in sorted(set(re.findall(r"(\w+)\(", block))))
+        lines = [made.line for made in called if made is not None and made.line not in known]
+        known.update(lines)
+        left += lines
+    return False
 
 
 def loop_for_spin(seen: Searched) -> Mistake | None:
@@ -111,7 +125,7 @@ def no_loop(seen: Searched) -> Mistake | None:
     wanted = item.low if item is not None else None
     if count is None or not wanted or not 0 < count.value < wanted or wanted % count.value:
         return None
-    counted = seen.script.lines_with(r"\bcreate_timer\(|\bimport threading\b") + [
+    counted = seen.script.lines_with(r"\bcreate_(timer|subscription)\(|\bimport threading\b") + [
         line
         for line in seen.script.lines_with(r"^[ \t]*for\b")
         if not any(re.search(r"\.publish\(", text) for text in seen.script.block(line))
@@ -268,6 +282,31 @@ def waits_for_two(seen: Searched) -> Mistake | None:
     return mistake("waits_for_two", line=lines[0]) if lines else None
 
 
+def thread_runs_here(seen: Searched) -> Mistake | None:
+    """Find a thread whose function is called, with brackets, where it should be handed over."""
+    for line, found in seen.script.matches(r"\bThread\(.*\btarget ?= ?((?:\w+\.)*\w+)\( ?\)"):
+        return mistake("thread_runs_here", line=line, name=found[1])
+    return None
+
+
+def kept_global(seen: Searched) -> Mistake | None:
+    """Find a callback that keeps what it is given in a variable of its own, and not in that of the module."""
+    script = seen.script
+    for callback in dict.fromkeys(name for _, name in script.callbacks("subscription")):
+        made = script.definition(callback)
+        block = script.block(made.line) if made is not None else [""]
+        given = re.search(r"\((?:self ?, ?)?(\w+)", block[0])
+        for text in block[1:] if given is not None else ():
+            kept = re.match(rf"[ \t]+(\w+) ?= ?{given[1]}(\.\w+)*$", text) if given is not None else None
+            if kept is None or not script.lines_with(rf"^{kept[1]} ?="):
+                continue
+            if not any(re.search(rf"\bglobal\b.*\b{kept[1]}\b", one) for one in block):
+                return mistake(
+                    "kept_global", name=kept[1], callback=callback, begins=made.line if made else 0
+                )
+    return None
+
+
 def kept_local(seen: Searched) -> Mistake | None:
     """Find a callback that keeps what it is given in a variable of its own, and not in the node."""
     for callback in dict.fromkeys(name for _, name in seen.script.callbacks("subscription")):
@@ -291,6 +330,8 @@ def _only_in_init(name: str, script: ScriptText) -> bool:
 def state_never_set(seen: Searched) -> Mistake | None:
     """Find a state that is asked for, and never set: what is set is written in another way."""
     script = seen.script
+    if script.lines_with(r"\bstate\w* ?=(?!=)(?! ?(?:\"\"|None\b))|\bstate\w* ?,[^=]*=(?!=)"):
+        return None  # it may be set to anything
     written = [(line, script.written(line)) for line in script.lines_with(r"\bstate\w* ?[=!]=? ?\"\"")]
     known = {found[1] for _, text in written for found in _STATE_SET.finditer(text)}
     for line, text in written if len(known) <= _MOST_STATES else ():

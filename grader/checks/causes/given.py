@@ -35,7 +35,10 @@ def _is_beyond(given: float, limit: float | None, *, upper: bool) -> bool:
     return limit is not None and (given > limit if upper else given < limit)
 
 
-_NO_LENGTH: Final = r"(?i)speed|vel|linear|angular|rate|turn|angle|omega|theta|yaw|time|dur|\b[vwzt]\b"
+_NO_LENGTH: Final = (
+    r"(?i)speed|vel|linear|angular|rate|turn|angle|omega|theta|yaw|time|dur"
+    r"|forward|cmd|twist|power|gain|\b[vwzt]\b"
+)
 
 
 def _given_m(seen: Searched) -> float | None:

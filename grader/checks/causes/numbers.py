@@ -90,6 +90,8 @@ def radians_twice(seen: Searched) -> Mistake | None:
 def radians_of_pose(seen: Searched) -> Mistake | None:
     """Find ``math.radians`` of a pose's theta, or of ``math.atan2``."""
     for line, found in _calls_of("radians", seen.script):
+        if re.search(r"\b(info|debug|warn|warning|print)\(", found.string):
+            continue  # what is only shown moves nothing
         if _angle_of_pose(found[1], seen.script) or re.fullmatch(r"(?:math\.)?atan2\(.*\)", found[1].strip()):
             return mistake("radians_twice", line=line, written=found[0], inner=found[1].strip())
     return None
@@ -115,7 +117,7 @@ _RATE: Final = r"(?i)angular\.z ?=|\w*(speed|omega|rate|vel)\w* ?="
 
 def _angle_of_pose(written: str, script: ScriptText) -> bool:
     """Whether an expression is a pose's theta, in a script that nowhere sets a theta in degrees."""
-    converted = r"theta\w* *=.*(?:\b180|degrees\()"
+    converted = r"theta\w* *=.*(?:\b180|degrees\(|\b57\.\d)"
     return re.fullmatch(r"[\w.]+\.theta", written.strip()) is not None and not script.lines_with(converted)
 
 

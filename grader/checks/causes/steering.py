@@ -1,12 +1,14 @@
 """Steering by the pose: directions, distances and angles that are computed or compared wrongly."""
 
 import math
+import re
 from typing import Final
 
 from grader.checks.causes.searched import Searched, itself
 from grader.checks.measure import Mistake, mistake
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import exact, number
+from grader.messages.script import ScriptText
 
 _CONDITION: Final = r"\b(?:if|elif|while)\b.*?"
 _ANGLE: Final = (
@@ -21,14 +23,22 @@ def equals_exactly(seen: Searched) -> Mistake | None:
     """Find a distance or an angle that must equal a number exactly."""
     for line, found in seen.script.matches(rf"{_CONDITION}{_MEASURED} ?(==|!=) ?([\w.]+)"):
         name, sign, value = found.groups()
-        if value not in ("None", "True", "False") and name not in seen.script.counters:
+        if value in ("None", "True", "False") or name in seen.script.counters:
+            continue
+        if not _is_flag(name, seen.script):
             return mistake("equals_exactly", line=line, written=f"{name} {sign} {value}", name=name)
     return None
 
 
+def _is_flag(name: str, script: ScriptText) -> bool:
+    """Whether a name is assigned whole numbers alone, which compare exactly."""
+    given = [found[1].strip() for _, found in script.matches(rf"{itself(name)} ?=(?!=)(.*)$")]
+    return bool(given) and all(re.fullmatch(r"-?\d+", value) for value in given)
+
+
 def degrees_added(seen: Searched) -> Mistake | None:
     """Find whole degrees that are added to a heading, in a script that keeps no heading in degrees."""
-    if seen.script.lines_with(r"\b(degrees|rad2deg)\(|\b180\b.*\bpi\b|\b57\.\d"):
+    if seen.script.lines_with(_KEEPS_DEGREES):
         return None
     added = r"(?i)(?<![\w.])[\w.]*(?:theta|heading|yaw)\w* ?[-+] ?(\d{2,3})(?:\.0*)?(?![\w.]| ?[*/])"
     for line, found in seen.script.matches(added):
@@ -36,16 +46,28 @@ def degrees_added(seen: Searched) -> Mistake | None:
     return None
 
 
+_KEEPS_DEGREES: Final = r"\b(degrees|rad2deg)\(|\b180\b.*(\bpi\b|\b3\.14)|(\bpi\b|\b3\.14).*\b180\b|\b57\.\d"
+
+
 def wide_tolerance(seen: Searched) -> Mistake | None:
     """Find a turn that ends while many degrees are still missing."""
     for line, found in seen.script.matches(rf"{_CONDITION}\babs\( ?{_ANGLE} ?\) ?(?:<=?|>=?) ?([\w.]+)"):
         rad = value_of(found[1], seen.script)
-        if rad is not None and _WIDE_RAD <= rad <= math.pi / 2:
+        if rad is not None and _WIDE_RAD <= rad <= math.pi / 2 and _misses_by(math.degrees(rad), seen):
             degrees = number(math.degrees(rad), "deg")
             return mistake("wide_tolerance", line=line, value=number(rad, "rad"), degrees=degrees)
     return None
 
 
+def _misses_by(tolerance_deg: float, seen: Searched) -> bool:
+    """Whether the worst corner is too small by no more than the tolerance explains, or is not known."""
+    corner, item = seen.findings.measures.get("corner_deg"), seen.assignment.item_on("corner_deg")
+    if corner is None or item is None or item.low is None or item.high is None:
+        return True
+    return 0.0 < (item.low + item.high) / 2.0 - corner.value <= tolerance_deg + _COASTED_DEG
+
+
+_COASTED_DEG: Final = 2.0
 _WIDE_RAD: Final = 0.08  # almost 5 degrees, which cost points at each corner
 
 

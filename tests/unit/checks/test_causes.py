@@ -67,6 +67,16 @@ READ = (
     "self.declare_parameter('side', {default})\n"
     "self.side = self.get_parameter('side').get_parameter_value().{kind}\n"
 )
+FAR = (
+    "class A(Node):\n    def __init__(self):\n        self.create_subscription(Pose, '/p', self.hear, 10)\n"
+    "    def hear(self, msg):\n        self.pose = msg\n"
+    "    def far(self):\n        return abs(self.pose.x - 7.0)\n"
+    "    def run(self):\n        while self.far() > 0.1:\n            {block}\n"
+)
+GLOBAL = (
+    "current = None\ndef hear(msg):\n    {first}\n    current = msg\n"
+    "node.create_subscription(Pose, '/p', hear, 10)\n"
+)
 KEPT = "def tick():\n    go()\nnode.create_timer(0.1, tick)\n{loop}\n    {block}\n"
 STATES = "self.state = 'turn'\nself.state = 'turning'\nif self.state == '{asked}':\n    go()\n"
 MEASURED = (
@@ -189,6 +199,18 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("waits_in_loop", KEPT.format(loop="while rclpy.ok():", block="rclpy.spin_once(n)"), "waits_in_loop"),
         ("waits_in_loop", KEPT.format(loop="while not ready:", block="time.sleep(1)"), "waits_in_loop"),
         ("cpu_limit", KEPT.format(loop="while True:", block="pub.publish(m)"), "cpu_limit"),
+        ("no_turns", DEAF.format(block="self.go()") + "    def go(self):\n        self.step()\n", "no_turns"),
+        ("place_missed", FAR.format(block="time.sleep(0.1)"), "deaf_loop"),
+        ("place_missed", FAR.format(block="rclpy.spin_once(self)"), "place_missed"),
+        ("never_finished", STATES.format(asked="Turn") + "self.state = following\n", "never_finished"),
+        ("sides_missing", "h = pose.theta / math.pi * 180\ngoal = self.heading + 90\n", "sides_missing"),
+        ("side_goes_on", "self.sign_angle = 1\nif self.sign_angle == 1:\n    go()\n", "side_goes_on"),
+        ("place_away", "self.theta = p.theta * 57.3\na = math.radians(self.theta)", "place_away"),
+        ("place_away", "log.info(str(math.radians(pose.theta)))", "place_away"),
+        ("waits_without_spin", "threading.Thread(target=self.go()).start()\n", "thread_runs_here"),
+        ("waits_without_spin", "threading.Thread(target=self.go).start()\n", "waits_without_spin"),
+        ("side_goes_on", GLOBAL.format(first="print(msg.x)"), "kept_global"),
+        ("side_goes_on", GLOBAL.format(first="global current"), "side_goes_on"),
         ("log_not_reached", "self.get_logger().set_level(LoggingSeverity.WARN)\n", "level_raised"),
         ("log_not_reached", "self.get_logger().set_level(LoggingSeverity.DEBUG)\n", "log_not_reached"),
         ("cpu_limit", "m.data = img.flatten().tolist()\n", "list_of_pixels"),

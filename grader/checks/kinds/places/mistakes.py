@@ -39,8 +39,9 @@ def place_mistakes(
     yield from command_mistakes(run, assignment.world, turns=turns, drives=_DRIVE_MEASURES)
     touched = list(_touched(assignment, run, way))
     if all(visit.done_s is not None for visit in visits):
-        yield from touched
-        yield from _ending(assignment, run, drive, way, visits)
+        ending = list(_ending(assignment, run, drive, way, visits))
+        later = _touched_last(run, visits)  # then it is the end that led the car there
+        yield from [*ending, *touched] if later else [*touched, *ending]
     elif float(drive.path.along_m[-1]) < LEAST_M:
         yield from only_turned(run, _DRIVE_MEASURES)
         yield from touched  # otherwise `command_mistakes` says to drive; where to is the next question
@@ -65,6 +66,12 @@ def _touched(assignment: Assignment, run: Run, way: Way) -> Iterator[Mistake]:
         region = avoid[i - 1]
         at = f"({number(region.x_m, 'm')}, {number(region.y_m, 'm')})"
         yield mistake("place_entered", ("entered", "clearance_m"), at=at)
+
+
+def _touched_last(run: Run, visits: Sequence[Visit]) -> bool:
+    """Whether the car first touched something when it had been at all goals."""
+    done_s = max(visit.done_s or 0.0 for visit in visits)
+    return any(contact.start_ns / 1e9 > done_s for contact in run.trajectory.contacts[:1])
 
 
 def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, visits: Sequence[Visit]) -> Mistake:

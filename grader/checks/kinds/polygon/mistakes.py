@@ -181,7 +181,9 @@ def _kept_driving(seen: _Seen) -> Iterator[Mistake]:
 
 def _kept_turning(seen: _Seen) -> Iterator[Mistake]:
     """Tell of a turn rate that stayed set while the sides were driven; the turns themselves are on the spot."""
-    commands = seen.run.trajectory.commands
+    figure = seen.driven.figure
+    end_ns = math.inf if figure is None else int(seen.driven.drive.t_ns[figure.end])
+    commands = [command for command in seen.run.trajectory.commands if command.t_ns <= end_ns]
     on_the_spot = any(_turns(command) and not command.v_mps for command in commands)
     sides = [command for command in commands if abs(command.v_mps) > MOVING_MPS]
     rates = {command.w_radps for command in sides} - {0.0}
