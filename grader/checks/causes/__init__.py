@@ -99,7 +99,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_CORNERS - {"one_radian"}, times.wrong_time),
     (frozenset(("turns_too_short", "one_corner_off", "turn_too_short", "too_short")), numbers.ticks_cut),
     (_SHORT, counts.counts_ticks),
-    (_COUNT, times.sleeps_on),
+    (_COUNT | {"too_slow"}, times.sleeps_on),
     (_COUNT, flow.removes_in_loop),
     (_COUNT, flow.leaves_loop),
     (_COUNT, times.timer_ends),
