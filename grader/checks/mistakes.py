@@ -215,10 +215,18 @@ def asleep(run: Run) -> Iterator[Mistake]:
     After a stop, or after a crash in another thread, a long sleep only keeps the program alive.
     """
     slept, commands = sleep_at_horizon(run), run.trajectory.commands
+    if slept is not None and slept.until_ns >= _FOR_EVER_NS and _is_rate(run, slept):
+        yield mistake("rate_without_spin", line=slept.line)
+        return
     if slept is None or (commands and not is_motion(commands[-1])):
         return
     if run.outcome.duration_ns + _OVERSLEPT_NS <= slept.until_ns < _FOR_EVER_NS:
         yield sleeps_too_long(run, slept)
+
+
+def _is_rate(run: Run, slept: "Sleep") -> bool:
+    script = ScriptText(run.source)
+    return bool(script.lines_with(r"\bcreate_rate\(")) and slept.line in script.lines_with(r"\.sleep\( ?\)")
 
 
 class Sleep(NamedTuple):
@@ -492,14 +500,27 @@ def _in_loop(run: Run, script: ScriptText) -> Mistake | None:
     return mistake("waits_without_spin" if deaf else "waits_in_loop", line=begins)
 
 
+def _run_by_callbacks(script: ScriptText) -> set[str]:
+    """Return the functions that callbacks of timers and subscriptions are, or call, in whatever depth."""
+    found = {name for kind in ("timer", "subscription") for _, name in script.callbacks(kind)}
+    left = sorted(found)
+    while left:
+        made = script.definition(left.pop())
+        block = script.block(made.line)[1:] if made is not None else []
+        called = {name for text in block for name in re.findall(r"(?<![\w.])(?:self\.)?(\w+)\(", text)}
+        new = {name for name in called - found if script.definition(name) is not None}
+        found |= new
+        left += sorted(new)
+    return found
+
+
 def loop_in_callback(run: Run) -> Mistake | None:
     """Recognise a loop in a callback that waits for what only another callback can bring."""
     place, script = _PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
     if place is None or (begins := script.loop_of(int(place["line"]))) is None:
         return None
     heard = any(each.kind == "subscription" for each in run.outcome.endpoints)
-    name = script.function_around(begins)
-    called_back = script.lines_with(rf"\bcreate_(timer|subscription)\(.*\bself\.{name}\b") if name else []
+    called_back = _run_by_callbacks(script) & {script.function_around(begins)}
     in_parallel = script.lines_with(r"\bMultiThreadedExecutor\(|\bThread\(")
     return mistake("loop_in_callback", line=begins) if heard and called_back and not in_parallel else None
 

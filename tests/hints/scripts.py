@@ -242,6 +242,17 @@ SCRIPTS = (
     _script("half a minute between the sides", "", "sleeps_too_long",
             ("", _BARE + "for _ in range(4):\n    go(1.0, 0.0, 2)\n    go(0.0, 1.5708, 1)\n    pub_a.publish(Twist())\n    time.sleep(30)\n"),
             words="time.sleep(0.1)", to="square"),
+    _script("rate beside a pose", "", "rate_without_spin",
+            ("", _BARE + "from turtlesim.msg import Pose\nnode.create_subscription(Pose, '/turtle1/pose', lambda pose: None, 10)\n"
+             "rate = node.create_rate(20)\nm = Twist()\nm.linear.x = 1.0\nwhile rclpy.ok():\n    pub_a.publish(m)\n    rclpy.spin_once(node)\n    rate.sleep()\n"),
+            words="rate.sleep()", to="square"),
+    _script("loop of a helper in a timer's callback", "", "loop_in_callback",
+            ("", "import math, time, rclpy\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\nfrom turtlesim.msg import Pose\n"
+             "class A(Node):\n    def __init__(self):\n        super().__init__('a')\n        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n"
+             "        self.create_subscription(Pose, '/turtle1/pose', self.hear, 10)\n        self.p = Pose()\n        self.create_timer(0.5, self.draw)\n"
+             "    def hear(self, p):\n        self.p = p\n    def side(self):\n        x = self.p.x\n        m = Twist()\n        m.linear.x = 1.0\n"
+             "        while abs(self.p.x - x) < 2:\n            self.pub.publish(m)\n            time.sleep(0.02)\n    def draw(self):\n        self.side()\n"
+             "rclpy.init()\nrclpy.spin(A())\n"), to="square"),
     _script("publisher of another method", "square", "local_of_method",
             ("        self.cmd_vel_pub = self.create", "        cmd_vel_pub = self.create"),
             ("            self.cmd_vel_pub.publish(msg)\n            time.sleep(0.01)\n\n        # 停止", "            cmd_vel_pub.publish(msg)\n            time.sleep(0.01)\n\n        # 停止"),
