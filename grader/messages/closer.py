@@ -266,6 +266,19 @@ def wanted_field(error: StudentError, written: str, script: ScriptText) -> Close
     return "misspelt_field", {"owner": found[1], "name": found[2], "suggestion": found[3]}
 
 
+def handler_order(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a service's handler whose parameters are in the wrong order."""
+    name = script.function_around(error.line or 0)
+    made = script.definition(name)
+    if made is None or "_Request' object has no attribute" not in error.message:
+        return None
+    exchanged = re.search(r"\( ?(?:self ?, ?)?(res\w*) ?, ?(req\w*) ?\)", script.lines[made.line - 1])
+    if exchanged is None:
+        return None
+    right = f"{exchanged[2]}, {exchanged[1]}"
+    return "handler_order", {"line": made.line, "name": name, "right": right}
+
+
 def own_module(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Recognise a module of which nothing is known, most likely another file of the author's."""
     found = re.match(r"No module named '(\w+)'", error.message)
@@ -296,7 +309,7 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "shell_line": (only_shell,),
     "still_none": (none_in_init, none_before_spin),
     "text_for_number": (text_plus_number,),
-    "unknown_part": (wanted_field,),
+    "unknown_part": (handler_order, wanted_field),
     "wrong_parameters": (main_needs_args, signature),
 }
 """By the code that an exception has without the script's text: what to look for, in this order."""

@@ -123,3 +123,17 @@ def test_a_value_that_no_message_brings_is_not_told_to_wait_for_one(given: str, 
 def test_a_dash_in_words_is_no_minus_sign(line: str, code: str) -> None:
     number = "U+2014" if "—" in line else "U+2013"
     assert told("SyntaxError", f"invalid character '—' ({number}) (script.py, line 1)", line, 1)[0] == code
+
+
+@pytest.mark.parametrize(
+    ("parameters", "code"),
+    [
+        ("self, response, request", "handler_order"),
+        ("res, req", "handler_order"),
+        ("self, request, response", "unknown_part"),
+    ],
+)
+def test_a_handler_with_its_parameters_exchanged_is_told(parameters: str, code: str) -> None:
+    source = f"def handle({parameters}):\n    response.names = []\n    return response\n"
+    message = "'GetNames_Request' object has no attribute 'names'"
+    assert told("AttributeError", message, source, 2)[0] == code
