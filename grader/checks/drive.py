@@ -77,6 +77,15 @@ def is_motion(command: Command) -> bool:
     return abs(command.v_mps) > MOVING_MPS or abs(command.w_radps) > MOVING_RADPS
 
 
+def coasts(run: Run, drive: Drive, excess: float, *, turning: bool = False) -> bool:
+    """Whether turtlesim, which obeys the last command for a second, made the last motion longer by `excess`."""
+    commands = run.trajectory.commands
+    if not commands or not is_motion(commands[-1]) or drive.moving_at_end:
+        return False
+    speed = abs(commands[-1].w_radps if turning else commands[-1].v_mps)
+    return speed > 0.0 and excess / speed <= COMMAND_LIFE_NS / 1e9 + 0.05
+
+
 def pushed_m(trajectory: Trajectory, until_ns: int) -> float:
     """Return the longest way that a wall kept the car from driving, as commanded, up to `until_ns`."""
     return max(

@@ -242,6 +242,8 @@ SCRIPTS = (
     _script("half a minute between the sides", "", "sleeps_too_long",
             ("", _BARE + "for _ in range(4):\n    go(1.0, 0.0, 2)\n    go(0.0, 1.5708, 1)\n    pub_a.publish(Twist())\n    time.sleep(30)\n"),
             words="time.sleep(0.1)", to="square"),
+    _script("L without a stop", "", "no_final_stop",
+            ("", _BARE + "go(1.0, 0.0, 3)\ngo(0.0, 1.0, 1.5708)\ngo(1.0, 0.0, 1.5)\n"), words="pub_a.publish(Twist())", to="letter_l"),
     _script("rate beside a pose", "", "rate_without_spin",
             ("", _BARE + "from turtlesim.msg import Pose\nnode.create_subscription(Pose, '/turtle1/pose', lambda pose: None, 10)\n"
              "rate = node.create_rate(20)\nm = Twist()\nm.linear.x = 1.0\nwhile rclpy.ok():\n    pub_a.publish(m)\n    rclpy.spin_once(node)\n    rate.sleep()\n"),

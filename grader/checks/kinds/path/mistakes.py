@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grader.checks.drive import Drive
+from grader.checks.drive import Drive, coasts
 from grader.checks.kinds.path.driven import (
     UNFINISHED_SHARE,
     CommandedArc,
@@ -283,6 +283,12 @@ def _pieces(seen: _Seen) -> Iterator[Mistake]:
     for each in _by_error(seen.stretches, "line", scale):
         error = abs(each.length_m - scale * each.wanted.length_m) / (scale * each.wanted.length_m)
         if seen.loses("length_error_pct", 100.0 * error):
+            excess_m = each.length_m - scale * each.wanted.length_m
+            if each is seen.stretches[-1] and excess_m > 0.0 and coasts(seen.run, seen.drive, excess_m):
+                publisher = ScriptText(seen.run.source).publisher or "publisher"
+                spoilt = ("length_error_pct", *_WHOLE_MEASURES)
+                yield mistake("no_final_stop", spoilt, excess=number(excess_m, "m"), publisher=publisher)
+                return
             yield mistake(
                 "path_length",
                 ("length_error_pct", *_WHOLE_MEASURES),

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grader.checks.drive import FAST_TURN_RADPS, MOVING_MPS, MOVING_RADPS, fastest_radps, is_motion
+from grader.checks.drive import FAST_TURN_RADPS, MOVING_MPS, MOVING_RADPS, coasts, fastest_radps, is_motion
 from grader.checks.kinds.polygon.figures import FULL_TURN_DEG, SAME_DEG, DrivenPolygon, WantedPolygon
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import (
@@ -23,7 +23,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY
-from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Floats
+from grader.contracts.trajectory import Command, Floats
 from grader.geometry.figure import PolygonFigure
 from grader.geometry.path import median
 from grader.messages import say
@@ -483,7 +483,7 @@ def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     apart = sides - median(figure.sides_m)
     odd = int(np.argmax(np.abs(apart)))
     over_m = float(apart[odd])
-    if odd == len(sides) - 1 and over_m > 0.0 and _coasts(seen, over_m):
+    if odd == len(sides) - 1 and over_m > 0.0 and coasts(seen.run, seen.driven.drive, over_m):
         yield _no_final_stop(seen, number(over_m, "m"))
         return
     others = np.delete(sides, odd)
@@ -544,20 +544,11 @@ def _ending(seen: _Seen) -> Iterator[Mistake]:
         yield mistake("drove_on", ("settled", "gap_pct"), distance=number(after_m, "m"))
     elif seen.driven.turned_on and (turn := seen.driven.segments.turns[-1]) is not None:
         excess_deg = abs(math.degrees(turn.angle_rad)) - seen.ideal_deg
-        if excess_deg > 0.0 and _coasts(seen, math.radians(excess_deg), turning=True):
+        if excess_deg > 0.0 and coasts(seen.run, seen.driven.drive, math.radians(excess_deg), turning=True):
             yield _no_final_stop(seen, _degree(excess_deg))
             return
         turned = _degree(seen.driven.sense * math.degrees(turn.angle_rad))
         yield mistake("turned_on", ("settled",), turned=turned, ideal=_degree(seen.ideal_deg))
-
-
-def _coasts(seen: _Seen, excess: float, *, turning: bool = False) -> bool:
-    """Whether turtlesim, which obeys the last command for another second, made the last motion longer."""
-    commands = seen.run.trajectory.commands
-    if not commands or not is_motion(commands[-1]) or seen.driven.drive.moving_at_end:
-        return False
-    speed = abs(commands[-1].w_radps if turning else commands[-1].v_mps)
-    return speed > 0.0 and excess / speed <= COMMAND_LIFE_NS / 1e9 + 0.05
 
 
 def _no_final_stop(seen: _Seen, excess: str) -> Mistake:

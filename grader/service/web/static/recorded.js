@@ -4,7 +4,12 @@ import { show } from "./replay.js";
 const section = document.getElementById("replay");
 
 async function load(address) {
-  const answer = await fetch(address, { headers: { Accept: "application/json" }, redirect: "error" });
+  let answer;
+  try {
+    answer = await fetch(address, { headers: { Accept: "application/json" }, redirect: "error" });
+  } catch {
+    return null; // no network, or the page is being left
+  }
   if (!answer.ok) {
     throw new Error(`${address}: ${answer.status}`);
   }
@@ -12,7 +17,12 @@ async function load(address) {
 }
 
 try {
-  show(section, ...(await Promise.all([load(section.dataset.trajectory), load(section.dataset.sketch)])));
+  const both = await Promise.all([load(section.dataset.trajectory), load(section.dataset.sketch)]);
+  if (both.includes(null)) {
+    section.querySelector("[data-failed]").hidden = false;
+  } else {
+    show(section, ...both);
+  }
 } catch (error) {
   section.querySelector("[data-failed]").hidden = false;
   throw error;
