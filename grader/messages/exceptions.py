@@ -221,6 +221,10 @@ _SIGNS: Final = (
     (r"NameError: ", "unknown_name"),
     (r"KeyError: ", "missing_key"),
     (r"ZeroDivisionError: ", "divided_by_zero"),
+    (r"NotImplementedError: Service classes can not be instantiated", "service_class"),
+    (r"TypeError: unsupported operand type\(s\) for \^: '(float|int)'", "power_sign"),
+    (r"TypeError: atan2 expected 2 arguments, got 1", "atan2_of_one"),
+    (r"TypeError: unsupported operand type\(s\) for .*'property'", "field_of_class"),
     (r"ModuleNotFoundError: No module named '(rospy|roslib|rosbag|roslaunch)\b", "ros_1"),
     (
         r"ModuleNotFoundError: No module named '(getch|keyboard|msvcrt|pygame|pynput|readchar)\b",

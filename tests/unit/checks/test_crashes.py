@@ -207,6 +207,22 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
         (error("TclError", "no display name and no $DISPLAY environment variable"), "no_display", ("17",)),
         (error("ValueError", ""), "crashed", ("ValueError: ",)),
         (error("ZeroDivisionError", "division by zero"), "divided_by_zero", ("by zero", "17")),
+        (
+            error("NotImplementedError", "Service classes can not be instantiated"),
+            "service_class",
+            ("SetPen.Request()", "17"),
+        ),
+        (
+            error("TypeError", "unsupported operand type(s) for ^: 'float' and 'float'"),
+            "power_sign",
+            ("**", "17"),
+        ),
+        (error("TypeError", "atan2 expected 2 arguments, got 1"), "atan2_of_one", ("atan2(dy, dx)", "17")),
+        (
+            error("TypeError", "unsupported operand type(s) for -: 'float' and 'property'"),
+            "field_of_class",
+            ("self.pose.x", "17"),
+        ),
         (None, "killed", ("SIGSEGV",)),
     ],
 )
