@@ -83,7 +83,7 @@ SLEEPS = LOOP.replace("rate.sleep()", "__import__('time').sleep(0.1)")
         ("ranges[0]", "ranges[360]", ("ranges_index",), "len(msg.ranges)"),
         ("ranges[0]", "ranges", ("whole_array",), "min(msg.ranges)"),
         ("LaserScan", "PointCloud2", ("not_received",), "The type of /scan is wrong"),
-        ("rclpy.spin(Stop())", LOOP, ("waits_without_spin",), "spin_once"),
+        ("rclpy.spin(Stop())", LOOP, ("rate_without_spin",), "spin_once"),
         ("rclpy.spin(Stop())", SLEEPS, ("waits_without_spin",),
          "spin_once"),
     ],
