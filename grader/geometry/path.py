@@ -293,7 +293,8 @@ def _join(path: Path, pieces: list[_Piece]) -> list[_Piece]:
 
 def _change(path: Path, before: _Piece, after: _Piece) -> float:
     """Return the change of direction from the end of one straight piece to the start of another."""
-    return _line(path, after)[0] - _line(path, before)[0] - _line(path, before)[2]
+    direction_rad, _, spun_rad = _line(path, before)
+    return _line(path, after)[0] - direction_rad - spun_rad
 
 
 def _line(path: Path, piece: _Piece) -> tuple[float, float, float]:

@@ -3,6 +3,7 @@
 import difflib
 import itertools
 import re
+from collections.abc import Iterator
 from typing import Final
 
 from grader.checks.causes.searched import CLOCK, Searched
@@ -291,33 +292,36 @@ def thread_runs_here(seen: Searched) -> Mistake | None:
 
 def kept_global(seen: Searched) -> Mistake | None:
     """Find a callback that keeps what it is given in a variable of its own, and not in that of the module."""
-    script = seen.script
-    for callback in dict.fromkeys(name for _, name in script.callbacks("subscription")):
-        made = script.definition(callback)
-        block = script.block(made.line) if made is not None else [""]
-        given = re.search(r"\((?:self ?, ?)?(\w+)", block[0])
-        for text in block[1:] if given is not None else ():
-            kept = re.match(rf"[ \t]+(\w+) ?= ?{given[1]}(\.\w+)*$", text) if given is not None else None
-            if kept is None or not script.lines_with(rf"^{kept[1]} ?="):
-                continue
-            if not any(re.search(rf"\bglobal\b.*\b{kept[1]}\b", one) for one in block):
-                return mistake(
-                    "kept_global", name=kept[1], callback=callback, begins=made.line if made else 0
-                )
+    for callback, _, kept in _kept(seen.script):
+        made, name = seen.script.definition(callback), kept[1]
+        if made is None or not seen.script.lines_with(rf"^{name} ?="):
+            continue
+        block = seen.script.block(made.line)
+        if not any(re.search(rf"\bglobal\b.*\b{name}\b", one) for one in block):
+            return mistake("kept_global", name=name, callback=callback, begins=made.line)
     return None
 
 
 def kept_local(seen: Searched) -> Mistake | None:
     """Find a callback that keeps what it is given in a variable of its own, and not in the node."""
-    for callback in dict.fromkeys(name for _, name in seen.script.callbacks("subscription")):
-        made = seen.script.definition(callback)
-        block = seen.script.block(made.line) if made is not None else [""]
-        given = re.search(r"\((?:self ?, ?)?(\w+)", block[0])
-        for line, text in enumerate(block[1:], start=made.line + 1 if made is not None else 0):
-            kept = re.match(rf"[ \t]*(\w+) ?= ?{given[1]}(\.\w+)*$", text) if given is not None else None
-            if kept is not None and _only_in_init(kept[1], seen.script):
-                return mistake("kept_local", line=line, name=kept[1], callback=callback, written=text.strip())
+    for callback, line, kept in _kept(seen.script):
+        if _only_in_init(kept[1], seen.script):
+            written = kept[0].strip()
+            return mistake("kept_local", line=line, name=kept[1], callback=callback, written=written)
     return None
+
+
+def _kept(script: ScriptText) -> Iterator[tuple[str, int, re.Match[str]]]:
+    """Yield where a subscription's callback assigns what it is given to a plain name: callback, line and match."""
+    for callback in dict.fromkeys(name for _, name in script.callbacks("subscription")):
+        made = script.definition(callback)
+        block = script.block(made.line) if made is not None else [""]
+        given = re.search(r"\((?:self ?, ?)?(\w+)", block[0])
+        if made is None or given is None:
+            continue
+        for line, text in enumerate(block[1:], start=made.line + 1):
+            if kept := re.match(rf"[ \t]*(\w+) ?= ?{given[1]}(\.\w+)*$", text):
+                yield callback, line, kept
 
 
 def _only_in_init(name: str, script: ScriptText) -> bool:
