@@ -231,6 +231,12 @@ def test_a_new_assignment_validates_and_mistakes_in_it_are_found(
     problems = {found.script: found.problem.en for found in examine(authored, "heptagon", grader).findings}
     assert "false fail" in problems["solution.py"]
 
+    spec.write_text(text, encoding="utf-8")
+    solution = spec.with_name("solution.py")
+    solution.write_text(f"{solution.read_text(encoding='utf-8')}\ndef again(:\n", encoding="utf-8")
+    problems = {found.script: found.problem.en for found in examine(authored, "heptagon", grader).findings}
+    assert "Line 51 has a syntax error" in problems["solution.py"]
+
 
 def test_what_the_solution_drives_may_be_the_wanted_path(grader: Grader, tmp_path: Path) -> None:
     authored = Catalog(tmp_path)

@@ -21,6 +21,7 @@ from grader.grading.examination.sensitivity import Sensitivity, lax, replayable,
 from grader.messages import join
 
 _AND = Text(zh="；", en="; ")
+_BECAUSE = Text(zh="。", en=". ")
 _GIFT = Text(zh="起始文件已经满分", en="the starter already has full marks")
 
 
@@ -209,8 +210,10 @@ def _finding(assignment: Assignment, script: str, report: GradeReport, problem: 
 
 
 def _lost(report: GradeReport) -> Text:
+    """Say what the solution loses points for, and what its author would be told first."""
     items = ", ".join(item.id for item in report.items if item.status is not ItemStatus.PASSED)
-    return Text(zh=f"误扣：答案在 {items} 上丢分", en=f"false fail: loses credit for {items}")
+    told = Text(zh=f"误扣：答案在 {items} 上丢分", en=f"false fail: loses credit for {items}")
+    return told if report.hint == EMPTY else join([told, report.hint], _BECAUSE)
 
 
 def _unexpected(attempt: WrongAttempt, report: GradeReport) -> Text:
