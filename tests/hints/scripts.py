@@ -379,4 +379,10 @@ SCRIPTS = (
     _script("publisher after the drive", "square", "called_too_early", ("        super().__init__('square_mover')\n", "        super().__init__('square_mover')\n        self.stop()\n")),
     _script("number for a method", "square", "method_overwritten", ("        # ============ 参数设置", "        self.stop = 0\n        # ============ 参数设置"), words="stop"),
     _script("a module of one's own", "hello", "own_module", ("import rclpy\n", "import rclpy\nfrom my_tools import helper\n"), words="my_tools"),
+    _script("left, right, left", "", "swings", ("", "import math, rclpy\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\nfrom turtlesim.msg import Pose\n"
+            "class Go(Node):\n    def __init__(self):\n        super().__init__('go')\n        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n"
+            "        self.create_subscription(Pose, '/turtle1/pose', self.on_pose, 10)\n    def on_pose(self, p):\n        m = Twist()\n"
+            "        e = math.remainder(math.atan2(3.0 - p.y, 8.0 - p.x) - p.theta, math.tau)\n        if math.hypot(8.0 - p.x, 3.0 - p.y) > 0.1:\n"
+            "            if abs(e) > 0.0005:\n                m.angular.z = 1.5 if e > 0 else -1.5\n            else:\n                m.linear.x = 1.0\n        self.pub.publish(m)\n"
+            "rclpy.init()\nrclpy.spin(Go())\n"), words="angular.z = 2.0", to="go_to_goal"),
 )  # fmt: skip

@@ -51,6 +51,7 @@ _LOST: Final = frozenset(
         "place_never_stops",
         "endless_turn_by_pose",
         "never_finished",
+        "swings",
     )
 )
 
@@ -92,6 +93,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
         numbers.degrees_for_radians,
     ),
     (_CORNERS | _LOST | {"degrees_as_radians", "no_drive_by_pose"}, numbers.degrees_of_radians),
+    (_LOST | _WRONG_WAY, steering.yaw_without_sign),
     (_WRONG_WAY, steering.arctan_exchanged),
     (_WRONG_WAY, steering.away_from_goal),
     (frozenset(("place_never_stops", "place_circled")), steering.tolerance_too_small),

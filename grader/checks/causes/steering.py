@@ -103,3 +103,11 @@ def away_from_goal(seen: Searched) -> Mistake | None:
         if "pose" not in far and seen.script.lines_with(rf"\batan2\([^()]*{itself(name)} ?\)"):
             return mistake("away_from_goal", line=line, right=f"{name} = {far} - {near}")
     return None
+
+
+def yaw_without_sign(seen: Searched) -> Mistake | None:
+    """Find a heading that is computed of a quaternion's w alone: the same to the left and the right."""
+    if seen.script.lines_with(r"\borientation\.z\b|\bq\w*\.z\b|\bcopysign\("):
+        return None
+    lines = seen.script.lines_with(r"\bacos\(.*\.w\b")
+    return mistake("yaw_without_sign", line=lines[0]) if lines else None

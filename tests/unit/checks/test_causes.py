@@ -173,6 +173,8 @@ GROWS = "for i in range(4):\n    {line}\n"
         ),
         ("place_away", "a = math.atan2(dx, dy)", "arctan_exchanged"),
         ("place_lost", "a = atan2(self.goal_x - p.x, self.goal_y - p.y)", "arctan_exchanged"),
+        ("swings", "yaw = 2 * math.acos(o.pose.pose.orientation.w)", "yaw_without_sign"),
+        ("swings", "yaw = math.copysign(2 * math.acos(q.w), q.z)", "swings"),
         ("place_away", "a = math.atan2(dy, dx)", "place_away"),
         ("place_away", "a = math.atan2(b, c)", "place_away"),
         ("place_away", "dx = self.pose.x - gx\na = math.atan2(dy, dx)", "away_from_goal"),
