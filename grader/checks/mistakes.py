@@ -143,7 +143,7 @@ def only_turned(run: Run, spoilt: tuple[str, ...]) -> Iterator[Mistake]:
     moves = [command for command in run.trajectory.commands if is_motion(command)]
     if moves and not any(abs(command.v_mps) > MOVING_MPS for command in moves):
         by_pose = ScriptText(run.source).lines_with(r"\.theta\b|\borientation\b")
-        yield mistake("no_drive_by_pose" if by_pose else "no_drive", spoilt)
+        yield swings(run, spoilt) or mistake("no_drive_by_pose" if by_pose else "no_drive", spoilt)
 
 
 def robot_mistakes(run: Run, world: World) -> tuple[Mistake, ...]:
@@ -291,31 +291,31 @@ _FLIPS = 10
 _STAYED_M, _SWUNG_RAD = 0.05, 0.02
 
 
-def _swings(run: Run) -> Iterator[Mistake]:
+def swings(run: Run, spoilt: tuple[str, ...]) -> Mistake | None:
     """Recognise a listening script whose car only turned left and right in the end, each time too far."""
     track, since_ns = run.trajectory, run.outcome.duration_ns - _SWUNG_NS
     heard = any(each.kind == "subscription" for each in run.outcome.endpoints)
     if run.outcome.status is not RunStatus.INTERRUPTED or not heard:
-        return
+        return None
     last = track.t_ns >= since_ns
     turns = [one.w_radps for one in track.commands if one.t_ns >= since_ns and is_motion(one) and one.w_radps]
     flips = sum(before * after < 0.0 for before, after in itertools.pairwise(turns))
     if flips < _FLIPS or math.hypot(np.ptp(track.x_m[last]), np.ptp(track.y_m[last])) > _STAYED_M:
-        return
+        return None
     heading_rad = track.heading_rad[last]
-    if float(np.ptp(heading_rad)) > _SWUNG_RAD:
-        middle = number(math.remainder(math.degrees(float(np.mean(heading_rad))), 360.0), "deg")
-        yield mistake("swings", seconds=number(_SWUNG_NS / 1e9, "s"), times=flips, heading=middle)
+    if float(np.ptp(heading_rad)) < _SWUNG_RAD:
+        return None
+    middle = number(math.remainder(math.degrees(float(np.mean(heading_rad))), 360.0), "deg")
+    return mistake("swings", spoilt, seconds=number(_SWUNG_NS / 1e9, "s"), times=flips, heading=middle)
 
 
 def driving_mistakes(run: Run, own: Iterable[Mistake]) -> tuple[Mistake, ...]:
     """Return what probably went wrong in a drive: a check's `own` mistakes, and around them those of any script.
 
-    First comes what ended the script, what it slept through and how it swung to the end, last that nobody would
-    have heard it. Where among its own a check asks why no commands came (`command_mistakes`) is the check's
-    affair.
+    First comes what ended the script and what it slept through, last that nobody would have heard it. Where
+    among its own a check asks why no commands came (`command_mistakes`) is the check's affair.
     """
-    return (*script_mistakes(run), *asleep(run), *_swings(run), *own, *lost_at_home(run))
+    return (*script_mistakes(run), *asleep(run), *own, *lost_at_home(run))
 
 
 def lost_at_home(run: Run) -> Iterator[Mistake]:

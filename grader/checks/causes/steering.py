@@ -111,3 +111,13 @@ def yaw_without_sign(seen: Searched) -> Mistake | None:
         return None
     lines = seen.script.lines_with(r"\bacos\(.*\.w\b")
     return mistake("yaw_without_sign", line=lines[0]) if lines else None
+
+
+def quaternion_for_yaw(seen: Searched) -> Mistake | None:
+    """Find a part of a quaternion that is kept as a heading."""
+    heading = r"(?i)(?<![\w.])[\w.]{0,40}(?:theta|yaw|heading|angle)\w{0,40}"
+    part = r"((?:[\w.]*\b(?:orientation|quat\w*|ori|q|o))\.[zw])"
+    taken = rf"{heading} ?= ?{part} *$"
+    for line, found in seen.script.matches(taken):
+        return mistake("quaternion_for_yaw", line=line, written=found[1])
+    return None

@@ -8,7 +8,7 @@ import numpy as np
 from grader.checks.drive import Drive
 from grader.checks.kinds.places.visits import Visit, Way, entered
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import command_mistakes, only_turned
+from grader.checks.mistakes import command_mistakes, only_turned, swings
 from grader.checks.scoring import fits
 from grader.checks.surroundings import name_of
 from grader.contracts.assignment import Assignment, outside_m
@@ -104,7 +104,8 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, visits: Se
     if drive.cut_short and last_m > LOST_TIMES * first.nearest_m + LOST_M:
         return mistake("place_lost", spoilt, **values)
     if drive.cut_short:
-        return mistake("place_too_slow", (*spoilt, "settled"), **values)
+        lasting = (*spoilt, "settled")
+        return swings(run, lasting) or mistake("place_too_slow", lasting, **values)
     return mistake("place_missed", spoilt, **values)
 
 

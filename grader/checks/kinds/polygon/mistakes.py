@@ -16,6 +16,7 @@ from grader.checks.mistakes import (
     loop_in_callback,
     noted,
     only_turned,
+    swings,
     with_ends,
 )
 from grader.checks.scoring import fits
@@ -536,7 +537,8 @@ def _ending(seen: _Seen) -> Iterator[Mistake]:
         turned = _degree(abs(math.degrees(figure.last_turned_rad)))
         yield mistake("laps_apart", ("settled", "gap_pct"), turned=turned, ideal=_degree(seen.ideal_deg))
     elif drive.moving_at_end and (figure is None or len(figure.sides_m) < seen.sides):
-        yield mistake("never_finished", ("settled", "sides", "gap_pct"))
+        lasting = ("settled", "sides", "gap_pct")
+        yield swings(seen.run, lasting) or mistake("never_finished", lasting)
     elif (overrun and drive.cut_short) or (not repeated and drive.moving_at_end):
         yield mistake("never_stops", ("settled", "sides", "gap_pct"), publisher=_publisher(seen))
     elif figure is not None and overrun:
