@@ -40,13 +40,20 @@ def degrees_added(seen: Searched) -> Mistake | None:
     """Find whole degrees that are added to a heading, in a script that keeps no heading in degrees."""
     if seen.script.lines_with(_KEEPS_DEGREES):
         return None
-    added = r"(?i)(?<![\w.])[\w.]*(?:theta|heading|yaw)\w* ?[-+] ?(\d{2,3})(?:\.0*)?(?![\w.]| ?[*/])"
+    added = rf"(?i)(?<![\w.])[\w.]{{0,40}}(?:{_PLUS_DEGREES})(\d{{2,3}})(?:\.0*)?(?![\w.]| ?[*/])"
     for line, found in seen.script.matches(added):
         return mistake("degrees_added", line=line, written=found[0], degrees=found[1])
     return None
 
 
-_KEEPS_DEGREES: Final = r"\b(degrees|rad2deg)\(|\b180\b.*(\bpi\b|\b3\.14)|(\bpi\b|\b3\.14).*\b180\b|\b57\.\d"
+_KEEPS_DEGREES: Final = (
+    r"\b(degrees|rad2deg)\(|\b(radians|deg2rad)\( ?[a-zA-Z_]"
+    r"|\b180\b.*(\bpi\b|\b3\.14)|(\bpi\b|\b3\.14).*\b180\b|\b57\.\d"
+)
+_PLUS_DEGREES: Final = (
+    r"(?:theta|heading|yaw)\w{0,40} ?[-+]=? ?(?=\d\d)"
+    r"|(?:target|goal|wanted|angle)\w{0,40} ?[-+]=? ?(?=(?:45|60|72|90|120)\b)"
+)
 
 
 def wide_tolerance(seen: Searched) -> Mistake | None:
