@@ -91,6 +91,14 @@ def test_a_closed_path_may_begin_at_any_piece() -> None:
     assert score(graded_as(only, drive(legs([*TRIANGLE[2:], ("turn", 135.0), TRIANGLE[0]])))) < 90
 
 
+def test_an_eight_may_begin_at_its_top() -> None:
+    for side in (1.0, -1.0):
+        way = [("arc", side * 180.0, 1.0), ("arc", side * -360.0, 1.0), ("arc", side * 180.0, 1.0)]
+        assert score(graded("figure_eight", drive(legs(way)))) == 100
+    way[1] = ("arc", way[1][1], 1.3)
+    assert graded("figure_eight", drive(legs(way))).mistakes[0] == "path_radius"
+
+
 @pytest.mark.parametrize("name", ["right_triangle", "figure_eight"])
 def test_noise_of_one_percent_costs_nothing_and_ten_percent_costs(name: str) -> None:
     way = legs(TRIANGLE if name == "right_triangle" else EIGHT)

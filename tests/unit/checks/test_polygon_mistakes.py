@@ -175,13 +175,13 @@ BY_POSE = (
 POSE = Endpoint(kind="subscription", name="/turtle1/pose", type="turtlesim/msg/Pose", node="/mover")
 
 
-def by_pose(legs: list[Leg], *, contact_s: float | None = None) -> Scoring:
+def by_pose(legs: list[Leg], *, contact_s: float | None = None, source: str = BY_POSE) -> Scoring:
     """Score a drive of a script that steers by the pose; it meets the top wall at `contact_s`."""
     trajectory = drive(legs)
     if contact_s is not None:
         hit_ns = int(contact_s * 1e9)
         trajectory = replace(trajectory, contacts=(Contact(wall="top", start_ns=hit_ns, end_ns=hit_ns + 1),))
-    run = replace(run_of(trajectory, endpoints=(POSE,)), source=BY_POSE)
+    run = replace(run_of(trajectory, endpoints=(POSE,)), source=source)
     return evaluate(assignment("square"), [run])
 
 
@@ -199,6 +199,26 @@ def test_a_side_by_pose_that_only_a_wall_ended_is_told(legs: list[Leg], contact_
     timed = drive(legs)
     hit = replace(timed, contacts=(Contact(wall="top", start_ns=int(contact_s * 1e9), end_ns=1 << 40),))
     assert "side_goes_on" not in graded("square", hit).mistakes
+
+
+def test_little_turns_that_lead_into_a_wall_come_before_the_wall() -> None:
+    legs: list[Leg] = [(2.0, 1.0, 0.0), (0.4, 0.0, 1.0)]
+    scoring = by_pose([*legs, *legs, *legs], contact_s=6.0)
+    assert scoring.mistakes[0] == "turns_too_short"
+    assert "22.9°" in scoring.hint.en
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("while self.pose.theta < target:", "ends by the heading"),
+        ("turned += abs(msg.theta - last)", "ends by the heading"),
+        ("self.theta = msg.theta", "turn rate"),
+        ("print(f'{self.pose.theta:.2f}')", "turn rate"),
+    ],
+)
+def test_corners_are_no_matter_of_times_where_the_heading_ends_the_turns(line: str, words: str) -> None:
+    assert words in by_pose(polygon_legs(4, corners_deg=[80.0] * 4), source=line).hint.en
 
 
 def test_one_side_that_was_corrected_on_its_way_is_one_side() -> None:

@@ -95,6 +95,9 @@ class Track:
         )
 
 
+_CIRCLE_DEG = 360.0
+
+
 def corner_rad(before: Stretch, after: Stretch) -> float:
     """Return the change of direction from one stretch to the next, positive to the left."""
     return math.remainder(after.begins_rad - before.ends_rad, math.tau)
@@ -120,7 +123,10 @@ def track_of(wanted: WantedPath) -> Track | None:
 
 @lru_cache(maxsize=64)  # `mistakes` asks for four variants of each path, and for each several times
 def tracks(wanted: WantedPath) -> tuple[Track, ...]:
-    """Return the ways in which the path may be driven: forth and back, and from each corner of a closed one."""
+    """Return the ways in which the path may be driven: forth and back; a closed one from each end of a piece.
+
+    A closed one with a whole circle may also begin half way round it, as an eight does that begins at its top.
+    """
     given = track_of(wanted)
     if given is None:
         return ()
@@ -129,7 +135,9 @@ def tracks(wanted: WantedPath) -> tuple[Track, ...]:
     if wanted.any_direction and (wanted.mirror or not (given.is_closed and given.turns_one_way)):
         ways.append(reverse(given))
     if given.is_closed and wanted.any_start and wanted.any_direction:
-        ways += [_begun_at(way, first) for way in ways for first in range(1, len(way.stretches))]
+        ways += [
+            one for way in ways for first in range(len(way.stretches)) for one in _begun_near(way, first)
+        ]
     return tuple(ways)
 
 
@@ -148,9 +156,26 @@ def reverse(track: Track) -> Track:
     return Track(_numbered(turned), reversed=True)
 
 
-def _begun_at(track: Track, first: int) -> Track:
-    """Return a closed track driven from the start of its stretch `first` on."""
-    return Track(_numbered([*track.stretches[first:], *track.stretches[:first]]), track.reversed)
+def _begun_near(track: Track, first: int) -> Iterator[Track]:
+    """Yield a closed track driven from the start of its stretch `first` on, and from the middle of a circle."""
+    there = track.stretches[first]
+    if first > 0:
+        yield Track(_numbered([*track.stretches[first:], *track.stretches[:first]]), track.reversed)
+    if len(track.stretches) > 1 and abs(there.angle_deg) == _CIRCLE_DEG:
+        before, after = _halves(there)
+        later = [*track.stretches[first + 1 :], *track.stretches[:first]]
+        yield Track(_numbered([after, *later, before]), track.reversed)
+
+
+def _halves(arc: Stretch) -> tuple[Stretch, Stretch]:
+    """Return the two halves of an arc."""
+    middle = len(arc.points) // 2
+    half = replace(arc, length_m=arc.length_m / 2.0, angle_deg=arc.angle_deg / 2.0)
+    turned_rad = arc.begins_rad + math.radians(half.angle_deg)
+    return (
+        replace(half, points=arc.points[: middle + 1], ends_rad=turned_rad),
+        replace(half, points=arc.points[middle:], begins_rad=turned_rad),
+    )
 
 
 def _numbered(stretches: Sequence[Stretch]) -> tuple[Stretch, ...]:

@@ -23,7 +23,7 @@ from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
-from grader.contracts.text import EMPTY
+from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Command, Floats
 from grader.geometry.figure import PolygonFigure
 from grader.geometry.path import median
@@ -229,6 +229,7 @@ def _little_turns(seen: _Seen) -> Iterator[Mistake]:
         ideal=_degree(ideal),
         radians=number(math.radians(ideal), "rad", 4),
         excess=_degree(ideal - mean),
+        advice=_turn_advice(seen, "longer"),
     )
 
 
@@ -430,17 +431,20 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         corners
     ):
         code = "turns_too_far" if mean > ideal else "turns_too_short"
-        advice = "by_heading" if seen.steers else "shorter" if mean > ideal else "longer"
-        told = {
-            "excess": _degree(abs(mean - ideal)),
-            "advice": say(f"polygon.turn.{advice}", ideal=_degree(ideal)),
-        }
-        yield mistake(code, spoilt, **told, **values)
+        advice = _turn_advice(seen, "shorter" if mean > ideal else "longer")
+        yield mistake(code, spoilt, excess=_degree(abs(mean - ideal)), advice=advice, **values)
     else:
         worst = int(np.argmax(np.abs(corners - ideal)))
-        advice = say(f"polygon.turn.{'by_heading' if seen.steers else 'alike'}", ideal=_degree(ideal))
+        advice = _turn_advice(seen, "alike")
         angle = _degree(float(corners[worst]))
         yield mistake("one_corner_off", spoilt, number=worst + 1, angle=angle, advice=advice, **values)
+
+
+def _turn_advice(seen: _Seen, by_time: str) -> Text:
+    """Return what to do about turns that end by the heading, or what to do about others."""
+    if seen.steers:
+        return say("polygon.turn.by_heading", ideal=_degree(seen.ideal_deg))
+    return say(f"polygon.turn.{by_time}")
 
 
 def _both_ways(seen: _Seen) -> bool:
