@@ -7,6 +7,7 @@ import pytest
 
 from grader.checks import problems, sketch
 from grader.checks.kinds.room import examine
+from grader.checks.measure import Findings
 from grader.checks.mistakes import robot_mistakes
 from grader.contracts.assignment import Assignment, ItemSpec, Stripe, World
 from grader.contracts.outcome import Endpoint, RunStatus
@@ -21,7 +22,7 @@ NAME = Text(zh="x", en="x")
 ROOM = room(-1.0, -1.0, 2.0, 1.0, solid("cylinder", 0.5, 0.7, 0.2, 0.2))
 
 
-def task(*measures: str, **options: float) -> Assignment:
+def task(*measures: str, **options: float | str) -> Assignment:
     items = tuple(
         ItemSpec(id=each, title=NAME, points=1.0, measure=each, low=0.4, high=0.6) for each in measures
     )
@@ -66,6 +67,33 @@ def test_the_band_counts_from_where_it_was_first_kept() -> None:
     # in the middle 0.6 m from the post, then nearer to the right wall: 0.45 m at x = 1.55, 0.25 m at 1.75
     assert far["band_m"].value == pytest.approx(0.2, abs=0.02)
     assert far["band_pct"].value == pytest.approx(100.0 * 0.2 / 0.35, abs=5.0)
+
+
+def along_bottom(*, heading_deg: float = 0.0, there_and_back: bool = False) -> Findings:
+    """Return what is found of 1.5 m along the bottom wall, which is on the right of a robot that faces east."""
+    run = straight(1.5, y_m=-0.6)
+    track = run.trajectory
+    if there_and_back:
+        track = replace(track, x_m=np.abs(np.linspace(-0.75, 0.75, len(track))))
+    track = replace(track, heading_rad=np.full(len(track), np.radians(heading_deg)))
+    wanted = task("band_pct", band_low_m=0.25, band_high_m=0.45, wall_side="right")
+    return examine(wanted, replace(run, trajectory=track))
+
+
+def test_a_wall_is_followed_forwards_and_on_the_wanted_side() -> None:
+    ahead, aslant, left = along_bottom(), along_bottom(heading_deg=-40.0), along_bottom(heading_deg=180.0)
+    assert ahead.measures["band_pct"].value == pytest.approx(100.0)
+    assert aslant.measures["band_pct"].value == pytest.approx(100.0)
+    assert left.measures["band_pct"].value == left.measures["band_m"].value == 0.0
+    assert left.mistakes[-1].code == "room_to_and_fro"  # facing west it was driven in reverse gear
+    both = along_bottom(there_and_back=True)
+    assert both.measures["band_pct"].value == pytest.approx(50.0, abs=2.0)
+    assert both.measures["band_m"].value == pytest.approx(0.0, abs=0.03)
+    west = straight(1.5, y_m=0.6)
+    wanted = task("band_pct", band_low_m=0.25, band_high_m=0.45, wall_side="right")
+    aside = examine(wanted, west)  # the top wall is on its left
+    assert aside.mistakes[-1].code == "room_other_side"
+    assert problems(task("band_pct", wall_side="up"))[0][0] == "options.wall_side"
 
 
 def test_the_floor_that_was_visited() -> None:

@@ -7,6 +7,7 @@ import numpy as np
 
 from grader.checks.drive import MOVING_MPS, Drive, drive_of
 from grader.checks.kinds.room.mistakes import room_mistakes
+from grader.checks.kinds.room.way import POINT_M, SIDES, Band, band_of, points_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
 from grader.checks.mistakes import driving_mistakes
 from grader.checks.surroundings import clearance
@@ -21,7 +22,6 @@ from grader.messages.quantity import number
 
 CELL_M = 0.25
 _AROUND_M = 0.12  # from a cell's middle to whatever stands there, so that a robot gets in
-_POINT_M = 0.01  # how close together points of the way are looked at
 MEASURES = {
     "distance_m": MeasureKind("m"),
     "contacts": MeasureKind(form="count"),
@@ -42,7 +42,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     drive, room = drive_of(run), assignment.world.room
     if drive is None or room is None:
         return Findings(mistakes=driving_mistakes(run, room_mistakes(assignment, run, None, {})))
-    trajectory = run.trajectory
+    trajectory, band = run.trajectory, band_of(assignment, room, drive)
     measures = {
         "distance_m": Measure(float(np.max(drive.path.along_m))),
         "contacts": Measure(float(len(trajectory.contacts))),
@@ -51,10 +51,10 @@ def examine(assignment: Assignment, run: Run) -> Findings:
         "settled": Measure(0.0 if drive.moving_at_end else 1.0),
         "moving_s": Measure(_moving_s(trajectory)),
         "covered_pct": Measure(100.0 * _covered(room, drive)),
-        **_band(assignment, room, drive),
+        **_band(band),
         **_line(assignment, room, drive),
     }
-    return Findings(measures, driving_mistakes(run, room_mistakes(assignment, run, drive, measures)))
+    return Findings(measures, driving_mistakes(run, room_mistakes(assignment, run, drive, measures, band)))
 
 
 def _ahead(room: Room, trajectory: Trajectory) -> Measure:
@@ -72,17 +72,6 @@ def _moving_s(trajectory: Trajectory) -> float:
     return float(np.sum(steps_s[np.abs(trajectory.v_mps[1:]) > MOVING_MPS]))
 
 
-def _points(drive: Drive) -> tuple[Floats, Floats]:
-    """Return points of the driven way, a centimetre apart; the first one alone if nothing was driven."""
-    along = drive.path.along_m
-    rising = np.concatenate(([True], np.diff(along) > 0.0))
-    at = np.arange(0.0, max(float(along[-1]), _POINT_M / 2.0), _POINT_M)
-    return (
-        np.interp(at, along[rising], drive.path.x_m[rising]),
-        np.interp(at, along[rising], drive.path.y_m[rising]),
-    )
-
-
 def _covered(room: Room, drive: Drive) -> float:
     """Return which share of the floor's cells the robot has been in, of those it can be in."""
     columns = np.arange(room.left_m + CELL_M / 2.0, room.right_m, CELL_M)
@@ -91,7 +80,7 @@ def _covered(room: Room, drive: Drive) -> float:
     free = np.ones(len(x), dtype=bool)
     for solid in room.solids:
         free &= from_point_m(solid, x, y) > (_AROUND_M if solid.kind != "ramp" else -1.0)
-    at_x, at_y = _points(drive)
+    at_x, at_y, _ = points_of(drive)
     column = np.clip(((at_x - room.left_m) / CELL_M).astype(int), 0, len(columns) - 1)
     row = np.clip(((at_y - room.bottom_m) / CELL_M).astype(int), 0, len(rows) - 1)
     been = np.zeros(len(x), dtype=bool)
@@ -99,22 +88,14 @@ def _covered(room: Room, drive: Drive) -> float:
     return float(np.sum(been & free)) / max(int(np.sum(free)), 1)
 
 
-def _band(assignment: Assignment, room: Room, drive: Drive) -> dict[str, Measure]:
-    """Measure which share of the way ran at the wanted distance from walls, from where it was first kept on."""
-    low, high = (assignment.options.get(name) for name in ("band_low_m", "band_high_m"))
-    if low is None or high is None:
+def _band(band: Band | None) -> dict[str, Measure]:
+    """Measure which share of the way ran along a wall as it should, and how far the robot got on it."""
+    if band is None:
         return {}
-    x, y = _points(drive)
-    walls = [from_point_m(solid, x, y) for solid in room.solids if solid.kind != "ramp"]
-    near = np.min(np.array(walls), axis=0)
-    within = (near >= float(low)) & (near <= float(high))
-    details = {"low": number(float(low), "m"), "high": number(float(high), "m")}
-    if not within.any():
-        return {"band_pct": Measure(0.0, details), "band_m": Measure(0.0, details)}
-    kept = within[int(np.argmax(within)) :]
+    details = {"low": number(band.low_m, "m"), "high": number(band.high_m, "m")}
     return {
-        "band_pct": Measure(100.0 * float(np.mean(kept)), details),
-        "band_m": Measure(_POINT_M * float(np.sum(kept)), details),
+        "band_pct": Measure(100.0 * band.kept_share, details),
+        "band_m": Measure(band.way_m, details),
     }
 
 
@@ -123,12 +104,12 @@ def _line(assignment: Assignment, room: Room, drive: Drive) -> dict[str, Measure
     within = assignment.options.get("line_within_m")
     if within is None or not room.stripes:
         return {}
-    x, y = _points(drive)
+    x, y, _ = points_of(drive)
     line = [_along(stripe.points_m) for stripe in room.stripes]
     line_x, line_y = (np.concatenate([each[i] for each in line]) for i in (0, 1))
     apart = np.hypot(x[:, None] - line_x, y[:, None] - line_y)
     details = {"within": number(float(within), "m")}
-    on_line = np.min(apart, axis=1) <= float(within) + _POINT_M / 2.0
+    on_line = np.min(apart, axis=1) <= float(within) + POINT_M / 2.0
     return {
         "line_pct": Measure(100.0 * float(np.mean(on_line)), details),
         "line_covered_pct": Measure(100.0 * float(np.mean(np.min(apart, axis=0) <= float(within))), details),
@@ -139,7 +120,7 @@ def _along(corners: tuple[tuple[float, float], ...]) -> tuple[Floats, Floats]:
     """Return points of a line on the floor, a centimetre apart or less."""
     at = np.array(corners)
     length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(at, axis=0).T))))
-    steps = np.linspace(0.0, length[-1], max(round(length[-1] / _POINT_M), 1) + 1)
+    steps = np.linspace(0.0, length[-1], max(round(length[-1] / POINT_M), 1) + 1)
     return np.interp(steps, length, at[:, 0]), np.interp(steps, length, at[:, 1])
 
 
@@ -198,10 +179,20 @@ def _problem_with_length(value: Option) -> Text | None:
     return None if is_number and float(value) > 0.0 else _LENGTH
 
 
+_SIDE = Text(zh="要写 left 或 right", en="must be left or right")
+
+
+def _problem_with_side(value: Option) -> Text | None:
+    return None if value in SIDES else _SIDE
+
+
 CHECK = Check(
     kind="room",
     measures=MEASURES,
-    optional=dict.fromkeys(("band_low_m", "band_high_m", "line_within_m"), _problem_with_length),
+    optional={
+        **dict.fromkeys(("band_low_m", "band_high_m", "line_within_m"), _problem_with_length),
+        "wall_side": _problem_with_side,
+    },
     consult=_consult,
     examine=examine,
     sketch=sketch,

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from grader.checks.drive import Drive, is_motion
+from grader.checks.kinds.room.way import Band
 from grader.checks.measure import UNMEASURED, Measure, Mistake, mistake
 from grader.checks.mistakes import robot_mistakes
 from grader.checks.scoring import fits
@@ -16,18 +17,23 @@ from grader.messages.quantity import number
 _FAR = ("ahead_m", "settled")
 _SCAN = "sensor_msgs/msg/LaserScan"
 _REACTION_NS = 500_000_000  # two scans
+_MUCH = 0.2  # of the way: more than a turn in a corner
 _TOUCH = ("contacts", "clearance_m", "ahead_m", "settled", "band_pct", "band_m", "moving_s", "covered_pct")
 
 
 def room_mistakes(
-    assignment: Assignment, run: Run, drive: Drive | None, measures: Mapping[str, Measure]
+    assignment: Assignment,
+    run: Run,
+    drive: Drive | None,
+    measures: Mapping[str, Measure],
+    band: Band | None = None,
 ) -> Iterator[Mistake]:
     """Yield what probably went wrong in a room."""
     yield from robot_mistakes(run, assignment.world)
     if drive is not None:
         yield from _touched(run)
         yield from _ended(assignment, drive, measures)
-        yield from _strayed(assignment, measures)
+        yield from _strayed(assignment, measures, band)
 
 
 def _touched(run: Run) -> Iterator[Mistake]:
@@ -64,11 +70,16 @@ def _ended(assignment: Assignment, drive: Drive, measures: Mapping[str, Measure]
     yield mistake("room_too_early" if too_far else "room_too_late", ("ahead_m",), ahead=number(ahead, "m"))
 
 
-def _strayed(assignment: Assignment, measures: Mapping[str, Measure]) -> Iterator[Mistake]:
+def _strayed(assignment: Assignment, measures: Mapping[str, Measure], band: Band | None) -> Iterator[Mistake]:
     kept = measures.get("band_pct")
-    if kept is not None and fits(assignment, "band_pct", kept.value) is False:
-        code = "room_no_wall" if kept.value == 0.0 else "room_strays"
-        yield mistake(code, ("band_pct", "band_m"), **kept.details)
+    if band is not None and kept is not None and fits(assignment, "band_pct", kept.value) is False:
+        spoilt = ("band_pct", "band_m")
+        if band.backwards_share > _MUCH:
+            yield mistake("room_to_and_fro", spoilt, share=number(100.0 * band.backwards_share, "%"))
+        elif band.other_side_share > _MUCH:
+            yield mistake("room_other_side", spoilt, share=number(100.0 * band.other_side_share, "%"))
+        else:
+            yield mistake("room_no_wall" if kept.value == 0.0 else "room_strays", spoilt, **kept.details)
     on_line = measures.get("line_pct")
     if on_line is not None and fits(assignment, "line_pct", on_line.value) is False:
         yield mistake("room_off_line", ("line_pct", "line_covered_pct"), share=number(on_line.value, "%"))

@@ -1,0 +1,105 @@
+"""The driven way of a robot, point by point, and how much of it ran along a wall."""
+
+import math
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grader.checks.drive import Drive
+from grader.contracts.assignment import Assignment, Room
+from grader.contracts.trajectory import Floats
+from grader.geometry.room import from_point_m
+
+POINT_M: Final = 0.01
+"""How close together points of the way are looked at."""
+
+SIDES: Final = {"left": 1.0, "right": -1.0}
+_ASIDE_M = 0.005  # how far beside the way the distance is measured as well, to know where the nearest wall is
+_AHEAD_COS = math.cos(
+    math.radians(135.0)
+)  # up to 45 degrees to the other side: a corner that it drives up to
+
+
+class WayPoints(NamedTuple):
+    """Points of the driven way, `POINT_M` apart; the first one alone if nothing was driven."""
+
+    x_m: Floats
+    y_m: Floats
+    heading_rad: Floats
+
+
+def points_of(drive: Drive) -> WayPoints:
+    """Return points of the driven way."""
+    path = drive.path
+    rising = np.concatenate(([True], np.diff(path.along_m) > 0.0))
+    at = np.arange(0.0, max(float(path.along_m[-1]), POINT_M / 2.0), POINT_M)
+    columns = (path.x_m, path.y_m, path.heading_rad)
+    return WayPoints(*(np.interp(at, path.along_m[rising], column[rising]) for column in columns))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Band:
+    """How a robot drove along walls, from where it was first as near as it should be.
+
+    Attributes:
+        low_m, high_m: between which the nearest wall should be.
+        kept_share: of the way, forwards and with the wall on the right side.
+        way_m: how far that led; what was driven backwards leads back.
+        backwards_share: of the way, driven in reverse gear.
+        other_side_share: of the way, near enough to a wall, but with it on the other side.
+    """
+
+    low_m: float
+    high_m: float
+    kept_share: float = 0.0
+    way_m: float = 0.0
+    backwards_share: float = 0.0
+    other_side_share: float = 0.0
+
+
+def band_of(assignment: Assignment, room: Room, drive: Drive) -> Band | None:
+    """Return how a robot drove along the walls, None where the assignment gives no distance from them."""
+    options = assignment.options
+    if not {"band_low_m", "band_high_m"} <= options.keys():
+        return None
+    low_m, high_m = float(options["band_low_m"]), float(options["band_high_m"])
+    way = points_of(drive)
+    near = _nearest_m(room, way.x_m, way.y_m)
+    within = (near >= low_m) & (near <= high_m)
+    if not within.any():
+        return Band(low_m=low_m, high_m=high_m)
+    side = SIDES.get(str(options.get("wall_side")))
+    beside = np.ones(len(near), dtype=bool) if side is None else _on_side(room, way, side)
+    first = int(np.argmax(within))
+    kept, gear = (within & beside)[first:], _gear(way)[first:]
+    return Band(
+        low_m=low_m,
+        high_m=high_m,
+        kept_share=float(np.mean(kept & (gear > 0.0))),
+        way_m=max(0.0, POINT_M * float(np.sum(gear[kept]))),
+        backwards_share=float(np.mean(gear < 0.0)),
+        other_side_share=float(np.mean((within & ~beside)[first:])),
+    )
+
+
+def _nearest_m(room: Room, x_m: Floats, y_m: Floats) -> Floats:
+    """Return how far points are from the nearest solid that stands above the floor."""
+    walls = [from_point_m(solid, x_m, y_m) for solid in room.solids if solid.kind != "ramp"]
+    return np.asarray(np.min(np.array(walls), axis=0))
+
+
+def _on_side(room: Room, way: WayPoints, side: float) -> NDArray[np.bool_]:
+    """Whether the nearest wall is to the wanted side (1 left, -1 right) or ahead of the robot, at each point."""
+    dx, dy = -_ASIDE_M * np.sin(way.heading_rad), _ASIDE_M * np.cos(way.heading_rad)  # to the left
+    nearer = _nearest_m(room, way.x_m - dx, way.y_m - dy) - _nearest_m(room, way.x_m + dx, way.y_m + dy)
+    return np.asarray(side * nearer / (2.0 * _ASIDE_M) > _AHEAD_COS)
+
+
+def _gear(way: WayPoints) -> Floats:
+    """Return 1 where the robot drove forwards, -1 where it drove backwards."""
+    if len(way.x_m) < 2:
+        return np.ones(len(way.x_m))
+    ahead = np.cos(way.heading_rad) * np.gradient(way.x_m) + np.sin(way.heading_rad) * np.gradient(way.y_m)
+    return np.where(ahead < 0.0, -1.0, 1.0)
