@@ -271,7 +271,7 @@ def _comes_round(corners: list[float]) -> int | None:
     for sides, corner in enumerate(corners, start=2):
         total += bare(corner)
         mean = abs(total) / (sides - 1)
-        if abs(abs(total) + mean - FULL_TURN_RAD) <= 0.5 * mean:
+        if sides > 2 and abs(abs(total) + mean - FULL_TURN_RAD) <= 0.5 * mean:
             return sides
     return None
 

@@ -262,9 +262,9 @@ def _classify(path: Path, corners: list[int], extent_m: float) -> list[_Piece]:
     along, travel = path.along_m[corners], path.travel_rad[corners]
     pieces = []
     for i in range(len(corners) - 1):
-        change_rad, length_m = abs(travel[i + 1] - travel[i]), abs(along[i + 1] - along[i])
-        bent = change_rad > MIN_TURN_RAD and length_m < extent_m * change_rad
-        short = length_m < MIN_STRAIGHT_SHARE * extent_m
+        change_rad, length_m = abs(travel[i + 1] - travel[i]), along[i + 1] - along[i]
+        bent = change_rad > MIN_TURN_RAD and abs(length_m) < extent_m * change_rad
+        short = length_m < MIN_STRAIGHT_SHARE * extent_m  # as a correction is, in which the distance falls
         pieces.append(_Piece(corners[i], corners[i + 1], straight=not bent and not short))
     return pieces
 

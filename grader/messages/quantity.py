@@ -175,14 +175,17 @@ class SpokenQuantity(PositionalRecord):
         return self.value * own.factor / wanted.factor if own.base == wanted.base else None
 
 
+_EXACTNESS: Final = re.compile(r"\s*(?:±|\+ ?/ ?[-−–])\s*\d+(?:[.,]\d+)?")
+
+
 def quantities(text: str) -> Iterator[SpokenQuantity]:
-    """Yield the numbers of `text` in order: ``约 12 秒``, ``12.0s``, ``0.2 min``.
+    """Yield the numbers of `text` in order: ``约 12 秒``, ``12.0s``, ``0.2 min``; no exactness (``± 0.1``).
 
     Full-width characters count as the ordinary ones. A comma between digits is a decimal one (``12,0``), before
     each three of them a thousands separator (``1,200``); a full-width comma is punctuation.
     """
     pattern, units = _reader()
-    plain = unicodedata.normalize("NFKC", text.replace("，", "， "))
+    plain = _EXACTNESS.sub("", unicodedata.normalize("NFKC", text.replace("，", "， ")))
     found = list(pattern.finditer(plain))
     ends = [*(match.start() for match in found[1:]), len(plain)]
     for match, end in zip(found, ends, strict=False):  # without numbers there is one end

@@ -141,3 +141,17 @@ def test_a_longer_rest_is_the_end() -> None:
     legs = [leg for _ in range(6) for leg in (side(1.0), TURN, (0.5, 0.0, 0.0))]
     scoring = graded("square", drive(legs, idle_s=8.0), RunStatus.INTERRUPTED)
     assert scoring.mistakes == ("drove_on",)
+
+
+def test_a_step_back_from_an_arc_is_no_side_of_negative_length() -> None:
+    scoring = graded("square", drive([(2.0, -3.0, 1.0), (1.0, 0.5, 0.0)]))
+    assert scoring.mistakes == ("arcs",)
+    assert 0 < score(scoring) < 50
+
+
+def test_four_corners_of_a_star_are_four_corners_and_no_way_there_and_back() -> None:
+    corners = [
+        score(graded("square", drive(polygon_legs(4, corners_deg=[one] * 4))))
+        for one in (143.0, 144.0, 145.0)
+    ]
+    assert max(corners) - min(corners) < 1.0
