@@ -14,6 +14,7 @@ from typing import Any
 
 from grader.contracts.identity import Caller, Course
 from grader.contracts.submission import Submission
+from grader.formats.packages.bundle import is_package
 from grader.formats.sheets.writing import csv_table
 from grader.store.rules import to_document
 from grader.use_cases.callers import require_instructor
@@ -132,8 +133,9 @@ class _Export:
         about["comments"] = [_plain(asdict(said)) for said in services.comments.of(one.id)]
         about["appeals"] = [_plain(asdict(asked)) for asked in services.appeals.of(one.id)]
         yield f"{folder}/submission.json", _json(about)
-        suffix = ".py" if one.file_name.endswith(".py") else ".txt"
-        yield f"{folder}/source{suffix}", services.submissions.source(one.id) or b""
+        source = services.submissions.source(one.id) or b""
+        suffix = ".zip" if is_package(source) else ".py" if one.file_name.endswith(".py") else ".txt"
+        yield f"{folder}/source{suffix}", source
         if stored is not None:
             yield f"{folder}/report.json", stored.content
 
