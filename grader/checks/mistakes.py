@@ -518,24 +518,17 @@ def _in_loop(run: Run, script: ScriptText) -> Mistake | None:
     if place is None or (begins := script.loop_of(int(place["line"]))) is None:
         return None
     heard = any(each.kind == "subscription" for each in run.outcome.endpoints)
-    spins = any("spin" in line for line in script.block(begins))
     in_thread = script.lines_with(r"\btarget ?= ?[\w.]*spin|\bExecutor\(")
-    deaf = heard and not spins and not in_thread
+    deaf = heard and not script.spins(begins) and not in_thread
     return mistake("waits_without_spin" if deaf else "waits_in_loop", line=begins)
 
 
-def _run_by_callbacks(script: ScriptText) -> set[str]:
-    """Return the functions that callbacks of timers and subscriptions are, or call, in whatever depth."""
-    found = {name for kind in ("timer", "subscription") for _, name in script.callbacks(kind)}
-    left = sorted(found)
-    while left:
-        made = script.definition(left.pop())
-        block = script.block(made.line)[1:] if made is not None else []
-        called = {name for text in block for name in re.findall(r"(?<![\w.])(?:self\.)?(\w+)\(", text)}
-        new = {name for name in called - found if script.definition(name) is not None}
-        found |= new
-        left += sorted(new)
-    return found
+def _runs_in_callback(script: ScriptText, function: str) -> bool:
+    """Whether a function is the callback of a timer or subscription, or runs from one."""
+    callbacks = (name for kind in ("timer", "subscription") for _, name in script.callbacks(kind))
+    begins = [made.line for name in callbacks if (made := script.definition(name)) is not None]
+    made = script.definition(function)
+    return made is not None and made.line in script.reached_from(begins)
 
 
 def loop_in_callback(run: Run) -> Mistake | None:
@@ -544,7 +537,7 @@ def loop_in_callback(run: Run) -> Mistake | None:
     if place is None or (begins := script.loop_of(int(place["line"]))) is None:
         return None
     heard = any(each.kind == "subscription" for each in run.outcome.endpoints)
-    called_back = _run_by_callbacks(script) & {script.function_around(begins)}
+    called_back = _runs_in_callback(script, script.function_around(begins))
     in_parallel = script.lines_with(r"\bMultiThreadedExecutor\(|\bThread\(")
     return mistake("loop_in_callback", line=begins) if heard and called_back and not in_parallel else None
 
