@@ -404,6 +404,11 @@ class ScriptText:
         names = set(re.findall(pattern, text, re.MULTILINE))
         return names.pop() if len(names) == 1 else None
 
+    @property
+    def publisher_name(self) -> str:
+        """What a hint calls the publisher: the name that the script gives it, else ``publisher``."""
+        return self.publisher or "publisher"
+
 
 def _arguments(text: str) -> str:
     """Return `text` up to the bracket that closes what was open before it."""
