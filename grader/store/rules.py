@@ -69,12 +69,15 @@ ABOUT_FROM = (
         ),
     )
 )
-"""One row: what rules the work of a student for an assignment. Takes `course`, `assignment` and `student`."""
+"""Selects one row: the rules that apply to a student's submissions for an assignment (see `rules_about`).
+
+Parameters: `course`, `assignment` and `student`.
+"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CourseRules:
-    """Everything that decides about submissions of a course. Without courses nothing is ruled.
+    """The rules of all assignments of a course. Without courses there are none.
 
     Attributes:
         sections: by person; only where some rule asks for them.
@@ -96,11 +99,11 @@ class CourseRules:
         return rules.for_sections(self.sections.get(student, ()))
 
     def extension(self, assignment: str, person: str) -> Extension:
-        """Return what one student gets beyond them."""
+        """Return the extension of one student."""
         return self.extensions.get((assignment, person), NO_EXTENSION)
 
     def extended(self, assignment: str) -> list[tuple[str, Extension]]:
-        """Return who got more for one assignment, and what, in order of student."""
+        """Return the students who have an extension for one assignment, in order, each with it."""
         return sorted(
             (person, one)
             for (of, person), one in self.extensions.items()
@@ -242,7 +245,7 @@ def rules_about(
     extra_attempts: int | None,
     sections: str | None,
 ) -> tuple[Rules, Extension, ZoneInfo]:
-    """Return what rules the work of a student for an assignment, from a row of `ABOUT`."""
+    """Return rules, extension and time zone for a student's submissions, from the columns of a row of `ABOUT`."""
     rules = NO_RULES if document is None else _read(document)
     rules = rules.for_sections((sections or "").split(_BETWEEN))
     extension = NO_EXTENSION if extra_attempts is None else Extension(due=due, extra_attempts=extra_attempts)
@@ -279,7 +282,7 @@ def from_document(document: dict[str, Any]) -> Rules:
     """Return the rules that `to_document` wrote.
 
     Raises:
-        ValueError: it is not one.
+        ValueError: `to_document` wrote no such document.
     """
     if unknown := document.keys() - kinds_of(Rules).keys():  # msgspec ignores them in a dataclass
         raise ValueError(f"the rules have no field {min(unknown)}")
