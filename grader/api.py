@@ -117,7 +117,7 @@ def create_app(open_services: ServicesOpener | None = None) -> FastAPI:
     events.install(app)
     live.install(app)
     for router in _ROUTERS:
-        # as `include_router` does, but for building each route once more, which the first request waits for
+        # like `include_router`, which would build each route a second time and make the first request wait
         app.router.routes.extend(router.routes)
     pages.install(app)
     documentation.install(app)

@@ -153,7 +153,7 @@ def _unknown(fields: Fields, known: Mapping[str, object]) -> _Misfit | None:
 
 
 def _recursion(name: str, known: Mapping[str, Fields]) -> _Misfit | None:
-    """Return the field by which a structure comes to hold itself."""
+    """Return the field by which a structure contains itself, directly or through others; None if there is none."""
     for field, first in known[name].items():
         seen, waiting = set(), [first.partition("[")[0]]
         while waiting:

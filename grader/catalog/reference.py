@@ -1,4 +1,4 @@
-"""What an assignment's solution drives, recorded beside it: the wanted path of ``reference: solution``."""
+"""The path that an assignment's solution drives, stored in a file beside it, for ``reference: solution``."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""What other platforms hand in: which file is meant, its grading, and where they look for what came of it."""
+"""Gradings for other platforms: choosing the file in a submission's folder, grading it, writing the result."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -29,11 +29,11 @@ class ChosenFile:
 
 
 def pick(folder: Path, assignment: Assignment) -> ChosenFile:
-    """Return the file that is meant: the only one of its kind in a folder, or the one whose name says so.
+    """Return the file to grade: the only one of its kind in a folder, or the only one whose name fits.
 
     Raises:
-        RefusedError: there is none or more than one, or it could not be handed in to a service either.
-        InfrastructureError: this machine does not read it.
+        RefusedError: there is none or more than one, or a service would not accept it either.
+        InfrastructureError: this machine cannot read it.
     """
     if assignment.input == "package":
         return _package(folder)

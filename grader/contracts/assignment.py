@@ -489,7 +489,7 @@ class Assignment(Record):
         return summed(item.points for item in self.items)
 
     def in_case(self, case_id: str) -> "Assignment":
-        """Return the assignment with what one of its cases gives in the place of its own."""
+        """Return the assignment with those values replaced that one of its cases gives itself."""
         case = next((case for case in self.cases if case.id == case_id), None)
         if case is None:
             return self

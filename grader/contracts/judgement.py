@@ -73,7 +73,7 @@ def standing(item: str, points: float, judgements: Iterable[Judgement]) -> Judge
 
 
 def settled(items: Iterable[ItemScore], judgements: Sequence[Judgement]) -> tuple[ItemScore, ...]:
-    """Return the items with what people gave in the place of what waited for them, or of a machine's points."""
+    """Return the items with the points that people gave, also where these replace a machine's."""
     return tuple(_settled(item, judgements) for item in items)
 
 

@@ -53,7 +53,7 @@ class PublishedItem(Record):
 
     Attributes:
         measure: what is measured. wanted: what earns full credit. partial: where credit ends.
-        needs: which items must have earned points, and what becomes of this one where it is few; or empty.
+        needs: which items must have earned points, and what this one earns if they earned few; or empty.
     """
 
     id: str

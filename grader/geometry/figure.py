@@ -69,8 +69,8 @@ class PolygonFigure(PositionalRecord):
         end: sample index where the figure ends, its last turn included.
         rest: sample index where the car came to rest: `end` unless it drove on.
         gap_m: distance from `start` to `rest`.
-        curved_share: share of the distance travelled within corners, on bent sides or beside the sides.
-        strayed_share: that of what was driven beside the sides alone.
+        curved_share: share of the distance that was travelled in corners, on bent sides or off the sides.
+        strayed_share: share of the distance that was travelled off the sides.
         bows: of each side 0 where it is about straight, up to 1 where it bends so much as to be taken for a turn,
             or is lost among detours.
         repeated: further sides follow that continue the figure over again.
@@ -102,7 +102,7 @@ class PolygonFigure(PositionalRecord):
 
 
 class _Extent(PositionalRecord):
-    """Which straights make the figure, and what becomes of the others.
+    """Which straights make the figure, and how those that follow relate to it.
 
     Attributes:
         joined: the last and the first straight are two parts of one side.

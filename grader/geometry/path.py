@@ -336,7 +336,7 @@ def _without_detours(path: Path, piece: _Piece) -> tuple[Floats, float]:
 
 
 def _driven_m(path: Path, first: int, last: int) -> float:
-    """Return how far the car drove between two samples, to and fro, but for how it settled."""
+    """Return the distance driven between two samples, forwards and backwards, without small swings to a stop."""
     signed_m = path.signed_m[first : last + 1]
     turning = _turning_points(signed_m, max(SETTLING_SHARE * path.extent_m, MIN_REVERSAL_M))
     edges = [0, *turning, len(signed_m) - 1]

@@ -31,7 +31,7 @@ def within_budget(outcomes: Iterable[RunOutcome]) -> list[RunOutcome]:
 
 
 def outputs_within_budget(outputs: Iterable[CaseOutput]) -> tuple[CaseOutput, ...]:
-    """Return what stands beside a report, within a budget of its own."""
+    """Return the outputs that are kept beside a report, cut to a budget of their own."""
     whole = tuple(outputs)
     share = REPORT_TEXT_BYTES // (2 * max(len(whole), 1))
     return tuple(

@@ -62,9 +62,9 @@ def launch() -> Child:
 
 
 def import_path() -> str:
-    """Return what this process imports from, but for its script's folder or the one `grader` is called in.
+    """Return the import path of this process without its first entry, the folder of its script or the current one.
 
-    The first entry is one of these, unless Python was told otherwise; a student's random.py may lie there.
+    A student's ``random.py`` may lie there. In Python's safe-path mode there is no such entry.
     """
     own = [entry for entry in (sys.path if sys.flags.safe_path else sys.path[1:]) if entry]
     return os.pathsep.join(own if _ROOT in own else [_ROOT, *own])

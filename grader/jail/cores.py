@@ -48,7 +48,7 @@ class SharedCore:
                 os.sched_setaffinity(0, self._before)
 
     def gather(self) -> None:
-        """Bring the threads of the other process, of which one runs at a time, onto one core until they leave."""
+        """Keep the threads of the other process on one core until `leave`: only one of them runs at a time."""
         self._has_threads = True
         self._take_core(beside_us=True)
 

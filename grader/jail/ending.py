@@ -165,7 +165,7 @@ class Clocks:
         self._last_ns, self._work_ns = now_ns, work_ns
 
     def _at_wall_limit(self, now_ns: int, cpu_ns: int) -> Ending | None:
-        """Move the wall limit by what the host kept the run waiting; else say who did not come to an end."""
+        """Extend the wall limit by the time that the host kept the run waiting; else return why the run ends."""
         elapsed_ns = now_ns - self._start_ns
         host_ns = min(self._paused_ns + self._waited_ns(elapsed_ns, cpu_ns), elapsed_ns)
         if cpu_ns > self._progress[1]:

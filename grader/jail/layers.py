@@ -176,7 +176,7 @@ def standard_library() -> str:
 
 
 def readable_paths(shim: Path, packages: dict[str, str]) -> list[str]:
-    """Return the files and directories that confined processes may read, and nothing beside them.
+    """Return all files and directories that confined processes may read.
 
     The standard library is listed entry by entry, because many installations keep site-packages, and so
     the grader and the reference solutions, inside its directory.

@@ -32,7 +32,7 @@ def prepare(shown: Sequence[str], masked: Sequence[str], place: Path) -> None:
     Args:
         shown: files and directories that it shows under their own names.
         masked: directories directly below one of `shown` that are left out.
-        place: where it is made; a stamp of what it was made of stands beside it.
+        place: where it is made; a stamp beside it says what it was made from.
 
     Raises:
         OSError: it could not be made: not root, no right to make devices, no room.

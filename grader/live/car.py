@@ -16,9 +16,9 @@ from grader.grading.launch import import_path
 from grader.live.pipe import CLOSE, HEAD, OPEN, TEXT, Parcel, pack, unpack_head
 
 TRY_AGAIN: Final = 1013
-"""Status of a websocket whose client reads too slowly, or whose car has come to its end by our fault."""
+"""Close code of a websocket whose client reads too slowly, or whose car ended through a fault of ours."""
 GONE: Final = 1001
-"""Status of a websocket whose car has ended: its time is over, or the service stops."""
+"""Close code of a websocket whose car has ended: its time is over, or the service stops."""
 
 START_S: Final = 20.0
 MOST_UNREAD: Final = 256
@@ -130,7 +130,7 @@ class LiveCar:
         """Start the process and wait until the car stands in its world.
 
         Raises:
-            InfrastructureError: it did not come to that.
+            InfrastructureError: the process could not be started, or did not begin in time.
         """
         self._ended = False
         ours, theirs = socket.socketpair()

@@ -1,6 +1,7 @@
-"""What a number in a script comes to: literals, names that are assigned once, and the four rules, never run.
+"""Values of simple expressions in a script: numbers, names that are assigned once, the four operations.
 
-A student's text is not given to Python's parser, so this reads the little that a hint needs; all else is None.
+Nothing is run, and a student's text is not given to Python's parser. This reads the little that a hint needs; the
+value of anything else is None.
 """
 
 import math
@@ -25,7 +26,7 @@ _FUNCTIONS: Final[dict[str, Callable[[float], float]]] = {
 
 
 def value_of(written: str, script: ScriptText, depth: int = 0) -> float | None:
-    """Return what an expression comes to, or None where its text alone does not tell."""
+    """Return the value of an expression, or None if it cannot be told from the text."""
     tokens = _TOKENS.findall(written)
     if len(written) > _LONGEST or depth > _DEEPEST or "".join(tokens) != written.replace(" ", ""):
         return None

@@ -177,7 +177,7 @@ def only_shell(error: StudentError, written: str, script: ScriptText) -> Closer:
 
 
 def dash(error: StudentError, written: str, script: ScriptText) -> Closer:
-    """Recognise a dash of a word processor in the place of a minus sign, and not in words without a ``#``."""
+    """Recognise a word processor's dash instead of a minus sign; not one in prose that lacks its ``#``."""
     found = re.search(r"U\+(2010|2011|2012|2013|2014|2015|2212|FF0D)", error.message)
     minus = re.search(r"([=(\[,:]|\breturn|[+*/<>]|[\w.)\]]) ?[\u2010-\u2015\u2212\uff0d] ?[\w.(]", written)
     code = re.search(r"[=()]|^(return|if|while|elif)\b", written)
@@ -280,7 +280,7 @@ def handler_order(error: StudentError, written: str, script: ScriptText) -> Clos
 
 
 def own_module(error: StudentError, written: str, script: ScriptText) -> Closer:
-    """Recognise a module of which nothing is known, most likely another file of the author's."""
+    """Recognise an unknown module, which is most likely another file of the student's."""
     found = re.match(r"No module named '(\w+)'", error.message)
     return ("own_module", {"name": found[1]}) if found and not _KNOWN_ROOT.match(found[1]) else None
 

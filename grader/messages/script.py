@@ -127,7 +127,7 @@ class ScriptText:
 
     @cached_property
     def known_values(self) -> dict[str, float | None]:
-        """What assigned names have been found to come to; see `grader.messages.arithmetic`."""
+        """Values of assigned names that `grader.messages.arithmetic` has found, which keeps them here."""
         return {}
 
     @cached_property

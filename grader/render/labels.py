@@ -32,12 +32,12 @@ def cleanup_sentence(error: StudentError, shown: str, language: Language) -> str
 
 
 def status_word(status: str, language: Language) -> str:
-    """Return what a grading, a run or a submission has come to: a `GradeStatus`, `RunStatus` or state."""
+    """Return the word for a `GradeStatus`, a `RunStatus` or the state of a submission."""
     return sentence(language, f"status.{status}")
 
 
 def item_status_word(status: ItemStatus, language: Language) -> str:
-    """Return what a rubric item has come to."""
+    """Return the word for the status of a rubric item."""
     return sentence(language, f"item_status.{status}")
 
 

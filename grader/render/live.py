@@ -1,7 +1,7 @@
-"""The drive as a moving picture in a terminal: turtlesim's window in braille dots, beside it pose and log.
+"""Replaying a drive in a terminal: turtlesim's window in braille dots, with pose and log beside it.
 
-The drive is over when it is shown: virtual time took a fraction of a second. It is shown at its own pace, or at a
-multiple of it; where no terminal is, only the last picture is printed.
+By then the drive is over, because its virtual time took a fraction of a second. It is replayed in real time or at
+a multiple of that. Without a terminal only the last picture is printed.
 """
 
 import math

@@ -173,7 +173,7 @@ def _store(settings: Settings, who: str) -> Iterator[Database]:
 
 @contextmanager
 def _working(settings: Settings, parts: WorkerParts) -> Iterator[Worker]:
-    """Run a worker beside whatever else this process does."""
+    """Run a worker in threads of this process, whatever else it does."""
     config = WorkerConfig(
         slots=settings.slots,
         heartbeat_s=settings.heartbeat_s,

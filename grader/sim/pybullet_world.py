@@ -1,4 +1,4 @@
-"""The world of a script that brings PyBullet: nothing beside it, and its recorded calls."""
+"""The world of a script that uses PyBullet: no turtle and no topics, only its recorded calls."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -74,7 +74,7 @@ class PybulletWorld:
         """Nothing is reckoned."""
 
     def advance(self, t_ns: int) -> None:
-        """Nothing runs beside the script."""
+        """Do nothing: no car moves while the script runs."""
 
     def settle(self, from_ns: int, until_ns: int) -> int:
         """Return when the script ended: the simulation stops with it."""

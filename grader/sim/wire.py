@@ -242,7 +242,7 @@ def _read_note(body: bytes) -> NoteFrame:
 
 
 def _read_calls(body: bytes) -> CallsFrame:
-    """Read CALLS but for the calls themselves, which `recorded_calls` reads."""
+    """Read the head of CALLS; `recorded_calls` reads the calls themselves."""
     if len(body) <= _CALLS_HEAD.size:
         raise ProtocolError("CALLS.t is cut off, or no call follows")
     _, t_ns = _CALLS_HEAD.unpack_from(body)

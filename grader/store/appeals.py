@@ -51,7 +51,7 @@ class Appeals:
         self._database = database
 
     def ask(self, submission_id: str, asked: Asked, signed: Signature) -> Appeal:
-        """Keep an appeal about an item of a submission, in the place of one that was withdrawn.
+        """Store an appeal about an item of a submission; it replaces one that was withdrawn.
 
         Raises:
             AppealError: ``exists``: there is one about this item; ``unknown``: the submission was erased.

@@ -336,7 +336,7 @@ def _configure_sqlite(connection: Any, _record: Any) -> None:
 
 
 def _write_ahead(connection: Any) -> None:
-    """Switch to a log beside the file. SQLite refuses at once if another connection is switching, too."""
+    """Switch to a write-ahead log. SQLite refuses at once if another connection is switching, too."""
     for _ in range(_WAL_TRIES):
         try:
             connection.execute("PRAGMA journal_mode=WAL")

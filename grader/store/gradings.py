@@ -219,7 +219,7 @@ class PastGradings:
             return before, _newest(session, trial, submission_id)
 
     def measurements(self, stored: StoredReport) -> Measurements | None:
-        """Return what was measured about a grading beside its report, or None."""
+        """Return the measurements of a grading, which its report does not contain; None if it is not stored."""
         with self._database.reading() as session:
             row = session.get(GradingRow, (stored.submission_id, stored.attempt))
             return None if row is None else from_json(Measurements, row.measurements)

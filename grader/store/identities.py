@@ -1,4 +1,4 @@
-"""What sign-in providers call the members of courses, and the sessions which that opens."""
+"""Which names at sign-in providers belong to which members of courses, and the sessions that these open."""
 
 import hashlib
 import secrets
@@ -21,14 +21,14 @@ _MOST_COURSES = 20
 
 
 class Identities:
-    """Who is whom; safe to share between threads."""
+    """Binds names at providers to members; safe to share between threads."""
 
     def __init__(self, database: Database, clock: Clock) -> None:
         self._database = database
         self._clock = clock
 
     def of_subject(self, provider: str, subject: str) -> tuple[Identity, ...]:
-        """Return where a provider's `subject` is known, courses that are taught first, then the newest."""
+        """Return the identities of a provider's `subject`: courses not archived first, then the newest."""
         statement = (
             select(IdentityRow)
             .join(CourseRow, col(CourseRow.id) == col(IdentityRow.course))
@@ -42,13 +42,13 @@ class Identities:
             return tuple(as_contract(row, Identity) for row in session.execute(statement).scalars())
 
     def subjects(self, provider: str) -> frozenset[str]:
-        """Return whom a provider has brought into any course."""
+        """Return the names at a provider that are bound to a member of any course."""
         mine = select(col(IdentityRow.subject)).where(col(IdentityRow.provider) == provider)
         with self._database.reading() as session:
             return frozenset(session.execute(mine).scalars())
 
     def of_member(self, course: str, person: str) -> tuple[Identity, ...]:
-        """Return by which names a member comes, oldest first."""
+        """Return the identities of a member, oldest first."""
         own = col(IdentityRow.course) == course, col(IdentityRow.person) == person
         statement = select(IdentityRow).where(*own).order_by(col(IdentityRow.bound_at), col(IdentityRow.id))
         with self._database.reading() as session:
@@ -146,7 +146,7 @@ class Identities:
             return True
 
     def open_session(self, identity: Identity) -> str | None:
-        """Open a session of a browser for whom a provider recognised; None: the binding has ended."""
+        """Open a browser's session for an identity; None if the identity is bound no longer."""
         with self._database.writing() as session:
             if session.get(IdentityRow, identity.id) is None:
                 return None

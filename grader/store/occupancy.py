@@ -1,4 +1,4 @@
-"""Who works with a database. Services share a lock; a command that replaces or moves the database takes it alone.
+"""The lock of a database: services share it, a command that replaces or moves the database takes it exclusively.
 
 SQLite: a lock on a file beside the database. PostgreSQL: an advisory lock. Every connection of a service
 shares it, so every new connection takes it again.

@@ -183,14 +183,14 @@ class Platforms:
         return secret
 
     def invited(self, secret: str) -> Signature | None:
-        """Return for whom a platform is added by a secret now; None: the secret is none, or not any more."""
+        """Return who invited the platform that shows a secret, and where to; None if it is unknown or expired."""
         now = self._clock()
         with self._database.reading() as session:
             row = session.get(PlatformInvitationRow, _digest(secret))
             return None if row is None or row.until <= now else Signature(now, row.course, row.actor)
 
     def end_invitation(self, secret: str) -> bool:
-        """Let a secret add nothing any more; return whether it still did."""
+        """End an invitation; return whether its secret was still valid."""
         with self._database.writing() as session:
             mine = col(PlatformInvitationRow.sha256) == _digest(secret)
             ended = session.execute(
@@ -199,7 +199,7 @@ class Platforms:
             return ended.first() is not None
 
     def open_picking(self, platform: str, subject: str, picking: Picking) -> str:
-        """Let whom a platform calls `subject` choose for an hour; return the secret by which they do.
+        """Let the person whom a platform calls `subject` choose within an hour; return the secret for that.
 
         Raises:
             RefusedError: the platform was removed meanwhile.

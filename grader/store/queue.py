@@ -1,10 +1,10 @@
-"""The queue: submissions that wait, claims under leases, and what becomes of a claim.
+"""The queue: waiting submissions, claims under leases, and how claims end.
 
-Guarantees, whatever is killed when: an accepted submission is graded or ends as ``infrastructure_error``; a
-result is stored at most once per claim, and only from the latest claim. A claim raises `attempt`, and
-`finish` writes only where the row still carries that number and worker and is ``running``: who wakes up late,
-or a submission delivered twice, changes nothing. A claim whose lease ended goes back to the queue in
-`reconcile`.
+Guarantees, whatever process is killed at any time: an accepted submission is graded or ends as
+``infrastructure_error``; a result is stored at most once per claim, and only from the latest claim. A claim
+raises `attempt`, and `finish` writes only if the row still has that number and worker and is ``running``. So a
+worker that wakes up late, or a submission that was delivered twice, changes nothing. `reconcile` queues a
+submission again whose lease has ended.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -39,8 +39,8 @@ _TROUBLE_CHARACTERS = 2_000
 _MOST_DOUBLINGS = 60  # any pause reaches an hour before; further ones would overflow a float
 _MOST_TRIES_RUNNING = 2  # once a fault of the host, twice rather of the script
 _LATEST = 100  # gradings whose durations tell the pace
-# Key of a connection's notes of which assignments are stored. They are notes of a connection, not of the process:
-# when a database is replaced by another one, connections are new, and so are their notes.
+# Key under which a connection keeps the digests of assignments known to be stored. The process must not keep them:
+# a database may be replaced by another one, and then all connections are new.
 _STORED_ASSIGNMENTS = "grader_assignments"
 
 LONGEST_PAUSE = timedelta(hours=1)
@@ -414,7 +414,7 @@ def _outcome(claim: Claim, result: GradingResult, grading: Values) -> Values:
 
 
 def _stored_assignments(connection: Connection) -> set[str]:
-    """Return the notes of which assignments are stored. Add to them after the commit: it may fail."""
+    """Return the digests of assignments known to be stored. Add to them only after the commit, which may fail."""
     known: set[str] = connection.info.setdefault(_STORED_ASSIGNMENTS, set())
     return known
 

@@ -1,4 +1,4 @@
-"""From a number to people: who of a class failed an item, made a mistake, or stands at a status."""
+"""The students behind a number of the dashboard: who failed an item, made a mistake, or has a status."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class Concern:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Concerned:
-    """A student whom a concern is about. `still`: the item is failed in the best submission, too."""
+    """A student to whom a concern applies. `still`: their best submission fails the item, too."""
 
     student: str
     name: str
@@ -41,7 +41,7 @@ class Concerned:
 def concerned(
     services: Services, caller: Caller, assignment_id: str, concern: Concern
 ) -> tuple[Concerned, ...]:
-    """Return the students at an assignment whom a concern is about: who still fails, and tried most, first.
+    """Return the students to whom a concern applies: first those who still fail, then those who tried most.
 
     Raises:
         RefusedError: the caller may not see the class, or there is no such assignment.

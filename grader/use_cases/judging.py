@@ -156,7 +156,7 @@ def _give(  # noqa: PLR0913
 
 
 def may_correct(services: Services, caller: Caller, assignment: str) -> bool:
-    """Return whether the caller may correct what the machine judged: instructors, and whom the rules name."""
+    """Return whether the caller may correct the machine's points: instructors, or all staff, as the rules say."""
     rules = services.rules.of(caller.course).of(assignment)
     return caller.is_instructor or (caller.is_staff and rules.corrected_by is Corrector.STAFF)
 

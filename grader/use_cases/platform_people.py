@@ -1,4 +1,4 @@
-"""People of a platform's course who are taken into the class list. Nobody is changed or removed by that."""
+"""Adding the people of a platform's course to the class list. Nobody is changed or removed."""
 
 import hashlib
 import logging
@@ -20,7 +20,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PeoplePlan:
-    """Whom taking a platform's people in adds.
+    """The people whom an import from a platform adds.
 
     Attributes:
         added: students whom the course does not have, in order of id.
@@ -38,7 +38,7 @@ class PeoplePlan:
 
     @property
     def tag(self) -> str:
-        """Return a name of this plan that changes with whom it adds."""
+        """Return a digest of the people whom this plan adds."""
         return hashlib.sha256(repr(self.added).encode()).hexdigest()[:16]
 
 

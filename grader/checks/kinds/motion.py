@@ -83,7 +83,7 @@ def _keeps_facing(drive: Drive) -> Bools:
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
-    """Return the net displacement beside the wanted straight line, and where the car left it."""
+    """Return the sketch of the net displacement, of the wanted line, and of where the car left that line."""
     drive = drive_of(run, until_contact=True)
     if drive is None or drive.path.extent_m < 0.01:  # nothing that a plot could show
         return FigureSketch()

@@ -188,7 +188,7 @@ def _script_folder(content: bytes) -> str:
 
 
 def _modules(packages: list[str], singles: list[str], own: Mapping[str, bytes]) -> dict[str, str]:
-    """Return what setuptools installs: of each package the modules beside each other, not those of subfolders."""
+    """Return the modules that setuptools installs: of each package those in its own folder, not in subfolders."""
     found: dict[str, str] = {}
     for name in packages:
         folder = name.replace(".", "/")

@@ -101,7 +101,7 @@ def _folded(person: str) -> str:
 
 
 def _cell(text: str, *, is_id: bool, is_header: bool) -> Cell:
-    """Return a cell as it was: numbers are numbers again, but for ids."""
+    """Return a cell as it was read, text that is a number as a number; ids and headers stay text."""
     if not text:
         return None
     return float(text) if not is_id and not is_header and _NUMBER.fullmatch(text) else text

@@ -1,4 +1,4 @@
-"""Somebody else's table as rows of text: workbooks (.xlsx, .xls, .ods), and CSV as spreadsheets save it."""
+"""Reading tables of other programs as rows of text: workbooks (.xlsx, .xls, .ods), CSV as spreadsheets save it."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""The way in: the address to which a browser is sent, and what the message that it brings back must say."""
+"""Launches by LTI: the address to which a browser is sent, and checking the message that it brings back."""
 
 import secrets
 import threading

@@ -65,7 +65,7 @@ def next_page(address: str, links: str) -> str | None:
 
 
 def people_in(content: bytes) -> Iterator[Listed]:
-    """Yield whom a page names.
+    """Yield the people that a page of the platform's list names.
 
     Raises:
         UnreachableError: it cannot be read.

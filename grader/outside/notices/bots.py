@@ -133,7 +133,7 @@ def _mac(key: str, text: str) -> str:
 
 
 def _bounded(text: str) -> str:
-    """Return as much of a text as every vendor takes, in whole characters."""
+    """Return a text, shortened between characters to the length that every vendor accepts."""
     encoded = text.encode()
     if len(encoded) <= MOST_BYTES:
         return text

@@ -205,10 +205,10 @@ async def _answer(method: str, url: "httpx.URL", **request: Any) -> _Answer:
 
 
 def trusting() -> ssl.SSLContext:
-    """Return a context that believes whom browsers believe, and whom this machine does besides.
+    """Return a context that trusts the authorities that browsers trust, and those that this machine trusts.
 
-    A school's servers are often signed by the school, whose certificate an operator adds to the machine's. A slim
-    container has none but those that come with `httpx`.
+    A school often signs the certificates of its servers itself; an operator adds the school's authority to the
+    machine's. A slim container has none of its own, so those that come with `httpx` are needed.
     """
     import httpx
 

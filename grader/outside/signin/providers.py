@@ -41,7 +41,7 @@ class SignInAttempt:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Person:
-    """Somebody whom a provider recognised.
+    """Somebody who has signed in at a provider.
 
     Attributes:
         subject: the provider's name for them, which stays; 1 to 255 printable characters.

@@ -1,4 +1,4 @@
-"""Failures as pages for people, and refusals beside the form that was refused; programs get problem documents."""
+"""Errors for browsers: failures as pages, refusals beside the form. Other clients get problem documents."""
 
 import json
 from collections.abc import Awaitable, Callable

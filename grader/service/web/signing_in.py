@@ -1,8 +1,8 @@
-"""The way to a sign-in provider and back.
+"""Redirecting a browser to a sign-in provider, and taking it back.
 
-While a browser is away, a cookie of its own holds what the answer must fit (`SignInAttempt`), so nobody can be
-sent back with somebody else's answer. The session's cookie is not sent with the step back, which another site
-makes: the page that ends it leads on by itself, as a step of ours.
+A cookie of the browser holds what the provider's answer must match (`SignInAttempt`), so nobody can be sent back
+with somebody else's answer. A browser does not send the session's cookie with the redirect back, because another
+site makes that request. So the redirect ends at a page that goes on by itself, which is a request of our own site.
 """
 
 import hmac
@@ -37,7 +37,7 @@ Next = Annotated[str, Query(max_length=_LONGEST)]
 
 @router.get("/with/{provider_id}")
 def go(request: Request, services: ServicesDep, provider_id: ProviderId, next: Next = "") -> Response:
-    """Send a browser to a provider; or take in at once whom a proxy has recognised."""
+    """Send a browser to a provider; if a proxy signs people in, open the session at once."""
     provider = services.providers.sending(provider_id)
     if provider is None:
         said = _person_by_proxy(request, services, provider_id)
@@ -73,7 +73,7 @@ def bind(
     token: Annotated[str, Form(max_length=1_000)] = "",
     next: Annotated[str, Form(max_length=_LONGEST)] = "",
 ) -> Response:
-    """Bind whom a provider recognised to the member whose token they show, this once."""
+    """Bind somebody who signed in at a provider to the member whose token they enter; later none is asked for."""
     session = signing_in.show_token(services, request.cookies.get(HELD_COOKIE, ""), token.strip())
     if session is None:
         wrong = on_page(language_of(request), "enter.wrong_token")
@@ -88,7 +88,7 @@ def choose(
     course: Annotated[str, Form(max_length=64)] = "",
     next: Annotated[str, Form(max_length=_LONGEST)] = "",
 ) -> Response:
-    """Let whom a provider recognised into one of their courses."""
+    """Open a session in that course which somebody who signed in at a provider has chosen."""
     session = signing_in.choose(services, request.cookies.get(HELD_COOKIE, ""), course)
     return _let_in(request, session, own_address(next))
 
@@ -107,7 +107,7 @@ def kept_by(cookie: str, secrets: tuple[str, ...], state: str) -> dict[str, str]
 
 
 def arrived(request: Request, arrival: Arrival, next_: str) -> Response:
-    """Let somebody in whom a provider recognised, or ask for what is missing; then lead to `next_`."""
+    """Open a session for somebody who signed in and lead to `next_`; ask for a token or course first if needed."""
     if arrival.session is not None:
         return _let_in(request, arrival.session, next_)
     response = page(request, "enter_bind.html", courses=arrival.courses, next=next_, wrong="")

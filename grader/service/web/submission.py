@@ -285,7 +285,7 @@ def _line_of(services: Services, submission: Submission, error: StudentError) ->
 
 
 def _beside(services: Services, visitor: Visitor, submission: Submission) -> dict[str, Any]:
-    """Return what stands beside a submission: other attempts, other students, and what the rules say now."""
+    """Return what the page shows beside a submission: other attempts, other students, what the rules say now."""
     caller = visitor.caller
     attempts = submissions.history(services, caller, submission.student, submission.assignment)
     own = caller.course is not None and visitor.student == submission.student

@@ -669,7 +669,7 @@ class Kernel:
         self._yield()
 
     def _is_left_alone(self) -> bool:
-        """Return whether neither a thread that could go on, nor a signal, nor the world is beside this thread."""
+        """Return whether nothing but this thread can act now: no other thread, no signal, not the world."""
         others = (thread for thread in self.threads if thread is not self.running)
         return (
             self._coupled() is None

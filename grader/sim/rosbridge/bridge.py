@@ -1,7 +1,7 @@
-"""The bridge: frames of any number of clients in, frames for them out, beside a ROS graph.
+"""The bridge between a ROS graph and any number of JSON clients: it takes their frames and returns others.
 
-It has no sockets and no clock. Whoever drives it hands over frames and events with the instants at which they
-come, and takes what is to be sent. What clients can make it keep is bounded, each kind by a number of its own.
+It has no sockets and no clock. Its caller passes frames and events with the instants at which they came, and sends
+what it returns. Everything that clients can make it keep is bounded, each kind by a limit of its own.
 """
 
 import math

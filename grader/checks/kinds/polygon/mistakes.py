@@ -379,7 +379,7 @@ def _arcs(seen: _Seen, figure: PolygonFigure) -> Mistake:
 
 
 def _is_astray(figure: PolygonFigure) -> bool:
-    """Whether more was driven beside the sides than in arcs."""
+    """Whether the car left its sides for detours more than it bent them to arcs."""
     return figure.strayed_share > 0.5 * figure.curved_share
 
 

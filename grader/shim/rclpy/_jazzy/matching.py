@@ -1,4 +1,4 @@
-"""Who is matched with whom, and how that changes: what matched events tell and subscriptions count."""
+"""Which endpoints are matched, for matched events and for the counts of publishers that subscriptions return."""
 
 from __future__ import annotations
 

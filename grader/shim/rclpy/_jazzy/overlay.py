@@ -37,7 +37,7 @@ def extends(changed: type) -> Callable[[ClassT], ClassT]:
 
 
 def replace(module: ModuleType, **new: Any) -> None:
-    """Put values in the place of a module's, and of the copies that modules of rclpy have imported."""
+    """Replace values of a module, also where other modules of rclpy have imported them."""
     old = {name: module.__dict__.get(name) for name in new}
     vars(module).update(new)
     for other in [vars(sys.modules[name]) for name in sys.modules if name.startswith("rclpy")]:

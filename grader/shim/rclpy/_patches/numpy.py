@@ -44,7 +44,7 @@ def patch_names(module: ModuleType) -> None:
 
 
 def patch_format(module: ModuleType) -> None:
-    """Let `save` and `load` go through Python's files: numpy would take their descriptors for real ones."""
+    """Make `save` and `load` use Python's file objects: the descriptors of our files are not the kernel's."""
     target: Any = module
     real = target.isfileobj
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class RequestId:
-    """Which request of which client."""
+    """Identifies a request: its client, and its number there."""
 
     def __init__(self, client: ClientHandle | None, sequence: int) -> None:
         self.client = client

@@ -26,22 +26,22 @@ _PLAIN_GROUPS = (MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup)
 """A group of another class may say at any time whether its callbacks may run."""
 
 MAX_LATENESS_NS = 5_000_000
-"""Latest that a timer is called after it is due while nothing else keeps the executor busy."""
+"""How late a timer may be called if nothing else keeps the executor busy."""
 
 
 class Watch:
     """The entities of some nodes that may execute now.
 
-    To look through all entities costs more than most callbacks do. So a watch serves wait after wait until one of
-    them comes or goes (`holds`): timers stand in a heap by the instant at which they are due, and of the others
-    it is asked only whether anything has come.
+    Looking through all entities costs more than most callbacks do. So one watch serves many waits, until an entity
+    is added or removed (`holds`). It keeps timers in a heap by the instant at which they are due, and asks of all
+    others only whether anything has arrived.
 
     Attributes:
         deadline_ns: earliest virtual instant at which a timer is due, None when none is running.
         late_ns: how much later than that it may be called (`Kernel.be_late`).
         open: whether something may come from outside unasked: waiting for it for ever is no deadlock.
         lasting: whether it may serve a further wait.
-        given_out: which callbacks were under way (`Changes.given_out`); it serves waits beside the same ones.
+        given_out: callbacks that were under way (`Changes.given_out`); it serves only waits with the same ones.
     """
 
     def __init__(self, can_execute: Callable[[Any], bool], nodes: Sequence[Node]) -> None:
@@ -79,7 +79,7 @@ class Watch:
         self._find_deadline()
 
     def _add_node(self, number: int, node: Node) -> None:
-        """Count the node's entities, but for those that are known already."""
+        """Count those of the node's entities that are not counted yet."""
         known, members = self._known, _members(node)
         for place, timer in enumerate(members[TIMER][known[TIMER] :], known[TIMER]):
             if self._counts(timer):

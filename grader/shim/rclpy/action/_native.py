@@ -124,7 +124,7 @@ class GoalHandleCore:
         server.add_goal(self)
 
     def is_active(self) -> bool:
-        """Whether the goal has not come to an end."""
+        """Whether the goal has not ended yet."""
         return self.state in (ACCEPTED, EXECUTING, CANCELING)
 
     def get_status(self) -> int:

@@ -154,7 +154,7 @@ def get_filters_from_kwargs(**kwargs: Any) -> list[str]:
 
 
 _NAMELESS = frozenset({"<lambda>", "<genexpr>", "<listcomp>", "<setcomp>", "<dictcomp>"})
-"""Functions of which several may begin in one line and go on in different ones."""
+"""Names of functions that may stand several on a line, so that name and first line do not tell them apart."""
 
 _detected: dict[tuple[object, ...], list[str]] = {}
 """What `get_filters_from_kwargs` has returned, by the keywords and whether they are true: nothing else counts."""
