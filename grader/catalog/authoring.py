@@ -60,12 +60,16 @@ def _copy(root: Path, folder: Path, name: str, order: int) -> None:
         text = source.read_text(encoding="utf-8")
         if target == folder / SPEC_NAME:
             is_template = root == _SKELETON
-            text = Template(text).substitute(id=name, order=order) if is_template else _own(text, name, order)
+            text = (
+                Template(text).substitute(id=name, order=order)
+                if is_template
+                else _renamed(text, name, order)
+            )
         target.write_text(text, encoding="utf-8")
 
 
-def _own(spec: str, name: str, order: int) -> str:
-    """Return the ``assignment.yaml`` of another assignment with id, place and file names of a new one."""
+def _renamed(spec: str, name: str, order: int) -> str:
+    """Return an ``assignment.yaml`` with the id, order and file names of a new assignment."""
     lines = {"id": name, "version": "1", "order": str(order), "file_patterns": f'["*{name}*"]'}
     for field, value in lines.items():
         spec = re.sub(rf"^{field}:.*$", f"{field}: {value}", spec, count=1, flags=re.MULTILINE)

@@ -13,7 +13,7 @@ from grader.catalog.misfits import (
     WrongKeyError,
     misfit,
     refusals,
-    telling,
+    root_causes,
     unknown_field,
     unknown_list,
     unknown_service,
@@ -163,7 +163,7 @@ class Document:
         try:
             model = AssignmentModel.model_validate(self.data)
         except ValidationError as error:
-            raise refusals(self._problem(each) for each in telling(error.errors())) from error
+            raise refusals(self._problem(each) for each in root_causes(error.errors())) from error
         if model.id != (name := self.path.parent.name):
             told = Text(
                 zh=f"{model.id!r} 要和文件夹名 {name!r} 一样",

@@ -273,10 +273,11 @@ _BRANCH: Final = re.compile(r"(constrained-)?float|tuple\[.*\]")
 """How pydantic calls a number, and a pair of numbers, where either may stand."""
 
 
-def telling(errors: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Return pydantic's `errors()` without those that only follow from another one.
+def root_causes(errors: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Return pydantic's `errors()` without those that only follow from others.
 
-    A list seems too short when its entries are refused, and what may be a number or a pair is refused as both.
+    If entries of a list are refused, pydantic also calls the list too short. It refuses a wrong value of a field
+    that may be a number or a pair twice, once as each.
     """
     places = [error["loc"] for error in errors]
 

@@ -26,7 +26,7 @@ TURTLE_SERVICES = {
 
 _OF_ROS = ("/clock", "/parameter_events", "/rosout", "/tf_static")
 _OF_PARAMETERS = "rcl_interfaces/"
-_LIKE = 0.75
+_SIMILARITY = 0.75
 _MOST_NAMED = 6
 
 
@@ -129,4 +129,4 @@ def _near(name: str, known: Iterable[str]) -> str:
     """Return the known name that was probably meant, empty if none: the same last part, or similar letters."""
     names = sorted(known)
     same_end = [each for each in names if each.rpartition("/")[2].lower() == name.rpartition("/")[2].lower()]
-    return next(iter(same_end or difflib.get_close_matches(name, names, 1, _LIKE)), "")
+    return next(iter(same_end or difflib.get_close_matches(name, names, 1, _SIMILARITY)), "")

@@ -31,7 +31,7 @@ def whole_command_line() -> argparse.ArgumentParser:
         command = commands.add_parser(name, help=text)
         module_of(name).configure(command)
         for action in _actions(command):
-            _tell(action)
+            _set_completer(action)
     return parser
 
 
@@ -44,8 +44,8 @@ def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
                 yield from _actions(below)
 
 
-def _tell(action: argparse.Action) -> None:
-    """Tell shtab where files, folders and assignments are meant."""
+def _set_completer(action: argparse.Action) -> None:
+    """Set how shtab completes an argument that is a file, a folder or an assignment."""
     import shtab
 
     if action.type is Path:

@@ -111,7 +111,7 @@ def _set(stored: StoredRules, signed: Signature, arguments: argparse.Namespace) 
     if not arguments.dry_run:
         seen = Seen.one(tag(before))
         stored.set(arguments.assignment, rules, signed, arguments.reason, seen=seen)
-    _tell(arguments.assignment, before, rules, known.zone, arguments)
+    _print_change(arguments.assignment, before, rules, known.zone, arguments)
 
 
 def _changed(before: Rules, given: list[str]) -> dict[str, Any]:
@@ -163,7 +163,7 @@ def _extend(stored: StoredRules, signed: Signature, arguments: argparse.Namespac
     if not arguments.dry_run:
         who = (arguments.assignment, arguments.student)
         stored.extend(*who, extension, signed, arguments.reason, seen=Seen.one(tag(before)))
-    _tell(f"{arguments.assignment}, {arguments.student}", before, extension, known.zone, arguments)
+    _print_change(f"{arguments.assignment}, {arguments.student}", before, extension, known.zone, arguments)
     _warn_of_no_effect(extension, known, arguments)
 
 
@@ -199,7 +199,7 @@ def _refusal(error: ValidationError) -> CourseError:
     return CourseError(f"{where}: {said(wrong, 'en')}", f"{where}：{said(wrong, 'zh')}")
 
 
-def _tell(
+def _print_change(
     what: str,
     before: Rules | Extension,
     after: Rules | Extension,

@@ -75,7 +75,7 @@ def _serve(channel: Channel, sandbox: Sandbox) -> None:
         is_first = True
         while (request := channel.receive()) is not None:
             job = job_from_message(request)
-            on_progress = partial(_tell, channel) if request.get("tells") else None
+            on_progress = partial(_send_progress, channel) if request.get("tells") else None
             channel.send(*_answer(pipeline, job, lambda: channel.send({"kind": "running"}), on_progress))
             # Nobody waits now, so do here what would cost time while somebody does. Automatic collection is off
             # (`launch`).
@@ -93,7 +93,7 @@ def _prepare(sandbox: Sandbox, limits: Limits) -> None:
         sandbox.prepare(limits)
 
 
-def _tell(channel: Channel, progress: RunProgress) -> None:
+def _send_progress(channel: Channel, progress: RunProgress) -> None:
     channel.send({"kind": "progress", "progress": progress})
 
 

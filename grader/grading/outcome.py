@@ -76,7 +76,7 @@ _MASKED: Final = " at 0x…>"
 _ZIPPED: Final = os.path.join(
     os.path.dirname(standard_library()), "python{}{}.zip".format(*sys.version_info[:2])
 )
-_HERE: Final = (
+_INSTALLED_HERE: Final = (
     str(Path(__file__).resolve().parents[1] / "shim"),
     os.path.dirname(os.path.dirname(np.__file__)),
     standard_library(),
@@ -269,7 +269,7 @@ def _masked(text: str, distro: Distro) -> str:
     """Return `text` with object addresses as ``0x…`` and modules where they are on a student's PC."""
     if " at 0x" in text:
         text = _ADDRESS.sub(_MASKED, text)
-    for here, at_home in zip(_HERE, _AT_HOME[distro], strict=True):
+    for here, at_home in zip(_INSTALLED_HERE, _AT_HOME[distro], strict=True):
         text = text.replace(here, at_home)
     return text
 

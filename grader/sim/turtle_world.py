@@ -319,7 +319,7 @@ class TurtleWorld:
         self._present[name] = Presence(name, turtle, feeds, action, f"/{name}/cmd_vel")
         self.carried.add(f"/{name}/cmd_vel")
         self._index()
-        self._tell(self._present[name], t_ns, gone=False)
+        self._announce(self._present[name], t_ns, gone=False)
 
     def _vanish(self, name: str, t_ns: int) -> None:
         """Take a spawned turtle away, if it is there."""
@@ -328,10 +328,10 @@ class TurtleWorld:
             gone = self._present.pop(name)
             del self._others[name]
             self._index()
-            self._tell(gone, t_ns, gone=True)
+            self._announce(gone, t_ns, gone=True)
 
-    def _tell(self, changed: Presence, t_ns: int, *, gone: bool) -> None:
-        """Tell the script what came or went, before the answer to the request that did it."""
+    def _announce(self, changed: Presence, t_ns: int, *, gone: bool) -> None:
+        """Send the script a change of the graph, before the answer to the request that caused it."""
         told = json.dumps({**changed.graph(), "gone": gone}, separators=(",", ":")).encode()
         self.outbox.add(Event(GRAPH_EVENT, 0, 0, t_ns, told))
         self.on_change(frozenset((changed.command_topic, *changed.topics)))

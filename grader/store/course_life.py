@@ -15,7 +15,7 @@ from grader.store.audit import Signature, record
 from grader.store.clock import Clock
 from grader.store.courses import add_course, add_members
 from grader.store.database import Database, empty_log, in_lots, one_at_a_time
-from grader.store.erasing import AT_ONCE, Space, before, erase, ids_of, space_of
+from grader.store.erasing import AT_ONCE, Space, erase, finished_before, ids_of, space_of
 from grader.store.forgetting import Forgotten, is_known, known_as, new_pseudonym, rename_everywhere
 from grader.store.own_assignments import copy_own_assignments
 from grader.store.rules import add_rules, rules_of
@@ -146,7 +146,7 @@ class CourseLife:
     def old_work(self, course: str | None, older_than_days: int) -> dict[str, Space]:
         """Return by course what `erase_old_work` would erase."""
         with self._database.reading() as session:
-            found = space_of(session, *before(self._since(older_than_days), course))
+            found = space_of(session, *finished_before(self._since(older_than_days), course))
             return {key: one for key, one in found.items() if key is not None}
 
     def erase_old_work(
@@ -160,7 +160,7 @@ class CourseLife:
         since, erased = self._since(older_than_days), self.old_work(course, older_than_days)
         for one in sorted(erased):
             with self._database.reading() as session:
-                ids = ids_of(session, *before(since, one))
+                ids = ids_of(session, *finished_before(since, one))
             signed = Signature(self._clock(), one, actor)
             after = {"submissions": len(ids), "older_than_days": older_than_days}
             with self._database.writing() as session:  # first: what is erased is in the log, whatever happens

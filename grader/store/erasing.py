@@ -73,8 +73,8 @@ def space_of(session: Session, *which: ColumnElement[bool]) -> dict[str | None, 
     }
 
 
-def before(instant: datetime, course: str | None) -> tuple[ColumnElement[bool], ...]:
-    """Return which submissions of a course (None: of any) arrived before an instant and wait for nothing."""
+def finished_before(instant: datetime, course: str | None) -> tuple[ColumnElement[bool], ...]:
+    """Return the conditions that a submission of a course (None: any) arrived before an instant and has ended."""
     row = SubmissionRow
     old = (
         col(row.regrade).is_(None),

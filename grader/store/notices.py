@@ -141,8 +141,8 @@ class Notices:
             session.execute(delete(NoticeRow).where(*waiting))
             record(session, signed, "mail.set", f"course {course}", before=before, after=after)
 
-    def told(self, course: str, outlet: Outlet) -> dict[tuple[str, str], str]:
-        """Return by person and subject the states that notices told of."""
+    def notified_states(self, course: str, outlet: Outlet) -> dict[tuple[str, str], str]:
+        """Return the states that notices have been made of, by person and subject."""
         row = ToldRow
         mine = col(row.course) == course, col(row.outlet) == outlet.value
         with self._database.reading() as session:

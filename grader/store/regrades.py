@@ -179,7 +179,7 @@ class Regrades:
             record(session, signed, "regrade.undone", subject, before=row.id, reason=reason)
             return _regrade(session, row)
 
-    def told(self, submission_id: str) -> tuple[ToldChange, ...]:
+    def changes_of(self, submission_id: str) -> tuple[ToldChange, ...]:
         """Return what re-grades changed of a submission, the latest first."""
         own = _told_changes().where(col(ToldChangeRow.submission_id) == submission_id)
         return self._read_told(own.order_by(col(ToldChangeRow.at).desc(), col(ToldChangeRow.undone).desc()))

@@ -162,7 +162,7 @@ class Submissions:
             rows = session.execute(statement.order_by(col(row.id)).limit(limit)).scalars()
             return tuple(_submission(one) for one in rows)
 
-    def beside(
+    def neighbour(
         self, submission: Submission, students: frozenset[str] | None = None, *, after: bool
     ) -> Submission | None:
         """Return the newest submission to the same assignment by the class's next student, in order of id.

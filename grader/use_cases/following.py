@@ -229,12 +229,12 @@ class Watching:
                     return
                 watches = list(self._watches)
             with_classes = looks % _CLASS_EVERY == 0
-            self._tell([one for one in watches if with_classes or one.subject[0] != "class"])
+            self._notify([one for one in watches if with_classes or one.subject[0] != "class"])
             looks += 1
             self.doorbell.wait(heard, self.limits.poll_s)
             self._closing.wait(_PAUSE_S)
 
-    def _tell(self, watches: list[SubjectWatch]) -> None:
+    def _notify(self, watches: list[SubjectWatch]) -> None:
         try:
             standings = self._look({one.subject for one in watches})
         except InfrastructureError as error:

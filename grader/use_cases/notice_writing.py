@@ -128,17 +128,19 @@ def _look(services: Services, course: str) -> _Look:
 
 def _for_groups(look: _Look, groups: set[Outlet]) -> Iterator[Draft]:
     if Outlet.CLASS in groups:
-        told = look.services.notices.told(look.course, Outlet.CLASS)
+        told = look.services.notices.notified_states(look.course, Outlet.CLASS)
         yield from _due_for_all(look, told)
         yield from _graded_for_all(look, told)
     if Outlet.STAFF in groups:
-        yield from _faults(look, Outlet.STAFF, "", look.services.notices.told(look.course, Outlet.STAFF))
+        yield from _faults(
+            look, Outlet.STAFF, "", look.services.notices.notified_states(look.course, Outlet.STAFF)
+        )
 
 
 def _for_people(look: _Look, wishes: MailWishes) -> Iterator[Draft]:
     if not wishes:
         return
-    told = look.services.notices.told(look.course, Outlet.MAIL)
+    told = look.services.notices.notified_states(look.course, Outlet.MAIL)
     for member in look.students:
         if member.email and wishes.due:
             yield from _due_for_one(look, member.id, told)

@@ -111,7 +111,7 @@ class UnderWay:
             with suppress(TimeoutError):
                 await asyncio.wait_for(self._ended.wait(), _GLANCE_S)
 
-    async def told(self) -> Practice:
+    async def result(self) -> Practice:
         """Wait for the end of the run and return what it showed.
 
         Raises:

@@ -174,7 +174,7 @@ def unseen_changes(services: Services, caller: Caller) -> tuple[str, ...]:
 
 
 def _shown_changes(services: Services, caller: Caller, submission: Submission) -> tuple[ToldChange, ...]:
-    found = services.regrades.told(submission.id)
+    found = services.regrades.changes_of(submission.id)
     if not found or caller.role is not Role.STUDENT:
         return found
     hidden = services.rules.of(submission.course).of(submission.assignment).hidden_at(services.clock())

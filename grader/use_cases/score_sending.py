@@ -27,7 +27,7 @@ def send_scores(services: Services, stopped: Callable[[], bool] = lambda: False)
             for person, score in _wanted(services, platform, link):
                 if platform.id in silent or stopped():
                     break
-                taken += _tell(services, platform, link, person, score)
+                taken += _send_score(services, platform, link, person, score)
         except UnreachableError as error:
             _log.warning("%s does not take scores now: %s", platform.title, error)
             silent.add(platform.id)  # the others there would wait as long for nothing
@@ -36,7 +36,7 @@ def send_scores(services: Services, stopped: Callable[[], bool] = lambda: False)
     return taken
 
 
-def _tell(services: Services, platform: Platform, link: PlatformLink, person: str, score: Score) -> int:
+def _send_score(services: Services, platform: Platform, link: PlatformLink, person: str, score: Score) -> int:
     """Send one score; return whether it was taken."""
     store, now, digest = services.platform_scores, services.clock(), _digest(score)
     known = store.claim(link, platform.course, person, digest)

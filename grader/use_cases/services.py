@@ -172,7 +172,7 @@ class Services:
             callers=callers,
             providers=providers,
             launches=Launches(lambda: clock().timestamp(), private=providers.private_platforms),
-            **telling(settings, clock, providers, Platforms(database, clock)),
+            **outside_channels(settings, clock, providers, Platforms(database, clock)),
             allowances=Allowances.of(settings, clock),
             queue=queue,
             workers=workers,
@@ -203,7 +203,9 @@ def _with_clock(database: Database, clock: Clock) -> dict[str, Any]:
     }
 
 
-def telling(settings: Settings, clock: Clock, providers: Providers, platforms: Platforms) -> dict[str, Any]:
+def outside_channels(
+    settings: Settings, clock: Clock, providers: Providers, platforms: Platforms
+) -> dict[str, Any]:
     """Return what speaks to other servers, by the names of `Services`."""
 
     def clock_s() -> float:

@@ -42,7 +42,7 @@ def send_away(services: Services, provider: Provider, attempt: SignInAttempt) ->
     _require_courses(services)
     with services.allowances.sign_ins.one_more(provider.id):
         try:
-            return provider.away(attempt, _back(services, provider))
+            return provider.login_address(attempt, _back(services, provider))
         except SignInError as error:
             raise _refused(provider.id, error) from None
 

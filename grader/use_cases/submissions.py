@@ -49,11 +49,12 @@ class ShownSubmission:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Beside:
-    """Whose a submission is, and the newest ones to the assignment by the students before and after; or None.
+class StudentInClass:
+    """The student of a submission, and the latest submissions of the students before and after in the class.
 
     Attributes:
-        name: the student's; empty where it says no more than the id.
+        name: the student's; empty if it is the same as the id.
+        previous, next: to the same assignment; None if there is none.
     """
 
     name: str
@@ -110,8 +111,8 @@ def read(services: Services, caller: Caller, submission_id: str) -> ShownSubmiss
     )
 
 
-def beside(services: Services, caller: Caller, submission: Submission) -> Beside:
-    """Return the name behind a submission's student, and the way from student to student.
+def student_in_class(services: Services, caller: Caller, submission: Submission) -> StudentInClass:
+    """Return the name of a submission's student, and the submissions of the students before and after.
 
     Raises:
         RefusedError: the caller may not see the class.
@@ -119,10 +120,10 @@ def beside(services: Services, caller: Caller, submission: Submission) -> Beside
     require_staff(caller)
     course, student = submission.course, submission.student
     member = None if course is None else services.courses.member(course, student)
-    return Beside(
+    return StudentInClass(
         name="" if member is None or member.name == student else member.name,
-        previous=services.submissions.beside(submission, caller.students, after=False),
-        next=services.submissions.beside(submission, caller.students, after=True),
+        previous=services.submissions.neighbour(submission, caller.students, after=False),
+        next=services.submissions.neighbour(submission, caller.students, after=True),
     )
 
 

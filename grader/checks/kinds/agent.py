@@ -169,7 +169,7 @@ def _mistakes(run: Run, motions: list[_Motion]) -> Iterator[Mistake]:
     moves = [(one.step.moves_m, one.ahead_m, one.step.target) for one in motions if one.step.moves_m]
     turns = [(one.step.turns_deg, one.turned_deg, one.step.target) for one in motions if one.step.turns_deg]
     once = tuple(_single_commands(run, motions))
-    if once and (_off(moves, _STILL_M) or _off(turns, _STILL_DEG)):
+    if once and (_deviating(moves, _STILL_M) or _deviating(turns, _STILL_DEG)):
         yield from once
         return
     by_number = all(map(_has_number, motions))
@@ -221,7 +221,7 @@ def _wrong_motions(
 
     `by_number`: all their requests have a number.
     """
-    wrong = _off(motions, still)
+    wrong = _deviating(motions, still)
     if not wrong:
         return
     wanted, done, tool = wrong[0]
@@ -242,8 +242,8 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     return FigureSketch()
 
 
-def _off(motions: list[tuple[float, float, str]], still: float) -> list[tuple[float, float, str]]:
-    """Return the motions that are not as they were wanted."""
+def _deviating(motions: list[tuple[float, float, str]], still: float) -> list[tuple[float, float, str]]:
+    """Return the motions that deviate from the wanted ones."""
     return [one for one in motions if abs(one[1] - one[0]) > max(_NEAR * abs(one[0]), still)]
 
 

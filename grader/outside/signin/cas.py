@@ -28,7 +28,7 @@ class Cas:
         self._entry = entry
         self.id, self.title = entry.id, entry.title
 
-    def away(self, attempt: SignInAttempt, back: str) -> str:
+    def login_address(self, attempt: SignInAttempt, back: str) -> str:
         """Return the address of the server's form."""
         return f"{self._entry.url}/login?{urlencode({'service': _service(attempt, back)})}"
 

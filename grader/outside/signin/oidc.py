@@ -123,7 +123,7 @@ class Oidc:
         self._keys = KeySet(lambda: self._discovered().jwks_uri, clock_s)
         self.id, self.title = entry.id, entry.title
 
-    def away(self, attempt: SignInAttempt, back: str) -> str:
+    def login_address(self, attempt: SignInAttempt, back: str) -> str:
         """Return the address of the provider's form."""
         digest = hashlib.sha256(attempt.verifier.encode()).digest()
         query = {

@@ -70,8 +70,8 @@ class Provider(Protocol):
     def title(self) -> str:
         """What people call it."""
 
-    def away(self, attempt: SignInAttempt, back: str) -> str:
-        """Return the address to send a browser to, which shall come `back`.
+    def login_address(self, attempt: SignInAttempt, back: str) -> str:
+        """Return the provider's address at which people sign in; it then redirects the browser to `back`.
 
         Raises:
             SignInError: it cannot be reached.

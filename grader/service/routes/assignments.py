@@ -85,7 +85,7 @@ def list_all(
     services: ServicesDep, caller: CallerDep, response: Response, language: LanguageDep
 ) -> AssignmentList:
     """Return the checklist."""
-    _say(response, language)
+    _set_language(response, language)
     return AssignmentList(
         assignments=[AssignmentSummary(**_summary(one, language)) for one in checklist(services, caller)]
     )
@@ -105,7 +105,7 @@ def read(
 ) -> AssignmentView:
     """Return what an assignment asks for and how each item earns its points."""
     assignment = visible_assignment(services, caller, assignment_id)
-    _say(response, language)
+    _set_language(response, language)
     published = published_rubric(assignment)
     return AssignmentView(
         **_summary(assignment, language),
@@ -156,5 +156,5 @@ def _item(item: ItemSpec, words: PublishedItem, language: Language) -> ItemView:
     )
 
 
-def _say(response: Response, language: Language) -> None:
+def _set_language(response: Response, language: Language) -> None:
     response.headers.update({"Content-Language": language, "Vary": "Accept-Language"})

@@ -94,7 +94,7 @@ UnderWayDep = Annotated[UnderWay, Depends(_begun)]
 @router.post("", summary="Run a script for practice", responses=responses(*_PROBLEMS, "practice_waits"))
 async def run(run: UnderWayDep, language: LanguageDep, response: Response) -> PracticeView:
     """Run a script in the sandbox in virtual time and tell what was seen. It costs no attempt; nothing is kept."""
-    seen = await run.told()
+    seen = await run.result()
     response.headers.update(
         {"Content-Language": language, "Vary": "Accept-Language", "Cache-Control": "no-store"}
     )
@@ -126,7 +126,7 @@ async def events(
     async for where in run.where():
         yield _where(where)
     try:
-        seen = await run.told()
+        seen = await run.result()
     except (RefusedError, InfrastructureError) as error:
         yield ServerSentEvent(data=await problem_of(request, error), event="refused")
         return

@@ -17,7 +17,7 @@ from grader.use_cases import notices
 router = APIRouter(prefix="/class/notices", include_in_schema=False, dependencies=[Depends(require_staff)])
 Done = Annotated[Literal["", "saved", "removed", "sent"], Query()]
 Group = Annotated[Literal[Outlet.CLASS, Outlet.STAFF], Form()]
-_OWN = [Depends(require_own_form)]
+_OWN_FORM = [Depends(require_own_form)]
 
 
 class WebhookForm(BaseModel):
@@ -43,7 +43,7 @@ def read(request: Request, services: ServicesDep, visitor: InstructorDep, done: 
     return _page(request, services, visitor, done=done)
 
 
-@router.post("/webhook", dependencies=_OWN)
+@router.post("/webhook", dependencies=_OWN_FORM)
 def set_webhook(
     request: Request, services: ServicesDep, visitor: InstructorDep, form: Annotated[WebhookForm, Form()]
 ) -> Response:
@@ -58,7 +58,7 @@ def set_webhook(
     return _back("saved")
 
 
-@router.post("/remove", dependencies=_OWN)
+@router.post("/remove", dependencies=_OWN_FORM)
 def remove_webhook(
     request: Request, services: ServicesDep, visitor: InstructorDep, outlet: Group = Outlet.CLASS
 ) -> Response:
@@ -70,7 +70,7 @@ def remove_webhook(
     return _back("removed")
 
 
-@router.post("/test", dependencies=_OWN)
+@router.post("/test", dependencies=_OWN_FORM)
 def send_test(
     request: Request,
     services: ServicesDep,
@@ -85,7 +85,7 @@ def send_test(
     return _back("sent")
 
 
-@router.post("/mail", dependencies=_OWN)
+@router.post("/mail", dependencies=_OWN_FORM)
 def set_mail(
     request: Request, services: ServicesDep, visitor: InstructorDep, form: Annotated[MailForm, Form()]
 ) -> Response:

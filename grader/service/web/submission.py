@@ -292,7 +292,7 @@ def _beside(services: Services, visitor: Visitor, submission: Submission) -> dic
     return {
         "attempts": attempts,
         "changed": _changed(services, submission, [one.submission for one in attempts]),
-        "beside": submissions.beside(services, caller, submission) if visitor.staff else None,
+        "beside": submissions.student_in_class(services, caller, submission) if visitor.staff else None,
         "terms": terms_of(services, caller, submission.assignment) if own else None,
     }
 

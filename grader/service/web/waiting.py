@@ -30,7 +30,7 @@ def progress(
         ahead = on_page(language, "progress.ahead", count=position)
         parts.append(ahead if position > 0 else on_page(language, "progress.next"))
     if is_open and left_s is not None:
-        parts.append(_about(left_s, language))
+        parts.append(_rounded_time(left_s, language))
     text = on_page(language, "comma").join(parts)
     return {"open": is_open, "state": state.value, "text": text, "position": position}
 
@@ -40,7 +40,7 @@ def left_s(estimated_at: datetime | None, now: datetime) -> float | None:
     return None if estimated_at is None else max((estimated_at - now).total_seconds(), 0.0)
 
 
-def _about(seconds: float, language: Language) -> str:
+def _rounded_time(seconds: float, language: Language) -> str:
     if seconds <= _SOON_S:
         return on_page(language, "progress.soon")
     if seconds <= 1.5 * _MINUTE_S:

@@ -103,7 +103,7 @@ class Heart:
 
     def _mend(self) -> None:
         queue = self._parts.queue
-        mended = queue.reconcile() if self._patience.over(self._parts.clock()) else queue.sweep()
+        mended = queue.reconcile() if self._patience.count_beat(self._parts.clock()) else queue.sweep()
         if mended.requeued or mended.given_up:
             level = logging.ERROR if mended.given_up else logging.WARNING
             _log.log(level, "%d lost gradings queued again, %d given up", mended.requeued, mended.given_up)
@@ -165,8 +165,8 @@ class Patience:
         """Note that a beat failed."""
         self._left = self._beats
 
-    def over(self, now: datetime) -> bool:
-        """Count a beat that reached the database at `now`; whether leases of others may be judged at it."""
+    def count_beat(self, now: datetime) -> bool:
+        """Count a beat that reached the database at `now`; return whether it may end leases of other workers."""
         if self._before is not None and not 0 <= (now - self._before).total_seconds() <= self._gap_s:
             self._left = self._beats
         self._before = now

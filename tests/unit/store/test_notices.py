@@ -96,7 +96,7 @@ def test_a_failure_puts_off_the_others_of_its_outlet(kept: Notices, clock: FakeC
 
 def test_who_is_no_member_gets_none(kept: Notices) -> None:
     assert kept.add("ros", [draft(Outlet.MAIL, "x"), draft(Outlet.CLASS)]) == 1
-    assert kept.told("ros", Outlet.MAIL) == {}
+    assert kept.notified_states("ros", Outlet.MAIL) == {}
 
 
 def test_what_is_late_is_given_up_and_what_is_unwanted_goes(kept: Notices, clock: FakeClock) -> None:

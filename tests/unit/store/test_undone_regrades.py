@@ -93,7 +93,7 @@ def test_the_grading_from_before_stands_again(world: World, database: Database) 
     after = world.now
     assert (after.score, after.verdict, after.report_sha256) == (5.0, before.verdict, before.report_sha256)
     assert [one.stands for one in world.regrades.history(world.id)] == [True, False]
-    apply_told, undo_told = reversed(world.regrades.told(world.id))
+    apply_told, undo_told = reversed(world.regrades.changes_of(world.id))
     assert (apply_told.undone, apply_told.change.before, apply_told.change.after) == (False, 5.0, 10.0)
     assert (undo_told.undone, undo_told.change.before, undo_told.change.after) == (True, 10.0, 5.0)
     assert [(one.item, one.before, one.after) for one in undo_told.change.items] == [("closed", 5.0, 0.0)]
@@ -131,7 +131,7 @@ def test_corrections_stay_whenever_they_were_made(world: World) -> None:
     world.correct(2.0)
     world.undo(applied)
     assert world.now.score == 7.0
-    assert world.regrades.told(world.id) == ()  # nothing changed for the student, either time
+    assert world.regrades.changes_of(world.id) == ()  # nothing changed for the student, either time
 
 
 @pytest.mark.thorough

@@ -65,10 +65,10 @@ class _Counted:
         return self.replayed.object[: self.count]
 
     @property
-    def there(self) -> Floats:
+    def present(self) -> Floats:
         """Return the object's rows of the time when it was there."""
-        there: Floats = self.object[np.isfinite(self.object[:, 0])]
-        return there
+        present: Floats = self.object[np.isfinite(self.object[:, 0])]
+        return present
 
 
 def examine(assignment: Assignment, run: Run) -> Findings:
@@ -114,7 +114,7 @@ def _physics(counted: _Counted) -> dict[str, Measure]:
 
 
 def _object(counted: _Counted) -> dict[str, Measure]:
-    rows = counted.there
+    rows = counted.present
     if len(rows) < 2:
         return {}
     x, y = rows[0, :2] - rows[-1, :2]

@@ -105,7 +105,7 @@ def _line(assignment: Assignment, room: Room, drive: Drive) -> dict[str, Measure
     if within is None or not room.stripes:
         return {}
     x, y, _ = points_of(drive)
-    line = [_along(stripe.points_m) for stripe in room.stripes]
+    line = [_points_along(stripe.points_m) for stripe in room.stripes]
     line_x, line_y = (np.concatenate([each[i] for each in line]) for i in (0, 1))
     apart = np.hypot(x[:, None] - line_x, y[:, None] - line_y)
     details = {"within": number(float(within), "m")}
@@ -116,7 +116,7 @@ def _line(assignment: Assignment, room: Room, drive: Drive) -> dict[str, Measure
     }
 
 
-def _along(corners: tuple[tuple[float, float], ...]) -> tuple[Floats, Floats]:
+def _points_along(corners: tuple[tuple[float, float], ...]) -> tuple[Floats, Floats]:
     """Return points of a line on the floor, a centimetre apart or less."""
     at = np.array(corners)
     length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(at, axis=0).T))))

@@ -427,9 +427,9 @@ def test_two_processes_that_look_at_once_write_one_notice(
     join(school, group)
     rule(school, due=local(4, 12))
     turn_to(school, local(3, 9))
-    seen = school.notices.told("ros", Outlet.CLASS)
+    seen = school.notices.notified_states("ros", Outlet.CLASS)
     assert write_notices(school, "ros") == 1
-    monkeypatch.setattr(Notices, "told", lambda *_: seen)
+    monkeypatch.setattr(Notices, "notified_states", lambda *_: seen)
     assert write_notices(school, "ros") == 0
     first, second = school.notices.waiting() * 2
     assert school.notices.claim(first.id) is not None
@@ -544,14 +544,14 @@ def test_whatever_goes_wrong_with_a_course_the_others_are_told(
     join(school, group)
     rule(school, due=local(4, 12))
     turn_to(school, local(3, 9))
-    whole = Notices.told
+    whole = Notices.notified_states
 
     def told(self: Notices, course: str, outlet: Outlet) -> Any:
         if course == "aaa":
             raise RuntimeError("nobody thought of this")
         return whole(self, course, outlet)
 
-    monkeypatch.setattr(Notices, "told", told)
+    monkeypatch.setattr(Notices, "notified_states", told)
     assert send_notices(school) == 1
 
 
@@ -597,7 +597,7 @@ def test_who_leaves_meanwhile_leaves_no_notice(
 
     monkeypatch.setattr(Notices, "add", left)
     assert write_notices(school, "ros") == 1
-    assert {person for person, _ in school.notices.told("ros", Outlet.MAIL)} == {"han"}
+    assert {person for person, _ in school.notices.notified_states("ros", Outlet.MAIL)} == {"han"}
 
 
 def test_an_archived_course_tells_nothing(school: Services, group: FakeBots) -> None:
@@ -620,7 +620,7 @@ def test_nothing_of_a_forgotten_student_is_left(
     assert write_notices(school, "ros") == 1
     school.course_life.forget("li", signed(school))
     assert school.notices.latest("ros", 9) == ()
-    assert school.notices.told("ros", Outlet.MAIL) == {}
+    assert school.notices.notified_states("ros", Outlet.MAIL) == {}
     assert send_notices(school) == 0
 
 

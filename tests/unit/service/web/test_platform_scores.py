@@ -19,7 +19,7 @@ from grader.store.audit import Signature
 from grader.store.platform_scores import PlatformScores
 from grader.store.platforms import KEY_READ_WITHIN
 from grader.use_cases.score_sending import send_scores
-from grader.use_cases.services import Services, telling
+from grader.use_cases.services import Services, outside_channels
 from tests.fakes.provider import FakeProvider, provider
 
 
@@ -393,7 +393,7 @@ def test_a_new_key_signs_when_platforms_have_read_it(
 ) -> None:
     """The running service takes what another process made; no platform meets a key that it cannot know."""
     settings, clock = services.settings, services.clock
-    channel = telling(settings, clock, Providers(private_platforms=True), services.platforms)[
+    channel = outside_channels(settings, clock, Providers(private_platforms=True), services.platforms)[
         "platform_channel"
     ]
 

@@ -19,7 +19,7 @@ class Beats:
 
     def _one(self) -> bool:
         self.clock.advance(BEAT_S)
-        return self.patience.over(self.clock())
+        return self.patience.count_beat(self.clock())
 
 
 PATIENT = [False] * IN_A_LEASE
