@@ -29,7 +29,7 @@ def unanswered(run: Run, calls: Sequence[ServiceResult]) -> tuple[Mistake, ...]:
 
 
 def _unanswered(calls: Sequence[ServiceResult], outcome: RunOutcome) -> Iterator[Mistake]:
-    """Say of the first call without an answer what kept it from one."""
+    """Yield why the first call without an answer got none."""
     result = next((each for each in calls if each.answered_ns is None), None)
     if result is None:
         return

@@ -1,4 +1,4 @@
-"""What every check also measures where a package is handed in: its files, before anything of it is run."""
+"""Measures of the files of a package, which every check adds when a package was handed in."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

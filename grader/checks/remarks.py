@@ -30,7 +30,7 @@ def remarks(run: Run) -> tuple[Note, ...]:
 
 
 def _endless(run: Run, script: ScriptText) -> Iterator[tuple[str, str]]:
-    """Tell of a loop that never ends: its counter never changes, or counts radians up to degrees."""
+    """Recognise a loop that never ends: its counter never changes, or counts radians up to degrees."""
     if (found := unchanged_counter(run, script)) is not None:
         yield "counter_unchanged", f"{found[0]}|{found[1]}"
         return
@@ -45,7 +45,7 @@ def _endless(run: Run, script: ScriptText) -> Iterator[tuple[str, str]]:
 
 
 def _braces(run: Run, script: ScriptText) -> Iterator[tuple[str, str]]:
-    """Tell of a message in which ``{name}`` stands as it is written."""
+    """Recognise a message in which ``{name}`` stands as it is written."""
     said = [*(record.message for record in run.outcome.logs[:50]), run.outcome.stdout.text[:2_000]]
     for found in _PLACEHOLDER.finditer("\n".join(said)):
         written = found[0]
@@ -57,7 +57,7 @@ def _braces(run: Run, script: ScriptText) -> Iterator[tuple[str, str]]:
 
 
 def _slow_timer(run: Run, script: ScriptText) -> Iterator[tuple[str, str]]:
-    """Tell of a timer so slow that turtlesim stops the car between two ticks."""
+    """Recognise a timer so slow that turtlesim stops the car between two ticks."""
     for line in script.lines_with(r"\bcreate_timer\("):
         found = re.search(r"create_timer\( ?([^,()]+),", script.lines[line - 1])
         period_s = value_of(found[1].strip(), script) if found else None
@@ -71,7 +71,7 @@ def _slow_timer(run: Run, script: ScriptText) -> Iterator[tuple[str, str]]:
 
 
 def _faster(run: Run, script: ScriptText) -> Iterator[tuple[str, str]]:
-    """Tell of a speed that grows with every message, and never stops growing."""
+    """Recognise a speed that grows with every message, and never stops growing."""
     speeds = [abs(one.v_mps) for one in run.trajectory.commands]
     grows = len(speeds) > 20 and all(one < other for one, other in itertools.pairwise(speeds))
     lines = script.lines_with(r"\.linear\.x ?[-+]=|\.linear\.x ?= ?[\w.]*\.linear\.x ?[-+]")

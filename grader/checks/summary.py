@@ -1,4 +1,4 @@
-"""What stands above a list of scored items: one sentence, one next step, the recognised mistakes."""
+"""The head of a report: one sentence, one next step, and the recognised mistakes."""
 
 from collections.abc import Sequence
 

@@ -222,7 +222,7 @@ class BoundedConnection(H11Protocol):
             self._look()
 
     def on_response_complete(self) -> None:
-        """Go on to the next request; until its first byte uvicorn's own keep-alive limit holds."""
+        """Wait for the next request; until its first byte uvicorn's own keep-alive limit applies."""
         super().on_response_complete()
         self._look()
 

@@ -29,7 +29,7 @@ class SharedCore:
         self._is_shared = self._has_threads = False
 
     def share(self) -> None:
-        """Bring both onto one core that no other pair shares; harmless when they are there."""
+        """Keep both processes on one core that no other pair uses. Idempotent."""
         if self._is_shared or (core := self._take_core(beside_us=False)) is None:
             return
         try:
@@ -39,7 +39,7 @@ class SharedCore:
             self.leave()
 
     def part(self) -> None:
-        """Let this process go where the kernel likes, and the other one unless its threads take turns."""
+        """Free this process from the core; the other one, too, unless its threads take turns."""
         if not self._has_threads:
             self.leave()
         elif self._is_shared:
@@ -53,7 +53,7 @@ class SharedCore:
         self._take_core(beside_us=True)
 
     def leave(self) -> None:
-        """Let both go where the kernel likes; harmless when they may."""
+        """Free both processes from their core. Idempotent."""
         if self._claim is None:
             return
         self._claim.close()
@@ -65,7 +65,7 @@ class SharedCore:
             self._move(self._pid, self._before)
 
     def _take_core(self, *, beside_us: bool) -> int | None:
-        """Bring the other process onto a core of its own; return which, or None."""
+        """Keep the other process on a core that is free; return that core, None if there is none."""
         if self._claim is not None or not hasattr(os, "sched_setaffinity"):
             return self._core
         try:
@@ -92,7 +92,7 @@ class SharedCore:
         return None
 
     def _move(self, pid: int, cores: set[int]) -> None:
-        """Let every thread of `pid` run on `cores`; those it starts later take after them."""
+        """Restrict every thread of `pid` to `cores`, which the threads that it starts later inherit."""
         for thread in os.listdir(f"/proc/{pid}/task"):
             with suppress(ProcessLookupError):  # it has ended meanwhile; the others must move all the same
                 os.sched_setaffinity(int(thread), cores)

@@ -20,7 +20,7 @@ TICK_NS: Final = 5_000_000
 """How often the clocks are read while nothing happens."""
 
 _OUT_OF_MEMORY: Final = (signal.SIGABRT, signal.SIGSEGV, signal.SIGBUS)
-"""How C code ends that does not expect an allocation to fail."""
+"""Signals by which C code ends that does not handle a failed allocation."""
 _NEARLY_ALL: Final = 0.9
 
 
@@ -254,7 +254,7 @@ class KernelAccount(Record):
 
 
 def explain(account: KernelAccount, clocks: Clocks, memory_bytes: int, *, cut_frame: bool) -> Ending:
-    """Say how a process ended that no limit of the grader's own ended.
+    """Return how a process ended that reached no limit of the grader's own.
 
     Args:
         account: what the kernel says of it.
@@ -281,7 +281,7 @@ def explain(account: KernelAccount, clocks: Clocks, memory_bytes: int, *, cut_fr
 
 
 def _explain_kill(account: KernelAccount, clocks: Clocks, memory_bytes: int) -> Ending:
-    """Say who sent SIGKILL. The script cannot: the system call filter refuses it."""
+    """Return who sent SIGKILL. It was not the script: the system call filter refuses that."""
     if not account.by_itself:
         return Ending(RunEnd.FINISHED)
     if clocks.exhausted(account.cpu_ns):

@@ -239,14 +239,14 @@ class Jail:
         return self._stdout.stream(), self._stderr.stream()
 
     def take_turns(self, in_turns: bool) -> None:
-        """Say whether both sides now wait for each other, or each runs by itself. It decides on speed only."""
+        """Set whether both sides now wait for each other, or run side by side. This only affects speed."""
         if in_turns:
             self._core.share()
         else:
             self._core.part()
 
     def gather_threads(self) -> None:
-        """Say that the script's threads take turns, from now on. It decides on speed only."""
+        """Note that the script's threads take turns from now on. This only affects speed."""
         self._core.gather()
 
     def limit_cpu(self, extra_s: float) -> None:

@@ -348,7 +348,7 @@ def start_interpreter() -> Interpreter:
 
 
 def yield_session(pid: int, niceness: int) -> None:
-    """Let every other session go before the one that process `pid` has begun.
+    """Give every other session precedence over the one that process `pid` has begun.
 
     Where the kernel groups processes by session (autogroup), a process's own niceness counts only inside its
     session (sched(7)). Without privileges the kernel accepts one such request per tenth of a second on the whole

@@ -185,7 +185,7 @@ def _allow_packages(packages: dict[str, str]) -> None:
 
 
 def _prime_import_caches() -> None:
-    """Let the import system read the directories on its path while it still may.
+    """Make the import system read the directories on its path while the process still may.
 
     A confined process may read the standard library's entries but not list its directory, which on many
     installations holds site-packages too.

@@ -1,4 +1,4 @@
-"""What travels between the service and the process of a live car, over one stream socket. Trusted both ways."""
+"""Messages between the service and the process of a live car, over one stream socket. Both are trusted."""
 
 import struct
 from typing import Final, NamedTuple

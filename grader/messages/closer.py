@@ -1,4 +1,4 @@
-"""What a script's text shows about an exception that type and message do not: which line is to be changed.
+"""Causes of exceptions that show in the script's text, but not in type and message: which line must be changed.
 
 Each function takes the exception, the line that raised it, and the script; it returns a code with the values of
 its sentence ``mistake.<code>``, or None where the script does not show the cause for certain.
@@ -58,7 +58,7 @@ def bare_class(error: StudentError, written: str, script: ScriptText) -> Closer:
 
 
 def signature(error: StudentError, written: str, script: ScriptText) -> Closer:
-    """Say how the ``def`` should read, where a method lacks self or a callback has wrong parameters."""
+    """Return how the ``def`` should read if a method lacks self or a callback has wrong parameters."""
     found = re.match(r"(?:(\w+)\.)?(\w+)\(\) (takes (\d+) .* but (\d+)|missing (\d+) )", error.message)
     made = script.definition(found[2]) if found else None
     if found is None or made is None or script.owner_of(made.line) is None:

@@ -604,7 +604,7 @@ _FIELDS_OF_POSE: Final = {
 
 
 def _message_fields(kind: str, name: str, script: ScriptText) -> Closer:
-    """Tell the fields of a message that has no field of that name."""
+    """Return the fields that a message has, instead of the one that was named."""
     fields = _FIELDS.get(kind)
     if kind == "Pose":
         packages = [one for one in _FIELDS_OF_POSE if script.lines_with(rf"\b{one}\.msg import\b.*\bPose\b")]

@@ -25,12 +25,12 @@ _BOUND: Final = re.compile(
     r"\b(?:for|as|global|nonlocal) ([\w, ]+?)(?: in\b|:|$)|\bdef \w+ ?\((.*)|"
     r"([\w.]+(?: ?, ?[\w.]+)*) ?(?:[-+*/|&^%]|//|\*\*)?=(?!=)"
 )
-"""What gives names other values than one assignment does: loops, parameters, and what adds to them."""
+"""Where a name gets a value other than by a plain assignment: loops, parameters, ``+=``."""
 _TAB: Final = 8
 _ENDS: Final = re.compile(
     r"(\w+\.)*(destroy_\w+|shutdown|try_shutdown|info|print|exit|join)\(|(except|finally|else|pass|return|raise)\b"
 )
-"""What stands behind `rclpy.spin()` in every right script, and does no work."""
+"""Statements that stand behind `rclpy.spin()` in right scripts, too, and do no work."""
 
 
 LONGEST_NAME: Final = 60

@@ -68,11 +68,11 @@ class ScriptedGraph:
         self._world.outbox.publish(topic, t_ns, payload)
 
     def listen(self, topic: str, identity: int, t_ns: int) -> None:
-        """Let `identity` hear a topic."""
+        """Subscribe `identity` to a topic."""
         self._world.listen(topic, identity, t_ns)
 
     def unlisten(self, identity: int) -> None:
-        """Let it hear nothing more."""
+        """End the subscription."""
         self._world.outbox.unsubscribe(identity)
 
     def request(self, service: str, request: Request) -> bool:

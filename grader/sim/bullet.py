@@ -156,7 +156,7 @@ class BulletCar:
         self.observe()
 
     def command(self, v_mps: float, w_radps: float) -> None:
-        """Let (v, w) act from the next update on; it must be within the bounds of `clamp_command`."""
+        """Command (v, w) from the next update on; it must be within the bounds of `clamp_command`."""
         if (v_mps, w_radps) == self.commanded:
             return
         if self.resting:

@@ -317,7 +317,7 @@ class Episode:
             sink(taken, payload)
 
     def _pass_time(self, t_ns: int) -> None:
-        """Go on to `t_ns`; what a script does after Ctrl+C happens at the horizon, as its EXIT does."""
+        """Advance the world to `t_ns`. What a script does after Ctrl+C happens at the horizon, like its EXIT."""
         self._check_time(t_ns)
         if self._agent is not None:
             self._run_agent(self._agent, min(t_ns, self._spec.horizon_ns))
@@ -327,7 +327,7 @@ class Episode:
             self._take_turns(False)
 
     def _run_agent(self, agent: "Agent", t_ns: int) -> None:
-        """Let the agent act up to `t_ns`, which a script has reached that runs ahead."""
+        """Let the agent act up to `t_ns`, the time that a script which runs ahead has reached."""
         while (due_ns := agent.next_ns()) is not None and due_ns <= t_ns:
             self._world.advance(due_ns)
             agent.run(due_ns)
@@ -439,7 +439,7 @@ class Episode:
         link.send(encode_events(self._now_ns, quiet_ns, events, car))
 
     def _let_reckon(self) -> CarState | None:
-        """Let the script reckon the poses by itself while nothing else can become due."""
+        """Return what the script needs to compute the poses itself; None if anything else may become due."""
         asked = self._agent is not None or self._calls.next_ns() is not None or len(self._sinks) > MAX_DRIVERS
         car = None if asked else self._world.let_reckon()
         if car is None:
@@ -503,7 +503,7 @@ class Episode:
         )
 
     def _come_to_rest(self, violation: str | None) -> tuple[int, str | None]:
-        """Let the world go on without the script; return when it rests, and what was wrong by then."""
+        """Run the world on without the script; return when it rests, and the violation until then, if any."""
         horizon_ns = self._spec.horizon_ns
         if violation is None:
             try:

@@ -1,4 +1,4 @@
-"""What the world has for the script: events that wait, and what a turtle publishes by itself.
+"""Events for the script: those that wait to be sent, and what a turtle publishes by itself.
 
 A turtle publishes pose and colour; the graded one odometry and its transform as well, if the world has them.
 """
@@ -41,7 +41,7 @@ class Outbox:
         return bool(self._queue)
 
     def subscribe(self, topic: str, identity: int) -> None:
-        """Let subscription `identity` hear `topic`."""
+        """Subscribe `identity` to `topic`."""
         self._listeners.setdefault(topic, []).append(identity)
         self.changes += 1
 

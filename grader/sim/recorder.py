@@ -1,4 +1,4 @@
-"""What is kept of an episode: the car's motion, and what the script said. Bounded, whatever the script does."""
+"""Records an episode: the car's motion, and the script's output. Bounded, whatever the script does."""
 
 import re
 from collections.abc import Sequence

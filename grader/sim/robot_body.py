@@ -108,7 +108,7 @@ class RobotBody:
         self.observe()
 
     def command(self, v_mps: float, w_radps: float) -> None:
-        """Let (v, w) act from the next tick of the drive on; it must be within the robot's bounds."""
+        """Command (v, w) from the next tick of the drive on; it must be within the robot's bounds."""
         if (v_mps, w_radps) == self.commanded:
             return
         if self.resting:

@@ -205,7 +205,7 @@ class RobotWorld:
         self._beat = max(self._beat, last_beat_at(end_ns))
 
     def settle(self, from_ns: int, until_ns: int) -> int:
-        """Let the world go on without the script until the robot rests: a command holds for ever."""
+        """Run the world on without the script until the robot rests; its last command holds for ever."""
         now_ns = min(from_ns, until_ns)
         self.advance(now_ns)
         while now_ns < until_ns and not self._body.resting:

@@ -1,4 +1,4 @@
-"""What an episode needs of a world, whichever it is."""
+"""The interface that every world offers to the episode."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
@@ -64,7 +64,7 @@ class SimulatedWorld(Protocol):
         """Return the next instant at which something may become due for the script, None when never."""
 
     def let_reckon(self) -> CarState | None:
-        """Let the script reckon the poses, if only its commands decide them; return what it needs for that."""
+        """Return what the script needs to compute the poses itself; None unless only its commands decide them."""
 
     def take_back(self, t_ns: int) -> None:
         """Publish again what comes after `t_ns`, and is not to be reckoned any more."""
@@ -73,7 +73,7 @@ class SimulatedWorld(Protocol):
         """Run until `t_ns`."""
 
     def settle(self, from_ns: int, until_ns: int) -> int:
-        """Let the world go on without the script until the car rests; return when that is."""
+        """Run the world on without the script until the car rests; return when that is."""
 
     def finish(self, end_ns: int) -> None:
         """Drive up to `end_ns`, when the episode ended, and record the last sample."""

@@ -214,7 +214,7 @@ class TurtleWorld:
         return None
 
     def let_reckon(self) -> CarState | None:
-        """Let the script reckon the poses, if only its commands decide them; return what it needs for that.
+        """Return what the script needs to compute the poses itself; None unless only its commands decide them.
 
         From then on no pose is published, until `take_back`.
         """
@@ -252,7 +252,7 @@ class TurtleWorld:
             other.advance(t_ns)
 
     def settle(self, from_ns: int, until_ns: int) -> int:
-        """Let the world go on without the script until the turtle rests; return when that is."""
+        """Run the world on without the script until the turtle rests; return when that is."""
         now_ns = min(from_ns, until_ns)
         self.advance(now_ns)
         while now_ns < until_ns and (self._busy or not self.turtle.resting):

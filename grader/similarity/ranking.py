@@ -1,4 +1,4 @@
-"""Which pairs of scripts share places that few have, those who share most and rarest first.
+"""Ranking pairs of scripts by the passages that they share: many, and such that few others have, come first.
 
 Nothing here says that anybody copied: it says where a person should look.
 """

@@ -1,4 +1,4 @@
-"""What a script is made of, without what is changed to make a copy look different.
+"""The tokens of a script, without what people change to make a copy look different.
 
 Names, numbers and strings are one token each whatever they say. Comments, docstrings, layout and commas before a
 closing bracket are none. Python's own tokenizer would stop at the first mistake, differs from version to version,
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Final
 
 MOST_TOKENS: Final = 5_000
-"""What is read of one script; the lesson's longest has 551."""
+"""Most that is read of one script; the lesson's longest has 551."""
 
 _PATTERN = re.compile(
     r"""

@@ -88,7 +88,7 @@ def record(  # noqa: PLR0913
 
 
 def require_open(session: Session, course: str | None) -> None:
-    """Let changes of a course through; until the transaction ends, nobody archives it.
+    """Require that a course may be changed. Until the transaction ends nobody can archive it.
 
     Raises:
         RefusedError: the course is archived.

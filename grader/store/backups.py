@@ -144,7 +144,7 @@ def _folder_beside(file: Path) -> Iterator[Path]:
 
 
 def _put(file: Path, target: Path) -> None:
-    """Let `file` take the place of `target` in the same folder, and return when that is on disk."""
+    """Replace `target` by `file` in the same folder; return when that is on disk."""
     _sync(file)
     os.replace(file, target)
     _sync(target.parent)

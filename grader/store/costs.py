@@ -1,4 +1,4 @@
-"""Who costs the service how much: what each student's gradings took lately, and what waits."""
+"""What each student costs the service: the time of their latest gradings, and what waits."""
 
 from collections import defaultdict
 from datetime import datetime, timedelta

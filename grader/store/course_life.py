@@ -83,7 +83,7 @@ class CourseLife:
             return made
 
     def archive(self, signed: Signature, reason: str = "") -> Course:
-        """Let the course of `signed` be read only; one that is archived stays as it is.
+        """Make the course of `signed` read-only; one that is archived stays as it is.
 
         Raises:
             CourseError: there is no such course.
@@ -98,7 +98,7 @@ class CourseLife:
             return as_contract(row, Course)
 
     def reopen(self, signed: Signature, reason: str = "") -> Course:
-        """Let the course of `signed` be changed again; one that is not archived stays as it is.
+        """Allow changes of the course of `signed` again; one that is not archived stays as it is.
 
         Raises:
             CourseError: there is no such course.

@@ -96,7 +96,7 @@ class Identities:
                 self.bind(provider, subject, course, one, by_token=False)
 
     def bind(self, provider: str, subject: str, course: str, person: str, *, by_token: bool) -> bool:
-        """Let whoever comes as `subject` in as a member; return whether they are that member now.
+        """Bind a provider's `subject` to a member; return whether it is bound to that member now.
 
         A subject that is bound to another member of the course stays bound to that one. Without a token, a member
         to whom another subject of the provider is bound is not bound again.

@@ -31,7 +31,7 @@ MOST_OWN = 100
 _TROUBLE_CHARACTERS = 2_000
 _row = OwnAssignmentRow
 Mark = tuple[int, datetime]
-"""Which upload it is, also after one was removed and its number given again."""
+"""Identifies an upload, also after one was removed and its number was given again."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -212,7 +212,7 @@ class OwnAssignments:
         return self._write(claim, values if reading is None else {**values, "reading": reading}, ready=ready)
 
     def hand_back(self, claim: OwnClaim, trouble: str, pause_s: float) -> bool:
-        """Let an upload wait again, through no fault of its own."""
+        """Put an upload back to wait, after a fault that was not its own."""
         return self._write(
             claim,
             {

@@ -46,7 +46,7 @@ class Platforms:
         self._clock = clock
 
     def add(self, new: NewPlatform, signed: Signature) -> Platform:
-        """Let a platform send people to the course of `signed`.
+        """Add a platform, which may then send people to the course of `signed`.
 
         Raises:
             RefusedError: it is there already, for this course or another, or the course has too many.
@@ -167,7 +167,7 @@ class Platforms:
             return as_contract(row, PlatformLink)
 
     def invite(self, signed: Signature) -> str:
-        """Let a platform be added to the course of `signed` within a day; return the secret by which it is."""
+        """Invite a platform to the course of `signed`; return the secret by which it is added within a day."""
         secret = secrets.token_urlsafe(_SECRET_BYTES)
         row = PlatformInvitationRow(
             sha256=_digest(secret),
@@ -276,10 +276,10 @@ class Platforms:
 
 
 def _hold(session: Session, platform: str) -> None:
-    """Let nobody remove a platform until the transaction ends.
+    """Lock a platform, so that nobody removes it until the transaction ends.
 
     Raises:
-        RefusedError: somebody has.
+        RefusedError: somebody has removed it.
     """
     one_at_a_time(session, "platform_link", platform)
     if session.get(PlatformRow, platform) is None:

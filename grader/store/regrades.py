@@ -157,7 +157,7 @@ class Regrades:
         return self._decide(regrade_id, signed, reason, RegradeState.DISCARDED, lambda *_: None)
 
     def undo(self, regrade_id: str, signed: Signature, reason: str) -> Regrade:
-        """Let the gradings stand again that stood before an applied re-grade.
+        """Undo an applied re-grade: the gradings from before it count again.
 
         What people judged stays, as when a re-grade is applied. Where there was no grading before, there is none
         again.
@@ -341,7 +341,7 @@ def _regrade(session: Session, row: RegradeRow, trials: list[_Trial] | None = No
 def _note_change(
     session: Session, change: ScoreChange, regrade: RegradeRow, signed: Signature, reason: str
 ) -> None:
-    """Tell the audit log and the student of a change, if it is one."""
+    """Record a change in the audit log and for the student, if it is one."""
     if change.before == change.after and not change.items:
         return
     before, after = {"score": change.before}, {"score": change.after, **_judgements_in_log(change)}

@@ -167,7 +167,7 @@ def _check_encoding(connection: Connection) -> None:
 
 
 def _sort_by_code_point(connection: Connection) -> None:
-    """Let PostgreSQL compare and sort text as SQLite and Python do, whatever the locale of its server.
+    """Make PostgreSQL compare and sort text as SQLite and Python do, whatever the locale of its server.
 
     Otherwise the gradebook's order of students would change when the database moves.
     """

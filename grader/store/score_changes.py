@@ -1,4 +1,4 @@
-"""What another grading does to a submission's score, item by item, with what people judged."""
+"""How another grading changes a submission's score, item by item, with the points that people gave."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Where submissions, classes and the whole service stand: narrow reads for all who watch."""
+"""The state of submissions, classes and the whole service: small queries for those who watch it change."""
 
 import hashlib
 from collections import defaultdict

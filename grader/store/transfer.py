@@ -196,7 +196,7 @@ def _difference(sent: Sequence[TableContent], arrived: Sequence[TableContent]) -
 
 
 def _continue_numbers(goal: Session) -> None:
-    """Let PostgreSQL number new rows after the copied ones; SQLite does so by itself."""
+    """Make PostgreSQL number new rows after the copied ones; SQLite does so by itself."""
     if goal.connection().dialect.name == "sqlite":
         return
     for table in _tables():

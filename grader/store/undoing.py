@@ -16,7 +16,7 @@ from grader.store.tables import GradingRow, RegradeRow, SubmissionRow
 
 
 def undo(session: Session, regrade_id: str) -> list[ScoreChange]:
-    """Let the gradings stand again that a re-grade's replaced; return what changes, by student.
+    """Make the gradings count again that those of a re-grade replaced; return what changes, by student.
 
     Raises:
         RegradeError: ``superseded``: the grading that stands is not the re-grade's any more.
@@ -89,7 +89,7 @@ def _gradings(session: Session, attempts: Mapping[str, int]) -> dict[str, Gradin
 
 
 def _stand(row: SubmissionRow, grading: GradingRow | None, to_judge: int) -> None:
-    """Let a grading be the one that counts for a submission; None: the service had failed to make one."""
+    """Make a grading the one that counts for a submission; None: it had none, because the service failed."""
     row.started_at = None  # nobody knows any more, and no pace of gradings follows from it
     row.to_judge = to_judge or None
     if grading is None:

@@ -74,12 +74,12 @@ class Callers:
         return OPERATOR if known else None
 
     def close_session(self, session: str) -> None:
-        """Let `session` open nothing any more; that of the operator of a service without courses stays."""
+        """End `session`; that of the operator of a service without courses stays."""
         self._tokens.close_session(session)
 
 
 def require_staff(caller: Caller) -> None:
-    """Let assistants and instructors through.
+    """Require an assistant or instructor.
 
     Raises:
         RefusedError: the caller is neither.
@@ -89,7 +89,7 @@ def require_staff(caller: Caller) -> None:
 
 
 def require_instructor(caller: Caller) -> None:
-    """Let instructors through.
+    """Require an instructor.
 
     Raises:
         RefusedError: the caller is no instructor.

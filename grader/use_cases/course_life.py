@@ -1,4 +1,4 @@
-"""What becomes of a course from one term to the next: it is copied, archived, reopened, emptied of what is old.
+"""A course from one term to the next: copying, archiving and reopening it, and erasing what is old.
 
 Only the operator makes the first course, on the server. An instructor makes further ones as copies of the own, and
 teaches them: whom else a course belongs to, its instructors decide.
@@ -60,7 +60,7 @@ def copy_course(services: Services, caller: Caller, new: NewCourse) -> CopiedCou
 
 
 def archive_course(services: Services, caller: Caller, reason: str, *, archived: bool) -> Course:
-    """Let the caller's course be read only, or be changed again.
+    """Archive the caller's course, which makes it read-only, or reopen it.
 
     Raises:
         RefusedError: the caller is no instructor, there is no course, or it has an open re-grade.

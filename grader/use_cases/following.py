@@ -1,4 +1,4 @@
-"""Where submissions and classes stand, now and as it changes, and when a grading will probably be done.
+"""Following the state of submissions and classes, and estimating when a grading will be done.
 
 One thread reads the rows for everybody who watches in this process. The rows are the truth, so it makes no
 difference which process grades. Each watcher keeps only the latest standing: a slow one misses steps in between

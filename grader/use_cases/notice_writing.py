@@ -152,7 +152,7 @@ def _for_people(look: _Look, wishes: MailWishes) -> Iterator[Draft]:
 
 
 def _due_for_all(look: _Look, told: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
-    """Tell of dates that rules set for some student; an extension is between that student and staff."""
+    """Write to a group of dates that rules set. Extensions are left out: they concern one student and staff."""
     lines, until, states = [], look.now, {}
     for id_ in look.assignments:
         rules = look.rules.of(id_)
@@ -182,7 +182,7 @@ def _due_for_all(look: _Look, told: Mapping[tuple[str, str], str]) -> Iterator[D
 
 
 def _due_for_one(look: _Look, student: str, told: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
-    """Tell a student who has handed in nothing for it yet."""
+    """Write to a student who has not handed in anything for it yet."""
     lines, until, states = [], look.now, {}
     for id_ in look.assignments:
         rules = look.rules.of(id_, student)
@@ -245,7 +245,7 @@ def _graded_for_all(look: _Look, told: Mapping[tuple[str, str], str]) -> Iterato
 
 
 def _graded_for_one(look: _Look, student: str, told: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
-    """Tell a student what counts of theirs, whatever changed it, once nothing of an assignment waits."""
+    """Write to a student what counts for an assignment, whatever changed it, once nothing of theirs waits."""
     lines, states = [], {}
     for id_ in look.assignments:
         one = look.progress.get((student, id_))
@@ -280,7 +280,7 @@ def _graded_for_one(look: _Look, student: str, told: Mapping[tuple[str, str], st
 
 
 def _faults(look: _Look, outlet: Outlet, person: str, told: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
-    """Tell staff of what the service failed to grade, and that it grades nothing."""
+    """Write to staff what the service failed to grade, or that it grades nothing."""
     counts: dict[str, int] = {}
     states = {}
     failed = look.services.notices.given_up_since(look.course, look.now - _LOOKED_BACK)

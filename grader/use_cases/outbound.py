@@ -1,4 +1,4 @@
-"""What the service tells others by itself: platforms their scores, groups and people their notices."""
+"""What the service sends unasked: scores to platforms, notices to groups and people."""
 
 import logging
 import threading

@@ -121,7 +121,7 @@ def public_keys(services: Services) -> dict[str, Any]:
 
 
 def add_platform(services: Services, caller: Caller, new: NewPlatform) -> Platform:
-    """Let a platform send people to the caller's course.
+    """Add a platform, which may then send people to the caller's course.
 
     Raises:
         RefusedError: the caller is no instructor, a field is wrong, or the platform is there already.
@@ -156,7 +156,7 @@ def misfit(new: NewPlatform) -> str | None:
 
 
 def remove_platform(services: Services, caller: Caller, platform_id: str) -> None:
-    """Let a platform send nobody any more; who came by it shows a token again.
+    """Remove a platform. People who signed in by it need a token again.
 
     Raises:
         RefusedError: the caller is no instructor, or there is no such platform.

@@ -58,7 +58,7 @@ _STORES: Mapping[str, Callable[[Database], Any]] = {
     "rules": StoredRules,
     "audit": AuditLog,
 }
-"""What works on the database and needs nothing else, by its name in `Services`."""
+"""Parts that need nothing but the database, by their names in `Services`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

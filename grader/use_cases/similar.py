@@ -1,4 +1,4 @@
-"""Which scripts of a class are alike at places that few have, and which drove alike: for staff to look at.
+"""Scripts of a class with common passages that few others have, or that drove alike: for staff to look at.
 
 Nothing of it is stored, and no score depends on it.
 """
@@ -25,7 +25,7 @@ from grader.use_cases.comparing import Similar, SimilarPair
 from grader.use_cases.services import Services
 
 MOST_SCRIPTS = 1_000
-"""What is compared at once; of a larger class those who handed in last."""
+"""Most scripts that are compared at once; of a larger class those handed in last."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

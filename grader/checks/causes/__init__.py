@@ -57,10 +57,10 @@ _LOST: Final = frozenset(
 
 _WRONG_WAY: Final = frozenset(("place_away", "place_lost", "place_circled", "place_missed", "place_wall"))
 _COUNTED: Final = _NO_MOTION | _COUNT | _LOST | {"endless_turn", "never_stops", "turned_instead", "wall_hit"}
-"""What may come of a count or a state that never changes."""
+"""Mistakes that a count or a state that never changes may cause."""
 
 _BY_POSE: Final = _LOST | {"side_goes_on", "turned_instead", "no_turns"}
-"""What may come of a wrong comparison with a pose."""
+"""Mistakes that a wrong comparison with a pose may cause."""
 
 _NOT_ON: Final = frozenset(("lost_at_home", "not_spinning", "never_spun"))
 
@@ -132,4 +132,4 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("cpu_limit",)), flow.large_message),
     (frozenset(("error_hidden",)), numbers.hidden_int),
 )
-"""Which mistakes a cause explains, and what looks for it; the first that is found counts."""
+"""Mistakes, each with a function that looks for a cause of them; the first cause that is found counts."""

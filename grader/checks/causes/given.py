@@ -1,4 +1,4 @@
-"""What the run was given as input or parameter, and is not used as it was meant."""
+"""Inputs and parameters of the run that the script does not use as they were meant."""
 
 import re
 from typing import Final

@@ -1,4 +1,4 @@
-"""What the looks at a script share."""
+"""What all functions that look for a cause in a script share."""
 
 import re
 from typing import Final, NamedTuple

@@ -45,7 +45,7 @@ _FAILURES: dict[tuple[Vendor, int], Failure] = {
     (Vendor.WECOM, 93008): "address",
     (Vendor.WECOM, 45009): "too_often",
 }
-"""What the codes mean that somebody can do something about."""
+"""Vendors' error codes that somebody can act on, each with its meaning."""
 
 
 class _Said(msgspec.Struct, frozen=True):

@@ -48,10 +48,10 @@ class GoalSender(Protocol):
         """Send a frame."""
 
     def watch(self, topic: str, key: object, watcher: Callable[[Values], None]) -> None:
-        """Let `watcher` see each message on `topic`."""
+        """Pass each message on `topic` to `watcher`."""
 
     def unwatch(self, topic: str, key: object) -> None:
-        """Let the watcher of that key see no more."""
+        """Remove the watcher of that key."""
 
 
 _NOBODY: Final = Reply(lambda _: None, lambda _: None)
@@ -113,7 +113,7 @@ class Goals:
                 return
 
     def forget(self, client: int) -> None:
-        """Tell a client that has gone of nothing more; its goals go on."""
+        """Send nothing more to a client that has gone; its goals go on."""
         for goal in [one for one in self._under_way if one.client == client]:
             self._drop(goal)
 

@@ -524,13 +524,13 @@ class Bridge:
         return True
 
     def watch(self, topic: str, key: object, watcher: Callable[[Values], None]) -> None:
-        """Let `watcher` see each message on a topic of the graph."""
+        """Pass each message on a topic of the graph to `watcher`."""
         kind = self._type_of(topic)
         if kind is not None:
             self._hear(topic, kind).watchers[key] = watcher
 
     def unwatch(self, topic: str, key: object) -> None:
-        """Let the watcher of that key see no more."""
+        """Remove the watcher of that key."""
         if topic in self._heard:
             self._heard[topic].watchers.pop(key, None)
             self._release(topic)

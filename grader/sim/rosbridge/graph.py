@@ -1,4 +1,4 @@
-"""What a bridge speaks to: the ROS graph of a live car, or that of an exercise's script and car."""
+"""The ROS graph that a bridge serves: that of a live car, or that of an exercise's script and car."""
 
 import struct
 from collections.abc import Mapping, Sequence
@@ -45,10 +45,10 @@ class RosGraph(Protocol):
         """Publish CDR of the topic's type on one of `topics`."""
 
     def listen(self, topic: str, identity: int, t_ns: int) -> None:
-        """Let `identity` hear one of `topics`."""
+        """Subscribe `identity` to one of `topics`."""
 
     def unlisten(self, identity: int) -> None:
-        """Let it hear nothing more."""
+        """End the subscription."""
 
     def request(self, service: str, request: Request) -> bool:
         """Send a request to one of `services`; false when too many wait there."""

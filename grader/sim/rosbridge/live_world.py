@@ -94,7 +94,7 @@ class LiveWorld:
         self._world.outbox.publish(topic, t_ns, payload)
 
     def listen(self, topic: str, identity: int, t_ns: int) -> None:
-        """Let `identity` hear a topic from `t_ns` on."""
+        """Subscribe `identity` to a topic from `t_ns` on."""
         if topic == CAMERA:
             self._camera.append(identity)
             self._camera_due_ns = t_ns
@@ -102,7 +102,7 @@ class LiveWorld:
             self._world.listen(topic, identity, t_ns)
 
     def unlisten(self, identity: int) -> None:
-        """Let it hear nothing more."""
+        """End the subscription."""
         if identity in self._camera:
             self._camera.remove(identity)
         else:

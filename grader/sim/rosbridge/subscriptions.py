@@ -1,4 +1,4 @@
-"""What one client wants of one topic, and when the next message is due for it."""
+"""One client's subscription to one topic: how it wants messages, and when the next one is due."""
 
 import math
 from dataclasses import dataclass, field

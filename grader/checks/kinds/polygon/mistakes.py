@@ -133,7 +133,7 @@ def _spoilt_by_short_drives(run: Run) -> tuple[str, ...]:
 
 
 def _never_turned(seen: _Seen) -> Iterator[Mistake]:
-    """Tell of sides driven one behind the other, whatever came later: without a turn no figure can come."""
+    """Recognise sides driven one behind the other, whatever came later: without a turn no figure can come."""
     commands = seen.run.trajectory.commands
     moves = [command for command in commands if is_motion(command)]
     if not moves or seen.driven.drive.path.along_m[-1] < _SEEN_M or seen.run.trajectory.jumps:
@@ -176,7 +176,7 @@ def _stretches(flags: list[bool]) -> int:
 
 
 def _kept_driving(seen: _Seen) -> Iterator[Mistake]:
-    """Tell of a linear speed that was set for the sides and never taken back for the turns."""
+    """Recognise a linear speed that was set for the sides and never taken back for the turns."""
     turns = [command for command in seen.run.trajectory.commands if abs(command.w_radps) > MOVING_RADPS]
     sides = {
         command.v_mps
@@ -195,7 +195,7 @@ def _kept_driving(seen: _Seen) -> Iterator[Mistake]:
 
 
 def _kept_turning(seen: _Seen) -> Iterator[Mistake]:
-    """Tell of a turn rate that stayed set while the sides were driven; the turns themselves are on the spot."""
+    """Recognise a turn rate that stayed set while the sides were driven; the turns themselves are on the spot."""
     figure = seen.driven.figure
     end_ns = math.inf if figure is None else int(seen.driven.drive.t_ns[figure.end])
     commands = [command for command in seen.run.trajectory.commands if command.t_ns <= end_ns]
@@ -249,7 +249,7 @@ def _commanded_turns(seen: _Seen, until_ns: int) -> list[float]:
 
 
 def _wall(seen: _Seen) -> Iterator[Mistake]:
-    """Tell of a wall that was touched while the figure was driven. Later contacts did not spoil the figure."""
+    """Recognise a wall that was touched while the figure was driven. Later contacts did not spoil the figure."""
     end = seen.driven.figure.end if seen.driven.figure is not None else len(seen.driven.drive.path) - 1
     contacts = seen.run.trajectory.contacts
     if contacts and contacts[0].start_ns <= int(seen.driven.drive.t_ns[end]):
@@ -279,7 +279,7 @@ _LONGER = 1.5  # times the first side: otherwise all sides may just be too long
 
 
 def _degrees(seen: _Seen) -> Iterator[Mistake]:
-    """Tell of degrees where radians belong: a turn rate that nobody means, or a turn that does not end."""
+    """Recognise degrees where radians belong: a turn rate that nobody means, or a turn that does not end."""
     fastest = fastest_radps(seen.run)
     widest = max(
         (abs(turn.angle_rad) for turn in seen.driven.segments.turns if turn is not None), default=0.0
@@ -392,7 +392,7 @@ def _is_arc(command: Command) -> bool:
 
 
 def _long_way(seen: _Seen, values: Mapping[str, object]) -> Mistake:
-    """Tell of corners that go the long way round: by a wrong difference of angles, or for too long."""
+    """Recognise corners that go the long way round: by a wrong difference of angles, or for too long."""
     turned_deg, by_pose = seen.driven.turned_deg, ScriptText(seen.run.source).lines_with(r"\btheta\b")
     if by_pose or not seen.driven.long_way.all():
         return mistake("long_way", ("opposite_corners",), turned=listed(turned_deg, "deg"), **values)
@@ -486,7 +486,7 @@ def _other_figure(seen: _Seen, figure: PolygonFigure) -> Mistake:
 
 
 def _count(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
-    """Tell of missing or extra sides where the corners are right."""
+    """Recognise missing or extra sides where the corners are right."""
     count, corners = len(figure.sides_m), seen.driven.corners_deg
     near_deg = NEAR_DEG if seen.rigid else 2.0 * _SLIP_DEG
     near = bool((np.abs(corners - seen.ideal_deg) <= near_deg).all())
@@ -539,7 +539,7 @@ def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
 
 
 def _lengths(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
-    """Tell of sides whose lengths are not those that the assignment fixes."""
+    """Recognise sides whose lengths are not those that the assignment fixes."""
     wanted, error_pct = seen.wanted, seen.wanted.side_error_pct(figure.sides_m)
     if len(figure.sides_m) != wanted.sides or not seen.loses("side_error_pct", error_pct):
         return
@@ -568,7 +568,7 @@ def _cut_at_the_end(seen: _Seen) -> bool:
 
 
 def _ending(seen: _Seen) -> Iterator[Mistake]:
-    """Tell of what was driven before and after the figure."""
+    """Recognise what was driven before and after the figure."""
     drive, figure = seen.driven.drive, seen.driven.figure
     if figure is not None and figure.approach_m > 0.0:
         told = mistake("approach", ("gap_pct",), distance=number(figure.approach_m, "m"))

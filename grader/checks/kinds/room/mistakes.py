@@ -58,7 +58,7 @@ def _drove_on(run: Run, contact: Contact) -> bool:
 
 
 def _ended(assignment: Assignment, drive: Drive, measures: Mapping[str, Measure]) -> Iterator[Mistake]:
-    """Tell of a robot that did not stop where it should have."""
+    """Recognise a robot that did not stop where it should have."""
     if fits(assignment, "settled", measures["settled"].value) is False:
         yield mistake("room_never_stops", ("settled",))
     wanted = assignment.item_on("ahead_m")

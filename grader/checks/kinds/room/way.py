@@ -13,7 +13,7 @@ from grader.contracts.trajectory import Floats
 from grader.geometry.room import from_point_m
 
 POINT_M: Final = 0.01
-"""How close together points of the way are looked at."""
+"""Distance between the points of the way that are examined."""
 
 SIDES: Final = {"left": 1.0, "right": -1.0}
 _ASIDE_M = 0.005  # how far beside the way the distance is measured as well, to know where the nearest wall is

@@ -1,4 +1,4 @@
-"""What a script has called of PyBullet, on its way to the episode, and the simulated time that has passed.
+"""Records a script's calls of PyBullet, sends them to the episode, and keeps the simulated time.
 
 A script of this world ends at the horizon by whichever clock comes there first: that of its process, which
 sleeping moves, or that of the simulation, which `stepSimulation` moves. A loop that never sleeps ends so as well.
@@ -71,7 +71,7 @@ class Recorder:
         self._batch += call
 
     def stepped(self) -> None:
-        """Let time pass for a step: a charge, and the simulation's own time."""
+        """Charge for a step, and advance the simulated time by it."""
         if not self.active or kernel.interrupted:
             kernel.charge()
             return
@@ -89,7 +89,7 @@ class Recorder:
         self._step_s = seconds
 
     def set_live(self, live: bool) -> None:
-        """Let the simulation run by itself from now on, or no longer."""
+        """Switch the real-time simulation on or off, in which the simulation runs by itself."""
         self.catch_up()
         self.live = live
         self._live_since_ns = kernel.now_ns
@@ -103,7 +103,7 @@ class Recorder:
             self.step()
 
     def _end(self) -> None:
-        """Let Ctrl+C come now, as at the horizon."""
+        """Raise Ctrl+C now, as at the horizon."""
         self._stop()
         kernel.sleep_ns(kernel.horizon_ns - kernel.now_ns)
 

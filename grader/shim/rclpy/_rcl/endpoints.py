@@ -191,7 +191,7 @@ class PublisherHandle(EndpointHandle):
         return len(self.readers) + len(self._world)
 
     def assert_liveliness(self) -> None:
-        """Tell that the publisher is alive."""
+        """Do nothing, as every publisher counts as alive."""
         self._require_context("Failed to assert liveliness on the Publisher")
 
     def wait_for_all_acked(self, timeout: Any) -> bool:

@@ -265,7 +265,7 @@ def _publish(name: str, record: bytes) -> None:
 
 
 def _tell_apart(name: str, record: bytes) -> None:
-    """Tell the episode of a record that reaches no /rosout: it is on the console, so it belongs in the report."""
+    """Send the episode a record that does not reach /rosout: it is on the console, so the report must have it."""
     node = _nodes[name]
     if node not in _late:
         try:

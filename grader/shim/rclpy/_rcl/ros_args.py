@@ -1,4 +1,4 @@
-"""What follows ``--ros-args`` on a command line: remapping, parameters, log levels."""
+"""Arguments behind ``--ros-args`` on a command line: remapping, parameters, log levels."""
 
 from __future__ import annotations
 

@@ -195,7 +195,7 @@ class ActionServerHandle(_Members):
         return uuid_bytes(info.goal_id) in self.goals
 
     def publish_status(self) -> None:
-        """Tell everybody the states of all goals."""
+        """Publish the states of all goals."""
         message = own.GoalStatusArray()
         for goal in self.goals.values():
             message.status_list.append(own.GoalStatus(goal_info=goal.info, status=goal.state))
