@@ -27,7 +27,7 @@ _LONGEST_HEADER = 1_000
 _TAG = re.compile(r'(W/)?"([\x21\x23-\x7e\x80-\xff]*)"')  # RFC 9110, section 8.8.3
 
 PEER = "grader.peer"
-"""Where a request's scope has address and port of the connection's other end, whatever proxies say of others."""
+"""Key in a request's scope for address and port of the connection's peer, whatever proxies say."""
 
 SUBMISSIONS = "/api/v1/submissions/"
 """A submission's address begins with it."""
@@ -36,7 +36,7 @@ Address = Annotated[str, BeforeValidator(lambda submission: SUBMISSIONS + submis
 """Address of a submission, from its id."""
 
 SESSION_COOKIE = "grader_session"
-"""What a browser keeps in place of a token."""
+"""Cookie by which a browser shows its session instead of a token."""
 
 ENTRY_PROBLEMS = ("unauthorized", "too_many_requests", "too_many_at_once")
 """Problems of every endpoint that asks who it is."""

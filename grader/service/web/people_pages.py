@@ -205,7 +205,7 @@ def unbind(
     person: PersonId,
     identity: Annotated[str, Form(max_length=16)] = "",
 ) -> Response:
-    """Let a member no longer come in by what a provider calls them."""
+    """Unbind a member from an identity at a provider."""
     member = people.member_of(services, visitor.caller, person)
     signing_in.unbind(services, visitor.caller, member.id, identity)
     return RedirectResponse(f"/class/people/{quote(person, safe='')}?done=saved", status_code=303)

@@ -56,7 +56,7 @@ def choose(
     secret: Secret,
     assignment: Annotated[list[str], Form(max_length=_MOST_CHOSEN)] = [],  # noqa: B006 - a form's default
 ) -> Response:
-    """Lead the browser back to the platform, with what was chosen."""
+    """Send the browser back to the platform with the choice."""
     language = language_of(request)
     try:
         answer = picking.choose(services, secret, assignment, language)
@@ -72,7 +72,7 @@ def choose(
 
 
 def lead_to(request: Request, secret: str) -> Response:
-    """Lead a browser that a platform sent to its choice."""
+    """Redirect a browser that a platform sent to the page of the choice."""
     path = f"{PICK}/{secret}"
     response = RedirectResponse(path, status_code=303)
     set_cookie(request, response, OPENED, secret, path=path, patience_s=_PATIENCE_S)
@@ -82,17 +82,17 @@ def lead_to(request: Request, secret: str) -> Response:
 def set_cookie(  # noqa: PLR0913
     request: Request, response: Response, name: str, value: str, *, path: str, patience_s: int
 ) -> None:
-    """Set a response's only cookie: one that also comes with what other sites send, or have in a frame."""
+    """Set a response's only cookie, which browsers also send with requests from other sites and in frames."""
     response.set_cookie(
         name, value, max_age=patience_s, path=path, httponly=True, secure=True, samesite="none"
     )
     if request.headers.get("sec-fetch-dest") in FRAMES:
-        # a cookie of the frame's page and ours, which browsers keep that keep none of other sites
+        # a cookie for this site within that page, which also those browsers keep that block cookies of other sites
         response.headers["Set-Cookie"] += "; Partitioned"
 
 
 def framed_by(response: Response, *addresses: str) -> Response:
-    """Let pages of the sites of `addresses` show a response in a frame."""
+    """Allow pages of the sites of `addresses` to show a response in a frame."""
     framed = " ".join(dict.fromkeys(map(_origin, addresses)))
     policy = response.headers[_POLICY]
     response.headers[_POLICY] = policy.replace("frame-ancestors 'none'", f"frame-ancestors {framed}")

@@ -169,10 +169,10 @@ class Examiner:
             raise error
 
     def _give_way(self, claim: OwnClaim) -> None:
-        """Let students go first for a while, then keep the claim.
+        """Wait for a while until no student waits, then renew the claim.
 
         Raises:
-            _LostError: it is lost, or the worker stops.
+            _LostError: the claim is lost, or the worker stops.
         """
         until_s = time.monotonic() + self._uploads.patience_s
         while not self._stopping.is_set() and time.monotonic() < until_s and self._students_wait():

@@ -101,7 +101,7 @@ def _examiner(parts: WorkerParts, ready: Callable[[], bool]) -> Examiner | None:
 
 @contextmanager
 def _database_may_be_away() -> Iterator[None]:
-    """Go on stopping although the database does not answer."""
+    """Catch that the database does not answer, so that a stop goes on without it."""
     try:
         yield
     except InfrastructureError as error:

@@ -45,7 +45,7 @@ chosen = HUMBLE
 
 
 def choose(distro: str) -> None:
-    """Let the script find `distro`; to be called once, before the script is compiled.
+    """Make `distro` the release that the script finds. Called once, before the script is compiled.
 
     Raises:
         ValueError: there is no such distro here.

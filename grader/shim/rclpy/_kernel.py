@@ -38,7 +38,7 @@ if TYPE_CHECKING:
             """Deliver the pose that is due at `quiet_ns`, if the world `reckons`."""
 
         def advance(self, target_ns: int, together_ns: int) -> int:
-            """Let the world run to the first event up to `target_ns`, deliver it, return the instant reached.
+            """Run the world to the first event up to `target_ns`, deliver it, return the instant reached.
 
             Everything due up to `together_ns` is delivered at once. Afterwards nothing is due before `quiet_ns`.
             """
@@ -57,16 +57,16 @@ FOREVER_NS = 1 << 62
 """Deadline of a wait that only its condition can end: 146 years, as a small integer of 64 bits."""
 
 CHARGE_NS = 1_000
-"""What a look at a clock, a publish or a question without blocking costs: about what it costs on a PC.
+"""Virtual time that reading a clock, publishing or polling takes: about as much as on a PC.
 
-It must not be 0: two looks at a clock must differ, and ``while time.time() < end: pass`` must end."""
+It must not be 0: two readings of a clock must differ, and ``while time.time() < end: pass`` must end."""
 
 CHARGE_STEPS = ((1_000, CHARGE_NS), (5_000, 10_000), (20_000, 100_000))
-"""(operations without a blocking wait, charge in ns up to there); `CHARGE_MAX_NS` beyond the last.
+"""(operations since the last blocking wait, charge in ns up to there); `CHARGE_MAX_NS` beyond the last.
 
-A script that waits a second in a busy loop asks a million times at 1 us each, which would take seconds of CPU
-time. Since the charge grows, that second costs some 15,000 questions. The first thousand stay at 1 us: a callback
-that looks at the clock now and then must not become late by its own questions."""
+At 1 us each, a script that waits a second in a busy loop would read the clock a million times, which takes seconds
+of CPU time. Since the charge grows, it reads it some 15,000 times. The first thousand operations stay at 1 us: a
+callback that reads the clock now and then must not become late by that."""
 
 CHARGE_MAX_NS = 1_000_000
 """The last step is as long as a slice: shorter than a pose's 16 ms, so a busy loop on the pose sees each one."""
@@ -80,22 +80,22 @@ SLICE_NS = 1_000_000
 The world is asked as often (`_pause`), so this also bounds how late a message reaches a busy loop."""
 
 SPINS_PER_SLICE = 1_000
-"""Turns of a loop that neither blocks nor asks before the others run: a slice, were each turn charged."""
+"""Turns of a loop that neither blocks nor polls, after which the others run: a slice, were each turn charged."""
 
 STEPS_PER_SPIN = 100
-"""What `SPINS_PER_SLICE` turns count for of a loop that nothing but itself can end.
+"""How many steps `SPINS_PER_SLICE` turns of a loop count as, if nothing but the loop can end itself.
 
-Nothing can end one, either, that a main thread has left alone. Of one beside which time passes they count for a
-tenth: a script may wait in a busy loop for a thread of 1 kHz."""
+That includes a loop in a thread after the main thread has ended. If time passes beside the loop, they count a
+tenth: a script may wait in a busy loop for a thread that runs at 1 kHz."""
 
 HAND_OVER_STEPS = 3
-"""What a turn of another thread counts for, besides the wait that made room for it.
+"""How many steps a change to another thread counts as, besides the wait that led to it.
 
-It takes up to 100 us, because two threads of the system change places. With these, all the steps that are granted
-take threads no longer than others, and far less than the CPU time that is granted."""
+It takes up to 100 us, because the system switches threads. With this count, all granted steps together take a
+script with threads no longer than others, and far less than the granted CPU time."""
 
 GRACE_STEPS = 10
-"""Part of its steps that a script has left after Ctrl+C: one of so many."""
+"""After Ctrl+C a script may use one part in so many of its steps."""
 
 GRACE_NS = 10_000_000_000
 """Virtual time between the first Ctrl+C, the second one and the end.
@@ -245,7 +245,7 @@ class Kernel:
         return self.now_ns
 
     def charge(self) -> None:
-        """Let the time pass that a publish or a question without blocking takes.
+        """Advance time by the charge of one publish, poll or reading of a clock.
 
         Raises:
             KeyboardInterrupt: in the main thread, when the horizon is reached.
@@ -261,25 +261,25 @@ class Kernel:
             self._pause()
 
     def poll(self, count: int) -> None:
-        """Let the time pass that the question number `count` for one thing takes.
+        """Advance time by the charge of poll number `count` for one thing.
 
-        Its charge grows ten times as fast as that of `charge`, and the waits of others do not end its growth: in
-        an asyncio loop one task asks for ever while another sleeps for a millisecond at a time.
+        The charge grows ten times as fast as that of `charge`, and waits of others do not reset it: in an asyncio
+        loop one task may poll for ever while another sleeps for a millisecond at a time.
         """
         self.now_ns += charge_of(count * 10)
         if self.now_ns >= self._preempt_ns:
             self._pause()
 
     def be_late(self, most_ns: int) -> None:
-        """Let the time pass by which a periodic wake-up is late: as much as looks and publishes have cost so far.
+        """Advance time by the lateness of a periodic wake-up: the sum of all charges so far, modulo `most_ns`.
 
-        A script that begins a phase in one tick and asks `elapsed >= 2.0` in a later one compares a look at
-        the clock with one that came later within its tick. If every tick began exactly in phase, the
-        difference would always be some microseconds short, and every phase one period too long; at home
-        chance decides. With ticks that are ever later, a whole number of periods is never short.
+        A script that notes the time in one tick and asks `elapsed >= 2.0` in a later one has read the clock later
+        within the first tick than within the second. If every tick began exactly on time, the difference would
+        always be some microseconds short, and every phase of the script one period too long; at home chance
+        decides. If each tick is later than the last, a whole number of periods is never short.
 
         Args:
-            most_ns: where the lateness begins again at nothing; 0: never late.
+            most_ns: bound at which the lateness starts again from 0; 0: never late.
         """
         if most_ns:
             self.now_ns += self._spent_ns % most_ns
@@ -344,12 +344,12 @@ class Kernel:
             me.ready, me.deadline_ns, me.why, me.idle = before
 
     def skip_to_tick(self, due_ns: int, late_ns: int) -> bool:
-        """Let the wait for a periodic wake-up pass at once, if nothing else can happen until it comes.
+        """Jump to a periodic wake-up at `due_ns` if nothing else can happen before it.
 
-        The same as `wait` and `be_late(late_ns)`.
+        This is a fast path for `wait` and `be_late(late_ns)`.
 
         Returns:
-            False, and nothing was done: the caller has to `wait`.
+            Whether it jumped; if not, nothing was done, and the caller must `wait`.
         """
         if self.now_ns >= due_ns or due_ns + late_ns >= self._quiet_until_ns:
             return False
@@ -364,11 +364,12 @@ class Kernel:
         return True
 
     def skip_to_pose(self, before_ns: int) -> bool:
-        """Let a wait pass at once up to the next pose that is reckoned, if nothing else can happen until then.
+        """Jump to the next pose that is computed here (`_reckoning`), if nothing else can happen before it.
 
         Returns:
-            False, and nothing was done: the caller has to `wait`. So it is if no pose is reckoned, if it comes at
-            `before_ns` or later, or if another thread, a signal or an alarm may come first.
+            Whether it jumped; if not, nothing was done, and the caller must `wait`. It does not if no pose is
+            computed here, if the next one is due at `before_ns` or later, or if another thread, a signal or an
+            alarm may come first.
         """
         world = self._coupled()
         if world is None or len(self.threads) != 1 or self._signals or not world.reckons:
@@ -444,7 +445,7 @@ class Kernel:
         self._hand_over(self._choose(position - 1))
 
     def raise_signal(self, number: int) -> None:
-        """Let a signal arrive at the main thread."""
+        """Deliver a signal to the main thread."""
         if number == SIGINT:
             # At once, as upstream's C handler does it; KeyboardInterrupt waits for the main thread.
             self._tell_of_interrupt()
@@ -454,7 +455,7 @@ class Kernel:
             self._deliver()
 
     def set_alarm(self, instant_ns: int | None) -> None:
-        """Let SIGALRM arrive at `instant_ns`; None: never."""
+        """Schedule SIGALRM for `instant_ns`; None: cancel it."""
         self._alarm_ns = FOREVER_NS if instant_ns is None else instant_ns
         self.replan()
 
@@ -498,7 +499,7 @@ class Kernel:
             self.end("steps")
 
     def _skip_to(self, target_ns: int) -> None:
-        """Let a wait pass without the scheduler: this thread is alone, and nothing comes before its end."""
+        """End a wait without the scheduler: this thread is alone, and nothing is due before `target_ns`."""
         self.now_ns = target_ns
         self._count()
         self._spins = SPINS_PER_SLICE
@@ -592,7 +593,7 @@ class Kernel:
         return world if world is not None and world.coupled and not self.interrupted else None
 
     def _move_to(self, target_ns: int, together_ns: int = 0) -> None:
-        """Let time pass up to `target_ns` or the first event before it that is later than `together_ns`."""
+        """Advance time to `target_ns`, or to the first event before it that is later than `together_ns`."""
         world, now_ns = self._coupled(), self.now_ns
         if world is not None:
             asked_ns = target_ns if target_ns > now_ns else now_ns

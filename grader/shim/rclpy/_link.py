@@ -25,11 +25,10 @@ RECEIVE_BYTES = 65_536
 MAX_ENTITIES = 8_192
 """All that a script ever creates, destroyed or not: a minute of `wait_for_message` on the pose creates 3,750."""
 PROMPT_FLUSHES = 200
-"""How many frames with news (an entity, a command unlike the one before, a log record) are sent at once.
+"""Frames with news (an entity, a command unlike the one before, a log record) that are sent without delay.
 
-What a script did is then known although it is killed: only repetitions wait in the buffer. The bound keeps
-floods cheap, and whoever steers by each pose. All of this depends on nothing but the script, so it is the same in
-each run."""
+So it is known what a script did even if it is killed: only repetitions wait in the buffer. The bound keeps floods
+cheap, and scripts that steer by each pose. This depends on the script alone, so it is the same in each run."""
 
 NEWS_WAIT_NS = 250_000_000
 REPETITIONS_WAIT_NS = 1_000_000_000
@@ -37,10 +36,10 @@ REPETITIONS_WAIT_NS = 1_000_000_000
 both processes some 15 us."""
 
 MOST_REPETITIONS = 1_000
-"""How many repetitions of a message travel in one frame."""
+"""Most repetitions of a message in one frame."""
 
 COUNT_EVERY = 100
-"""A topic nobody in the world listens to: every how many messages one empty PUBLISH is sent."""
+"""For a topic that the world does not listen to, one empty PUBLISH is sent for so many messages."""
 
 _COMMANDS = "geometry_msgs/msg/Twist"
 _WHAT = {
@@ -215,7 +214,7 @@ class Link:
         self._expect()
 
     def unregister(self, ident: int) -> None:
-        """Tell that the entity is gone."""
+        """Announce that an entity is gone."""
         self._ask_again()
         self._tell(_wire.gone(ident, self._kernel.now_ns))
         self._living.pop(ident, None)
@@ -284,14 +283,14 @@ class Link:
         self._send(_wire.calls(min(self._kernel.now_ns, self._kernel.horizon_ns), recorded))
 
     def note(self, code: str, text: str = "") -> None:
-        """Tell the episode something worth telling the student."""
+        """Send the episode a note for the report."""
         self._tell(_wire.note(code, text))
 
     def note_once(self, code: str) -> bool:
-        """Tell the episode of a habit, however often the script has it: a loop must not fill the channel.
+        """Send a note, unless one with this code was sent before: a loop must not fill the channel.
 
         Returns:
-            Whether it was told now.
+            Whether it was sent.
         """
         if code in self._noted:
             return False
@@ -300,7 +299,7 @@ class Link:
         return True
 
     def advance(self, target_ns: int, together_ns: int) -> int:
-        """Let the world run to the first event up to `target_ns`; deliver it; return the instant reached.
+        """Run the world to the first event up to `target_ns`; deliver it; return the instant reached.
 
         All events up to `together_ns` are delivered together.
         """

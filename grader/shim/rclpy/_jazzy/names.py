@@ -1,4 +1,4 @@
-"""What modules pass on because they import it, and which submodules ``import rclpy`` makes attributes."""
+"""Names that modules re-export because they import them, and submodules that ``import rclpy`` loads."""
 
 from __future__ import annotations
 

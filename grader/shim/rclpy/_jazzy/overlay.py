@@ -1,4 +1,4 @@
-"""How a module of Jazzy's differences changes one of Humble: a class in place, anything else by its name."""
+"""Applying a module of Jazzy's differences to one of Humble: classes change in place, all else is replaced."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is known of an endpoint includes the hash of its type."""
+"""The information about an endpoint includes the hash of its type."""
 
 from __future__ import annotations
 

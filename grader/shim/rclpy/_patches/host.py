@@ -39,9 +39,9 @@ _get_terminal_size = os.get_terminal_size
 
 
 def set_environment() -> None:
-    """Let the script see what a login and ROS's setup file set.
+    """Set the environment variables that a login and ROS's setup file set.
 
-    The C library's copy, which only a new process would get, stays.
+    The C library's copy is left as it is: only a new process would get it.
     """
     names: Any = os.environ
     names._data.update(_ENVIRONMENT)
@@ -171,7 +171,7 @@ def patch_random(random: ModuleType) -> None:
 
 
 def patch_resource(resource: ModuleType) -> None:
-    """Let `getrusage` count virtual time, as `times` does, and always give the same memory."""
+    """Make `getrusage` return virtual time, as `times` does, and always the same memory."""
     module: Any = resource
     real = module.getrusage
 
@@ -190,13 +190,13 @@ def patch_uuid(uuid: ModuleType) -> None:
 
 
 def patch_socket(socket: ModuleType) -> None:
-    """Let the host have the name that `os.uname` tells."""
+    """Make `gethostname` return the name that `os.uname` gives."""
     module: Any = socket
     module.gethostname = lambda: HOST
 
 
 def patch_tkinter(tkinter: ModuleType) -> None:
-    """Let a window fail as it does without a screen, whether or not Tcl can be read on this host."""
+    """Make a window fail as it does without a screen, whether or not this host has Tcl."""
     module: Any = tkinter
 
     def create(*args: Any, **options: Any) -> None:
@@ -206,13 +206,13 @@ def patch_tkinter(tkinter: ModuleType) -> None:
 
 
 def patch_dbm(dbm: ModuleType) -> None:
-    """Let `shelve` use only the database that is written in Python, because that one goes through `open`."""
+    """Make `shelve` use the database that is written in Python, because that one goes through `open`."""
     module: Any = dbm
     module._names = ["dbm.dumb"]
 
 
 def patch_curses(curses: ModuleType) -> None:
-    """Let a full-screen program fail in the same way, whatever terminals this host knows."""
+    """Make a full-screen program fail in the same way, whatever terminals this host knows."""
     module: Any = curses
 
     def setupterm(*args: Any, **options: Any) -> None:

@@ -133,7 +133,7 @@ _REPLACED: tuple[tuple[ModuleType, dict[str, object]], ...] = (
 _system_keeps = (*_FILES.values(), *_OPEN.values())
 _searched: dict[str, ModuleType] = {}
 _copies: list[tuple[dict[str, object], str, object]] = []
-"""Where a copy was found: the module's names, its name there, what shall stand there instead."""
+"""Copies that were found: the namespace of a module, the name in it, and the replacement."""
 
 
 def _replacements() -> dict[int, tuple[object, object]]:

@@ -87,7 +87,7 @@ REPLACED: dict[str, object] = {"getpgid": getpgid, "kill": kill, "killpg": kill,
 
 
 def patch_subprocess(subprocess: ModuleType) -> None:
-    """Let `Popen` accept the programs that need not be started."""
+    """Make `Popen` accept the programs that need not be started."""
     module: Any = subprocess
     real: Any = module.Popen
 

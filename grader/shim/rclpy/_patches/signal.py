@@ -63,7 +63,7 @@ class Signals:
             self.set_timer(None, 0)
 
     def set_timer(self, delay_ns: int | None, interval_ns: int) -> None:
-        """Let SIGALRM arrive after `delay_ns` (None: never) and then every `interval_ns` (0: once)."""
+        """Schedule SIGALRM after `delay_ns` (None: never) and then every `interval_ns` (0: once)."""
         self.alarm_ns = None if delay_ns is None else kernel.now_ns + delay_ns
         self.interval_ns = interval_ns
         kernel.set_alarm(self.alarm_ns)

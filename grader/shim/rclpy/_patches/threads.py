@@ -99,7 +99,7 @@ def start_joinable_thread(
 def start(
     thread: Thread, function: Callable[..., object], args: tuple[Any, ...], kwargs: dict[str, Any]
 ) -> None:
-    """Let `thread` call the function when its turn comes."""
+    """Start `thread`, which calls the function when its turn comes."""
     from rclpy._link import link
 
     if link.note_once("threads"):
@@ -157,7 +157,7 @@ def make_thread_handle(ident: int) -> ThreadHandle:
 
 
 def interrupt_main(number: int = 2, /) -> None:
-    """Let a signal arrive at the main thread."""
+    """Deliver a signal to the main thread."""
     kernel.raise_signal(number)
 
 
@@ -211,7 +211,7 @@ def patch_threading(threading: ModuleType) -> None:
 
 
 def end_main_thread(threading: ModuleType) -> None:
-    """Let those who join the main thread go on: the script's last line has run."""
+    """Wake threads that join the main thread: the script's last line has run."""
     module: Any = threading
     main = module.main_thread()
     if hasattr(main, "_tstate_lock"):

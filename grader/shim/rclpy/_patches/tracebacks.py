@@ -62,7 +62,7 @@ script = Script()
 
 
 def prime_linecache(linecache: Any) -> None:
-    """Let tracebacks and `inspect` find the source, which is in no file."""
+    """Make tracebacks and `inspect` find the source, which is in no file."""
     entry = (len(script.source), None, script.lines(), script.file_name)
     linecache.cache[script.file_name] = entry
     for name, source in script.files.items():
@@ -70,7 +70,7 @@ def prime_linecache(linecache: Any) -> None:
 
 
 def patch_traceback(traceback: Any) -> None:
-    """Let tracebacks that a script prints or logs show only its own frames: others differ between hosts."""
+    """Make tracebacks that a script prints or logs show only its own frames: others differ between hosts."""
     summary = traceback.StackSummary
     extract = summary._extract_from_extended_frame_gen.__func__
 

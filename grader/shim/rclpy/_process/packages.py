@@ -67,7 +67,7 @@ class Workspace:
         sys.meta_path.insert(at + 1, self)
 
     def choose(self, *executable: str) -> None:
-        """Say what `call` calls: a package and the name of its executable, or nothing."""
+        """Set what `call` runs: a package and the name of its executable, or nothing."""
         self._run = executable
 
     def module_names(self) -> list[str]:

@@ -106,16 +106,16 @@ def run(channel: int = 3) -> NoReturn:
 
 
 def _tell_start() -> None:
-    """Let the episode know, before any of the script's code runs, that it compiles.
+    """Tell the episode that the script compiles, before any of its code runs.
 
-    The frame has left before the script could hold it back, so that it cannot claim a syntax error afterwards.
+    Once this frame is sent, the script cannot claim a syntax error any more.
     """
     link.note("started", "")
     link.flush()
 
 
 def _tell_interrupt() -> None:
-    """Let the episode know at once, and where: from now on the script has only its grace of CPU time."""
+    """Tell the episode at once where Ctrl+C came; from now on the script has only its grace of CPU time."""
     link.note("interrupted", tracebacks.main_thread_at(kernel))
     link.flush()
 

@@ -38,7 +38,7 @@ class Shelf:
         return list(self._modules)
 
     def forget(self, names: Iterable[str]) -> None:
-        """Let modules on the shelf be imported anew, from wherever another finder says."""
+        """Remove modules from the shelf, so that another finder imports them anew."""
         for name in names:
             self._modules.pop(name, None)
             self._specs.pop(name, None)

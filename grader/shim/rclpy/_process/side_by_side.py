@@ -67,7 +67,7 @@ _OWN: tuple[tuple[Any, str], ...] = (
     (pools, "_threads_queues"),
     (_frozen_importlib, "_module_locks"),  # one that never ends loading a module holds up no other
 )
-"""What each program has for itself: objects and names of their attributes."""
+"""State that each program has for itself, as objects and names of their attributes."""
 
 
 class Program:
@@ -253,9 +253,9 @@ def _join_threads() -> None:
 
 
 def _close(program: Program, code: int) -> None:
-    """Let everything go that the end of a process takes along: its entities, and its other threads.
+    """Release what a process releases at its end: its entities, and its other threads.
 
-    The running thread is launch's from then on: no signal finds its way to a program that has ended.
+    From then on the running thread is launch's, because a program that has ended gets no signals.
     """
     program.ended = True
     me = kernel.running
