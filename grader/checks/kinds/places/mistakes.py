@@ -18,7 +18,7 @@ from grader.messages import say
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
-_GOAL_MEASURES = ("reached", "missed_m", "time_s", "detour_pct")
+_GOAL_MEASURES = ("reached", "reached_pct", "missed_m", "time_s", "detour_pct")
 _END_MEASURES = ("end_off_m", "heading_error_deg")
 _WRONG_WAY = ("place_no_feedback", "place_away", "place_lost", "place_exchanged")
 _DRIVE_MEASURES = ("distance_m", *_GOAL_MEASURES, *_END_MEASURES)
