@@ -145,7 +145,8 @@ def test_a_goal_missed_by_less_than_half_of_its_size_counts_half(offs_m: list[fl
     ]
     scoring = graded(asked, through(*passed))
     reached, share = value(scoring, "reached"), value(scoring, "reached_pct")
-    assert reached is not None and share is not None
+    assert reached is not None
+    assert share is not None
     nearly = sum(0.2 < off_m <= 0.3 for off_m in offs_m)
     assert reached == sum(off_m <= 0.2 for off_m in offs_m)
     assert share == pytest.approx(100.0 * (reached + 0.5 * nearly) / 3.0, abs=0.001)
