@@ -4,7 +4,7 @@ import cmath
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from grader.contracts.record import PositionalRecord
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
 from grader.geometry.figure import CLOSED_SHARE, PolygonFigure, measure_polygon
-from grader.geometry.path import Segments, bare, median, segment
+from grader.geometry.path import Segments, bare, median, segment, without_overshoots
 
 FULL_TURN_DEG = 360.0
 Bools = NDArray[np.bool_]
@@ -179,6 +179,7 @@ def driven_polygon(assignment: Assignment, wanted: WantedPolygon, run: Run) -> D
     drive = drive_of(run)
     if drive is None:
         return None
+    drive = replace(drive, path=without_overshoots(drive.path))
     segments = segment(drive.path)
     figure = measure_polygon(drive.path, segments, sides=wanted.sides, cut_short=drive.cut_short)
     if figure is None:

@@ -26,7 +26,7 @@ from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Command, Floats
 from grader.geometry.figure import PolygonFigure
-from grader.geometry.path import median
+from grader.geometry.path import MIN_TURN_RAD, median
 from grader.messages import say
 from grader.messages.quantity import listed, number
 from grader.messages.script import ScriptText
@@ -324,7 +324,7 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
     ):
         yield _arcs(seen, figure)
     elif _is_astray(figure) and max(figure.bows) > 0.0:
-        yield _astray(figure)
+        yield _astray(seen, figure)
     wrong = (_angles(seen, figure), _count(seen, figure))
     for mistakes in (
         wrong if seen.rigid else reversed(wrong)
@@ -372,7 +372,7 @@ def _is_beyond_slip(seen: _Seen, figure: PolygonFigure) -> bool:
 def _arcs(seen: _Seen, figure: PolygonFigure) -> Mistake:
     """Say how much was driven in arcs, either because that was commanded or because the car slips."""
     if _is_astray(figure):
-        return _astray(figure)
+        return _astray(seen, figure)
     code = "arcs" if any(map(_is_arc, seen.run.trajectory.commands)) else "slipped"
     spoilt = _SHAPE if figure.curved_share > MOSTLY_ROUND_SHARE else ("curved_pct", *_LENGTHS, "gap_pct")
     return mistake(code, spoilt, share=number(100.0 * figure.curved_share, "%"))
@@ -383,8 +383,12 @@ def _is_astray(figure: PolygonFigure) -> bool:
     return figure.strayed_share > 0.5 * figure.curved_share
 
 
-def _astray(figure: PolygonFigure) -> Mistake:
-    return mistake("astray", _SHAPE, share=number(100.0 * figure.strayed_share, "%"))
+def _astray(seen: _Seen, figure: PolygonFigure) -> Mistake:
+    heading_rad = seen.driven.drive.path.heading_rad
+    strayed = [one for one in seen.driven.segments.straights if one.strayed_m > 0.0]
+    along_it = all(float(np.ptp(heading_rad[one.first : one.last + 1])) < MIN_TURN_RAD for one in strayed)
+    code = "overshot" if along_it else "astray"
+    return mistake(code, _SHAPE, share=number(100.0 * figure.strayed_share, "%"))
 
 
 def _is_arc(command: Command) -> bool:
