@@ -15,10 +15,11 @@ from sqlmodel import Session, col
 from grader.contracts.assignment import Distro
 from grader.contracts.errors import ChangedMeanwhileError
 from grader.contracts.fields import kinds_of
-from grader.contracts.identity import Seen, no_course, unknown_course, unknown_members
+from grader.contracts.identity import Seen, unknown_course, unknown_members
 from grader.contracts.record import from_plain
 from grader.contracts.rules import NO_EXTENSION, NO_RULES, Extension, Rules
 from grader.store.audit import Signature, record
+from grader.store.courses import sections_of
 from grader.store.database import Database, one_at_a_time
 from grader.store.tables import CourseRow, ExtensionRow, MemberRow, RulesRow, SectionRow, table_of
 
@@ -137,7 +138,7 @@ class StoredRules:
             CourseError: there is no such course.
             ChangedMeanwhileError: the `tag` of the rules is not one of `seen`; nothing is changed.
         """
-        course = _course(signed)
+        course = signed.in_course()
         with self._database.writing() as session:
             one_at_a_time(session, "course", course)
             if session.get(CourseRow, course) is None:
@@ -177,7 +178,7 @@ class StoredRules:
             CourseError: the course has no such member.
             ChangedMeanwhileError: the `tag` of what they had is not one of `seen`; nothing is changed.
         """
-        course = _course(signed)
+        course = signed.in_course()
         with self._database.writing() as session:
             one_at_a_time(session, "course", course)
             if session.get(MemberRow, (course, person)) is None:
@@ -203,7 +204,7 @@ class StoredRules:
 def add_rules(session: Session, assignment: str, rules: Rules, signed: Signature) -> None:
     """Give an assignment its first rules in the course of `signed`."""
     document = to_document(rules)
-    text, course = json.dumps(document, sort_keys=True), _course(signed)
+    text, course = json.dumps(document, sort_keys=True), signed.in_course()
     session.add(RulesRow(course=course, assignment=assignment, document=text, changed_at=signed.at))
     record(session, signed, "rules.change", f"assignment {assignment}", after=document)
 
@@ -230,7 +231,7 @@ def rules_of(session: Session, course: str | None) -> CourseRules:
         zone=ZoneInfo(_UTC if row is None else row.time_zone),
         archived=row is not None and row.archived_at is not None,
         by_assignment=by_assignment,
-        sections=_sections_of(session, course)
+        sections=sections_of(session, course)
         if any(one.by_section for one in by_assignment.values())
         else {},
         extensions={(one.assignment, one.person): _extension(one) for one in extensions},
@@ -271,13 +272,6 @@ def _plain(value: Any, zone: tzinfo | None = None) -> Any:
             return value
 
 
-def _sections_of(session: Session, course: str) -> dict[str, list[str]]:
-    found: dict[str, list[str]] = {}
-    for one in session.execute(select(SectionRow).where(col(SectionRow.course) == course)).scalars():
-        found.setdefault(one.person, []).append(one.section)
-    return found
-
-
 def from_document(document: dict[str, Any]) -> Rules:
     """Return the rules that `to_document` wrote.
 
@@ -303,9 +297,3 @@ def _require(seen: Seen, before: Rules | Extension) -> None:
 
 def _extension(row: ExtensionRow) -> Extension:
     return Extension(due=row.due, extra_attempts=row.extra_attempts)
-
-
-def _course(signed: Signature) -> str:
-    if signed.course is None:
-        raise no_course()
-    return signed.course
