@@ -22,7 +22,7 @@ TURTLE_SERVICES = {
     "teleport_absolute": "turtlesim/srv/TeleportAbsolute",
     "teleport_relative": "turtlesim/srv/TeleportRelative",
 }
-"""What a script may look for and misspell; turtlesim has its parameters' services beside these."""
+"""The services to which a client's name is compared. Those of turtlesim's parameters are left out."""
 
 _OF_ROS = ("/clock", "/parameter_events", "/rosout", "/tf_static")
 _OF_PARAMETERS = "rcl_interfaces/"
@@ -42,8 +42,8 @@ def waits_in_vain(run: Run, world: World, *, surely: bool = False) -> Mistake | 
         return None  # the agent's topics and services are not known here
     return (
         _without_clock(run, world)
-        or _deaf_client(run, world)
-        or _deaf_subscription(run, world, surely=surely)
+        or _unanswered_client(run, world)
+        or _silent_topic(run, world, surely=surely)
     )
 
 
@@ -54,7 +54,7 @@ def _without_clock(run: Run, world: World) -> Mistake | None:
     return mistake("sim_time", node=waits[0]) if waits and not ticks else None
 
 
-def _deaf_client(run: Run, world: World) -> Mistake | None:
+def _unanswered_client(run: Run, world: World) -> Mistake | None:
     """Recognise a client of a service that nobody offers."""
     offered = {each.name: each.type for each in _of_kind(run, "service")} | services_of(world)
     for client in _not_of_spawned(run, _of_kind(run, "client")):
@@ -72,7 +72,7 @@ def _deaf_client(run: Run, world: World) -> Mistake | None:
     return None
 
 
-def _deaf_subscription(run: Run, world: World, *, surely: bool) -> Mistake | None:
+def _silent_topic(run: Run, world: World, *, surely: bool) -> Mistake | None:
     """Recognise a subscription, in the node that commands the car, to a topic that nobody publishes."""
     publishers = [each for each in _of_kind(run, "publisher") if each.name not in _OF_ROS]
     commanding = {each.node for each in publishers if each.name == world.cmd_vel_topic}
@@ -103,7 +103,7 @@ def _of_kind(run: Run, kind: str) -> list[Endpoint]:
 
 
 def topics_of(world: World) -> tuple[str, ...]:
-    """Return what a world publishes, but for what belongs to actions."""
+    """Return the topics that a world publishes, without those of actions."""
     if world.kind == "robot":
         return tuple(world.topics.get(name, name) for name in ROBOT_TOPICS)
     odometry = ("/odom", "/tf") if world.odometry else ()
@@ -111,14 +111,14 @@ def topics_of(world: World) -> tuple[str, ...]:
 
 
 def services_of(world: World) -> dict[str, str]:
-    """Return the types of the services that a world offers, but for those of actions and parameters."""
+    """Return the services that a world offers, each with its type; none of actions and parameters."""
     if world.kind == "robot":
         return {}
     return WINDOW_SERVICES | {f"{TURTLE}/{name}": kind for name, kind in TURTLE_SERVICES.items()}
 
 
 def _not_of_spawned(run: Run, endpoints: list[Endpoint]) -> list[Endpoint]:
-    """Leave out what may belong to a turtle that the script has spawned itself."""
+    """Leave out endpoints that may belong to a turtle that the script has spawned."""
     if not any(each.type == "turtlesim/srv/Spawn" and each.count for each in _of_kind(run, "client")):
         return endpoints
     names = (*TURTLE_TOPICS, *TURTLE_SERVICES)
@@ -126,7 +126,7 @@ def _not_of_spawned(run: Run, endpoints: list[Endpoint]) -> list[Endpoint]:
 
 
 def _near(name: str, known: Iterable[str]) -> str:
-    """Return the known name that was probably meant: with the same end, or nearly the same letters."""
+    """Return the known name that was probably meant, empty if none: the same last part, or similar letters."""
     names = sorted(known)
     same_end = [each for each in names if each.rpartition("/")[2].lower() == name.rpartition("/")[2].lower()]
     return next(iter(same_end or difflib.get_close_matches(name, names, 1, _LIKE)), "")

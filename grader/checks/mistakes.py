@@ -178,14 +178,15 @@ def _unfit_commands(run: Run, world: World) -> tuple[Mistake, ...] | None:
 
 
 def _is_misspelt(topic: str, usual: Iterable[str]) -> bool:
-    """Whether a topic that nobody publishes is nearly one that the robot does; else a drive may not need it."""
+    """Whether a topic that nobody publishes is similar to a robot's; a script may do without any other."""
     return bool(difflib.get_close_matches(topic, usual, 1, 0.75))
 
 
 def _teleports(trajectory: Trajectory) -> bool:
-    """Whether the script teleported the car instead of driving it: at all without commands, or more than once.
+    """Whether the script teleported the car instead of driving it.
 
-    One teleport may choose where to start; one back to the start pose is a reset.
+    Teleports before the first command choose where to start, and those back to the start pose are resets. Of the
+    others one is allowed among commands, none in a script without commands.
     """
     begins_ns = trajectory.commands[0].t_ns if trajectory.commands else 0
     poses = np.column_stack((trajectory.x_m, trajectory.y_m, trajectory.heading_rad))
@@ -200,22 +201,22 @@ def _teleports(trajectory: Trajectory) -> bool:
 
 
 def _apart(one: Floats, other: Floats) -> bool:
-    """Whether two poses (x, y in m, heading in rad) are not the same."""
+    """Whether two poses (x, y in m, heading in rad) differ."""
     turned = math.remainder(float(other[2] - one[2]), math.tau)
     return math.hypot(*(other[:2] - one[:2])) > _SAME_M or abs(turned) > _SAME_RAD
 
 
 _OVERSLEPT_NS = 5_000_000_000
-_PLACE = re.compile(r"(?P<line>\d{1,7}) (?P<call>\S+) (?P<until_ns>\d{1,19})", re.ASCII)
+_CALL = re.compile(r"(?P<line>\d{1,7}) (?P<call>\S+) (?P<until_ns>\d{1,19})", re.ASCII)
 _FOR_EVER_NS = 1 << 62  # when a wait without a deadline ends
 
 
 def asleep(run: Run) -> Iterator[Mistake]:
-    """Recognise a sleep that outlasts the run by far, with nothing or a motion before it.
+    """Recognise a sleep that outlasts the run by far, if the car was moving or had not been commanded yet.
 
     After a stop, or after a crash in another thread, a long sleep only keeps the program alive.
     """
-    slept, commands = sleep_at_horizon(run), run.trajectory.commands
+    slept, commands = sleep_at_end(run), run.trajectory.commands
     if slept is not None and slept.until_ns >= _FOR_EVER_NS and _is_rate(run, slept):
         yield mistake("rate_without_spin", line=slept.line)
         return
@@ -225,43 +226,53 @@ def asleep(run: Run) -> Iterator[Mistake]:
         yield sleeps_too_long(run, slept)
 
 
-def _is_rate(run: Run, slept: "Sleep") -> bool:
+def _is_rate(run: Run, slept: "Call") -> bool:
     script = ScriptText(run.source)
     return bool(script.lines_with(r"\bcreate_rate\(")) and slept.line in script.lines_with(r"\.sleep\( ?\)")
 
 
-class Sleep(NamedTuple):
-    """A call of ``sleep``: on which line, and until when."""
+class Call(NamedTuple):
+    """A call that the main thread was waiting in: on which line, of what, and until when it would have waited."""
 
     line: int
+    name: str
     until_ns: int
 
 
-def sleep_at_horizon(run: Run) -> Sleep | None:
-    """Return the sleep in which the script was when the run ended."""
-    place = _PLACE.fullmatch(run.at_horizon)
-    if place is None or not place["call"].endswith("sleep"):
-        return None
-    return Sleep(int(place["line"]), int(place["until_ns"]))
+def call_at_end(run: Run) -> Call | None:
+    """Return the call that the main thread was waiting in when the run was interrupted at the horizon."""
+    found = _CALL.fullmatch(run.at_horizon)
+    return None if found is None else Call(int(found["line"]), found["call"], int(found["until_ns"]))
 
 
-def sleeps_too_long(run: Run, slept: Sleep) -> Mistake:
-    """Tell of a sleep that outlasted the run."""
+def sleep_at_end(run: Run) -> Call | None:
+    """Return the call of a ``sleep`` that the main thread was waiting in at the horizon."""
+    call = call_at_end(run)
+    return call if call is not None and call.name.endswith("sleep") else None
+
+
+def _loop_at_end(run: Run, script: ScriptText) -> int | None:
+    """Return the line of the ``while`` that the main thread was in at the horizon."""
+    call = call_at_end(run)
+    return None if call is None else script.loop_of(call.line)
+
+
+def sleeps_too_long(run: Run, slept: Call) -> Mistake:
+    """Return the mistake of a sleep that outlasted the run."""
     until, end = number(slept.until_ns / 1e9, "s"), number(run.outcome.duration_ns / 1e9, "s")
     return mistake("sleeps_too_long", line=slept.line, until=until, end=end)
 
 
 def _behind_spin(run: Run) -> Mistake | None:
-    """Recognise work that stands behind a call of `spin` that was still going on when the run ended."""
-    place, script = _PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
-    if place is None or not place["call"].endswith("spin"):
+    """Recognise work behind a call of `spin`, which had not returned when the run ended."""
+    call, script = call_at_end(run), ScriptText(run.source)
+    if call is None or not call.name.endswith("spin"):
         return None
-    line = int(place["line"])
-    if line in script.lines_with(r"\btarget ?= ?[\w.]*\bspin\("):
-        return mistake("thread_called", line=line)
-    if not script.works_after(line) or any(number < line for number in _working_callbacks(script)):
+    if call.line in script.lines_with(r"\btarget ?= ?[\w.]*\bspin\("):
+        return mistake("thread_called", line=call.line)
+    if not script.works_after(call.line) or any(line < call.line for line in _working_callbacks(script)):
         return None  # with a callback the work may be meant to happen there, and only the stop stands behind
-    return mistake("behind_spin", line=line)
+    return mistake("behind_spin", line=call.line)
 
 
 def _working_callbacks(script: ScriptText) -> Iterator[int]:
@@ -276,14 +287,14 @@ def _working_callbacks(script: ScriptText) -> Iterator[int]:
 
 def _spin_in_callback(run: Run) -> Mistake | None:
     """Recognise a callback that waits for a future, which only another callback of the same executor can bring."""
-    place, script = _PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
-    if place is None or not place["call"].endswith("spin_until_future_complete"):
+    call, script = call_at_end(run), ScriptText(run.source)
+    if call is None or not call.name.endswith("spin_until_future_complete"):
         return None
-    name = script.function_around(int(place["line"]))
+    name = script.function_around(call.line)
     called_back = name and script.lines_with(
         rf"\bcreate_(timer|subscription|service)\(.*\b{re.escape(name)}\b"
     )
-    return mistake("spin_in_callback", line=place["line"]) if called_back else None
+    return mistake("spin_in_callback", line=call.line) if called_back else None
 
 
 _SWUNG_NS = 5_000_000_000
@@ -310,25 +321,25 @@ def swings(run: Run, spoilt: tuple[str, ...]) -> Mistake | None:
 
 
 def driving_mistakes(run: Run, own: Iterable[Mistake]) -> tuple[Mistake, ...]:
-    """Return what probably went wrong in a drive: a check's `own` mistakes, and around them those of any script.
+    """Return what probably went wrong in a drive, the likeliest cause first.
 
-    First comes what ended the script and what it slept through, last that nobody would have heard it. Where
-    among its own a check asks why no commands came (`command_mistakes`) is the check's affair.
+    What ended the script, or what it slept through, comes before the check's `own` mistakes; that nobody at home
+    would have heard it comes last. Each check decides where `command_mistakes` stands among its own.
     """
     return (*script_mistakes(run), *asleep(run), *own, *lost_at_home(run))
 
 
 def lost_at_home(run: Run) -> Iterator[Mistake]:
-    """Recognise a script that publishes all its motions before turtlesim, at home, would find its publisher.
+    """Recognise a script that has published all its motions before turtlesim would discover its publisher at home.
 
-    A script that first waits for a subscriber gets no such note.
+    The episode notes that (``unheard``), unless the script first waits for a subscriber.
     """
     if noted(run.outcome, "unheard") is not None:
         yield mistake("lost_at_home")
 
 
 def unheard(run: Run, measure: str) -> dict[str, Measure]:
-    """Return `measure` as unmeasured if at home nobody would have heard the commands."""
+    """Return `measure` as unmeasured if nobody at home would have heard the commands; else nothing."""
     lost = any(lost_at_home(run))
     return {measure: Measure(math.nan, {"why": say("item.unheard")})} if lost else {}
 
@@ -337,7 +348,7 @@ _EXIT = r"^[ \t]*(sys\.|os\._?)?(exit|quit)\("
 
 
 def without_node(run: Run) -> Mistake:
-    """Say why a script that ended by itself has no node."""
+    """Return why a script that ended by itself has no node."""
     if run.source and not ScriptText(run.source).has_code:
         return mistake("no_code")
     if ScriptText(run.source).lines_with(r"^def generate_launch_description\b"):
@@ -365,7 +376,7 @@ def _unpublished(run: Run, world: World) -> Mistake | None:
 
 
 def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
-    """Say why no velocity command arrived; nothing when the script crashed before it could send one."""
+    """Return why no velocity command arrived; nothing if the script ended before it could send one."""
     outcome, topic = run.outcome, world.cmd_vel_topic
     made = [each for each in outcome.endpoints if each.kind == "publisher" and each.name not in _OWN_TOPICS]
     publishers = [each for each in made if _may_command(each, topic)]
@@ -430,7 +441,7 @@ def _others_publish(outcome: RunOutcome, topic: str) -> bool:
 
 
 def ended_at_once(run: Run) -> Mistake | None:
-    """Recognise what keeps a script that looks complete from running on: a loop that never begins, an exit."""
+    """Recognise what ends a script that looks complete at once: a loop that never begins, an exit."""
     script = ScriptText(run.source)
     if lines := script.lines_with(r"\bwhile not rclpy\.ok\("):
         return mistake("not_ok", line=lines[0])
@@ -449,7 +460,7 @@ def _exits(script: ScriptText) -> list[int]:
 
 
 def _never_published(run: Run) -> Mistake:
-    """Say why a node that went on to the end never published."""
+    """Return why a node that ran to the horizon never published."""
     script = ScriptText(run.source)
     if (twice := defined_twice(run)) is not None:
         return twice
@@ -483,7 +494,7 @@ def not_called(run: Run) -> Mistake | None:
 
 
 def _unawaited(name: str, script: ScriptText) -> Mistake:
-    """Say how to run a coroutine: by asyncio, if it waits with that, else as a function like any other."""
+    """Return how to run a coroutine: with asyncio if it awaits `asyncio.sleep`, else as a plain function."""
     calls = script.lines_with(rf"^[ \t]*(\w+\.)*{name}\(.*\)$")
     if len(calls) != 1 or not script.lines_with(r"\basyncio\.sleep\("):
         return mistake("never_awaited", name=name)
@@ -492,7 +503,7 @@ def _unawaited(name: str, script: ScriptText) -> Mistake:
 
 
 def _not_reached(run: Run, kind: str) -> Mistake | None:
-    """Recognise a publisher (of `kind`, unless empty) that the script would have created, had it come so far."""
+    """Recognise a publisher (of `kind`, unless empty) on a line that the script never reached."""
     script = ScriptText(run.source)
     lines = script.lines_with(rf"\bcreate_publisher\(\s*{kind}")
     if not lines:
@@ -501,7 +512,7 @@ def _not_reached(run: Run, kind: str) -> Mistake | None:
 
 
 def _waits(run: Run) -> Mistake | None:
-    """Say what a script that never published was waiting for, or what kept its callbacks from running."""
+    """Return what a script that never published waited for, or what kept its callbacks from running."""
     script = ScriptText(run.source)
     if (topic := noted(run.outcome, "type_mismatch")) is not None:
         return mistake("not_received", topic=topic)
@@ -514,37 +525,29 @@ def _waits(run: Run) -> Mistake | None:
 
 def _in_loop(run: Run, script: ScriptText) -> Mistake | None:
     """Recognise a loop that was still waiting when the run ended, and whether callbacks could have ended it."""
-    place = _PLACE.fullmatch(run.at_horizon)
-    if place is None or (begins := script.loop_of(int(place["line"]))) is None:
+    if (begins := _loop_at_end(run, script)) is None:
         return None
     heard = any(each.kind == "subscription" for each in run.outcome.endpoints)
-    spins = any("spin" in line for line in script.block(begins))
     in_thread = script.lines_with(r"\btarget ?= ?[\w.]*spin|\bExecutor\(")
-    deaf = heard and not spins and not in_thread
+    deaf = heard and not script.spins(begins) and not in_thread
     return mistake("waits_without_spin" if deaf else "waits_in_loop", line=begins)
 
 
-def _run_by_callbacks(script: ScriptText) -> set[str]:
-    """Return the functions that callbacks of timers and subscriptions are, or call, in whatever depth."""
-    found = {name for kind in ("timer", "subscription") for _, name in script.callbacks(kind)}
-    left = sorted(found)
-    while left:
-        made = script.definition(left.pop())
-        block = script.block(made.line)[1:] if made is not None else []
-        called = {name for text in block for name in re.findall(r"(?<![\w.])(?:self\.)?(\w+)\(", text)}
-        new = {name for name in called - found if script.definition(name) is not None}
-        found |= new
-        left += sorted(new)
-    return found
+def _runs_in_callback(script: ScriptText, function: str) -> bool:
+    """Whether a function is the callback of a timer or subscription, or runs from one."""
+    callbacks = (name for kind in ("timer", "subscription") for _, name in script.callbacks(kind))
+    begins = [made.line for name in callbacks if (made := script.definition(name)) is not None]
+    made = script.definition(function)
+    return made is not None and made.line in script.reached_from(begins)
 
 
 def loop_in_callback(run: Run) -> Mistake | None:
     """Recognise a loop in a callback that waits for what only another callback can bring."""
-    place, script = _PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
-    if place is None or (begins := script.loop_of(int(place["line"]))) is None:
+    script = ScriptText(run.source)
+    if (begins := _loop_at_end(run, script)) is None:
         return None
     heard = any(each.kind == "subscription" for each in run.outcome.endpoints)
-    called_back = _run_by_callbacks(script) & {script.function_around(begins)}
+    called_back = _runs_in_callback(script, script.function_around(begins))
     in_parallel = script.lines_with(r"\bMultiThreadedExecutor\(|\bThread\(")
     return mistake("loop_in_callback", line=begins) if heard and called_back and not in_parallel else None
 
@@ -553,7 +556,7 @@ _ZERO = r" ?-?[0.]+ ?(;|$)"
 
 
 def _only_zeros(run: Run) -> Mistake:
-    """Say why nothing but stops arrived."""
+    """Return why nothing but stops arrived."""
     script = ScriptText(run.source)
     if (topic := noted(run.outcome, "type_mismatch")) is not None:
         return mistake("not_received", topic=topic)
@@ -619,7 +622,7 @@ def _longest_motion_ns(trajectory: Trajectory) -> int:
 
 
 def with_ends(trajectory: Trajectory) -> Iterator[tuple[Command, int]]:
-    """Yield each command with the time until which it held, at most turtlesim's hold after it came."""
+    """Yield each command with the time at which it ended: at the next command, or when turtlesim dropped it."""
     nexts = [command.t_ns for command in trajectory.commands[1:]]
     for command, next_ns in zip(trajectory.commands, [*nexts, _FOR_EVER_NS], strict=False):
         yield command, min(next_ns, command.t_ns + COMMAND_LIFE_NS)
@@ -632,10 +635,10 @@ def _names(publishers: Iterable[Endpoint]) -> str:
 def _timeouts(
     trajectory: Trajectory, outcome: RunOutcome, turns: tuple[str, ...], drives: tuple[str, ...]
 ) -> tuple[Mistake, ...]:
-    """Recognise motions that were cut short because nothing was published for a second while the script went on.
+    """Recognise motions that turtlesim cut short because the script published nothing for a second.
 
-    The last of several motions is left out: no later command shows how long it was meant to take, and a car that
-    turtlesim stopped does stand still.
+    The last of several different motions is left out: no later command shows how long it was meant to last, and
+    after it the car stands still, as it should.
     """
     commands = trajectory.commands
     moves = [i for i, command in enumerate(commands) if is_motion(command)]

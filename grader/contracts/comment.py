@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from datetime import datetime
 
 LONGEST_COMMENT = 2_000
+"""Characters of a comment, be it on a submission or with the points that a person gave."""
+
 MOST_COMMENTS = 200
 """On one submission."""
 

@@ -15,9 +15,6 @@ from grader.contracts.rubric import ItemStatus, RubricItem, summed
 from grader.contracts.submission import Judgement, StoredReport
 from grader.contracts.text import EMPTY, Text
 
-LONGEST_COMMENT = 2_000
-"""Characters of a comment for the student."""
-
 COMMENT_PATTERN: Final = r"^[^\x00-\x08\x0b\x0c\x0e-\x1f\x7f]*$"
 """What a comment may consist of: no control characters but tabs and ends of lines."""
 

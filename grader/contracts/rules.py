@@ -5,7 +5,7 @@ waiting in the queue, grading and grading again change nothing. There is no cloc
 question always has the same answer.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, time, timedelta
 from enum import StrEnum
@@ -16,6 +16,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.fields import (
     Choice,
     Count,
+    FieldKind,
     Instant,
     Name,
     Names,
@@ -158,6 +159,24 @@ class LateRule:
         return passed[-1] if passed else 1.0
 
 
+def _check_fields(contract: object, kinds: Mapping[str, FieldKind]) -> None:
+    """Refuse an instant without a time zone, and a count or duration below the least that its kind allows.
+
+    Raises:
+        RuleError: there is one.
+    """
+    for name, kind in kinds.items():
+        value = getattr(contract, name)
+        if value is None:
+            continue
+        if isinstance(kind, Instant) and value.tzinfo is None:
+            raise RuleError(name, "instant", zh=f"{name} 要有时区。", en=f"{name} needs a time zone")
+        if isinstance(kind, Count | Seconds) and value < kind.low:
+            code = "hours" if isinstance(kind, Seconds) else f"count_from_{kind.low}"
+            zh, en = f"{name} 不能小于 {kind.low}。", f"{name} must be at least {kind.low}"
+            raise RuleError(name, code, zh=zh, en=en)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SectionRule:
     """What holds for the students of one section in place of the same fields of `Rules`."""
@@ -170,15 +189,7 @@ class SectionRule:
     ] = None
 
     def __post_init__(self) -> None:
-        if self.due.tzinfo is None:
-            raise RuleError("due", "instant", zh="due 要有时区。", en="due needs a time zone")
-        if self.accept_late_s is not None and self.accept_late_s < 0:
-            raise RuleError(
-                "accept_late_s",
-                "hours",
-                zh="accept_late_s 不能小于 0。",
-                en="accept_late_s must be at least 0",
-            )
+        _check_fields(self, kinds_of(SectionRule))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -189,15 +200,7 @@ class Extension:
     extra_attempts: Annotated[int, Count(high=_MOST_ATTEMPTS)] = 0
 
     def __post_init__(self) -> None:
-        if self.due is not None and self.due.tzinfo is None:
-            raise RuleError("due", "instant", zh="due 要有时区。", en="due needs a time zone")
-        if self.extra_attempts < 0:
-            raise RuleError(
-                "extra_attempts",
-                "count",
-                zh="extra_attempts 不能小于 0。",
-                en="extra_attempts must be at least 0",
-            )
+        _check_fields(self, kinds_of(Extension))
 
 
 NO_EXTENSION = Extension()
@@ -292,26 +295,10 @@ class Rules:
     ] = ()
 
     def __post_init__(self) -> None:
-        for name in ("opens", "due", "hidden_until", "appeals_until"):
-            instant: datetime | None = getattr(self, name)
-            if instant is not None and instant.tzinfo is None:
-                raise RuleError(name, "instant", zh=f"{name} 要有时区。", en=f"{name} needs a time zone")
+        _check_fields(self, kinds_of(Rules))
         if self.opens is not None and self.due is not None and self.opens >= self.due:
             raise RuleError(
                 "due", "order", zh="due（截止）要晚于 opens（开放）。", en="due must be later than opens"
-            )
-        for name in ("attempts", "attempts_per_day"):
-            number: int | None = getattr(self, name)
-            if number is not None and number < 1:
-                raise RuleError(
-                    name, "count_from_1", zh=f"{name} 不能小于 1。", en=f"{name} must be at least 1"
-                )
-        if self.accept_late_s is not None and self.accept_late_s < 0:
-            raise RuleError(
-                "accept_late_s",
-                "hours",
-                zh="accept_late_s 不能小于 0。",
-                en="accept_late_s must be at least 0",
             )
         self._check_sections()
         if self.opens is None and self.shown is Shown.WHEN_OPEN:

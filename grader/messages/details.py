@@ -31,9 +31,9 @@ _KNOWN = {
 
 
 def explained(status: RunStatus, detail: str) -> Text:
-    """Return what `detail`, of a run that ended with `status`, says; nothing when it is empty.
+    """Return a run's `detail` in both languages, empty if it is empty; the run ended with `status`.
 
-    A script that broke the wire format is told only that: the details help nobody who reads a report.
+    For a broken wire format there is one sentence: its details help no reader of a report.
     """
     if not detail:
         return EMPTY
@@ -47,7 +47,7 @@ def explained(status: RunStatus, detail: str) -> Text:
 
 
 def _size(count_bytes: int) -> str:
-    """Return a limit as a beginner knows sizes, ``4 MiB``; one that is no whole number of KiB in bytes."""
+    """Return a limit in MiB, as in ``4 MiB``, or in KiB; in bytes if it is no whole number of KiB."""
     for name, unit in (("MiB", 1 << 20), ("KiB", 1 << 10)):
         if count_bytes % unit == 0:
             return f"{count_bytes // unit} {name}"

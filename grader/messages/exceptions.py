@@ -15,10 +15,10 @@ from grader.messages.closer import Closer, looked_closer
 from grader.messages.script import LONGEST_NAME, NO_SCRIPT, ScriptText
 
 _AT: Final = r"\n(?:.*\n)*  File .*\n(?!(?:.*\n)*  File )"
-"""Stands before a pattern of the line that raised the exception: the last ``File`` entry of the traceback."""
+"""Prefix of a pattern for the line that raised the exception: skips to the traceback's last ``File`` entry."""
 
 _LINE: Final = r"(Syntax|Indentation|Tab)Error: .*\n.*\n +"
-"""Stands before a pattern of the line that Python does not take, from its first character on."""
+"""Prefix of a pattern for the line that Python rejects: skips to its first character."""
 
 _SHELL: Final = (
     r"(apt|apt-get|bash|cat|cd|chmod|colcon|cp|export|git|ls|mkdir|mv|nano|pip3?|python3?|rm|ros2|sh|source|"
@@ -255,7 +255,7 @@ _MODULE_PATH: Final = re.compile(r" \(/\S+\)$")
 _SUGGESTION: Final = re.compile(r"\. Did you mean: '(\w+)'\?\s*$")
 _WITHOUT_WORDS: Final = Text(zh="没有更多说明", en="without a word")
 
-_MESSAGES: Final = {
+_NAMES_BY_MODULE: Final = {
     "geometry_msgs.msg": ("Point", "PoseStamped", "Quaternion", "Twist", "TwistStamped", "Vector3"),
     "nav_msgs.msg": ("Odometry", "Path"),
     "sensor_msgs.msg": ("Image", "Imu", "LaserScan"),
@@ -275,7 +275,7 @@ _MESSAGES: Final = {
     "threading": ("Thread",),
 }
 _IMPORTS: Final = (
-    {name: f"from {module} import {name}" for module, names in _MESSAGES.items() for name in names}
+    {name: f"from {module} import {name}" for module, names in _NAMES_BY_MODULE.items() for name in names}
     | {
         name: f"import {name}"
         for name in (
@@ -293,61 +293,50 @@ _IMPORTS: Final = (
     }
     | {"np": "import numpy as np", "numpy": "import numpy"}
 )
-_MODULES: Final = tuple(
-    dict.fromkeys((*_MESSAGES, "geometry_msgs", "nav_msgs", "numpy", "random", "rclpy", "sensor_msgs", "std_msgs",
-                   "std_srvs", "sys", "threading", "turtlesim",
-                   "argparse", "asyncio", "collections", "datetime", "json", "typing"))
-)  # fmt: skip
-_ELSEWHERE: Final = frozenset((
+_MODULES: Final = tuple(dict.fromkeys((
+    *_NAMES_BY_MODULE, "geometry_msgs", "nav_msgs", "numpy", "random", "rclpy", "sensor_msgs", "std_msgs",
+    "std_srvs", "sys", "threading", "turtlesim", "argparse", "asyncio", "collections", "datetime", "json",
+    "typing",
+)))  # fmt: skip
+_LIBRARIES_NOT_HERE: Final = frozenset((
     "PIL", "RPi", "ament_index_python", "bs4", "cv2", "cv_bridge", "flask", "gazebo_msgs", "gym",
     "gymnasium", "imageio", "launch", "launch_ros", "moveit_msgs", "nav2_simple_commander", "open3d",
     "openai", "pandas", "psutil", "pybullet", "pybullet_data", "requests", "scipy", "seaborn", "serial",
     "skimage", "sklearn", "smbus", "spidev", "sympy", "tensorflow", "torch", "torchvision", "tqdm",
     "transforms3d", "ultralytics", "usb", "yolov5",
 ))  # fmt: skip
-"""Libraries that exist, and that a beginner's PC may have, but not this environment."""
+"""Libraries that a beginner's PC may have and that the sandbox has not."""
 
-_NODE_NAMES: Final = frozenset(
-    [
-        "create_client",
-        "create_publisher",
-        "create_rate",
-        "create_service",
-        "create_subscription",
-        "create_timer",
-        "declare_parameter",
-        "destroy_node",
-        "get_clock",
-        "get_logger",
-        "get_name",
-        "get_parameter",
-        "handle",
-    ]
-)
+_NODE_ATTRIBUTES: Final = (
+    "create_client", "create_publisher", "create_rate", "create_service", "create_subscription", "create_timer",
+    "declare_parameter", "destroy_node", "get_clock", "get_logger", "get_name", "get_parameter",
+    "handle",
+)  # fmt: skip
+"""Attributes of Node that beginners use, or that `rclpy.spin` uses for them."""
 
-_LISTS_OF_NODE: Final = (
-    "clients",
-    "guards",
-    "publishers",
-    "services",
-    "subscriptions",
-    "timers",
-    "waitables",
-)
-"""What Python suggests for `self.publisher`: who wrote that had a variable of their own in mind."""
+_NODE_LISTS: Final = ("clients", "guards", "publishers", "services", "subscriptions", "timers", "waitables")
+"""Python suggests these for `self.publisher` and the like, but the student meant a variable of their own."""
+
+_NODE_PROPERTIES: Final = tuple(sorted((*_NODE_LISTS, "context", "default_callback_group", "handle")))
+"""Attributes of Node that break it if a method of the student's class takes their name."""
 
 
 def suggested(error: StudentError) -> str | None:
-    """Return the name that Python suggests in the place of an unknown one."""
+    """Return the name that Python suggests instead of an unknown one; None if it suggests none."""
     found = _SUGGESTION.search(error.traceback)
     return found[1] if found else None
 
 
 def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT) -> tuple[str, Text]:
-    """Return the code that fits an exception, else `otherwise`, and its sentence; `script` raised it."""
-    shown = "\n".join(
-        line[:_LONGEST] for line in error.traceback.split("\n")
-    )  # a long line makes patterns slow
+    """Return the code of the mistake behind an exception, and the sentence that explains it.
+
+    Args:
+        error: the exception.
+        otherwise: the code if nothing more precise is known.
+        script: the script that raised the exception.
+    """
+    # long lines make patterns slow
+    shown = "\n".join(line[:_LONGEST] for line in error.traceback.split("\n"))
     told = f"{error.type}: {error.message}\n{shown}"
     known = ((code, re.match(sign, told)) for sign, code in _SIGNS)
     code, values = next(((code, found.groupdict()) for code, found in known if found), (otherwise, {}))
@@ -366,7 +355,7 @@ def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT)
     )
 
 
-_ELSEWHERE_NAMES: Final = {
+_OTHER_LANGUAGES: Final = {
     "this": "self",
     "raw_input": "input()",
     "xrange": "range()",
@@ -382,7 +371,7 @@ _ELSEWHERE_NAMES: Final = {
     "nullptr": "None",
     "nil": "None",
 }
-"""Names of Python 2, C++ and others, and what stands for them in Python 3."""
+"""Names of Python 2, C++ and other languages, each with what Python 3 has instead."""
 
 _OF_ROS_1: Final = {
     "Rate": "time.sleep(0.1)",
@@ -397,7 +386,7 @@ _OF_ROS_1: Final = {
     "create_timer": "node.create_timer(0.1, callback)",
     "get_logger": "node.get_logger()",
 }
-"""Attributes of ``rclpy`` that it does not have, and what does their work."""
+"""Attributes that ``rclpy`` does not have, each with what to write instead."""
 
 _STATEMENTS: Final = (
     "break", "class", "continue", "def", "elif", "else", "except", "finally", "for", "from", "global", "if",
@@ -423,7 +412,7 @@ def _pasted(error: StudentError, script: ScriptText) -> Closer:
 
 
 def _float(error: StudentError, script: ScriptText) -> Closer:
-    """Look closer at what a field was given in the place of a float."""
+    """Look closer at a value that was assigned to a field of type float and is none."""
     given = script_line(error).partition("=")[2].partition("#")[0].strip()
     field = re.match(r"The '(\w+)'", error.message)
     if field is not None and given[:1] in ("'", '"'):
@@ -432,7 +421,7 @@ def _float(error: StudentError, script: ScriptText) -> Closer:
 
 
 def _later(error: StudentError, script: ScriptText) -> Closer:
-    """Look closer at a variable without a value: it may have the name of what it is made from."""
+    """Look closer at a variable without a value: it may have the name of the class that it is made from."""
     found = re.search(r"'(\w+)'", error.message)
     name = "" if found is None else found[1]
     return ("name_hides_class", {"name": name}) if name in _IMPORTS and name[:1].isupper() else None
@@ -445,7 +434,7 @@ _DURATION_OF_ROS_1: Final = {
     "nsecs": ".nanoseconds",
     "seconds": ".nanoseconds / 1e9",
 }
-"""Attributes that times and durations do not have in ROS 2, and what stands for them."""
+"""Attributes of times and durations in ROS 1, each with what ROS 2 has instead."""
 
 
 def _comma(error: StudentError, script: ScriptText) -> Closer:
@@ -466,7 +455,7 @@ def _text(error: StudentError, script: ScriptText) -> Closer:
 
 
 def _asked_again(error: StudentError, script: ScriptText) -> Closer:
-    """Look closer at an input that is missing: `int()` may have refused the first, and it was asked for again."""
+    """Look closer at a missing input: the script may have asked again because `int()` refused the first one."""
     lines = script.lines_with(r"\bint\([ \t]*input\(")
     refused = script.lines_with(r"\bexcept( ?:|\b.*\b(ValueError|Exception)\b)")
     return ("int_asks_again", {"asked": lines[0]}) if lines and refused else None
@@ -481,14 +470,8 @@ def _function(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at a function used as a value: a method may have taken the place of one of Node's own."""
     if re.search(r"\btime\.\w+", script_line(error)) and script.lines_with(r"from time import\b.*\btime\b"):
         return "time_is_function", {}
-    taken = script.methods(_OWN_OF_NODE)
+    taken = script.methods(_NODE_PROPERTIES)
     return ("name_taken", {"name": taken[0]}) if taken and "super()" in script_line(error) else None
-
-
-_OWN_OF_NODE: Final = (
-    "clients", "context", "default_callback_group", "guards", "handle", "publishers", "services", "subscriptions",
-    "timers", "waitables",
-)  # fmt: skip
 
 
 def _parameters(error: StudentError, script: ScriptText) -> Closer:
@@ -520,8 +503,8 @@ def _name(error: StudentError) -> Closer:
         return "shell_line", {}
     if name in {"name", "main"} and re.match(r"if\b", written):
         return "underscores", {}
-    if name in _ELSEWHERE_NAMES:
-        return "other_language", {"name": name, "instead": _ELSEWHERE_NAMES[name]}
+    if name in _OTHER_LANGUAGES:
+        return "other_language", {"name": name, "instead": _OTHER_LANGUAGES[name]}
     if name in _IMPORTS:
         return "missing_import", {"name": name, "statement": _IMPORTS[name]}
     suggestion = suggested(error)
@@ -544,7 +527,7 @@ def _own_name(error: StudentError, script: ScriptText) -> Closer:
         return "missing_self", {"name": name, "call": "(...)" if called else ""}
     if made is not None and script.owner_of(made.line) is not None:
         return "function_inside", {"name": name, "begins": made.line}
-    if name in _NODE_NAMES and script.in_method(line):
+    if name in _NODE_ATTRIBUTES and script.in_method(line):
         return "missing_self", {"name": name, "call": "(...)"}
     if given := script.lines_with(rf"\bself\.{name}[ \t]*(:[^=]*)?=(?!=)"):
         return "missing_self_value", {"name": name, "given": given[0]}
@@ -552,13 +535,13 @@ def _own_name(error: StudentError, script: ScriptText) -> Closer:
     if local is not None and _in_other_method(local.line, line, script):
         function = script.function_around(local.line)
         return "local_of_method", {"name": name, "given": local.line, "function": function}
-    if script.node_class and name not in _ELSEWHERE_NAMES and _is_node(name, script_line(error)):
+    if script.node_class and name not in _OTHER_LANGUAGES and _is_node(name, script_line(error)):
         return "node_not_made", {"name": name, "owner": script.node_class}
     return _nearest_own(name, script, _name(error))
 
 
 def _nearest_own(name: str, script: ScriptText, otherwise: Closer) -> Closer:
-    """Prefer a name of the script's own, which Python does not know yet, to the one that Python suggests."""
+    """Prefer a similar function or class of the script, not defined yet when it failed, to Python's suggestion."""
     if otherwise is not None and otherwise[0] != "misspelt":
         return otherwise
     if not script.is_short or len(name) > LONGEST_NAME:
@@ -601,7 +584,7 @@ def _attribute(error: StudentError, script: ScriptText) -> Closer:
     if found is not None and (closer := _of_an_object(found[2], script_line(error), script)) is not None:
         return closer
     suggestion = suggested(error)
-    if suggestion is not None and suggestion not in _LISTS_OF_NODE:
+    if suggestion is not None and suggestion not in _NODE_LISTS:
         return "misspelt", {"suggestion": suggestion}
     return None if found is None else _message_fields(found[1], found[2], script)
 
@@ -630,7 +613,7 @@ def _message_fields(kind: str, name: str, script: ScriptText) -> Closer:
 
 
 def _of_an_object(name: str, written: str, script: ScriptText) -> Closer:
-    """Look at what the attribute was wanted for: publishing, or a module whose name a variable has taken."""
+    """Look at how the attribute was used: to publish, or on a variable that hides a module of the same name."""
     if name == "publish":
         return "no_publisher_object", {"publisher": script.publisher or "self.pub"}
     own = script.publisher or ""
@@ -645,7 +628,7 @@ def _own_attribute(owner: str, name: str, script: ScriptText) -> Closer:
     begins = script.class_line(owner)
     if begins is None:
         return None
-    if name in _NODE_NAMES and script.class_without_base(owner):
+    if name in _NODE_ATTRIBUTES and script.class_without_base(owner):
         return "no_base_class", {"line": begins}
     made = script.definition(name)
     if made is not None and script.owner_of(made.line) != begins:
@@ -671,9 +654,9 @@ def _module(error: StudentError, script: ScriptText) -> Closer:
     root = name.partition(".")[0]
     if root in ("_tkinter", "tkinter", "turtle"):
         return ("turtle_graphics" if script.lines_with(_TURTLE) else "no_display"), {}
-    if name.rpartition(".")[2] in _MESSAGES.get(name.rpartition(".")[0], ()):
+    if name.rpartition(".")[2] in _NAMES_BY_MODULE.get(name.rpartition(".")[0], ()):
         return "import_statement", {"statement": _IMPORTS[name.rpartition(".")[2]]}
-    if root in _ELSEWHERE:
+    if root in _LIBRARIES_NOT_HERE:
         return "library_not_here", {"name": root}
     near = [known for known in _MODULES if sorted(known) == sorted(name.lower())]
     near = near or difflib.get_close_matches(name, _MODULES, 1, 0.8)
@@ -687,7 +670,7 @@ def _imported_name(error: StudentError) -> Closer:
         return None
     name, module = found.groups()
     near = [known for known in _IMPORTS if known.lower() == name.lower()]
-    near = near or difflib.get_close_matches(name, _MESSAGES.get(module, ()), 1, 0.75)
+    near = near or difflib.get_close_matches(name, _NAMES_BY_MODULE.get(module, ()), 1, 0.75)
     return ("import_statement", {"statement": _IMPORTS[near[0]]}) if near else None
 
 
@@ -748,7 +731,7 @@ _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
     "destroyed_early": _destroyed,
     "no_base_class": _base_class,
 }
-"""What the text of the script, or Python's suggestion, says more closely than type and message do."""
+"""For each code, what looks for a more precise one in the script and in the line that raised the exception."""
 
 
 def script_line(error: StudentError) -> str:
@@ -759,6 +742,6 @@ def script_line(error: StudentError) -> str:
 
 
 def _first_line(message: str) -> str:
-    """Return it without the colon before further lines and the path of a module behind it."""
+    """Return the first line of an exception's message, without a trailing colon or the path of a module."""
     line = message.strip().partition("\n")[0].rstrip(":")
     return _MODULE_PATH.sub("", line)[:_LONGEST]

@@ -7,7 +7,7 @@ patterns over lines from which strings and comments are blanked out.
 import itertools
 import re
 from bisect import bisect_left
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 from typing import Final, NamedTuple
 
@@ -273,6 +273,25 @@ class ScriptText:
         raised = re.findall(r"(?<![\w.])([\w.]+) ?(?:\+= ?1|= ?\1 ?\+ ?1)(?![\w.])", "\n".join(self.lines))
         return set(raised)
 
+    def reached_from(self, numbers: Iterable[int]) -> set[int]:
+        """Return the first lines of the blocks that begin at `numbers`, and of the functions that run from there.
+
+        These are the functions of the script that a block calls, those that they call, and so on. A call is known
+        by the function's name alone, whatever stands before it: ``self.turn()``, ``node.turn()``.
+        """
+        found = set(numbers)
+        left = sorted(found)
+        while left:
+            names = set(re.findall(r"(\w+)\(", "\n".join(self.block(left.pop()))))
+            new = {made.line for name in names if (made := self.definition(name)) is not None} - found
+            found |= new
+            left += sorted(new)
+        return found
+
+    def spins(self, number: int) -> bool:
+        """Whether the block that begins on the given line calls the executor, itself or in a function it calls."""
+        return any("spin" in line for begins in self.reached_from([number]) for line in self.block(begins))
+
     def works_after(self, number: int) -> bool:
         """Whether code behind the given line, in the same block or one around it, does work."""
         if not 0 < number <= len(self.lines):
@@ -384,6 +403,11 @@ class ScriptText:
         )
         names = set(re.findall(pattern, text, re.MULTILINE))
         return names.pop() if len(names) == 1 else None
+
+    @property
+    def publisher_name(self) -> str:
+        """What a hint calls the publisher: the name that the script gives it, else ``publisher``."""
+        return self.publisher or "publisher"
 
 
 def _arguments(text: str) -> str:

@@ -8,7 +8,7 @@ from sqlalchemy import select
 from sqlmodel import Session, col
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.identity import AuditEntry
+from grader.contracts.identity import AuditEntry, no_course
 from grader.contracts.text import Text
 from grader.store.database import Database
 from grader.store.tables import AuditRow, CourseRow, as_contract
@@ -28,6 +28,16 @@ class Signature:
     at: datetime
     course: str | None
     actor: str
+
+    def in_course(self) -> str:
+        """Return the course.
+
+        Raises:
+            CourseError: there is none.
+        """
+        if self.course is None:
+            raise no_course()
+        return self.course
 
 
 class AuditLog:

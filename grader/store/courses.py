@@ -17,7 +17,6 @@ from grader.contracts.identity import (
     RosterEntry,
     checked_id,
     checked_name,
-    no_course,
     unknown_course,
     unknown_members,
 )
@@ -34,7 +33,7 @@ from grader.store.tables import (
     as_contract,
 )
 
-_LONG_ID = 5  # digits behind the zeros, from which on one number is one person
+_LONG_ID = 5  # digits without leading zeros; equal numbers of fewer digits may be two people
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,13 +93,12 @@ class Courses:
         Raises:
             CourseError: there is no such course.
         """
-        if signed.course is None:
-            raise no_course()
+        course = signed.in_course()
         with self._database.writing() as session:
-            one_at_a_time(session, "course", signed.course)
-            row = session.get(CourseRow, signed.course)
+            one_at_a_time(session, "course", course)
+            row = session.get(CourseRow, course)
             if row is None:
-                raise unknown_course(signed.course)
+                raise unknown_course(course)
             before, row.distro = row.distro, distro
             if before != distro:
                 record(
@@ -133,7 +131,7 @@ class Courses:
             return tuple(_course(row) for row in session.execute(statement).scalars())
 
     def members(self, course_id: str | None, role: Role | None = None) -> tuple[Member, ...]:
-        """Return the people of a course, nobody of None, in order of their ids; only those of `role` if given."""
+        """Return the people of a course in order of their ids, only those of `role` if given; None: nobody."""
         if course_id is None:
             return ()
         with self._database.reading() as session:
@@ -157,7 +155,7 @@ class Courses:
         """Add and change members as `entries` say, all of them or none. Nobody is removed.
 
         Raises:
-            CourseError: there is no such course; an id is likely a member's, written otherwise; or no
+            CourseError: there is no such course; an id is probably another spelling of a member's; or no
                 instructor would be left.
         """
         signed = Signature(self._clock(), course_id, actor)
@@ -172,9 +170,9 @@ class Courses:
             return change
 
     def remove(self, course_id: str, people: Sequence[str], actor: str, reason: str = "") -> None:
-        """Take people out of a course, all of them or none, with their tokens, extensions and sections.
+        """Remove people from a course, all of them or none, with their tokens, extensions and sections.
 
-        What they handed in stays stored, and belongs to the class again if they come back.
+        Their submissions stay stored, and count again if they come back.
 
         Raises:
             CourseError: one of them is no member, or no instructor would be left.
@@ -223,7 +221,7 @@ def add_course(session: Session, new: Course, actor: str, copy_of: str | None = 
 
 
 def add_members(session: Session, signed: Signature, members: Sequence[Member]) -> None:
-    """Add people to the course of `signed`, who are not in it."""
+    """Add people who are not in it yet to the course of `signed`."""
     for one in members:
         row = MemberRow(
             course=one.course,
@@ -240,7 +238,7 @@ def add_members(session: Session, signed: Signature, members: Sequence[Member]) 
 
 
 def bound_to(session: Session, course: str, assistant: str) -> frozenset[str] | None:
-    """Return the students of an assistant's sections; None: the assistant has none and looks after everybody."""
+    """Return the students in an assistant's sections; None if the assistant has no section: then all students."""
     own, theirs, member = aliased(SectionRow), aliased(SectionRow), MemberRow
     statement = (
         select(col(theirs.person), col(member.role))
@@ -254,10 +252,20 @@ def bound_to(session: Session, course: str, assistant: str) -> frozenset[str] | 
     return frozenset(person for person, role in found if role == Role.STUDENT.value) if found else None
 
 
-def in_class(course: str | None, students: frozenset[str] | None = None) -> ColumnElement[bool]:
-    """Whether a submission belongs to a class: its students' work, not what its staff tries out.
+def sections_of(session: Session, course: str) -> dict[str, list[str]]:
+    """Return the sections of each person of a course who has any, by id."""
+    found: dict[str, list[str]] = {}
+    for one in session.execute(select(SectionRow).where(col(SectionRow.course) == course)).scalars():
+        found.setdefault(one.person, []).append(one.section)
+    return found
 
-    With `students`: only theirs.
+
+def in_class(course: str | None, students: frozenset[str] | None = None) -> ColumnElement[bool]:
+    """Return the condition that a submission is a student's of the class, and not one that staff tried out.
+
+    Args:
+        course: of the class; None: the class of a service without courses.
+        students: only theirs; None: everybody's.
     """
     if students is not None:
         return and_(in_class(course), col(SubmissionRow.student).in_(students))
@@ -275,9 +283,7 @@ def _members(session: Session, course: str, role: Role | None = None) -> dict[st
     if role is not None:
         statement = statement.where(col(MemberRow.role) == role.value)
     rows = session.execute(statement.order_by(col(MemberRow.person))).scalars().all()
-    sections: dict[str, list[str]] = {}
-    for one in session.execute(select(SectionRow).where(col(SectionRow.course) == course)).scalars():
-        sections.setdefault(one.person, []).append(one.section)
+    sections = sections_of(session, course)
     return {row.person: _member(row, sections.get(row.person, ())) for row in rows}
 
 
@@ -311,7 +317,7 @@ def _roster_change(session: Session, course: str, entries: Sequence[RosterEntry]
 
 
 def _put_into(known: Member | None, course: str, entry: RosterEntry) -> Member:
-    """Return the member that `entry` makes of the one who is there, if anybody is."""
+    """Return the member that results from `entry`; `known` is the member so far, None if there is none."""
     before = known or Member(course=course, id=entry.id, name="", role=Role.STUDENT)
     return replace(
         before,
@@ -323,7 +329,7 @@ def _put_into(known: Member | None, course: str, entry: RosterEntry) -> Member:
 
 
 def _check_alike(entries: Sequence[RosterEntry], known: Mapping[str, Member]) -> None:
-    """Refuse ids that are likely a member's: in another case, or without the zeros that spreadsheets drop."""
+    """Refuse new ids that differ from a member's only in case, or in the leading zeros that spreadsheets drop."""
     folded = {_folded(one): one for one in known}
     clashes = [
         (one.id, folded[_folded(one.id)])
@@ -339,7 +345,7 @@ def _check_alike(entries: Sequence[RosterEntry], known: Mapping[str, Member]) ->
 
 
 def _folded(person: str) -> str:
-    """Return what ids of one person have in common. Short numbers, such as 1 and 01, may be two people's."""
+    """Return a form in which all spellings of an id are equal; 1 and 01 stay different (`_LONG_ID`)."""
     number = person.lstrip("0")
     return number if number.isdecimal() and len(number) >= _LONG_ID else person.casefold()
 
@@ -363,7 +369,7 @@ def _check_instructor(session: Session, course: str) -> None:
 
 
 def _audited(member: Member) -> dict[str, object]:
-    """Return what the audit log says of a member; an address or sections only where there are any."""
+    """Return a member as the audit log records it, without an address or sections if there are none."""
     said: dict[str, object] = {"name": member.name, "role": member.role.value}
     if member.email:
         said["email"] = member.email

@@ -8,7 +8,7 @@ import re
 import secrets
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 from sqlalchemy import Column, ColumnElement, Table, Text, or_, select, update
 from sqlmodel import Session, SQLModel, col
@@ -18,8 +18,11 @@ from grader.store.tables import AuditRow, MemberRow, PlainText, SubmissionRow
 _ID_BYTES = 4
 _LEAST = 2  # characters of a name that is searched for
 _NOTHING = "null"
-_SILENT = ("rules", "grading", "submission", "token", "worker")
-"""Tables whose texts are of machines, or name nobody."""
+NAMES_NOBODY: Final = frozenset(
+    ("rules.document", "grading.measurements", "submission.trouble", "token.opened_by")
+)
+"""Columns that the grader alone fills, without naming a person. Every other text is searched, also one of a new
+column."""
 _DOCUMENTS = ("wanted", "outcome", "change")
 """Columns of JSON that the grader reads again: there a person is named by the id alone, as a whole text."""
 
@@ -63,7 +66,7 @@ def rename_everywhere(
     session.execute(update(AuditRow).where(about, *named).values(blank))
     session.execute(update(AuditRow).where(about).values(reason=""))
     for table in SQLModel.metadata.sorted_tables:
-        if table.name not in _SILENT and (own := _of_course(table, course)) is not None:
+        if (own := _of_course(table, course)) is not None:
             _rename(session, table, own, (person, pseudonym), scrub)
     return scrub
 
@@ -76,10 +79,9 @@ def _rename(
     scrub: Callable[[str], str],
 ) -> None:
     person, pseudonym = renamed
-    for column in table.c:
-        if column.name.endswith("_by") or column.name == "actor":
-            session.execute(update(table).where(own, column == person).values({column.name: pseudonym}))
-    texts = [one for one in table.c if isinstance(one.type, PlainText | Text) or one.name == "subject"]
+    ids, texts = naming_columns(table)
+    for column in ids:
+        session.execute(update(table).where(own, column == person).values({column.name: pseudonym}))
     if not texts:
         return
     keys = list(table.primary_key.columns)
@@ -93,6 +95,14 @@ def _rename(
         }
         if changed:
             session.execute(update(table).where(*(key == values[key.name] for key in keys)).values(changed))
+
+
+def naming_columns(table: Table) -> tuple[list[Column[Any]], list[Column[Any]]]:
+    """Return the columns that hold nothing but the id of whoever did something, and those of texts to search."""
+    searched = [one for one in table.c if str(one) not in NAMES_NOBODY]
+    ids = [one for one in searched if one.name.endswith("_by") or one.name == "actor"]
+    texts = [one for one in searched if isinstance(one.type, PlainText | Text) or one.name == "subject"]
+    return ids, texts
 
 
 def _of_course(table: Table, course: str) -> ColumnElement[bool] | None:

@@ -15,10 +15,11 @@ from sqlmodel import Session, col
 from grader.contracts.assignment import Distro
 from grader.contracts.errors import ChangedMeanwhileError
 from grader.contracts.fields import kinds_of
-from grader.contracts.identity import Seen, no_course, unknown_course, unknown_members
+from grader.contracts.identity import Seen, unknown_course, unknown_members
 from grader.contracts.record import from_plain
 from grader.contracts.rules import NO_EXTENSION, NO_RULES, Extension, Rules
 from grader.store.audit import Signature, record
+from grader.store.courses import sections_of
 from grader.store.database import Database, one_at_a_time
 from grader.store.tables import CourseRow, ExtensionRow, MemberRow, RulesRow, SectionRow, table_of
 
@@ -69,12 +70,15 @@ ABOUT_FROM = (
         ),
     )
 )
-"""One row: what rules the work of a student for an assignment. Takes `course`, `assignment` and `student`."""
+"""Selects one row: the rules that apply to a student's submissions for an assignment (see `rules_about`).
+
+Parameters: `course`, `assignment` and `student`.
+"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CourseRules:
-    """Everything that decides about submissions of a course. Without courses nothing is ruled.
+    """The rules of all assignments of a course. Without courses there are none.
 
     Attributes:
         sections: by person; only where some rule asks for them.
@@ -96,11 +100,11 @@ class CourseRules:
         return rules.for_sections(self.sections.get(student, ()))
 
     def extension(self, assignment: str, person: str) -> Extension:
-        """Return what one student gets beyond them."""
+        """Return the extension of one student."""
         return self.extensions.get((assignment, person), NO_EXTENSION)
 
     def extended(self, assignment: str) -> list[tuple[str, Extension]]:
-        """Return who got more for one assignment, and what, in order of student."""
+        """Return the students who have an extension for one assignment, in order, each with it."""
         return sorted(
             (person, one)
             for (of, person), one in self.extensions.items()
@@ -134,7 +138,7 @@ class StoredRules:
             CourseError: there is no such course.
             ChangedMeanwhileError: the `tag` of the rules is not one of `seen`; nothing is changed.
         """
-        course = _course(signed)
+        course = signed.in_course()
         with self._database.writing() as session:
             one_at_a_time(session, "course", course)
             if session.get(CourseRow, course) is None:
@@ -174,7 +178,7 @@ class StoredRules:
             CourseError: the course has no such member.
             ChangedMeanwhileError: the `tag` of what they had is not one of `seen`; nothing is changed.
         """
-        course = _course(signed)
+        course = signed.in_course()
         with self._database.writing() as session:
             one_at_a_time(session, "course", course)
             if session.get(MemberRow, (course, person)) is None:
@@ -200,7 +204,7 @@ class StoredRules:
 def add_rules(session: Session, assignment: str, rules: Rules, signed: Signature) -> None:
     """Give an assignment its first rules in the course of `signed`."""
     document = to_document(rules)
-    text, course = json.dumps(document, sort_keys=True), _course(signed)
+    text, course = json.dumps(document, sort_keys=True), signed.in_course()
     session.add(RulesRow(course=course, assignment=assignment, document=text, changed_at=signed.at))
     record(session, signed, "rules.change", f"assignment {assignment}", after=document)
 
@@ -227,7 +231,7 @@ def rules_of(session: Session, course: str | None) -> CourseRules:
         zone=ZoneInfo(_UTC if row is None else row.time_zone),
         archived=row is not None and row.archived_at is not None,
         by_assignment=by_assignment,
-        sections=_sections_of(session, course)
+        sections=sections_of(session, course)
         if any(one.by_section for one in by_assignment.values())
         else {},
         extensions={(one.assignment, one.person): _extension(one) for one in extensions},
@@ -242,7 +246,7 @@ def rules_about(
     extra_attempts: int | None,
     sections: str | None,
 ) -> tuple[Rules, Extension, ZoneInfo]:
-    """Return what rules the work of a student for an assignment, from a row of `ABOUT`."""
+    """Return rules, extension and time zone for a student's submissions, from the columns of a row of `ABOUT`."""
     rules = NO_RULES if document is None else _read(document)
     rules = rules.for_sections((sections or "").split(_BETWEEN))
     extension = NO_EXTENSION if extra_attempts is None else Extension(due=due, extra_attempts=extra_attempts)
@@ -268,18 +272,11 @@ def _plain(value: Any, zone: tzinfo | None = None) -> Any:
             return value
 
 
-def _sections_of(session: Session, course: str) -> dict[str, list[str]]:
-    found: dict[str, list[str]] = {}
-    for one in session.execute(select(SectionRow).where(col(SectionRow.course) == course)).scalars():
-        found.setdefault(one.person, []).append(one.section)
-    return found
-
-
 def from_document(document: dict[str, Any]) -> Rules:
     """Return the rules that `to_document` wrote.
 
     Raises:
-        ValueError: it is not one.
+        ValueError: `to_document` wrote no such document.
     """
     if unknown := document.keys() - kinds_of(Rules).keys():  # msgspec ignores them in a dataclass
         raise ValueError(f"the rules have no field {min(unknown)}")
@@ -300,9 +297,3 @@ def _require(seen: Seen, before: Rules | Extension) -> None:
 
 def _extension(row: ExtensionRow) -> Extension:
     return Extension(due=row.due, extra_attempts=row.extra_attempts)
-
-
-def _course(signed: Signature) -> str:
-    if signed.course is None:
-        raise no_course()
-    return signed.course

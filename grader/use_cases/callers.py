@@ -99,6 +99,18 @@ def require_instructor(caller: Caller) -> None:
         raise RefusedError("forbidden")
 
 
+def taught_course(caller: Caller) -> str:
+    """Return the course of an instructor.
+
+    Raises:
+        RefusedError: the caller is no instructor, or there is no course.
+    """
+    require_instructor(caller)
+    if caller.course is None:
+        raise RefusedError("no_course")
+    return caller.course
+
+
 def new_token() -> str:
     """Return a fresh token nobody can guess."""
     return secrets.token_urlsafe(_TOKEN_BYTES)

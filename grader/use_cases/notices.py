@@ -13,7 +13,7 @@ from grader.messages import on_page, say
 from grader.outside.notices import NotSentError
 from grader.outside.notices.bots import is_address, shape
 from grader.outside.notices.mail import Letter
-from grader.use_cases.callers import require_instructor
+from grader.use_cases.callers import taught_course
 from grader.use_cases.notice_writing import count_as_told
 from grader.use_cases.services import Services
 
@@ -53,7 +53,7 @@ def setup_of(services: Services, caller: Caller) -> Setup:
     Raises:
         RefusedError: the caller is no instructor, or there is no course.
     """
-    course = _course(caller)
+    course = taught_course(caller)
     known = services.notices.webhooks(course).values()
     return Setup(
         webhooks={
@@ -78,7 +78,7 @@ def set_webhook(services: Services, caller: Caller, new: NewWebhook) -> None:
     Raises:
         RefusedError: the caller is no instructor, there is no course, or it is no such webhook.
     """
-    course = _course(caller)
+    course = taught_course(caller)
     if len(new.address) > _LONGEST_ADDRESS or not is_address(new.vendor, new.address):
         shaped = shape(new.vendor)
         detail = Text(zh=f"地址应当像 {shaped}。", en=f"The address must look like {shaped}.")
@@ -97,7 +97,7 @@ def remove_webhook(services: Services, caller: Caller, outlet: Outlet) -> None:
     Raises:
         RefusedError: the caller is no instructor, or there is no such webhook.
     """
-    _course(caller)
+    taught_course(caller)
     if not services.notices.remove_webhook(outlet, services.signature(caller)):
         raise RefusedError("webhook_not_found")
 
@@ -108,7 +108,7 @@ def set_mail(services: Services, caller: Caller, wishes: MailWishes) -> None:
     Raises:
         RefusedError: the caller is no instructor, there is no course, or no e-mail can be sent.
     """
-    course = _course(caller)
+    course = taught_course(caller)
     if wishes and services.mail is None:
         raise RefusedError("mail_not_set_up")
     known = services.notices.wishes(course)
@@ -123,7 +123,7 @@ def send_test(services: Services, caller: Caller, outlet: Outlet) -> None:
     Raises:
         RefusedError: the caller is no instructor, nothing is set up there, it was not taken, or tried too often.
     """
-    course = _course(caller)
+    course = taught_course(caller)
     language = services.settings.default_language
     heading = on_page(language, "notices.test.heading", course=services.courses.get(course).title)
     body = on_page(language, "notices.test.body")
@@ -151,10 +151,3 @@ def _mail_test(services: Services, caller: Caller, course: str, heading: str, bo
     now = services.clock()
     id_ = f"test-{int(now.timestamp() * 1000)}"
     services.mail.send(Letter(id=id_, to=member.email, heading=heading, body=body, at=now))
-
-
-def _course(caller: Caller) -> str:
-    require_instructor(caller)
-    if caller.course is None:
-        raise RefusedError("no_course")
-    return caller.course

@@ -15,7 +15,7 @@ from grader.grading.examination.reading import declared_id, misfits_of, read_fol
 from grader.grading.examination.reference import wants_reference
 from grader.grading.examination.zipped import packed, unpacked
 from grader.store.own_assignments import NewOwnAssignment
-from grader.use_cases.callers import require_instructor, require_staff
+from grader.use_cases.callers import require_instructor, require_staff, taught_course
 from grader.use_cases.services import Services
 
 _TAKEN = Text(
@@ -63,7 +63,7 @@ def upload(services: Services, caller: Caller, content: bytes) -> OwnAssignment:
             an assignment's must be: `errors` then names file, line and field of each problem.
         InfrastructureError: the folder could not be read, through no fault of its own.
     """
-    course = _course(services, caller)
+    course = taught_course(caller)
     try:
         files = unpacked(content)
     except AssignmentError as error:
@@ -106,15 +106,8 @@ def remove(services: Services, caller: Caller, assignment_id: str, reason: str) 
     Raises:
         RefusedError: the caller is no instructor, there is none of that id, or something was handed in.
     """
-    _course(services, caller)
+    taught_course(caller)
     services.own_assignments.remove(assignment_id, services.signature(caller), reason)
-
-
-def _course(services: Services, caller: Caller) -> str:
-    require_instructor(caller)
-    if caller.course is None:
-        raise RefusedError("no_course")
-    return caller.course
 
 
 def _require_fit(services: Services, caller: Caller, new: Assignment) -> None:

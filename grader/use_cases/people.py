@@ -21,7 +21,7 @@ from grader.contracts.identity import (
 from grader.contracts.text import Text
 from grader.formats.sheets.roster import Roster, read_roster
 from grader.store.courses import RosterChange
-from grader.use_cases.callers import require_instructor, require_staff
+from grader.use_cases.callers import require_instructor, require_staff, taught_course
 from grader.use_cases.services import Services
 
 
@@ -64,7 +64,7 @@ def set_distro(services: Services, caller: Caller, distro: Distro, reason: str) 
     Raises:
         RefusedError: the caller is no instructor, or there is no course.
     """
-    _own_course(caller)
+    taught_course(caller)
     return services.courses.set_distro(distro, services.signature(caller), reason)
 
 
@@ -79,7 +79,7 @@ def plan_import(services: Services, caller: Caller, content: bytes) -> ImportPla
     Raises:
         RefusedError: the caller is no instructor, there is no course, or the list cannot be read or imported.
     """
-    course = _own_course(caller)
+    course = taught_course(caller)
     try:
         roster = read_roster(content)
         return ImportPlan(roster=roster, change=services.courses.preview_roster(course, roster.entries))
@@ -112,7 +112,7 @@ def import_list(  # noqa: PLR0913
     plan = plan_import(services, caller, content)
     if seen is not None and not seen.includes(plan.tag):
         raise RefusedError("changed_meanwhile")
-    course, actor = _own_course(caller), caller.signature
+    course, actor = taught_course(caller), caller.signature
     try:
         entries = plan.roster.entries if skip else plan.roster.checked()
         change = services.courses.import_roster(course, entries, actor)
@@ -129,7 +129,7 @@ def set_member(services: Services, caller: Caller, entry: RosterEntry) -> Member
     Raises:
         RefusedError: the caller is no instructor, there is no course, or `entry` does not fit.
     """
-    course = _own_course(caller)
+    course = taught_course(caller)
     try:
         services.courses.import_roster(course, [checked_entry(entry)], caller.signature)
     except CourseError as error:
@@ -168,7 +168,7 @@ def give_missing_tokens(services: Services, caller: Caller, days: int) -> list[t
     Raises:
         RefusedError: the caller is no instructor, or there is no course.
     """
-    course = _own_course(caller)
+    course = taught_course(caller)
     served = services.tokens.holders(course)
     life, actor = timedelta(days=days), caller.signature
     return [
@@ -189,13 +189,6 @@ def member_of(services: Services, caller: Caller, person: str) -> Member:
     if member is None or (member.role is Role.STUDENT and not caller.looks_after(person)):
         raise RefusedError("member_not_found")
     return member
-
-
-def _own_course(caller: Caller) -> str:
-    require_instructor(caller)
-    if caller.course is None:
-        raise RefusedError("no_course")
-    return caller.course
 
 
 def _refused(error: CourseError, field: str = "") -> RefusedError:

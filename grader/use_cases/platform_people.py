@@ -12,7 +12,7 @@ from grader.outside.lti.roster import Listed
 from grader.outside.lti.scores import NotTakenError
 from grader.outside.signin import SignInError
 from grader.outside.signin.channel import UnreachableError
-from grader.use_cases.platforms import own_course
+from grader.use_cases.callers import taught_course
 from grader.use_cases.services import Services
 
 _log = logging.getLogger(__name__)
@@ -49,7 +49,7 @@ def plan(services: Services, caller: Caller, platform_id: str) -> PeoplePlan:
         RefusedError: the caller is no instructor, there is no such platform, it has not said where it tells its
             people, or does not tell them.
     """
-    course = own_course(caller)
+    course = taught_course(caller)
     platform = services.platforms.get(platform_id)
     if platform is None or platform.course != course:
         raise RefusedError("platform_not_found")

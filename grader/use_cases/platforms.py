@@ -12,7 +12,7 @@ from grader.outside.lti import Kept, Launch, login_address
 from grader.outside.signin import Person, SignInError
 from grader.outside.signin.channel import is_confidential
 from grader.store.audit import Signature
-from grader.use_cases.callers import require_instructor
+from grader.use_cases.callers import taught_course
 from grader.use_cases.services import Services
 from grader.use_cases.signing_in import Arrival, arrive
 
@@ -89,7 +89,7 @@ def platforms_of(services: Services, caller: Caller) -> tuple[Platform, ...]:
     Raises:
         RefusedError: the caller is no instructor, or there is no course.
     """
-    return services.platforms.of_course(own_course(caller))
+    return services.platforms.of_course(taught_course(caller))
 
 
 def links_of(services: Services, caller: Caller) -> tuple[PlatformLink, ...]:
@@ -98,7 +98,7 @@ def links_of(services: Services, caller: Caller) -> tuple[PlatformLink, ...]:
     Raises:
         RefusedError: the caller is no instructor, or there is no course.
     """
-    return services.platforms.links(own_course(caller))
+    return services.platforms.links(taught_course(caller))
 
 
 def troubles_of(services: Services, caller: Caller) -> tuple[PlatformScore, ...]:
@@ -107,7 +107,7 @@ def troubles_of(services: Services, caller: Caller) -> tuple[PlatformScore, ...]
     Raises:
         RefusedError: the caller is no instructor, or there is no course.
     """
-    return services.platform_scores.troubles(own_course(caller))
+    return services.platform_scores.troubles(taught_course(caller))
 
 
 def public_keys(services: Services) -> dict[str, Any]:
@@ -126,7 +126,7 @@ def add_platform(services: Services, caller: Caller, new: NewPlatform) -> Platfo
     Raises:
         RefusedError: the caller is no instructor, a field is wrong, or the platform is there already.
     """
-    own_course(caller)
+    taught_course(caller)
     public_url(services)
     return add_signed(services, new, services.signature(caller))
 
@@ -161,7 +161,7 @@ def remove_platform(services: Services, caller: Caller, platform_id: str) -> Non
     Raises:
         RefusedError: the caller is no instructor, or there is no such platform.
     """
-    own_course(caller)
+    taught_course(caller)
     if not services.platforms.remove(platform_id, services.signature(caller)):
         raise RefusedError("platform_not_found")
 
@@ -180,18 +180,6 @@ def _opened(services: Services, platform: Platform, launch: Launch) -> str:
         )
     )
     return link.assignment
-
-
-def own_course(caller: Caller) -> str:
-    """Return the course of an instructor.
-
-    Raises:
-        RefusedError: the caller is none, or there is no course.
-    """
-    require_instructor(caller)
-    if caller.course is None:
-        raise RefusedError("no_course")
-    return caller.course
 
 
 def public_url(services: Services) -> str:

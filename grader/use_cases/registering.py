@@ -14,7 +14,8 @@ from grader.messages import on_page
 from grader.outside.lti.registration import RegistrationError, register
 from grader.outside.signin.channel import is_confidential
 from grader.store.audit import Signature
-from grader.use_cases.platforms import add_signed, own_course, public_url
+from grader.use_cases.callers import taught_course
+from grader.use_cases.platforms import add_signed, public_url
 from grader.use_cases.services import Services
 
 _log = logging.getLogger(__name__)
@@ -28,7 +29,7 @@ def invite(services: Services, caller: Caller) -> str:
         RefusedError: the caller is no instructor, there is no course, or the service does not know
             its own address.
     """
-    own_course(caller)
+    taught_course(caller)
     address = public_url(services)
     return f"{address}/lti/register/{services.platforms.invite(services.signature(caller))}"
 

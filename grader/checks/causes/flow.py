@@ -23,7 +23,7 @@ def deaf_loop(seen: Searched) -> Mistake | None:
         return None
     for line, found in seen.script.matches(r"\bwhile\b(.*)$"):
         waited = [name for name in _read_in(found[1], seen.script) if name in kept]
-        if waited and not _spins(line, seen.script) and seen.script.function_around(line) not in others:
+        if waited and not seen.script.spins(line) and seen.script.function_around(line) not in others:
             return mistake("deaf_loop", line=line, name=waited[0])
     return None
 
@@ -34,20 +34,6 @@ def _read_in(condition: str, script: ScriptText) -> list[str]:
     called = (script.definition(name) for name in re.findall(r"\bself\.(\w+)\(", condition))
     blocks = ("\n".join(script.block(made.line)) for made in called if made is not None)
     return names + [name for block in blocks for name in re.findall(r"\bself\.(\w+)", block)]
-
-
-def _spins(line: int, script: ScriptText) -> bool:
-    """Whether a block spins, or a function of the script that is called from there, in whatever depth."""
-    known, left = {line}, [line]
-    while left:
-        block = "\n".join(script.block(left.pop()))
-        if "spin" in block:
-            return True
-        called = (script.definition(name) for name in sorted(set(re.findall(r"(\w+)\(", block))))
-        lines = [made.line for made in called if made is not None and made.line not in known]
-        known.update(lines)
-        left += lines
-    return False
 
 
 def loop_for_spin(seen: Searched) -> Mistake | None:

@@ -13,7 +13,7 @@ from grader.messages.quantity import exact, number
 from grader.messages.script import ScriptText
 
 _INNER: Final = r"([^()\n]*(?:\([^()]*\)[^()\n]*)*)"
-"""What stands between two brackets, with at most one pair of brackets inside."""
+"""The argument of a call. It may contain brackets, side by side, but none within others."""
 
 
 def floor_is_zero(seen: Searched) -> Mistake | None:
@@ -26,7 +26,7 @@ def floor_is_zero(seen: Searched) -> Mistake | None:
 
 
 _WHOLE: Final = r"(?<![\w.])(?<![*/%)\]])(?<![*/%)\]] )([\w.]+) ?// ?([\w.]+)(?![\w.(])"
-"""A division with ``//`` of two names or numbers, and not of what is multiplied or divided before."""
+"""A division with ``//`` of two names or numbers that is not part of a longer product or quotient."""
 
 
 def _quotient(above: str, below: str, script: ScriptText) -> float | None:
@@ -47,7 +47,7 @@ _TIME: Final = r"(?i)(time|dur|sec(?!ond_)|shijian|miao|时间|秒)"
 
 
 def negative_time(seen: Searched) -> Mistake | None:
-    """Find a time that is divided by a negative speed, in a script that takes no amounts."""
+    """Find a time that comes out negative because of a negative speed, in a script without ``abs()``."""
     if seen.script.lines_with(r"\bf?abs\("):
         return None
     for line, found in seen.script.matches(r"^[ \t]*((?:self\.)?\w+) ?=(?!=)(.*/.*)$"):
@@ -144,7 +144,13 @@ def degrees_of_radians(seen: Searched) -> Mistake | None:
 
 
 def _becomes_rate(before: str, after: str, script: ScriptText) -> bool:
-    """Whether a line assigns what stands between these parts to a variable of which ``angular.z`` is computed."""
+    """Whether a line computes a variable from a call, with more than the call, and ``angular.z`` from that.
+
+    Args:
+        before: the line's text on the left of the call.
+        after: that on the right.
+        script: the whole script.
+    """
     assigned = re.fullmatch(r"\s*([\w.]+) *= *", before)
     if assigned is None or re.fullmatch(r"\s*(?:#.*)?", after) is None:
         return False

@@ -31,13 +31,13 @@ def equals_exactly(seen: Searched) -> Mistake | None:
 
 
 def _is_flag(name: str, script: ScriptText) -> bool:
-    """Whether a name is assigned whole numbers alone, which compare exactly."""
+    """Whether a name is assigned nothing but whole numbers, which may be compared exactly."""
     given = [found[1].strip() for _, found in script.matches(rf"{itself(name)} ?=(?!=)(.*)$")]
     return bool(given) and all(re.fullmatch(r"-?\d+", value) for value in given)
 
 
 def degrees_added(seen: Searched) -> Mistake | None:
-    """Find whole degrees that are added to a heading, in a script that keeps no heading in degrees."""
+    """Find degrees that are added to a heading in radians: the script converts no heading to degrees."""
     if seen.script.lines_with(_KEEPS_DEGREES):
         return None
     added = rf"(?i)(?<![\w.])[\w.]{{0,40}}(?:{_PLUS_DEGREES})(\d{{2,3}})(?:\.0*)?(?![\w.]| ?[*/])"
@@ -57,7 +57,7 @@ _PLUS_DEGREES: Final = (
 
 
 def wide_tolerance(seen: Searched) -> Mistake | None:
-    """Find a turn that ends while many degrees are still missing."""
+    """Find a condition that ends a turn while many degrees are still missing."""
     for line, found in seen.script.matches(rf"{_CONDITION}\babs\( ?{_ANGLE} ?\) ?(?:<=?|>=?) ?([\w.]+)"):
         rad = value_of(found[1], seen.script)
         if rad is not None and _WIDE_RAD <= rad <= math.pi / 2 and _misses_by(math.degrees(rad), seen):
@@ -67,7 +67,7 @@ def wide_tolerance(seen: Searched) -> Mistake | None:
 
 
 def _misses_by(tolerance_deg: float, seen: Searched) -> bool:
-    """Whether the worst corner is too small by no more than the tolerance explains, or is not known."""
+    """Whether the tolerance explains the error of the worst corner; true if no corner was measured."""
     corner, item = seen.findings.measures.get("corner_deg"), seen.assignment.item_on("corner_deg")
     if corner is None or item is None or item.low is None or item.high is None:
         return True
@@ -79,7 +79,7 @@ _WIDE_RAD: Final = 0.08  # almost 5 degrees, which cost points at each corner
 
 
 def tolerance_too_small(seen: Searched) -> Mistake | None:
-    """Find a distance that must get smaller than the way that the car drives between two poses."""
+    """Find a tolerance of a distance smaller than the way that the car drives between two poses."""
     distance = r"(?<![\w.])((?:self\.)?\w*(?:dist|juli|err|距离)\w*)"
     for line, found in seen.script.matches(rf"{_CONDITION}{distance} ?(?:<=?|>=?) ?([\w.]+)"):
         value = value_of(found[2], seen.script)
@@ -104,7 +104,7 @@ _ALONG_Y: Final = _ALONG_X.replace("x", "y")
 
 
 def away_from_goal(seen: Searched) -> Mistake | None:
-    """Find a direction whose differences lead from the goal to the car."""
+    """Find a direction that is computed from the goal to the car instead of from the car to the goal."""
     for line, found in seen.script.matches(r"^[ \t]*([\w.]+) ?= ?([\w.]*pose\.x) ?- ?([^-+]+)$"):
         name, near, far = (part.strip() for part in found.groups())
         if "pose" not in far and seen.script.lines_with(rf"\batan2\([^()]*{itself(name)} ?\)"):
@@ -113,7 +113,7 @@ def away_from_goal(seen: Searched) -> Mistake | None:
 
 
 def yaw_without_sign(seen: Searched) -> Mistake | None:
-    """Find a heading that is computed of a quaternion's w alone: the same to the left and the right."""
+    """Find a heading that is computed from a quaternion's w alone, so that left and right are the same."""
     if seen.script.lines_with(r"\borientation\.z\b|\bq\w*\.z\b|\bcopysign\("):
         return None
     lines = seen.script.lines_with(r"\bacos\(.*\.w\b")
@@ -121,7 +121,7 @@ def yaw_without_sign(seen: Searched) -> Mistake | None:
 
 
 def quaternion_for_yaw(seen: Searched) -> Mistake | None:
-    """Find a part of a quaternion that is kept as a heading."""
+    """Find a component of a quaternion that is taken for a heading."""
     heading = r"(?i)(?<![\w.])[\w.]{0,40}(?:theta|yaw|heading|angle)\w{0,40}"
     part = r"((?:[\w.]*\b(?:orientation|quat\w*|ori|q|o))\.[zw])"
     taken = rf"{heading} ?= ?{part} *$"

@@ -1,18 +1,18 @@
-"""Times that are taken, waited for or given wrongly."""
+"""Times that are measured, waited for or passed wrongly."""
 
 import re
 from typing import Final
 
 from grader.checks.causes.searched import CLOCK, Searched, is_repeated, itself
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import sleep_at_horizon, sleeps_too_long
+from grader.checks.mistakes import sleep_at_end, sleeps_too_long
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
 
 def clock_before_sleep(seen: Searched) -> Mistake | None:
-    """Find a start time that is taken before a pause, and not after it."""
+    """Find a start time that is taken before a pause instead of after it."""
     for line, found in seen.script.matches(rf"^[ \t]*([\w.]+) ?= ?[\w.()]*{CLOCK}"):
         name = found[1]
         owner = seen.script.owner_of(line)
@@ -32,13 +32,13 @@ _PAUSE_S: Final = 0.3
 
 
 def _loops_on(seen: Searched, name: str, after: int) -> bool:
-    """Whether one of the next lines is a ``while`` that looks at `name`."""
+    """Whether one of the next four lines is a ``while`` whose condition reads `name`."""
     nexts = seen.script.lines[after : after + 4]
     return any(re.match(rf"[ \t]*while\b.*(?<!\w){re.escape(name)}\b", line) for line in nexts)
 
 
 def start_once(seen: Searched) -> Mistake | None:
-    """Find a start time that only ``__init__`` takes."""
+    """Find a start time that only ``__init__`` sets, though several loops measure from it."""
     for line, found in seen.script.matches(rf"^[ \t]*self\.(\w+) ?= ?.*{CLOCK}"):
         name = found[1]
         once = seen.script.assigned(name) is not None and seen.script.function_around(line) == "__init__"
@@ -48,7 +48,7 @@ def start_once(seen: Searched) -> Mistake | None:
 
 
 def since_1970(seen: Searched) -> Mistake | None:
-    """Find what a clock shows compared with a few seconds, in a script that never takes the difference."""
+    """Find the time of day compared with a few seconds, in a script that never subtracts a start time from it."""
     for line, found in seen.script.matches(rf"^[ \t]*((?:self\.)?\w+) ?=(?!=)[^-]*?{_SHOWN}[^-]*$"):
         name, name_alone = found[1], itself(found[1])
         few = seen.script.lines_with(rf"\b(if|elif|while)\b.*{name_alone} ?<=? ?\d{{1,6}}(\.\d+)?(?![\w.])")
@@ -61,7 +61,7 @@ _SHOWN: Final = r"(?:\btime\.time\(\)|\bnow\(\))"
 
 
 def waits_for_past(seen: Searched) -> Mistake | None:
-    """Find a loop for as long as more time has passed than wanted, which it never has at the beginning."""
+    """Find a loop that runs while *more* time than wanted has passed, so it ends before it begins."""
     passed = rf"\bwhile\b.*{CLOCK}\)* ?- ?[\w.]+\)*(\.nanoseconds)?( ?/ ?1e9)? ?>=? ?[\w.]"
     for line in seen.script.lines_with(passed):
         if any("publish(" in text for text in seen.script.block(line)):
@@ -70,7 +70,7 @@ def waits_for_past(seen: Searched) -> Mistake | None:
 
 
 def wrong_time(seen: Searched) -> Mistake | None:
-    """Find a turn that is given the time of the drive."""
+    """Find a turn that is passed the time of the drive; and whether the drive is passed that of the turn."""
     turned = _given(seen.script, r"(?i)turn|rotate|spin|zhuan", _DRIVE_TIME)
     driven = _given(seen.script, r"(?i)move|drive|straight|forward|go|zou", _TURN_TIME)
     assigned = (re.match(r"[ \t]*((?:self\.)?\w+) ?=(?!=)", text) for text in seen.script.lines)
@@ -86,7 +86,7 @@ def wrong_time(seen: Searched) -> Mistake | None:
 
 
 def _given(script: ScriptText, function: str, argument: str) -> list[tuple[int, str]]:
-    """Return the calls of one argument whose names fit: line and argument."""
+    """Return the calls with one argument whose function and argument match: line and argument."""
     calls = (re.match(r"[ \t]*(?:\w+\.)*(\w+)\( ?((?:self\.)?\w+) ?\)", text) for text in script.lines)
     return [
         (line, found[2])
@@ -101,8 +101,8 @@ _TURN_TIME: Final = r"(?i)(?:turn|rotate|spin)\w*time"
 
 
 def sleeps_on(seen: Searched) -> Mistake | None:
-    """Find the long pause of a loop in which the run ended."""
-    slept = sleep_at_horizon(seen.run)
+    """Find the long pause in a loop during which the run ended."""
+    slept = sleep_at_end(seen.run)
     if slept is None or not 0 < slept.line <= len(seen.script.lines):
         return None
     written = re.search(r"\bsleep\((.+)\)$", seen.script.lines[slept.line - 1])
@@ -116,7 +116,7 @@ _LONG_PAUSE_S: Final = 5.0
 
 
 def timer_ends(seen: Searched) -> Mistake | None:
-    """Find a ``threading.Timer`` that ends the program, and at the time at which the run ended."""
+    """Find a ``threading.Timer`` that ends the program at about the time at which the run ended."""
     ended_s = seen.run.outcome.duration_ns / 1e9
     for line, found in seen.script.matches(r"\bTimer\( ?([\w.]+) ?, ?(?:\w+\.)*(\w+)"):
         after_s, function = value_of(found[1], seen.script), found[2]

@@ -62,7 +62,7 @@ def fill(content: bytes, column: str, points: Mapping[str, float | None]) -> Fil
             line += [None] * (target + 1 - len(line))
             line[target] = value
             filled += 1
-    name = re.sub(r"[\\[\]:*?/\\\\']", " ", table.name)[:31].strip() or "成绩"
+    name = _NOT_IN_A_NAME.sub(" ", table.name)[:31].strip() or "成绩"
     return FilledSheet(content=workbook([(name, cells)], header=False), filled=filled, unknown=tuple(unknown))
 
 

@@ -22,11 +22,11 @@ Commands = Sequence[Command]
 Spoil = Callable[[Commands, float], list[Command]]
 STEP = 0.01
 MOST = 1.0
-# Fine where tolerances lie, coarser where only zeros are looked for.
+# Fine where credit begins to fall, coarser where only the error that costs an item's last point is still sought.
 _STEPS = (*range(1, 25), *range(25, 50, 3), *range(50, 100, 7))
-_COARSE = 10  # of these, each so-manieth is looked at first
+_COARSE = 10  # every tenth of these steps is scored first
 _PERIOD_NS = 16_666_667  # poses 1/60 s apart, as the car records them
-_ROUNDING = 1e-6  # what is measured of two motions that are alike differs by less
+_ROUNDING = 1e-6  # measures of equal motions differ by less
 _MOVING = 1e-6  # slower is rest: velocities are commanded, so anything else is rounding
 
 
@@ -37,7 +37,7 @@ class Perturbation:
     Attributes:
         name: in the printed table. spoil: returns the commands with an error of the given size.
         full: size of the error 1.0, in `unit`.
-        must_cost_from: error from which on, in one direction at least, a rubric must take points; None: never.
+        must_cost_from: an error of this size must cost points in at least one direction; None: none must.
         applies: whether a motion of these kinds of stretches can be spoilt this way.
     """
 
@@ -74,10 +74,10 @@ def sensitivities(assignment: Assignment, run: Run) -> list[Sensitivity]:
 
 
 def lax(assignment: Assignment, run: Run) -> list[Text]:
-    """Return a sentence for each gross error in the solution's motion that would cost nothing.
+    """Return a complaint about each gross error in the solution's motion that costs no points.
 
-    One that changes what a limit is on is allowed: its author says why. So is one that changes nothing that is
-    measured, where there is a limit at all: no band can be narrowed then.
+    A ``limit:`` of an item, by which the author says what the rubric does not see, allows errors that change that
+    item's measure. It also allows errors that change no measure at all, because no band could be narrowed.
     """
     problems = []
     limits = {item.id for item in assignment.items if item.limit}
@@ -89,25 +89,25 @@ def lax(assignment: Assignment, run: Run) -> list[Text]:
         both = [_scored(assignment, run, perturbation, sign * error) for sign in (1.0, -1.0)]
         moved = set().union(*(_moved(right, items) for items in both))
         if all(map(_full, both)) and not (limits & moved if moved else limits):
-            problems.append(_told(perturbation, error, [item.id for item in right if item.id in moved]))
+            problems.append(_complaint(perturbation, error, [item.id for item in right if item.id in moved]))
     return problems
 
 
 def _moved(right: Sequence[RubricItem], spoilt: Sequence[RubricItem]) -> set[str]:
-    """Return the items whose measures an error changes."""
+    """Return the ids of the items whose measures differ between the right motion and a spoilt one."""
     pairs = zip(right, spoilt, strict=False)
     return {one.id for one, other in pairs if not _alike(one.measured, other.measured)}
 
 
 def _alike(one: float | None, other: float | None) -> bool:
-    """Whether two values are the same but for rounding."""
+    """Whether two values differ by no more than rounding."""
     if one is None or other is None:
         return one is other
     return math.isclose(one, other, rel_tol=_ROUNDING, abs_tol=_ROUNDING)
 
 
-def _told(perturbation: Perturbation, error: float, moved: Sequence[str]) -> Text:
-    """Return the sentence about an error that costs nothing; `moved`: the items whose measures it changes."""
+def _complaint(perturbation: Perturbation, error: float, moved: Sequence[str]) -> Text:
+    """Return the complaint about an error that costs nothing; `moved` are the items whose measures it changes."""
     size, name = number(error * perturbation.full, perturbation.unit), perturbation.name
     zh, en = f"太宽松：{name.zh}差 {size} 也不扣分；", f"lax: {name.en} off by {size} costs nothing; "
     if not moved:
@@ -120,7 +120,7 @@ def _told(perturbation: Perturbation, error: float, moved: Sequence[str]) -> Tex
 
 
 def replayable(assignment: Assignment, run: Run) -> bool:
-    """Whether the recorded commands, driven by an ideal turtle, earn full marks: the base of comparison."""
+    """Whether the recorded commands earn full marks if an ideal turtle drives them, the basis of comparison."""
     if not run.trajectory.commands or assignment.world.profile != "nominal":
         return False
     return _full(_items(assignment, run, replayed(run.trajectory, run.trajectory.commands)))
@@ -138,7 +138,7 @@ def _along(
     zero: dict[str, float] = {}
     steps = [each for each in _STEPS if each * STEP < MOST]
     lost = _Losses(assignment, run, perturbation, sign)
-    for at in _looked_at(steps, lost):
+    for at in _informative_steps(steps, lost):
         error = sign * at * STEP
         for item_id, nothing_left in lost.at(at).items():
             starts.setdefault(item_id, error)
@@ -149,7 +149,7 @@ def _along(
 
 
 class _Losses:
-    """What errors of some sizes cost; each is looked at once."""
+    """What errors of growing size cost. Each size is scored once."""
 
     def __init__(self, assignment: Assignment, run: Run, perturbation: Perturbation, sign: float) -> None:
         self._of = (assignment, run, perturbation)
@@ -157,9 +157,9 @@ class _Losses:
         self._known: dict[int, dict[str, bool]] = {}
 
     def at(self, step: int) -> dict[str, bool]:
-        """Return the items that lose points at an error of that many steps, and whether nothing is left of them.
+        """Return the items that lose points at an error of `step` × `STEP`: by id, whether all points are lost.
 
-        An item that is not checked was lost with the one that it needs.
+        Items that were not checked are left out: they lose their points through the item that they need.
         """
         if step not in self._known:
             items = _scored(*self._of, self._sign * step * STEP)
@@ -168,8 +168,8 @@ class _Losses:
         return self._known[step]
 
 
-def _looked_at(steps: Sequence[int], lost: _Losses) -> list[int]:
-    """Return the steps to look at: every so-manieth, and those between from which on something else is lost."""
+def _informative_steps(steps: Sequence[int], lost: _Losses) -> list[int]:
+    """Return the steps that show where losses change: every `_COARSE`-th, and the changes between those."""
     found = [steps[0]]
     for at in range(0, len(steps) - 1, _COARSE):
         found += _changes(steps[at : at + _COARSE + 1], lost)
@@ -177,7 +177,7 @@ def _looked_at(steps: Sequence[int], lost: _Losses) -> list[int]:
 
 
 def _changes(steps: Sequence[int], lost: _Losses) -> list[int]:
-    """Return the last of the steps, and before it those from which on something else is lost, found by halving."""
+    """Return the steps at which losses change, found by bisection, and the last step."""
     if len(steps) <= 2 or lost.at(steps[0]) == lost.at(steps[-1]):
         return [steps[-1]]
     middle = len(steps) // 2
@@ -200,7 +200,7 @@ def _full(items: tuple[RubricItem, ...]) -> bool:
 
 
 def _stretches(commands: Commands) -> list[tuple[str, list[Command]]]:
-    """Group commands of one kind of motion that follow each other; arcs of different circles apart."""
+    """Group successive commands of one kind of motion; an arc of another radius begins a new group."""
 
     def motion(command: Command) -> tuple[str, float]:
         kind = motion_of(command)
@@ -210,10 +210,12 @@ def _stretches(commands: Commands) -> list[tuple[str, list[Command]]]:
 
 
 def _scaled(kind: str, *, only_first: bool = False, turning: bool = True) -> Spoil:
-    """Return what makes stretches of one kind faster: all of them, or the first only.
+    """Return a `Spoil` that makes stretches of one kind faster. They last as long as before, so they get longer.
 
-    What lasts as long gets longer or turns further so; with `turning` false it turns as far as before, on a
-    circle of another radius.
+    Args:
+        kind: of the stretches, as in `motion_of`.
+        only_first: spoil the first of them only.
+        turning: scale the turn rate as well; without it an arc turns as far as before, on another radius.
     """
 
     def spoil(commands: Commands, error: float) -> list[Command]:
@@ -236,7 +238,7 @@ def _scaled(kind: str, *, only_first: bool = False, turning: bool = True) -> Spo
 
 
 def _veering(commands: Commands, error: float) -> list[Command]:
-    """Let every run end turned by a share of 90 degrees."""
+    """Make every run veer, so that it ends turned by `error` × 90 degrees."""
     spoilt: list[Command] = []
     stretches = _stretches(commands)
     for i, (kind, stretch) in enumerate(stretches):
@@ -248,7 +250,7 @@ def _veering(commands: Commands, error: float) -> list[Command]:
 
 
 def _longer_rests(commands: Commands, error: float) -> list[Command]:
-    """Stretch every rest between motions."""
+    """Make every rest longer by the share `error`, except the last one."""
     spoilt: list[Command] = []
     shift_ns = 0
     stretches = _stretches(commands)
@@ -379,7 +381,10 @@ def replayed(recorded: Trajectory, commands: Sequence[Command]) -> Trajectory:
 
 
 def _constant_stretches(commands: Sequence[Command], end_ns: int) -> tuple[Ints, Floats, Floats]:
-    """Return start times, v and w of stretches of constant velocity; turtlesim drops a command that is too old."""
+    """Return start times, v and w of the stretches of constant velocity.
+
+    turtlesim drops a command after `COMMAND_LIFE_NS`, which begins a stretch at rest.
+    """
     stretches = [(0, 0.0, 0.0)]
     following = [command.t_ns for command in commands[1:]] + [end_ns]
     for command, next_ns in zip(commands, following, strict=True):

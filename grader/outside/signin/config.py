@@ -28,16 +28,16 @@ class _Entry(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, hide_input_in_errors=True)
 
     id: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,31}$")]
-    """Names the provider in addresses and beside everybody who came by it: never change it."""
+    """Names the provider in addresses and in the records of all who signed in by it, so it must not change."""
     title: Annotated[str, Field(min_length=1, max_length=60)]
-    """What stands on the button."""
+    """Label of the button."""
 
 
 class OidcEntry(_Entry):
     """OpenID Connect.
 
     Attributes:
-        issuer: as its discovery document names itself.
+        issuer: the issuer that its discovery document names.
         client_secret, client_secret_file: one of them, or neither for a client without a secret.
         claim: which claim is the id in the course's roster; ``email``, if verified, is looked up as an address.
     """
@@ -84,10 +84,10 @@ class CasEntry(_Entry):
 
 
 class HeaderEntry(_Entry):
-    """A proxy that has asked who it is, and says so in a header.
+    """A proxy that authenticates people and names them in a header.
 
     Attributes:
-        proxies: addresses or networks of the proxies; from anywhere else the header means nothing.
+        proxies: addresses or networks of the proxies; requests from elsewhere are not believed.
     """
 
     kind: Literal["header"]
@@ -135,7 +135,7 @@ class SignInConfig(BaseModel):
         ids = [one.id for one in self.providers]
         twice = {one for one in ids if ids.count(one) > 1}
         if twice:
-            raise ValueError(f"providers: the id {min(twice)} stands twice")
+            raise ValueError(f"providers: the id {min(twice)} is used twice")
         return self
 
 
@@ -143,7 +143,7 @@ def read_config(path: Path) -> SignInConfig:
     """Read the file.
 
     Raises:
-        SettingsError: it cannot be read, or says something wrong; names the field.
+        SettingsError: the file cannot be read, or a field is wrong; the message names the field.
     """
     try:
         with path.open("rb") as file:
@@ -187,7 +187,7 @@ def _checked_address(value: str) -> str:
     if host_of(value) is None:
         raise ValueError(f"{value!r} is no address such as https://sso.example.edu")
     if not is_private_talk(value):
-        raise ValueError(f"{value!r} must begin with https://: passwords and scores go there")
+        raise ValueError(f"{value!r} must begin with https://: passwords and scores are sent there")
     return value
 
 

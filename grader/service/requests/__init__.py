@@ -1,1 +1,1 @@
-"""Requests, before a resource or a page sees them: bounds, headers, log lines, who asks, and in which language."""
+"""What resources and pages share: bounds of requests, headers, who asks, in which language; compressed answers."""

@@ -6,9 +6,10 @@ from typing import Annotated
 from fastapi import APIRouter, Header, Path, Query, Response
 from pydantic import BaseModel, ConfigDict, Field
 
+from grader.contracts.comment import LONGEST_COMMENT
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
-from grader.contracts.judgement import COMMENT_PATTERN, LONGEST_COMMENT, JudgedItem
+from grader.contracts.judgement import COMMENT_PATTERN, JudgedItem
 from grader.contracts.submission import Judgement
 from grader.contracts.text import Language
 from grader.service.requests.dependencies import (

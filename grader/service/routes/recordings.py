@@ -4,12 +4,12 @@ import gzip
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Response
-from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, Field
 
 from grader.contracts.figure import PictureForm
 from grader.contracts.identity import Caller
 from grader.contracts.text import Language
+from grader.service.requests.compression import accepts_gzip, trajectory_answer
 from grader.service.requests.dependencies import (
     COSTLY,
     DRAWN,
@@ -42,10 +42,6 @@ def _described(media_type: str, form: str) -> dict[str, Any]:
         "description": "One run's path over the ideal figure, with what was measured.",
         "content": {media_type: {"schema": {"type": "string", "format": form}}},
     }
-
-
-def _takes_gzip(accept_encoding: str | None) -> bool:
-    return "gzip" in (accept_encoding or "").lower()
 
 
 class ContactView(BaseModel):
@@ -99,12 +95,7 @@ def read_trajectory(
     accept_encoding: Annotated[str | None, Header(include_in_schema=False)] = None,
 ) -> Response:
     """Return what the trusted simulator recorded in one run of the script."""
-    recording = recordings.trajectory(services, caller, submission_id, case)
-    headers = {"ETag": f'"{recording.sha256}"', "Vary": "Accept-Encoding"}
-    if not _takes_gzip(accept_encoding):
-        return StreamingResponse(recording.parts(), media_type="application/json", headers=headers)
-    headers["Content-Encoding"] = "gzip"  # sent as it is stored
-    return Response(recording.compressed, media_type="application/json", headers=headers)
+    return trajectory_answer(recordings.trajectory(services, caller, submission_id, case), accept_encoding)
 
 
 @router.get(
@@ -136,7 +127,7 @@ def read_bag(
         "Cache-Control": "private, no-cache",
         "Content-Disposition": f'attachment; filename="{bag.name}"',
     }
-    if not _takes_gzip(accept_encoding):
+    if not accepts_gzip(accept_encoding):
         return Response(bag.content, media_type=_BAG_MEDIA_TYPE, headers=headers)
     headers["Content-Encoding"] = "gzip"
     return Response(gzip.compress(bag.content, mtime=0), media_type=_BAG_MEDIA_TYPE, headers=headers)

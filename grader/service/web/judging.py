@@ -9,9 +9,10 @@ from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import RedirectResponse
 from pydantic import BaseModel, Field
 
+from grader.contracts.comment import LONGEST_COMMENT
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen
-from grader.contracts.judgement import LONGEST_COMMENT, JudgedItem, is_comment
+from grader.contracts.judgement import JudgedItem, is_comment
 from grader.contracts.notation import decimal, written
 from grader.service.web import access
 from grader.service.web.access import ServicesDep, StaffDep, SubmissionId, Visitor, require_staff

@@ -1,8 +1,8 @@
 """What learning platforms open (LTI 1.3), and the page on which an instructor sets one up.
 
-The platform's form comes from another site: a cookie of this browser ties it to the login that went before, and
-must be one that such a form brings along (``SameSite=None``). In a frame no such cookie is sure to work, so there
-a page offers the same in a window of its own.
+A platform sends the browser back with a form, which is a request from another site. A cookie ties the form to the
+login that this browser began; without ``SameSite=None`` the browser would not send it with such a form. In a frame
+browsers may block the cookie, so there a page offers to open the service in a window of its own.
 """
 
 from typing import Annotated, Any
@@ -38,7 +38,7 @@ _OURS = {
     "redirect_url": "/lti/launch",
     "pick_url": PICK,
 }
-"""What a platform asks for, by the name of the text that says so."""
+"""The addresses that an instructor copies into the platform, by the last part of the id of their label."""
 PlatformId = Annotated[str, Form(max_length=16)]
 
 
@@ -54,19 +54,19 @@ class PlatformForm(BaseModel):
     keys_url: str = Field(default="", max_length=1_000)
 
     def stripped(self) -> NewPlatform:
-        """Return what it says."""
+        """Return the platform, without blanks around its fields."""
         return NewPlatform(**{name: value.strip() for name, value in self.model_dump().items()})
 
 
 @router.get("/login")
 def login_by_get(request: Request, services: ServicesDep) -> Response:
-    """Send a browser to the platform to be recognised."""
+    """Begin a login: redirect the browser to the platform, which says who it is."""
     return _login(request, services, dict(request.query_params))
 
 
 @router.post("/login")
 async def login(request: Request, services: ServicesDep) -> Response:
-    """As `login_by_get`: platforms may do either."""
+    """Do the same for a POST, which platforms may use as well."""
     fields = await request.form(max_files=0, max_fields=50)
     return _login(request, services, {name: str(value) for name, value in fields.items()})
 
@@ -85,7 +85,7 @@ def launch(
     state: Annotated[str, Form(max_length=_LONGEST)] = "",
     error: Annotated[str, Form(max_length=_LONGEST)] = "",
 ) -> Response:
-    """Take in whom a platform sends back."""
+    """Finish a login: sign in the person whom the platform names, and open the activity."""
     kept = kept_by(request.cookies.get(COOKIE, "")[:_LONGEST], ("state", "nonce"), state)
     if error or not id_token:
         raise RefusedError("signin_refused")
@@ -146,7 +146,7 @@ def add_people(
     seen: Annotated[str, Form(max_length=64)],
     platform: PlatformId = "",
 ) -> Response:
-    """Add those whom the instructor has seen, or show them anew where they are others by now."""
+    """Add the people that the instructor was shown; if the list has changed meanwhile, show the new one."""
     try:
         platform_people.add(services, visitor.caller, platform, Seen.one(seen))
     except RefusedError as error:

@@ -18,7 +18,7 @@ from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from grader.contracts import fields
 from grader.contracts.fields import FieldKind, kinds_of
-from grader.contracts.notation import decimal, instant, whole, written
+from grader.contracts.notation import decimal, instant, whole
 from grader.contracts.rules import (
     LATE_PARAMETERS,
     MOST_HIDDEN_ITEMS,
@@ -35,6 +35,7 @@ from grader.contracts.rules import (
     Shown,
 )
 from grader.messages import is_on_page
+from grader.messages.quantity import exact
 
 CHANGED_MEANWHILE = "rules.error.meanwhile"
 EXTENDED_MEANWHILE = "rules.error.extended_meanwhile"
@@ -180,9 +181,9 @@ def _text(kind: FieldKind, value: Any, zone: ZoneInfo) -> str:
             local: datetime = value.astimezone(zone)  # as a browser's field for date and time wants it
             return local.strftime("%Y-%m-%dT%H:%M:%S" if local.second else "%Y-%m-%dT%H:%M")
         case fields.Seconds():
-            return _number(value / _HOUR_S)
+            return exact(value / _HOUR_S)
         case fields.Share():
-            return _number(value * 100)
+            return exact(value * 100)
         case _:
             return str(value)
 
@@ -336,8 +337,3 @@ def _between(text: str, high: float, wrong: str) -> float:
     if not 0.0 <= number <= high:
         raise TypedFieldError(wrong)
     return number
-
-
-def _number(value: float) -> str:
-    """Return `value` with nine decimals at most, whole numbers without a point."""
-    return written(round(value, 9))

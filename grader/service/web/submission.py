@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 from fastapi import APIRouter, Depends, Form, Header, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
-from fastapi.responses import JSONResponse, RedirectResponse, StreamingResponse
+from fastapi.responses import JSONResponse, RedirectResponse
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from grader.contracts.appeal import LONGEST_TEXT
@@ -24,6 +24,7 @@ from grader.contracts.report import CaseRun, GradeReport, report_from
 from grader.contracts.submission import StoredReport, Submission
 from grader.formats.packages.bundle import line_in_text, text_of
 from grader.messages import on_page
+from grader.service.requests.compression import trajectory_answer
 from grader.service.routes.events import LastEventId, events, owner_of, watched
 from grader.service.web import access
 from grader.service.web.access import COSTLY, DRAWN, ServicesDep, SubmissionId, Visitor, VisitorDep
@@ -193,15 +194,7 @@ def read_trajectory(
     """Return what the car did, for the replay."""
     access.require_sight(services, visitor, submission_id)
     recording = recordings.trajectory(services, visitor.caller, submission_id, case)
-    headers = {
-        "ETag": f'"{recording.sha256}"',
-        "Vary": "Accept-Encoding",
-        "Cache-Control": "private, no-cache",
-    }
-    if "gzip" not in (accept_encoding or "").lower():
-        return StreamingResponse(recording.parts(), media_type="application/json", headers=headers)
-    headers["Content-Encoding"] = "gzip"  # sent as it is stored
-    return Response(recording.compressed, media_type="application/json", headers=headers)
+    return trajectory_answer(recording, accept_encoding)
 
 
 @router.get("/sketch.json", dependencies=[COSTLY])

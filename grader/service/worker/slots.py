@@ -32,10 +32,10 @@ from grader.store.workers import Workers
 
 _log = logging.getLogger(__name__)
 _STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, *repeat(4.0, 150))
-"""Before each next try to store a result: often at first, then for ten minutes."""
-_STEP_S = 60.0
+"""Pauses between tries to store a result: short at first, then 4 s each, for ten minutes in all."""
+_STEP_S = 60.0  # how long a slot goes from one claim to the next without asking for work anew
 TURN = timedelta(seconds=4)
-"""How long a kept slot goes on with a grading while others wait, before it lets one of those go first."""
+"""How long a reserved slot grades one submission before it may give way to others that wait."""
 _TIMES_ORDINARY = 4.0
 """A grading counts as long when it takes this many times as long as an ordinary one."""
 _ROOM_PAUSE_S = 1.0
@@ -94,30 +94,30 @@ class GradingSlot:
     """One grading at a time. Only `claim`, `stop`, `abort` and `abandon` may be used from other threads.
 
     Attributes:
-        name: as which it claims.
-        claim: what is graded now; None between two gradings.
+        name: the name under which it claims submissions.
+        claim: the submission being graded; None between two gradings.
     """
 
     def __init__(
-        self, name: str, parts: WorkerParts, sandbox: SandboxHealth, *, in_turn: bool = False
+        self, name: str, parts: WorkerParts, sandbox: SandboxHealth, *, reserved: bool = False
     ) -> None:
         """Make the grader, not started yet.
 
         Args:
-            name: as which it claims.
+            name: the name under which it claims submissions.
             parts: shared with the other slots of the worker.
-            sandbox: shared as well.
-            in_turn: grade nothing before its turn, though the slot is idle, that others might have to wait for
-                long. What somebody hands in beside what is being graded, or whose gradings took long, then leaves
-                this slot to others.
+            sandbox: shared with them, too.
+            reserved: keep the slot free for short gradings: claim a submission before its turn only if grading it
+                will probably be short. One of a student who is being graded already, or whose gradings took long
+                lately, waits for its turn or for another slot.
         """
         self.name = name
-        self._in_turn = in_turn
+        self._reserved = reserved
         self._parts = parts
         self._sandbox = sandbox
         self._grader = parts.make_grader()
         self.claim: Claim | None = None
-        self._since = parts.clock()
+        self._claimed_at = parts.clock()
         self._abandoned: Claim | None = None
         self._gives_way = False
         self._stopping = threading.Event()
@@ -137,12 +137,12 @@ class GradingSlot:
         """
         if not self._sandbox.state.ready:
             return False
-        claim = self._parts.queue.claim(self.name, in_turn=self._in_turn)
+        claim = self._parts.queue.claim(self.name, in_turn=self._reserved)
         if claim is None:
             return False
         until_s = time.monotonic() + _STEP_S
         while claim is not None:
-            self._since, self.claim = self._parts.clock(), claim
+            self._claimed_at, self.claim = self._parts.clock(), claim
             try:
                 with about(claim):
                     claim = self._grade(claim, until_s)
@@ -163,24 +163,24 @@ class GradingSlot:
         self._grader.abort()
 
     def abandon(self, claim: Claim, *, gives_way: bool = False) -> None:
-        """Kill the grading of `claim`, which is lost, or gives way to others; do nothing if that has ended."""
+        """Kill the grading of `claim`, which was lost or gives way to others, unless it has ended already."""
         with self._lock:
             if self.claim is claim and self._abandoned is not claim:
                 self._abandoned, self._gives_way = claim, gives_way
                 self._grader.abort()
 
     def give_way(self) -> None:
-        """In a slot that is kept, end a first try that takes long while others' turn has come.
+        """In a reserved slot, end a first try that takes long while others' turn has come.
 
-        Long is what takes over `TURN`, and several times as long as an ordinary grading took lately. (Those that
-        take minutes must not decide what is ordinary.) The submission is tried once more behind them, by another
-        slot as soon as one is idle, to its end. That may be long after, so a right script on a busy host must not
-        count as long.
+        A try takes long if it exceeds both `TURN` and a multiple of the median of recent gradings (the median,
+        so that gradings of minutes do not count as ordinary). The submission goes behind those that wait, and its
+        second try runs to the end in any slot. That may be much later, hence the multiple: on a busy host, where
+        every grading takes longer, a right script must not give way.
         """
         claim, queue = self.claim, self._parts.queue
-        if claim is None or not self._in_turn or claim.tries > 1:
+        if claim is None or not self._reserved or claim.tries > 1:
             return
-        held = self._parts.clock() - self._since
+        held = self._parts.clock() - self._claimed_at
         if held <= TURN or held.total_seconds() <= _TIMES_ORDINARY * (queue.median_duration_s() or 0.0):
             return
         if queue.waits_in_turn():
@@ -191,7 +191,7 @@ class GradingSlot:
         self._grader.close()
 
     def _grade(self, claim: Claim, until_s: float) -> Claim | None:
-        """Grade what is claimed and store the report; return what was claimed next."""
+        """Grade a claimed submission and store the report; return what was claimed next."""
         begun_s = time.monotonic()
         running = threading.Event()
         try:
@@ -207,16 +207,16 @@ class GradingSlot:
         except NoRoomError as error:
             self._wait_for_room(claim, error)
         except Exception as error:
-            # no fault of the student, whatever it is: the child is replaced and the submission tried again
+            # never the student's fault: the child is replaced and the submission tried again
             self._fail(claim, error, had_run=running.is_set())
         else:
             _log.info("%s %s", claim.submission_id, result.report.status if stored else "dropped: fenced off")
             if stored:
-                self._tell(claim, result, time.monotonic() - begun_s)
+                self._report_to_observer(claim, result, time.monotonic() - begun_s)
             return following
         return None
 
-    def _tell(self, claim: Claim, result: GradingResult, grading_s: float) -> None:
+    def _report_to_observer(self, claim: Claim, result: GradingResult, grading_s: float) -> None:
         now, since = self._parts.clock(), claim.queued_at
         waited_s = None if since is None else max((now - since).total_seconds(), 0.0)
         self._parts.observer.graded(result.report.status, grading_s, waited_s)
@@ -239,7 +239,7 @@ class GradingSlot:
         if self._stopping.is_set() or not self._sandbox.state.ready or time.monotonic() >= until_s:
             return self._parts.queue.finish(claim, result, assignment), None
         stored, following = self._parts.queue.finish_and_claim(
-            claim, result, assignment, self.name, self._in_turn
+            claim, result, assignment, self.name, self._reserved
         )
         if following is not None and self._stopping.is_set():  # `stop` was called meanwhile
             self._parts.queue.hand_back(following)
@@ -247,14 +247,14 @@ class GradingSlot:
         return stored, following
 
     def _wait_for_room(self, claim: Claim, error: NoRoomError) -> None:
-        """Put a submission back that could not be started: it waits, which is no try."""
+        """Queue a submission again that could not be started for lack of room; this does not count as a try."""
         if self._abandoned is claim:
             self._fail(claim, error, had_run=False)
             return
         self._grader.close()
         self._parts.queue.hand_back(claim, f"{type(error).__name__}: {error}", _ROOM_PAUSE_S)
         _log.warning("%s waits for room: %s", claim.submission_id, error)
-        self._stopping.wait(_ROOM_PAUSE_S)  # what is due next would find no room either
+        self._stopping.wait(_ROOM_PAUSE_S)  # the next submission would find no room either
 
     def _fail(self, claim: Claim, error: Exception, *, had_run: bool) -> None:
         self._grader.close()
@@ -270,7 +270,7 @@ class GradingSlot:
             self._parts.observer.given_up()
         elif state is not None:
             self._parts.observer.retried()
-        # None: the claim is another's by now
+        # None: by now another slot has claimed the submission
         ends = {None: logging.INFO, SubmissionState.INFRASTRUCTURE_ERROR: logging.ERROR}
         level = ends.get(state, logging.WARNING)
         unexpected = error if not isinstance(error, GraderError) else None

@@ -42,7 +42,7 @@ class Worker:
         # One slot is kept for those whose turn it is; not with permits, where a slot must use the permit it got.
         keeps_one = config.slots > 1 and parts.work is None
         self._slots = [
-            GradingSlot(f"{self.id}/{number}", parts, self._sandbox, in_turn=number == 0 and keeps_one)
+            GradingSlot(f"{self.id}/{number}", parts, self._sandbox, reserved=number == 0 and keeps_one)
             for number in range(config.slots)
         ]
         self._work = parts.work or PolledWork(parts.doorbell, config.poll_s)

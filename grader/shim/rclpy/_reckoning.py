@@ -1,9 +1,9 @@
-"""The poses of the nominal car, reckoned by turtlesim's law as the episode does: no round trip for each of them.
+"""Dead reckoning of the nominal car, so that a pose costs the script no round trip to the episode.
 
-This says only what the script sees. The episode gets every command with its time, moves the car by the same law
-(`grader.sim.car`, `turtle`, `bullet`) and records what counts. Whatever may change the car otherwise (a service,
-a rotation, a turtle of the same name) or adds a listener, the episode is asked about, as ever; `Link` gives the
-reckoning up then, and the episode's next answer brings a new one.
+The poses computed here are only what the script sees. The episode gets every command with its time, moves the car
+by the same law (`grader.sim.car`, `turtle`, `bullet`) and records what is scored. When anything but a command may
+change the car (a service, a rotation, a turtle of the same name), or a listener is added, `Link` drops the
+reckoning and asks the episode, whose next answer starts a new one.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ import struct
 UPDATE_NS = 16_000_000
 UPDATE_S = 0.016
 LIFE_NS = 1_000_000_000
-"""How long a command acts: the first update later than that after the one that took it drops it."""
+"""How long a command acts, counted from the update that takes it; the first update after that stops the car."""
 
 MOST = 100.0
-"""Of a command's components, in m/s and rad/s."""
+"""The car clamps the components of a command to this, in m/s and rad/s."""
 
 NEVER_NS = 1 << 62
 
@@ -32,14 +32,18 @@ class Reckoning:
     """The car between two answers of the episode.
 
     Attributes:
-        subscriptions: whom each pose is for.
-        publishers: whose messages are commands.
+        subscriptions: ids of the subscriptions that get each pose.
+        publishers: ids of the publishers whose messages command the car.
         next_ns: instant of the next update.
 
     Args:
-        now_ns: instant of the update after which the rest holds: pose, (v, w) in that update, (v, w) commanded,
-            when that command is dropped, whether updates would change nothing.
-        window_m: width and height of the window, whose walls hold the car; 0: it has none.
+        now_ns: instant of the last update; the arguments that follow describe the car after it.
+        pose: x, y and heading.
+        velocity: (v, w) during that update.
+        commanded: (v, w) of the latest command.
+        drop_ns: when that command is dropped.
+        resting: whether the car stands still until the next command.
+        window_m: width and height of the window, whose walls stop the car; 0: no walls.
     """
 
     def __init__(
@@ -64,7 +68,7 @@ class Reckoning:
         self._resting = resting
         self._window_m = window_m
         self._at_rest: bytes | None = None
-        self._taken = b""  # the last command, and its (v, w)
+        self._taken = b""  # the last command, and its (v, w): most scripts repeat it
         self._asked = (0.0, 0.0)
 
     def update(self) -> bytes:
@@ -90,7 +94,7 @@ class Reckoning:
         return _POSE.pack(_HEADER, x, y, heading, abs(v), w)
 
     def command(self, t_ns: int, cdr: bytes) -> None:
-        """Take what was published as a command at `t_ns`, which no update up to then has seen."""
+        """Take a message as the command from `t_ns` on; the first update after that obeys it."""
         if cdr == self._taken:
             v, w = self._asked
         elif len(cdr) != _TWIST.size or cdr[:4] != _HEADER:

@@ -86,6 +86,41 @@ def test_silence(status: RunStatus, changes: dict[str, object], code: str, word:
     assert word in scoring.hint.en
 
 
+WAITING = """class Mover(Node):
+    def __init__(self):
+        self.create_subscription(Pose, "/turtle1/pose", self.heard, 10)
+    def heard(self, msg):
+        self.pose = msg
+    def go(self):
+        while self.pose is None:
+            {loop}
+        self.pub.publish(Twist())
+    def tick(self):
+        self.tick_once()
+    def tick_once(self):
+        {helper}
+"""
+
+
+@pytest.mark.parametrize(
+    ("loop", "helper", "code"),
+    [
+        ("time.sleep(0.1)", "rclpy.spin_once(self)", "waits_without_spin"),
+        ("rclpy.spin_once(self)", "time.sleep(0.1)", "waits_in_loop"),
+        ("self.tick()", "rclpy.spin_once(self)", "waits_in_loop"),
+        ("self.tick()", "time.sleep(0.1)", "waits_without_spin"),
+    ],
+)
+def test_a_loop_spins_where_a_function_that_it_calls_does(loop: str, helper: str, code: str) -> None:
+    ends = (publisher(), replace(publisher("/turtle1/pose"), kind="subscription"))
+    run = replace(
+        run_of(drive([], horizon_s=2.0), RunStatus.INTERRUPTED, command_count=0, endpoints=ends),
+        source=WAITING.format(loop=loop, helper=helper),
+        at_horizon="8 time.sleep 2000000000",
+    )
+    assert evaluate(assignment("square"), [run]).mistakes == (code,)
+
+
 def teleporting(trajectory: Trajectory, *turns_rad: float, final_reset: bool = False) -> Trajectory:
     """The motion, and in its last second these jumps, each on from the last: 2 m ahead, then a turn."""
     values = {name: getattr(trajectory, name) for name in Trajectory.__slots__}

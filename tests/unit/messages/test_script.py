@@ -65,6 +65,13 @@ def test_a_definition_is_no_call() -> None:
     assert script.calls("end")
 
 
+def test_what_runs_from_a_block_are_the_functions_that_it_calls_and_those_that_they_call() -> None:
+    script = ScriptText("def a():\n    n.b()\ndef b():\n    a()\ndef c():\n    spin()\nwhile x():\n    c()")
+    assert script.reached_from([1]) == {1, 3}
+    assert script.reached_from([7]) == {5, 7}
+    assert [script.spins(number) for number in (1, 3, 7, 99)] == [False, False, True, False]
+
+
 @pytest.mark.parametrize(
     ("kind", "problem", "source", "code"),
     [

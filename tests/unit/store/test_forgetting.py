@@ -6,6 +6,7 @@ from datetime import timedelta
 from pathlib import Path
 
 import pytest
+from sqlalchemy import Column, MetaData, String, Table
 from sqlmodel import SQLModel, select
 
 from grader.contracts.errors import CourseError, RefusedError
@@ -21,11 +22,13 @@ from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.erasing import Space
+from grader.store.forgetting import NAMES_NOBODY, naming_columns
 from grader.store.judgements import Given, Judgements
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
 from grader.store.submissions import Submissions
+from grader.store.tables import PlainText
 from grader.store.tokens import Tokens
 from tests.fakes.clock import FakeClock
 from tests.fakes.essays import ANSWER, grade_essay, question
@@ -153,6 +156,14 @@ def test_somebody_forgotten_hands_in_nothing_more(taught: Class, database: Datab
     with pytest.raises(RefusedError, match="unknown_student"):
         taught.hand_in("20260123", b"good # again")
     assert [one for one in TRACES if one in dump(database)] == []
+
+
+def test_a_new_column_of_text_is_searched_until_it_is_said_to_name_nobody() -> None:
+    columns = (Column("trouble", PlainText()), Column("note", PlainText()), Column("noted_by", String(64)))
+    ids, texts = naming_columns(Table("submission", MetaData(), *columns))
+    assert ([one.name for one in ids], [one.name for one in texts]) == (["noted_by"], ["note"])
+    known = {str(column) for table in SQLModel.metadata.sorted_tables for column in table.c}
+    assert known >= NAMES_NOBODY
 
 
 @pytest.mark.thorough

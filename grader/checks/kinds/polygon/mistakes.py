@@ -585,7 +585,11 @@ def _ending(seen: _Seen) -> Iterator[Mistake]:
         lasting = ("settled", "sides", "gap_pct")
         yield swings(seen.run, lasting) or mistake("never_finished", lasting)
     elif (overrun and drive.cut_short) or (not repeated and drive.moving_at_end):
-        yield mistake("never_stops", ("settled", "sides", "gap_pct"), publisher=_publisher(seen))
+        yield mistake(
+            "never_stops",
+            ("settled", "sides", "gap_pct"),
+            publisher=ScriptText(seen.run.source).publisher_name,
+        )
     elif figure is not None and overrun:
         after_m = float(drive.path.along_m[-1] - drive.path.along_m[figure.end])
         yield mistake("drove_on", ("settled", "gap_pct"), distance=number(after_m, "m"))
@@ -600,12 +604,9 @@ def _ending(seen: _Seen) -> Iterator[Mistake]:
 
 def _no_final_stop(seen: _Seen, excess: str) -> Mistake:
     spoilt = ("settled", "gap_pct", *_LENGTHS)
-    return mistake("no_final_stop", spoilt, excess=excess, publisher=_publisher(seen))
-
-
-def _publisher(seen: _Seen) -> str:
-    """Return the name that the script gave its publisher, else any."""
-    return ScriptText(seen.run.source).publisher or "publisher"
+    return mistake(
+        "no_final_stop", spoilt, excess=excess, publisher=ScriptText(seen.run.source).publisher_name
+    )
 
 
 def _degree(value: float) -> str:

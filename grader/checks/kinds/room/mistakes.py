@@ -14,7 +14,6 @@ from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Contact
 from grader.messages.quantity import number
 
-_FAR = ("ahead_m", "settled")
 _SCAN = "sensor_msgs/msg/LaserScan"
 _REACTION_NS = 500_000_000  # two scans
 _MUCH = 0.2  # of the way: more than a turn in a corner

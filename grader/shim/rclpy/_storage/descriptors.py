@@ -1,7 +1,7 @@
 """Open files of `storage` by number, as `os.open` gives them.
 
-The numbers are none that the operating system can give (the sandbox grants 64), so that a call which does not know
-of them meets "Bad file descriptor" and never a real file.
+The operating system never gives these numbers (the sandbox allows 64 descriptors). So a call that is not patched
+fails with "Bad file descriptor" instead of reaching a real file.
 """
 
 from __future__ import annotations

@@ -74,14 +74,14 @@ class Storage:
         self._script = File(self._new_inode(None), 0o644)  # made ahead, so that a start costs little
 
     def place_script(self, file_name: str, source: bytes) -> None:
-        """Put the script where it is at home: in the working directory, which is empty otherwise."""
+        """Put the script into the working directory, which is empty otherwise."""
         self._work.entries[file_name.rpartition("/")[2] or "student.py"] = self._script
         self._script.data += source
         self._used_bytes += len(source)
 
     def place(self, path: str, data: bytes) -> File:
-        """Put a file of the student's package where it is at home, with its folders; it counts no entry."""
-        folder, name = self._way(path)
+        """Make a file of the student's package, and its folders; `MOST_ENTRIES` does not count them."""
+        folder, name = self._folder_for(path)
         file = self.make_file(folder, name, 0o644)
         self._count -= 1
         file.data += data
@@ -89,11 +89,12 @@ class Storage:
         return file
 
     def link(self, path: str, file: File) -> None:
-        """Give a file that was placed another path as well."""
-        folder, name = self._way(path)
+        """Give a file that `place` made a second path."""
+        folder, name = self._folder_for(path)
         folder.entries[name] = file
 
-    def _way(self, path: str) -> tuple[Directory, str]:
+    def _folder_for(self, path: str) -> tuple[Directory, str]:
+        """Return the folder of a path, made if missing, and the path's last name."""
         *names, last = split(path)
         folder = self._root
         for name in names:
@@ -107,7 +108,7 @@ class Storage:
     # Paths --------------------------------------------------------------------------------------------
 
     def parts(self, path: Any) -> Parts | None:
-        """Return where in this storage `path` is; None when it is elsewhere, or no path.
+        """Return the names that lead to `path` in this storage; None if it lies elsewhere or is no path.
 
         Raises:
             OSError: the path, or a name in it, is too long.
@@ -131,20 +132,22 @@ class Storage:
         if len(encoded) >= _PATH_BYTES or any(len(name) > _NAME_BYTES for name in encoded.split(b"/")):
             fail(errno.ENAMETOOLONG, path)
         if ".." in text or text[-1] in "/.":
-            self._check_way(text, found, path)
+            self._check_steps(text, found, path)
         return found
 
-    def _check_way(self, text: str, found: Parts, path: Any) -> None:
-        """Refuse to go up from what is no directory, and a file's name with a slash behind it.
+    def _check_steps(self, text: str, found: Parts, path: Any) -> None:
+        """Check what `split` has dropped from a path: ``..`` and a final slash must follow a directory.
+
+        A final slash may also follow a name that does not exist yet.
 
         Raises:
-            OSError: as said.
+            OSError: one of them does not.
         """
         names = (text if text[0] == "/" else f"{self.cwd}/{text}").split("/")
         for place, name in enumerate(names):
-            way = split("/".join(names[:place]))
-            if name == ".." and way[:1] and way[0] in _TOPS:
-                self.find((*way, ""), path)
+            before = split("/".join(names[:place]))
+            if name == ".." and before[:1] and before[0] in _TOPS:
+                self.find((*before, ""), path)
         if names[-1] in ("", "."):
             try:
                 self.find((*found, ""), path)
@@ -152,17 +155,17 @@ class Storage:
                 return  # it may be about to be made
 
     def elsewhere(self, path: Any) -> Any:
-        """Return `path`, which is not in here, so that it means the same in the process's own directory."""
+        """Return a path outside this storage as an absolute one: the process's own directory is not `cwd`."""
         if isinstance(path, (str, bytes)) and path and os.fsencode(path)[:1] != b"/":
             absolute = "/" + "/".join(split(f"{self.cwd}/{os.fsdecode(path)}"))
             return os.fsencode(absolute) if isinstance(path, bytes) else absolute
         return path
 
     def find(self, parts: Parts, path: object) -> Entry:
-        """Return the entry at `parts`; an empty one at the end asks for a directory.
+        """Return the entry at `parts`; with an empty last part it must be a directory.
 
         Raises:
-            OSError: there is none (the error names `path`).
+            OSError: there is no such entry (the error names `path`).
         """
         entry: Entry = self._root
         for name in parts:
@@ -176,8 +179,8 @@ class Storage:
     def folder_of(self, parts: Parts, path: object) -> Directory:
         """Return the directory that is to hold the last of `parts`.
 
-        What stands in a home, the grader cannot know: a directory that a script takes for granted there is made.
-        In the working directory and in ``/tmp``, which begin empty, it is missing as anywhere.
+        A student's home may contain any directory, so one that a script expects there is made. In the working
+        directory and in ``/tmp``, which begin empty, a missing directory is an error.
 
         Raises:
             OSError: there is no such directory.

@@ -45,7 +45,7 @@ class ServerGoalHandle:
         self._action_server = action_server
         self._goal_info = goal_info
         self._goal_request = goal_request
-        self._cancel_requested = False
+        self._cancel_requested = False  # as upstream, where nothing sets it either
 
     def __eq__(self, other: object) -> bool:
         return bool(self.goal_id == other.goal_id)  # type: ignore[attr-defined]

@@ -133,7 +133,7 @@ def test_a_claim_that_was_lost_is_not_taken_for_the_next_of_the_same_submission(
 
 def test_what_takes_long_frees_the_slot_that_is_kept_once_somebody_waits(bench: Bench) -> None:
     long = bench.upload()
-    kept = GradingSlot("w/0", bench.parts, SandboxHealth(lambda: READY), in_turn=True)
+    kept = GradingSlot("w/0", bench.parts, SandboxHealth(lambda: READY), reserved=True)
     kept._sandbox.try_out()
     grading, made = Grading(bench, kept), heart(bench, kept)
     live(bench, made, beats=11)
@@ -162,7 +162,7 @@ def test_what_takes_no_longer_than_others_lately_goes_on_in_the_slot_that_is_kep
         bench.clock.advance(beats * BEAT_S)
         assert bench.queue.finish(earlier, bench.result(earlier))
     bench.upload()
-    kept = GradingSlot("w/0", bench.parts, SandboxHealth(lambda: READY), in_turn=True)
+    kept = GradingSlot("w/0", bench.parts, SandboxHealth(lambda: READY), reserved=True)
     kept._sandbox.try_out()
     grading, made = Grading(bench, kept), heart(bench, kept)
     bench.upload(student="other")
@@ -175,7 +175,7 @@ def test_what_takes_no_longer_than_others_lately_goes_on_in_the_slot_that_is_kep
 
 def test_a_first_try_may_take_four_seconds_in_the_slot_that_is_kept(bench: Bench) -> None:
     bench.upload()
-    kept = GradingSlot("w/0", bench.parts, SandboxHealth(lambda: READY), in_turn=True)
+    kept = GradingSlot("w/0", bench.parts, SandboxHealth(lambda: READY), reserved=True)
     kept._sandbox.try_out()
     grading, made = Grading(bench, kept), heart(bench, kept)
     bench.upload(student="other")
@@ -196,7 +196,7 @@ def test_a_slot_is_asked_to_give_way_between_two_beats(bench: Bench, monkeypatch
         def give_way(self) -> None:
             asked.release()
 
-    slot = Asked("w/0", bench.parts, SandboxHealth(lambda: READY), in_turn=True)
+    slot = Asked("w/0", bench.parts, SandboxHealth(lambda: READY), reserved=True)
     made = Heart("w", [slot], bench.parts, SandboxHealth(lambda: READY), heartbeat_s=1_000.0)
     made.start()
     try:
