@@ -226,12 +226,12 @@ def asleep(run: Run) -> Iterator[Mistake]:
         yield sleeps_too_long(run, slept)
 
 
-def _is_rate(run: Run, slept: "Call") -> bool:
+def _is_rate(run: Run, slept: "WaitingCall") -> bool:
     script = ScriptText(run.source)
     return bool(script.lines_with(r"\bcreate_rate\(")) and slept.line in script.lines_with(r"\.sleep\( ?\)")
 
 
-class Call(NamedTuple):
+class WaitingCall(NamedTuple):
     """A call that the main thread was waiting in: on which line, of what, and until when it would have waited."""
 
     line: int
@@ -239,13 +239,13 @@ class Call(NamedTuple):
     until_ns: int
 
 
-def call_at_end(run: Run) -> Call | None:
+def call_at_end(run: Run) -> WaitingCall | None:
     """Return the call that the main thread was waiting in when the run was interrupted at the horizon."""
     found = _CALL.fullmatch(run.at_horizon)
-    return None if found is None else Call(int(found["line"]), found["call"], int(found["until_ns"]))
+    return None if found is None else WaitingCall(int(found["line"]), found["call"], int(found["until_ns"]))
 
 
-def sleep_at_end(run: Run) -> Call | None:
+def sleep_at_end(run: Run) -> WaitingCall | None:
     """Return the call of a ``sleep`` that the main thread was waiting in at the horizon."""
     call = call_at_end(run)
     return call if call is not None and call.name.endswith("sleep") else None
@@ -257,7 +257,7 @@ def _loop_at_end(run: Run, script: ScriptText) -> int | None:
     return None if call is None else script.loop_of(call.line)
 
 
-def sleeps_too_long(run: Run, slept: Call) -> Mistake:
+def sleeps_too_long(run: Run, slept: WaitingCall) -> Mistake:
     """Return the mistake of a sleep that outlasted the run."""
     until, end = number(slept.until_ns / 1e9, "s"), number(run.outcome.duration_ns / 1e9, "s")
     return mistake("sleeps_too_long", line=slept.line, until=until, end=end)

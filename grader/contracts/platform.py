@@ -1,4 +1,4 @@
-"""Learning platforms that send students here, as LTI 1.3 has it."""
+"""Learning platforms from which a course is used, by LTI 1.3."""
 
 from dataclasses import dataclass
 from datetime import datetime
@@ -9,11 +9,11 @@ _PROVIDER: Final = "lti:"  # no id of a sign-in provider has a colon
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NewPlatform:
-    """What an instructor copies from a platform's page about the tool that it made of this service.
+    """What an instructor copies from the platform, whose page shows it once the service is registered as a tool.
 
     Attributes:
-        issuer, client_id: name the platform and what it calls us. deployment: id of the tool's use there.
-        login_url: where browsers are sent to be recognised. token_url, keys_url: asked by the service itself.
+        issuer: names the platform. client_id: names this service there. deployment: one installation of it.
+        login_url: where browsers are sent to sign in. token_url, keys_url: asked by the service itself.
     """
 
     title: str
@@ -36,17 +36,17 @@ class Platform(NewPlatform):
 
     @property
     def provider(self) -> str:
-        """Return under which name people are bound to members of the course (`Identity.provider`)."""
+        """Return the name of the platform in identities of members (`Identity.provider`)."""
         return provider_of(self.id)
 
 
 def provider_of(platform: str) -> str:
-    """Return what the platform of an id is called beside its people; `platform_of` is the way back."""
+    """Return the name in identities of the platform with an id; `platform_of` is the inverse."""
     return f"{_PROVIDER}{platform}"
 
 
 def platform_of(provider: str) -> str | None:
-    """Return the id of the platform that is called `provider` beside its people; None: it is no platform."""
+    """Return the id of the platform that identities call `provider`; None if that is no platform."""
     return provider.removeprefix(_PROVIDER) if provider.startswith(_PROVIDER) else None
 
 
@@ -55,9 +55,9 @@ class PlatformLink:
     """An activity of a platform that leads to an assignment.
 
     Attributes:
-        resource: the platform's id of it.
+        resource: the platform's id of the activity.
         assignment: where it leads; empty: to the list of assignments.
-        line_item: where its scores go; empty: the platform takes none for it.
+        line_item: address for its scores; empty: the platform takes none.
     """
 
     platform: str
@@ -70,12 +70,12 @@ class PlatformLink:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlatformScore:
-    """What a platform was last told of a member at an activity.
+    """The score of a member at an activity that a platform was sent last.
 
     Attributes:
-        sha256: of what it took; empty: nothing yet. sent_at: the instant named in it.
-        not_before: nobody sends again before. tries: failed in a row.
-        trouble: why it did not take the latest.
+        sha256: of the message that it accepted; empty: none yet. sent_at: the instant named in that message.
+        not_before: when the next try is due. tries: failed ones in a row.
+        trouble: why the latest try failed.
     """
 
     platform: str
@@ -91,11 +91,11 @@ class PlatformScore:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Picking:
-    """What a platform asks to be chosen: which assignments it makes activities of.
+    """A platform's request to choose assignments, of which it then makes activities ("deep linking").
 
     Attributes:
-        back: where the answer goes. data: JSON of what is given back with it; empty: nothing.
-        several: more than one activity may be made. scored: each may bring a column of the gradebook.
+        back: address for the answer. data: JSON that must be returned with it; empty: none.
+        several: more than one assignment may be chosen. scored: an activity may have a column in the gradebook.
     """
 
     back: str
@@ -106,7 +106,7 @@ class Picking:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OpenPicking(Picking):
-    """A choice that somebody who came from a platform, there called `subject`, may make `until` then."""
+    """A request that the person whom the platform calls `subject` may answer until `until`."""
 
     platform: str
     subject: str

@@ -91,6 +91,10 @@ class GradeReport(Record):
     interface: str = "ros2-humble"
     schema_version: int = SCHEMA_VERSION
 
+    def run_of(self, case: str | None) -> CaseRun | None:
+        """Return the run of a case, the first one if `case` is None; None if there is no such run."""
+        return next((run for run in self.runs if case is None or run.case == case), None)
+
     def to_dict(self) -> dict[str, object]:
         """Return plain JSON-ready data."""
         return asdict(self)

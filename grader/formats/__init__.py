@@ -1,4 +1,4 @@
-"""Files as people hand them in and take them home: spreadsheets (`sheets`), packages of ROS 2 (`packages`).
+"""Formats of files: spreadsheets (`sheets`), packages of ROS 2 (`packages`), pictures (`png`).
 
-Both read hostile bytes within fixed bounds and return contracts.
+The first two are what people hand in: they read hostile bytes within fixed bounds and return contracts.
 """

@@ -1,7 +1,7 @@
-"""Practice runs: scripts that are run for their author's eyes, behind all submissions, and kept nowhere.
+"""Practice runs: scripts that run for their author's eyes. Submissions go first, and nothing is stored.
 
-A service has some threads for it, each with a grading process of its own that lives while it is used. What runs is
-in this process's memory alone, so practice works in every process that serves, whoever grades submissions.
+Each thread for practice has a grading process of its own, which ends when it has been idle for a while. A practice
+run exists only in the memory of the serving process, so practice needs no worker.
 """
 
 import queue
@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 from grader.contracts.errors import RefusedError
 from grader.contracts.grading import GradingJob, GradingResult, RunProgress, TellingGrader
 
-_GLANCE_S = 0.05
-_PATIENCE_S = 2.0  # an idle slot takes what is due within milliseconds
+_GLANCE_S = 0.05  # between two looks at whether a submission still waits
+_PATIENCE_S = 2.0  # an idle slot claims a submission within milliseconds
 _IDLE_S = 600.0
 _WAITING_EACH = 4
 _RETRY_AFTER_S = 5
@@ -24,12 +24,12 @@ _RETRY_AFTER_S = 5
 
 @dataclass(slots=True, eq=False)
 class PracticeRun:
-    """A run that somebody waits for; without a job the process is only started.
+    """A run that somebody waits for.
 
     Attributes:
-        answer: fails with a `RefusedError` when submissions wait for longer than the run does, and with what a
-            grader raises. Cancelling it keeps a run from beginning; a run that has begun
-            comes to its end.
+        job: what to run; None: only start a grading process.
+        answer: the result. Fails with a `RefusedError` if submissions waited for longer than `patience_s`, else
+            with the grader's exception. Cancelling it prevents a run that has not begun, and ends none.
         progress: how far the run is; None before it has begun.
     """
 
@@ -44,9 +44,9 @@ class PracticeRuns:
     Args:
         most: threads, and grading processes; 0: practice is not offered.
         make_grader: returns a new grader, which belongs to the thread that calls it.
-        submissions_wait: whether a submission is due; then no run begins.
-        idle_s: after how long a grading process that nobody uses ends.
-        patience_s: how long a run waits for submissions.
+        submissions_wait: returns whether a submission is due; while one is, no run begins.
+        idle_s: how long a grading process is kept without a run.
+        patience_s: how long a run waits for submissions to be claimed before it is refused.
     """
 
     def __init__(
@@ -66,7 +66,6 @@ class PracticeRuns:
         self._tasks: queue.SimpleQueue[PracticeRun | None] = queue.SimpleQueue()
         self._lock = threading.Lock()
         self._under_way: list[PracticeRun] = []  # in the order in which they came
-        self._warm = 0
         self._threads: list[threading.Thread] = []
         self._graders: set[TellingGrader] = set()
         self._stopping = threading.Event()
@@ -77,9 +76,9 @@ class PracticeRuns:
         return self._most > 0
 
     def warm_up(self) -> None:
-        """Start a grading process unless one is there: somebody is about to run a script."""
+        """Start a grading process unless one runs already, because somebody will probably run a script soon."""
         with self._lock:
-            if not self.offered or self._stopping.is_set() or self._under_way or self._warm:
+            if not self.offered or self._stopping.is_set() or self._under_way or self._graders:
                 return
         self._put(PracticeRun(None))
 
@@ -87,7 +86,7 @@ class PracticeRuns:
         """Run a script as soon as a thread is free and no submission waits.
 
         Raises:
-            RefusedError: practice is not offered, or as many runs wait as may.
+            RefusedError: practice is not offered, or too many runs wait.
         """
         if not self.offered or self._stopping.is_set():
             raise RefusedError("practice_off")
@@ -101,14 +100,14 @@ class PracticeRuns:
         return run
 
     def where(self, run: PracticeRun) -> RunProgress | int:
-        """Return how far a run is that has begun, else how many have to end before it begins."""
+        """Return the progress of a run that has begun; of any other, how many runs must end before it begins."""
         with self._lock:
             if run.progress is not None or run not in self._under_way:
                 return run.progress or RunProgress()
             return max(self._under_way.index(run) - self._most + 1, 0)
 
     def stop(self) -> None:
-        """End what runs and start nothing more; from any thread, more than once."""
+        """Abort what runs and start nothing more. Thread-safe and idempotent."""
         with self._lock:
             self._stopping.set()
             graders, threads = set(self._graders), list(self._threads)
@@ -141,10 +140,10 @@ class PracticeRuns:
             self._under_way = [one for one in self._under_way if one.answer is not answer]
 
     def _work(self) -> None:
-        """Own one grader: it is started for the first task and ends when nothing came for a while."""
+        """Take runs one by one, with a grader that is made for the first and closed after `idle_s` without any."""
         grader: TellingGrader | None = None
         while True:
-            run = None  # what has ended is not held until the next one comes
+            run = None  # do not keep the last run alive while waiting for the next one
             with suppress(queue.Empty):
                 run = self._tasks.get(timeout=None if grader is None else self._idle_s)
             if run is not None and not self._stopping.is_set():
@@ -163,13 +162,11 @@ class PracticeRuns:
         grader = self._make_grader()
         with self._lock:
             self._graders.add(grader)
-            self._warm += 1
         return grader
 
     def _closed(self, grader: TellingGrader) -> None:
         with self._lock:
             self._graders.discard(grader)
-            self._warm -= 1
         grader.close()
 
     def _do(self, run: PracticeRun, grader: TellingGrader) -> None:
@@ -182,7 +179,7 @@ class PracticeRuns:
                 return
             self._let_submissions_go_first()
             run.answer.set_result(grader.grade(run.job, lambda: tell(RunProgress()), tell))
-        except Exception as error:  # whatever it is, it belongs to whoever waits
+        except Exception as error:  # of any kind: whoever waits for the answer gets it
             if not isinstance(error, RefusedError):
                 grader.close()
             if run.answer.running() or run.answer.set_running_or_notify_cancel():

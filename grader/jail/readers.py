@@ -1,8 +1,8 @@
-"""Processes of the grader's own that read what somebody uploaded, and whose fault it is when one does not answer.
+"""Running a process of the grader that reads an upload, and deciding whose fault it is if it does not answer.
 
-Such a process bounds itself by `limit`. What it does then is the upload's doing: it runs out of memory, or the
-kernel ends it for the CPU time it used. A wall limit that is reached says that the host had no time for it,
-because reading waits for nothing; and nobody but the host sends SIGKILL. A minute later it may be read.
+The process bounds itself by `limit`. If it then runs out of memory, or the kernel ends it for its CPU time, the
+upload is at fault. If it reaches the wall limit, the host had no time for it, because reading never waits for
+anything; and only the host sends SIGKILL. After such a fault of the host the upload may be read a minute later.
 """
 
 import resource
@@ -22,7 +22,7 @@ class TooMuchError(Exception):
 
 
 def limit(memory_bytes: int, cpu_s: int) -> None:
-    """Bound this process; beyond the CPU time the kernel ends it by SIGXCPU, which only that means."""
+    """Bound this process. The kernel ends it by SIGXCPU when its CPU time is used up, and for no other reason."""
     resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
     resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + _GRACE_S))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -39,11 +39,11 @@ def answer_of(
     """Run a reader; return its exit code and what it wrote.
 
     Args:
-        command: to be run.
-        content: for its standard input.
-        most_bytes: of its answer.
-        environment: None: that of this process.
-        wall_limit_s: three times its CPU time at least: a busy host reaches it, and no upload does.
+        command: the reader and its arguments.
+        content: given to its standard input.
+        most_bytes: bound on its answer.
+        environment: of the reader; None: that of this process.
+        wall_limit_s: at least three times its CPU time, so that no upload reaches it, only a busy host.
 
     Raises:
         TooMuchError: the upload takes too much.

@@ -1,7 +1,7 @@
-"""What log lines are about: a request, an upload, a grading.
+"""Fields of log lines that say which request, upload or grading a line belongs to.
 
-The fields are bound once, where the work begins; `grader.operation.logs` puts them on every line written inside,
-also by code that knows nothing of them.
+They are bound once, where the work begins. `grader.operation.logs` adds them to every line that is written until
+the work ends, also by code that knows nothing of them.
 """
 
 from collections.abc import Iterator, Mapping
@@ -21,13 +21,13 @@ _bound: ContextVar[dict[str, Field] | None] = ContextVar("grader_log_fields", de
 
 
 def begin(**fields: Field) -> None:
-    """Begin a unit of work that lasts as long as the current task or thread, with these fields only."""
+    """Bind these fields, and no earlier ones, for the rest of the current task or thread."""
     _bound.set(fields)
 
 
 @contextmanager
 def bound(**fields: Field) -> Iterator[None]:
-    """Put `fields` on every line that is written inside the context."""
+    """Add `fields` to every line that is written inside the context."""
     token = _bound.set({**(_bound.get() or {}), **fields})
     try:
         yield
@@ -36,7 +36,7 @@ def bound(**fields: Field) -> Iterator[None]:
 
 
 def about(claim: Claim) -> AbstractContextManager[None]:
-    """Put on every line that is written inside the context which grading it is about."""
+    """Add the fields of a claim to every line that is written inside the context."""
     return bound(
         submission=claim.submission_id,
         attempt=claim.attempt,
@@ -46,10 +46,10 @@ def about(claim: Claim) -> AbstractContextManager[None]:
 
 
 def note(**fields: Field) -> None:
-    """Add to the unit of work under way what was only found out now; outside of one, do nothing.
+    """Add fields to the unit of work under way, now that they are known; outside of one, do nothing.
 
-    Endpoints run in threads with a copy of their request's context: the mapping is shared on purpose, so that the
-    request's own line has these fields, too.
+    This changes the bound mapping itself. An endpoint runs in a thread with a copy of its request's context, which
+    shares the mapping, so the request's own log line gets these fields, too.
     """
     known = _bound.get()
     if known is not None:

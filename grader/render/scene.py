@@ -69,7 +69,7 @@ def compose(  # noqa: PLR0913, PLR0917
     Raises:
         ValueError: the report has no such run.
     """
-    run = next((run for run in report.runs if case is None or run.case == case), None)
+    run = report.run_of(case)
     if run is None:
         message = "a report without runs has nothing to plot"
         raise ValueError(message)

@@ -15,8 +15,8 @@ from grader.contracts.assignment import Watch
 from grader.contracts.errors import ProtocolError
 from grader.contracts.replay import Replayed, ReplayedBody, ReplayEnd
 from grader.contracts.trajectory import Floats, Picture, Trajectory
+from grader.formats.png import png_of
 from grader.sim.frames import Link
-from grader.sim.png import png_of
 from grader.sim.recorded_calls import RecordedCalls
 from grader.sim.wire import CALLS, START
 

@@ -9,10 +9,10 @@ import numpy as np
 from grader.contracts.assignment import Room, World
 from grader.contracts.errors import AssignmentError
 from grader.contracts.robot import LEAST_RANGE_M, MOST_RANGE_M, SCANNER_X_M
+from grader.formats.png import png_of
 from grader.sim import robot_messages as messages
 from grader.sim.feeds import Outbox
 from grader.sim.frames import MESSAGE_EVENT, CarState, Entity, Event, Request
-from grader.sim.png import png_of
 from grader.sim.recorder import ReceivedCommands, Recorder
 from grader.sim.robot import (
     BEAT_S,

@@ -1,4 +1,8 @@
-"""What of a script is compared: of every few runs of tokens one hash, the same one wherever they are the same."""
+"""Fingerprints of a script, which are compared with those of others ("winnowing").
+
+Each run of `GRAM_TOKENS` tokens is hashed, and of each `WINDOW` neighbouring runs the smallest hash is kept. Which
+one that is depends on these runs alone, so passages that are alike in two scripts give the same hashes.
+"""
 
 from dataclasses import dataclass
 from hashlib import blake2b
@@ -11,10 +15,10 @@ from numpy.typing import NDArray
 from grader.similarity.tokens import SourceTokens
 
 GRAM_TOKENS: Final = 12
-"""Places with fewer tokens in common are not found."""
+"""Tokens in a run; common passages of fewer tokens are not found."""
 
 WINDOW: Final = 8
-"""Of each window of this many runs of tokens one is kept, so that any 19 tokens in common are found."""
+"""Runs of which one hash is kept, so that any common passage of 19 tokens (12 + 8 - 1) is found."""
 
 _HASH_BYTES = 8
 Hashes = NDArray[np.uint64]
@@ -23,12 +27,12 @@ Lines = NDArray[np.int32]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fingerprints:
-    """What is compared of one script, in order of the text; all arrays have the same length.
+    """The hashes that were kept of one script, in its order; all arrays have the same length.
 
     Attributes:
         hashes: may repeat.
-        first_lines, last_lines: of the tokens behind each hash.
-        cut: whether the script goes on after what was read of it.
+        first_lines, last_lines: lines of the first and last token of each hashed run.
+        cut: whether the script is longer than the part that was read.
     """
 
     hashes: Hashes
@@ -41,7 +45,7 @@ class Fingerprints:
 
 
 def grams(tokens: SourceTokens) -> Hashes:
-    """Return the hash of every run of `GRAM_TOKENS` tokens: the same in every process and version."""
+    """Return the hash of every run of `GRAM_TOKENS` tokens; it does not depend on the process or on Python."""
     codes = tokens.codes.encode("ascii")
     digests = (
         blake2b(codes[i : i + GRAM_TOKENS], digest_size=_HASH_BYTES).digest()
@@ -51,7 +55,7 @@ def grams(tokens: SourceTokens) -> Hashes:
 
 
 def fingerprints(tokens: SourceTokens) -> Fingerprints:
-    """Return the smallest hash of every `WINDOW` neighbouring runs, of equal ones the last."""
+    """Return the smallest hash of each `WINDOW` neighbouring runs; of equal ones the last."""
     every = grams(tokens)
     if len(every):
         windows = sliding_window_view(every, min(WINDOW, len(every)))
@@ -64,7 +68,7 @@ def fingerprints(tokens: SourceTokens) -> Fingerprints:
 
 
 def likeness(first: Fingerprints, second: Fingerprints) -> float:
-    """Return how much of two scripts is the same, from 0 to 1 (Dice's coefficient of their different hashes)."""
+    """Return how similar two scripts are, from 0 to 1: Dice's coefficient of their sets of hashes."""
     hashes, others = np.unique(first.hashes), np.unique(second.hashes)
     together = len(hashes) + len(others)
     return 2 * len(np.intersect1d(hashes, others)) / together if together else 0.0

@@ -26,7 +26,8 @@ def bagged(
         RefusedError: what writes such files is not installed.
     """
     motion = decode_trajectory(trajectory)
-    run = next(run for run in report.runs if case is None or run.case == case)
+    run = report.run_of(case)
+    assert run is not None  # the trajectory is of this run
     about = {
         "assignment": report.assignment,
         "assignment_version": str(report.assignment_version),

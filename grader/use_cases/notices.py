@@ -1,4 +1,4 @@
-"""What an instructor sets up of notices: group bots' webhooks, e-mail, and a message to try them."""
+"""Setting up notices: the webhooks of group bots, e-mail, and a message to test them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ _SHOWN = 20
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShownWebhook:
-    """What is shown of a webhook. signed: messages carry a signature."""
+    """A webhook without its secrets. `signed`: messages carry a signature."""
 
     outlet: Outlet
     vendor: Vendor
@@ -38,7 +38,7 @@ class Setup:
 
     Attributes:
         can_mail: the operator has set up a mail server.
-        latest: notices, newest first, without what they say.
+        latest: the latest notices, newest first, without their texts.
     """
 
     webhooks: Mapping[Outlet, ShownWebhook]
@@ -73,10 +73,10 @@ def setup_of(services: Services, caller: Caller) -> Setup:
 
 
 def set_webhook(services: Services, caller: Caller, new: NewWebhook) -> None:
-    """Let a group's bot tell of the caller's course.
+    """Send the notices of the caller's course to a group chat, by the webhook of its bot.
 
     Raises:
-        RefusedError: the caller is no instructor, there is no course, or it is no such webhook.
+        RefusedError: the caller is no instructor, there is no course, or address or secret do not fit the vendor.
     """
     course = taught_course(caller)
     if len(new.address) > _LONGEST_ADDRESS or not is_address(new.vendor, new.address):
@@ -92,7 +92,7 @@ def set_webhook(services: Services, caller: Caller, new: NewWebhook) -> None:
 
 
 def remove_webhook(services: Services, caller: Caller, outlet: Outlet) -> None:
-    """Let a group's bot tell nothing any more.
+    """Send no more notices to a group chat.
 
     Raises:
         RefusedError: the caller is no instructor, or there is no such webhook.
@@ -103,7 +103,7 @@ def remove_webhook(services: Services, caller: Caller, outlet: Outlet) -> None:
 
 
 def set_mail(services: Services, caller: Caller, wishes: MailWishes) -> None:
-    """Choose what the caller's course has e-mailed.
+    """Choose which notices of the caller's course are sent by e-mail.
 
     Raises:
         RefusedError: the caller is no instructor, there is no course, or no e-mail can be sent.
@@ -118,10 +118,11 @@ def set_mail(services: Services, caller: Caller, wishes: MailWishes) -> None:
 
 
 def send_test(services: Services, caller: Caller, outlet: Outlet) -> None:
-    """Send a message that says it is a test, to a group or to the caller's own address.
+    """Send a test message to a group, or to the caller's own address.
 
     Raises:
-        RefusedError: the caller is no instructor, nothing is set up there, it was not taken, or tried too often.
+        RefusedError: the caller is no instructor, the outlet is not set up, it refused the message, or there were
+            too many tests.
     """
     course = taught_course(caller)
     language = services.settings.default_language

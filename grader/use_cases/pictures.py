@@ -1,4 +1,4 @@
-"""Plots of what was recorded: drawn from a stored grading by one thread, and the last ones kept."""
+"""Plots of recorded runs: one thread draws them from stored gradings, and the latest ones are cached."""
 
 import asyncio
 from collections import OrderedDict
@@ -9,7 +9,7 @@ from typing import Protocol
 from grader.checks import sketch
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import PictureForm
-from grader.contracts.report import CaseRun, GradeReport, report_from
+from grader.contracts.report import GradeReport, report_from
 from grader.contracts.scoring import Run
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
@@ -35,11 +35,11 @@ class Plotter(Protocol):
 
 
 class PlotCache:
-    """The last plots drawn, by digest of the report and by `PlotSpec`.
+    """The plots drawn last, by digest of the report and by `PlotSpec`.
 
-    A report's digest covers the digests of its trajectories, so equal keys mean equal plots. One thread of
-    its own draws: a class that looks at its plots must not take the threads that uploads need, and
-    matplotlib wants one drawing at a time anyway.
+    A report's digest covers the digests of its trajectories, so equal keys mean equal plots. A thread of its own
+    draws: a class that looks at its plots must not take the threads that uploads need, and matplotlib draws one
+    plot at a time anyway.
     """
 
     def __init__(self, plotter: Plotter, entries: int) -> None:
@@ -51,7 +51,7 @@ class PlotCache:
     async def get(
         self, assignment: Assignment, report: StoredReport, trajectory: bytes, spec: PlotSpec
     ) -> bytes:
-        """Return the picture, drawn now or before."""
+        """Return the picture, from the cache or drawn now."""
         future = self._thread.submit(self._get, assignment, report, trajectory, spec)
         return await asyncio.wrap_future(future)
 
@@ -98,10 +98,7 @@ def draw(  # noqa: PLR0913
     from grader.render.plot import plot  # matplotlib takes a second to import
 
     motion = decode_trajectory(trajectory)
-    run = _run(report, case)
+    run = report.run_of(case)
+    assert run is not None  # the trajectory is of this run
     figure = sketch(assignment, Run(trajectory=motion, outcome=run.outcome, case=run.case))
     return plot(assignment, report, motion, figure, language, form=form, case=run.case)
-
-
-def _run(report: GradeReport, case: str | None) -> CaseRun:
-    return next(run for run in report.runs if case is None or run.case == case)

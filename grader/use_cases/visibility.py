@@ -1,7 +1,8 @@
-"""What a caller may see: whose submissions, and what of a student's own the rules do not hide until a date.
+"""What a caller may see: whose submissions, and which rubric items.
 
-Rules hide rubric items, and with them whatever would give them away. A student's copy of a report leaves hidden
-items and the sentences about the whole out; score and points are those of the other items. It has its own digest.
+Rules can hide rubric items from students, until a date or for ever. A student's copy of a report lacks the hidden
+items and every sentence that might give them away, such as the summary. Its score and points are sums over the
+items that are left, and it has its own digest.
 """
 
 import hashlib
@@ -29,20 +30,20 @@ _EMPTY = {"zh": "", "en": ""}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hiding:
-    """Which items of an assignment students do not see now, and until when; None: for ever."""
+    """The items of an assignment that are hidden from students now, and until when; None: for ever."""
 
     items: frozenset[str]
     until: datetime | None
 
 
 def hiding(services: Services, submission: Submission) -> Hiding:
-    """Return the items of a submission that are hidden from students now. Only staff may see which these are."""
+    """Return the items of a submission that are hidden from students now. Only staff may be shown the answer."""
     rules = services.rules.of(submission.course).of(submission.assignment)
     return Hiding(items=rules.hidden_at(services.clock()), until=rules.hidden_until)
 
 
 def visible_submission(services: Services, caller: Caller, submission_id: str) -> Submission:
-    """Return a submission without its grading; scores that hidden items are part of are still in it.
+    """Return a submission without its grading. Its score still includes hidden items.
 
     Raises:
         RefusedError: no submission has that id, or it is somebody else's; the refusal is the same.
@@ -130,7 +131,7 @@ def _shown(
 
 
 def shown_report(services: Services, caller: Caller, report: GradeReport) -> GradeReport:
-    """Return a report that is stored nowhere as the caller would see it of a submission."""
+    """Return a report that is not stored, without what would be hidden from the caller if it were."""
     hidden = _hidden(services, caller, report.assignment)[report.assignment]
     if not hidden:
         return report
@@ -140,7 +141,7 @@ def shown_report(services: Services, caller: Caller, report: GradeReport) -> Gra
 def shown_list(
     services: Services, caller: Caller, submissions: Iterable[Submission]
 ) -> tuple[Submission, ...]:
-    """Return submissions as the caller may see them: scores are those of the items that are shown."""
+    """Return submissions as the caller may see them: scores without hidden items."""
     listed = tuple(submissions)
     hidden = _hidden(services, caller, *{one.assignment for one in listed})
     return tuple(_listed(services, one, hidden[one.assignment]) for one in listed)
@@ -153,7 +154,7 @@ def _listed(services: Services, submission: Submission, hidden: frozenset[str]) 
 
 
 def _hidden(services: Services, caller: Caller, *assignments: str) -> dict[str, frozenset[str]]:
-    """Return what is hidden of several assignments; the rules are read once."""
+    """Return the hidden items of each assignment; the rules are read once for all."""
     if caller.course is None or caller.role is not Role.STUDENT:
         return dict.fromkeys(assignments, frozenset())
     known, now = services.rules.of(caller.course), services.clock()
@@ -189,7 +190,7 @@ def _without(report: dict[str, Any], hidden: frozenset[str]) -> dict[str, Any]:
 
 
 def _silent(item: dict[str, Any], titles: Iterable[Mapping[str, str]]) -> dict[str, Any]:
-    """Return an item without its message if that names hidden items that it needs."""
+    """Return an item without its message if the message names a hidden item."""
     named = any(title[language] in item["message"][language] for title in titles for language in LANGUAGES)
     return {**item, "message": _EMPTY} if named and item["status"] != ItemStatus.PASSED.value else item
 

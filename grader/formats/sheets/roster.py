@@ -1,4 +1,4 @@
-"""Finding the people in a table: whose columns are called as registries, platforms and teachers call them."""
+"""Reading class lists: tables whose columns have the names that registries, platforms and teachers use."""
 
 import csv
 import io
@@ -51,14 +51,14 @@ _SECTION_SEPARATOR = re.compile("[,;，；、]")
 
 
 class SkippedRow(Record):
-    """A row that names somebody, but not so that they can be imported; and why."""
+    """A row that names somebody who cannot be imported, and why."""
 
     number: int
     reason: Text
 
 
 class Roster(Record):
-    """Who stands in a class list.
+    """The people in a class list, and the rows that cannot be imported.
 
     Attributes:
         encoding: of CSV; empty for a workbook.
@@ -97,7 +97,7 @@ def as_csv(entries: Sequence[RosterEntry]) -> str:
 
 
 def read_roster(content: bytes) -> Roster:
-    """Return who stands in a class list: a workbook or CSV, as `grader.formats.sheets.reading` reads them.
+    """Return the people in a class list: a workbook or CSV, as `grader.formats.sheets.reading` reads them.
 
     The header stands in one of the first twelve rows and has a column of ids and one of names (or of first and
     last names); columns of e-mail addresses, sections and roles are read as well, others ignored. Titles,
@@ -144,11 +144,11 @@ def _header(table: ListedTable) -> tuple[int, dict[str, int]]:
 
 
 def _columns(cells: Sequence[str]) -> dict[str, int]:
-    """Return which cell of a header names which column; nothing if ids or names are missing."""
+    """Return the index of each column that a header has; nothing if ids or names are missing."""
     labels = [label(cell) for cell in cells]
     found: dict[str, int] = {}
-    for column, known in _COLUMNS.items():
-        index = next((labels.index(one) for one in known if one in labels), None)
+    for column in _COLUMNS:
+        index = _index_of(column, labels)
         if index is not None and index not in found.values():
             found[column] = index
     named = "name" in found or {"first", "last"} <= found.keys()
@@ -156,15 +156,18 @@ def _columns(cells: Sequence[str]) -> dict[str, int]:
 
 
 def id_column(cells: Sequence[str]) -> int | None:
-    """Return which cell of a header names the column of ids, None if none does."""
-    labels = [label(cell) for cell in cells]
-    return next((labels.index(one) for one in _COLUMNS["id"] if one in labels), None)
+    """Return the index of the column of ids in a header, None if there is none."""
+    return _index_of("id", [label(cell) for cell in cells])
+
+
+def _index_of(column: str, labels: list[str]) -> int | None:
+    return next((labels.index(one) for one in _COLUMNS[column] if one in labels), None)
 
 
 def label(cell: str) -> str:
-    """Return a column's name without what is only decoration.
+    """Return a column's name in a form in which equal names compare equal.
 
-    That is case, width, colons, the star of a needed column, and the spaces that widen a short name: 姓　名.
+    Case, width, colons, the star of a required column and the spaces that widen a short name (姓　名) are dropped.
     """
     words = " ".join(unicodedata.normalize("NFKC", cell).casefold().strip(" *:").split())
     return words if words.isascii() else _WIDENING.sub("", words)
@@ -181,13 +184,13 @@ def _check_once(row: ListedRow, columns: dict[str, int]) -> None:
 
 
 def _entry(row: ListedRow, columns: dict[str, int]) -> RosterEntry | None:
-    """Return who stands in a row, None where nobody does."""
+    """Return the person in a row, None if there is none."""
     cells = {column: row.cells[index] for column, index in columns.items() if index < len(row.cells)}
     person = unicodedata.normalize("NFKC", cells.get("id", "")).strip()
     name = cells.get("name") or _joined(cells.get("first", ""), cells.get("last", ""))
     if not person and (not name or name.casefold() == "points possible"):  # Canvas' second row
         return None
-    # else the number of students becomes one; whoever has a name may be called Sum
+    # else the sum is imported as a student's id; somebody with a name may really be called Sum
     if (not name or name.isdecimal()) and any(label(cell) in _SUMS for cell in row.cells):
         raise CourseError("this row adds up the others", "这一行是合计，不是学生")
     if not person:
@@ -203,7 +206,7 @@ def _entry(row: ListedRow, columns: dict[str, int]) -> RosterEntry | None:
 
 
 def _joined(first: str, last: str) -> str:
-    """Return a name as its language orders it."""
+    """Return a full name: in ASCII the first name comes first, else the last name."""
     if first.isascii() and last.isascii():
         return f"{first} {last}".strip()
     return f"{last}{first}"

@@ -1,4 +1,4 @@
-"""The rule of one section of the course for an assignment, as a form."""
+"""The form for the rule of one section of the course for an assignment."""
 
 from typing import Annotated
 
@@ -36,7 +36,7 @@ def read(
     assignment_id: AssignmentId,
     section: SectionName,
 ) -> Response:
-    """Show due date and lateness of a section, those of the course if it has none of its own."""
+    """Show due date and late rule of a section; those of the course if it has none of its own."""
     assignment = require_published(services, visitor.caller, assignment_id)
     known = course_rules(services, visitor.caller, assignment.id)
     return _page(request, known, assignment, section)
@@ -52,7 +52,7 @@ def change(  # noqa: PLR0913, PLR0917
     form: Annotated[RuleForm, Form()],
     remove: Annotated[bool, Form()] = False,
 ) -> Response:
-    """Put a rule in place of the section's old one, or take that back, or show what is wrong."""
+    """Set or remove the section's rule; if something is wrong, show the form again."""
     assignment = require_published(services, visitor.caller, assignment_id)
     known = course_rules(services, visitor.caller, assignment.id)
     reader = Reader(known.zone)
@@ -74,7 +74,7 @@ def change(  # noqa: PLR0913, PLR0917
 
 
 def _typed(reader: Reader, form: RuleForm, rules: Rules, section: str) -> Rules:
-    """Return the rules with what was typed for a section; as they were if something is wrong."""
+    """Return the rules with the section's rule as typed; unchanged, with an error in `reader`, if it is wrong."""
     typed = reader.rules(form, _shown(rules, section), frozenset())
     if typed.due is None:
         reader.errors.setdefault("due", "rules.error.needs_due")
@@ -89,7 +89,7 @@ def _typed(reader: Reader, form: RuleForm, rules: Rules, section: str) -> Rules:
 
 
 def _shown(rules: Rules, section: str) -> Rules:
-    """Return what the form shows of the rules: what a section may have of its own."""
+    """Return the rules that the form shows: those fields that a section may have of its own."""
     own = rules.for_sections([section])
     return Rules(due=own.due, late=own.late, accept_late_s=own.accept_late_s)
 

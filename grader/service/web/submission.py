@@ -20,7 +20,7 @@ from grader.contracts.figure import FigureSketch
 from grader.contracts.judgement import JudgedItem, judged
 from grader.contracts.outcome import StudentError
 from grader.contracts.progress import Standing
-from grader.contracts.report import CaseRun, GradeReport, report_from
+from grader.contracts.report import report_from
 from grader.contracts.submission import StoredReport, Submission
 from grader.formats.packages.bundle import line_in_text, text_of
 from grader.messages import on_page
@@ -207,7 +207,7 @@ def read_sketch(
 ) -> Response:
     """Return what the checks saw in the motion; an empty object when they cannot say."""
     _, stored = access.seen(services, visitor, submission_id)
-    run = None if stored is None else _run_of(judged(stored), case)
+    run = None if stored is None else judged(stored).run_of(case)
     figure = (
         None
         if stored is None or run is None
@@ -360,7 +360,7 @@ def _result(
         return {"result": None, "replay": False}
     language = language_of(request)
     report = judged(stored)
-    run = _run_of(report, case)
+    run = report.run_of(case)
     if run is None and case is not None:
         raise RefusedError("no_trajectory", field="case", allowed=list(stored.cases))
     figure = (
@@ -382,8 +382,3 @@ def _result(
         "bags": _WRITES_BAGS,
         "replay_words": replay_words(language),
     }
-
-
-def _run_of(report: GradeReport, case: str | None) -> CaseRun | None:
-    """Return the run of `case`, the first when None; None when there is no such run."""
-    return next((run for run in report.runs if case is None or run.case == case), None)

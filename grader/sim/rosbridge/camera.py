@@ -4,8 +4,8 @@ import math
 from typing import Final
 
 from grader.contracts.assignment import WINDOW_M
+from grader.formats.png import png_of
 from grader.sim.car import PlanarPose
-from grader.sim.png import png_of
 
 SIZE: Final = 222
 """Width and height of the picture, in pixels: one is 5 cm."""

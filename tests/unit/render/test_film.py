@@ -5,8 +5,8 @@ import io
 from PIL import Image
 
 from grader.contracts.trajectory import Picture
+from grader.formats.png import png_of
 from grader.render.film import film
-from grader.sim.png import png_of
 
 COLOURS = [(255, 0, 0), (0, 255, 0), (0, 0, 255)]
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import grader
 from grader.contracts.errors import ProtocolError
 from grader.contracts.trajectory import Picture, decode_trajectory, encode_trajectory
-from grader.sim.png import png_of
+from grader.formats.png import png_of
 from grader.sim.recorded_calls import FUNCTIONS, MOST_CALLS, RecordedCalls, read_calls
 from grader.sim.replay import planar
 from tests.unit.sim.replays import replayed

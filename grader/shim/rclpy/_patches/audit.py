@@ -1,7 +1,7 @@
-"""Refuses, with an exception that names the call, what the sandbox is going to refuse.
+"""Refuses calls that the sandbox would refuse as well, with an exception that is the same on every host.
 
-The boundary is the sandbox's; a script that goes round this module meets it. But which error the kernel gives
-depends on the host's layers (`EACCES`, `EPERM`, `EROFS`, a missing file), and a report must not.
+This is no security boundary: a script that gets round this module is stopped by the sandbox. But which error the
+kernel gives depends on the host's layers (`EACCES`, `EPERM`, `EROFS`, a missing file), and a report must not.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ FORBIDDEN = frozenset(
         "socket.gethostbyname",
     }
 )
-"""What `files` does in the script's own home never comes here."""
+"""Audit events of these calls. Those that `files` carries out in the script's own home raise none."""
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 _noted: set[str] = set()
 

@@ -1,4 +1,4 @@
-"""Handles of publishers, subscriptions, clients and services: queues, matching and the way to the world."""
+"""Handles of publishers and subscriptions, and their base, which those of services and clients share."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from rclpy._rcl.qos import NativeQos
 
 DISCOVERY_NS = 1_000_000
-"""A message published this soon after its publisher's creation is lost in DDS: the student is told."""
+"""DDS loses a message that is published sooner after its publisher was created. The student is told so."""
 
 _PRIVATE_TYPES = ("rcl_interfaces/srv/", "rcl_interfaces/msg/ParameterEvent")
-"""Endpoints every node has unasked; the episode is not told of them."""
+"""Types of the endpoints that every node has by itself; the episode is not told of them."""
 
 
 class EndpointHandle(Handle):
@@ -32,7 +32,7 @@ class EndpointHandle(Handle):
 
     Attributes:
         name: resolved name. type_name: ROS name of the type. gid: identity in the graph.
-        link_id: identity on the link, 0 when the episode was not told.
+        link_id: identity on the link, 0 if the episode was not told of it.
     """
 
     what = ""
@@ -62,7 +62,7 @@ class EndpointHandle(Handle):
             )
 
     def _meant_for_world(self) -> bool:
-        """Whether the assignment calls this service, or this client a service of the world."""
+        """Whether this is a service that the assignment calls, or a client of a service of the world."""
         key = {"service": "calls", "client": "services"}.get(self.what)
         return key is not None and [self.name, self.type_name] in link.world.get(key, ())
 
@@ -72,7 +72,7 @@ class EndpointHandle(Handle):
         return self.node.name, self.node.namespace
 
     def mismatch(self, policy: int) -> None:
-        """Count an endpoint of the other side whose QoS does not fit and tell the event handlers."""
+        """Count a peer whose QoS is incompatible, and tell the event handlers."""
         self.incompatible += 1
         self.last_policy = policy
         for backlog in self.watchers:
@@ -115,13 +115,13 @@ class PublisherHandle(EndpointHandle):
         self._meet_world()
 
     def _meet_world(self) -> None:
-        """Note whether the world takes what is published, or only wants to know how much."""
+        """Decide whether messages are sent to the world, or only counted there."""
         wanted = link.wants(self.link_id)
         self._carried = wanted and (bool(self._world) or self.name == "/rosout")
         self._counted = bool(self.link_id) and not wanted
 
     def match(self, reader: Reader) -> None:
-        """Send to `reader` from now on, and what is kept if it wants that."""
+        """Send to `reader` from now on; at once the messages kept for late listeners, if it wants those."""
         if isinstance(reader, SubscriptionHandle):
             self.readers.append(reader)
             if self._kept and reader.qos.transient:
@@ -145,9 +145,8 @@ class PublisherHandle(EndpointHandle):
         if not self._context.valid:
             self._require_context("Failed to publish")
         if self._carried and not (self.readers or self._fresh or self._kept is not None):
-            link.publish(
-                self.link_id, serialize(message)
-            )  # what `send` comes to, for all commands but the first
+            # a shortcut for what `send` would do with every command but the first
+            link.publish(self.link_id, serialize(message))
         elif self.readers or self._carried or self._kept is not None:
             self.send(serialize(message))
         elif self._counted:
@@ -168,7 +167,7 @@ class PublisherHandle(EndpointHandle):
         return self._context.valid
 
     def send(self, data: bytes) -> None:
-        """Deliver a serialised message, at no cost of time."""
+        """Deliver a serialised message. This takes no virtual time."""
         if self._kept is not None:
             self._kept.append(data)
         for reader in self.readers:
@@ -188,7 +187,7 @@ class PublisherHandle(EndpointHandle):
         kernel.charge()
         if self._fresh and self._carried:
             link.note_once("asked_for_listeners")
-        self._fresh = False  # who asks waits for the first one, and then loses nothing
+        self._fresh = False  # a script that asks waits for the first listener, and then loses nothing
         return len(self.readers) + len(self._world)
 
     def assert_liveliness(self) -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.trajectory import Picture, decode_trajectory, encode_trajectory
-from grader.sim.png import png_of
+from grader.formats.png import png_of
 from tests.fakes.grading import grade
 from tests.unit.service.web.conftest import Browser
 

@@ -5,7 +5,7 @@ import io
 import numpy as np
 from matplotlib.image import imread
 
-from grader.sim.png import png_of
+from grader.formats.png import png_of
 
 
 def read(data: bytes) -> np.ndarray:
