@@ -161,7 +161,9 @@ def constructor(error: StudentError, written: str, script: ScriptText) -> Closer
 
 
 def other_file(error: StudentError, written: str, script: ScriptText) -> Closer:
-    """Recognise a file of a package that is no node: setup.py, or a launch file."""
+    """Recognise a package's file that is no node: setup.py, or a launch file. In a package both are in place."""
+    if "/" in error.file:
+        return None
     if script.lines_with(r"^setup ?\(") and script.lines_with(r"^(from|import) (setuptools|distutils)\b"):
         return "other_file", {"name": "setup.py"}
     if script.lines_with(r"^def generate_launch_description\b"):

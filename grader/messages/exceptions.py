@@ -299,8 +299,8 @@ _MODULES: Final = tuple(
                    "argparse", "asyncio", "collections", "datetime", "json", "typing"))
 )  # fmt: skip
 _ELSEWHERE: Final = frozenset((
-    "PIL", "RPi", "ament_index_python", "bs4", "cv2", "cv_bridge", "flask", "gazebo_msgs", "gym",
-    "gymnasium", "imageio", "launch", "launch_ros", "moveit_msgs", "nav2_simple_commander", "open3d",
+    "PIL", "RPi", "bs4", "cv2", "cv_bridge", "flask", "gazebo_msgs", "gym",
+    "gymnasium", "imageio", "moveit_msgs", "nav2_simple_commander", "open3d",
     "openai", "pandas", "psutil", "pybullet", "pybullet_data", "requests", "scipy", "seaborn", "serial",
     "skimage", "sklearn", "smbus", "spidev", "sympy", "tensorflow", "torch", "torchvision", "tqdm",
     "transforms3d", "ultralytics", "usb", "yolov5",

@@ -235,6 +235,24 @@ def test_the_hint_says_what_is_wrong_in_a_launch_file(
     assert (report.mistakes[0], words in report.hint.en) == (code, True), report.hint.en
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("import IfCondition", "import IfConditions"),
+        ("launch.conditions", "launch.conditoins"),
+        ("import os\n", "import cv2\n"),
+        ("import os\n", "import helper\n"),
+    ],
+)
+def test_a_missing_import_of_a_launch_file_is_told_and_not_that_it_is_no_node(
+    slot: Slot, old: str, new: str
+) -> None:
+    report = launched(slot, LAUNCH.replace(old, new, 1))
+    assert report.mistakes[0] in ("library_not_here", "missing_module", "own_module"), report.hint.en
+    assert "launch/go.launch.py" in report.hint.en
+    assert "not a node" not in report.hint.en
+
+
 def test_an_error_outside_the_students_lines_is_told_without_a_line(slot: Slot) -> None:
     report = launched(slot, LAUNCH.replace("generate_launch", "generate_lunch"))
     assert report.mistakes == ("crashed",)
