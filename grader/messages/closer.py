@@ -171,6 +171,16 @@ def other_file(error: StudentError, written: str, script: ScriptText) -> Closer:
     return None
 
 
+def old_keyword(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise the names that Node's arguments had before ROS 2 Foxy."""
+    found = re.search(r"unexpected keyword argument 'node_(executable|namespace|name)'", error.message)
+    if found is not None:
+        return "launch_old_keyword", {"name": f"node_{found[1]}", "right": found[1]}
+    if "missing" in error.message and script.lines_with(r"\bnode_executable ?="):
+        return "launch_old_keyword", {"name": "node_executable", "right": "executable"}
+    return None
+
+
 def only_shell(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Recognise a file that holds a command of the terminal and no Python."""
     code = [line for line in script.lines if line.strip()]
@@ -299,6 +309,8 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "foreign_character": (dash,),
     "index_range": (list_too_short,),
     "init_twice": (calls_itself,),
+    "launch_keyword": (old_keyword,),
+    "launch_no_executable": (old_keyword,),
     "library_not_here": (other_file,),
     "missing_import": (imported_as,),
     "missing_module": (other_file, own_module),

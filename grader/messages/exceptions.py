@@ -161,6 +161,10 @@ _SIGNS: Final = (
     (r"TypeError: unsupported operand .*'tuple'", "comma_at_end"),
     (r"TypeError: unsupported operand .*'NoneType'", "none_in_sum"),
     (r"TypeError: (rclpy_logging_rcutils_log|RcutilsLogger\.\w+)\(\)", "log_not_text"),
+    (
+        r"TypeError: Node\.__init__\(\) missing 1 required keyword-only argument: 'executable'",
+        "launch_no_executable",
+    ),
     (r"TypeError: Node\.__init__\(\) missing", "no_super_init"),
     (
         r"AttributeError: '\w+' object has no attribute '(_(clock|default_callback_group|logger|parameters|"
@@ -188,6 +192,10 @@ _SIGNS: Final = (
     (
         r"SubstitutionFailure: executable '(?P<name>[^'\n]*)' not found on the libexec",
         "launch_executable",
+    ),
+    (
+        r"PackageNotFoundError: (\"package )?\W*(?P<name>[^'\n]*)' (not found, searching|is not a valid package)",
+        "unknown_package",
     ),
     (r"InvalidPythonLaunchFileError: .* returns None, no LaunchDescription", "launch_returns_nothing"),
     (r"TypeError: '(int|float)' object is not iterable", "not_iterable"),
