@@ -134,6 +134,8 @@ def none_in_init(error: StudentError, written: str, script: ScriptText) -> Close
 def none_before_spin(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Recognise a value of a message that a method uses before anything has spun, in a script without timers."""
     heard = [one for _, one in script.callbacks("subscription")]
+    if script.lines_with(r"\bThread\(|Executor\("):
+        return None  # something spins; a second spin would take the node away from it
     if not heard or script.callbacks("timer") or script.function_around(error.line or 0) in heard:
         return None
     used = [

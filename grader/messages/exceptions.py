@@ -159,7 +159,11 @@ _SIGNS: Final = (
     ),
     (r"TypeError: ('[<>]=?' not supported|unsupported operand) .*'array\.array'", "whole_array"),
     (r"TypeError: unsupported operand .*'tuple'", "comma_at_end"),
-    (r"TypeError: unsupported operand .*'NoneType'", "none_in_sum"),
+    (
+        r"TypeError: (unsupported operand .*'NoneType'|'[<>]=?' not supported .*'NoneType'|"
+        r"must be real number, not NoneType)",
+        "none_in_sum",
+    ),
     (r"TypeError: (rclpy_logging_rcutils_log|RcutilsLogger\.\w+)\(\)", "log_not_text"),
     (
         r"TypeError: Node\.__init__\(\) missing 1 required keyword-only argument: 'executable'",

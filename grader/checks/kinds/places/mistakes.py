@@ -87,6 +87,8 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, visits: Se
     spoilt = (*_GOAL_MEASURES, *_END_MEASURES)
     if first.entered_s is not None:
         return _entered_in_vain(visits, first)
+    if way.put:
+        return mistake("teleported", spoilt, topic=assignment.world.cmd_vel_topic)
     if _ignores_the_pose(assignment, run):
         return mistake("place_no_feedback", spoilt, topic=_pose_topic(assignment), **values)
     if drive.moving_at_end and _circles(drive, first):

@@ -13,6 +13,7 @@ from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import (
     command_mistakes,
     defined_twice,
+    hears,
     loop_in_callback,
     noted,
     only_turned,
@@ -73,8 +74,7 @@ class _Seen:
     @property
     def steers(self) -> bool:
         """Whether the script computes or compares with the heading that it hears."""
-        heard = any(each.kind == "subscription" for each in self.run.outcome.endpoints)
-        return heard and bool(ScriptText(self.run.source).lines_with(_BY_HEADING))
+        return hears(self.run) and bool(ScriptText(self.run.source).lines_with(_BY_HEADING))
 
     @property
     def ideal_deg(self) -> float:
@@ -285,7 +285,7 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
         (abs(turn.angle_rad) for turn in seen.driven.segments.turns if turn is not None), default=0.0
     )
     unfinished = seen.driven.figure is None or len(seen.driven.figure.sides_m) < seen.sides
-    by_pose = ScriptText(seen.run.source).lines_with(r"\.theta\b")
+    by_pose = hears(seen.run) and bool(ScriptText(seen.run.source).lines_with(r"\.theta\b"))
     if fastest >= (_FAST_BY_POSE_RADPS if by_pose else FAST_TURN_RADPS):
         yield mistake("degrees_as_radians", _SHAPE, rate=number(fastest, ""), ideal=_degree(seen.ideal_deg))
     elif math.degrees(widest) > 1.25 * FULL_TURN_DEG and unfinished and not _circling(seen):
@@ -397,7 +397,8 @@ def _is_arc(command: Command) -> bool:
 
 def _long_way(seen: _Seen, values: Mapping[str, object]) -> Mistake:
     """Tell of corners that go the long way round: by a wrong difference of angles, or for too long."""
-    turned_deg, by_pose = seen.driven.turned_deg, ScriptText(seen.run.source).lines_with(r"\btheta\b")
+    turned_deg = seen.driven.turned_deg
+    by_pose = hears(seen.run) and bool(ScriptText(seen.run.source).lines_with(r"\btheta\b"))
     if by_pose or not seen.driven.long_way.all():
         return mistake("long_way", ("opposite_corners",), turned=listed(turned_deg, "deg"), **values)
     turned = listed(np.abs(turned_deg), "deg")
