@@ -539,8 +539,8 @@ def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         what = say("polygon.sides_differ", longest=longest, shortest=shortest)
     else:
         what = say("polygon.odd_side", number=odd + 1, length=number(float(sides[odd]), "m"))
-    lengths = listed(sides, "m")
-    yield mistake("unequal_sides", ("side_spread_pct", "gap_pct"), what=what, lengths=lengths)
+    lengths, advice = listed(sides, "m"), say(f"polygon.sides.{'by_place' if seen.steers else 'by_time'}")
+    yield mistake("unequal_sides", ("side_spread_pct", "gap_pct"), what=what, lengths=lengths, advice=advice)
 
 
 def _lengths(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
