@@ -157,6 +157,7 @@ START_OUTSIDE = Text(
 NOT_READ = Text(
     zh="只读 Python 的启动文件：写 .launch.py", en="only launch files in Python are read; write .launch.py"
 )
+NUMBER = Text(zh="写成数字，不是 true 或 false", en="write a number, not true or false")
 RANGE = Text(
     zh="写成一个数，或 [最小, 最大]，最小 <= 最大", en="write one number, or [least, most] with least <= most"
 )

@@ -110,13 +110,13 @@ class RefreshedAssignments:
                 told = AssignmentError(
                     f"two folders have an assignment {id_}; rename one", f"两个文件夹里都有作业 {id_}：请改名"
                 )
-                troubles[id_] = _text(told)
+                troubles[id_] = told.text
             elif isinstance(one, AssignmentError):
-                troubles[id_] = _text(one)
+                troubles[id_] = one.text
                 if id_ in before:
                     found[id_] = before[id_]
             elif (error := same_version(before.get(id_), one)) is not None:
-                troubles[id_], found[id_] = _text(error), before[id_]
+                troubles[id_], found[id_] = error.text, before[id_]
             else:
                 found[id_] = one
         for id_, trouble in troubles.items():
@@ -137,7 +137,3 @@ def same_version(before: Assignment | None, after: Assignment) -> AssignmentErro
         f"{changed} changed, but version is still {after.version}: raise it",
         f"{changed} 改了，但 version 还是 {after.version}：请加一",
     )
-
-
-def _text(error: AssignmentError) -> Text:
-    return Text(zh=error.told("zh"), en=error.told("en"))

@@ -1,17 +1,33 @@
 """What the models of ``assignment.yaml`` share: strictness, lengths, and numbers that may be drawn by seed."""
 
 from random import Random
-from typing import Annotated
+from typing import Annotated, Any, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, field_validator
 
-from grader.catalog.misfits import RANGE, MisfitError
+from grader.catalog.misfits import NUMBER, RANGE, MisfitError
 
 
 class SpecModel(BaseModel):
-    """A part of the file: unknown fields and infinite numbers are refused."""
+    """A part of the file: unknown fields, infinite numbers, and true and false for numbers are refused."""
 
     model_config = ConfigDict(extra="forbid", strict=False, allow_inf_nan=False, frozen=True)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _no_truth_for_numbers(cls, value: object, info: ValidationInfo) -> object:
+        """Refuse ``yes``, ``on`` and ``true`` where a number is wanted; pydantic would take them for 1."""
+        truths = value if isinstance(value, list) else [value]
+        if any(isinstance(one, bool) for one in truths):
+            field = cls.model_fields[info.field_name or ""]
+            if _leaves(field.annotation) <= {int, float, type(None)}:
+                raise MisfitError(NUMBER)
+        return value
+
+
+def _leaves(annotation: Any) -> set[Any]:
+    """Return the plain types in an annotation such as ``tuple[float, float] | None``."""
+    return set().union(*map(_leaves, inner)) if (inner := get_args(annotation)) else {annotation}
 
 
 def number_or_range(value: object) -> object:

@@ -136,13 +136,18 @@ def command_mistakes(
     return _timeouts(run.trajectory, outcome, turns, drives)
 
 
+def hears(run: Run) -> bool:
+    """Whether the script subscribes to anything; a theta of another script belongs to a teleport."""
+    return any(each.kind == "subscription" for each in run.outcome.endpoints)
+
+
 def only_turned(run: Run, spoilt: tuple[str, ...]) -> Iterator[Mistake]:
     """Recognise a car that was told to turn, and never to drive."""
     if noted(run.outcome, "lateral_command") is not None:
         return  # it was told to drive, but sideways
     moves = [command for command in run.trajectory.commands if is_motion(command)]
     if moves and not any(abs(command.v_mps) > MOVING_MPS for command in moves):
-        by_pose = ScriptText(run.source).lines_with(r"\.theta\b|\borientation\b")
+        by_pose = hears(run) and ScriptText(run.source).lines_with(r"\.theta\b|\borientation\b")
         yield swings(run, spoilt) or mistake("no_drive_by_pose" if by_pose else "no_drive", spoilt)
 
 
@@ -357,7 +362,7 @@ def without_node(run: Run) -> Mistake:
         return mistake("main_guard", given=guard[1], line=run.source.count("\n", 0, guard.start()) + 1)
     if (uncalled := not_called(run)) is not None:
         return uncalled
-    exits = _exits(ScriptText(run.source))
+    exits = _exits(ScriptText(run.source), run.outcome)
     if exits and not run.outcome.stdout.text.strip():
         return mistake("exited_early", line=exits[0])
     if run.outcome.stdout.text.strip():
@@ -448,14 +453,18 @@ def ended_at_once(run: Run) -> Mistake | None:
     if lines := script.lines_with(r"^[ \t]*rclpy\.spin$"):
         return mistake("only_named", line=lines[0], call="rclpy.spin(node)")
     spins = script.lines_with(r"\bspin\w*\(")
-    if (lines := _exits(script)) and spins and lines[0] < spins[0]:
+    if (lines := _exits(script, run.outcome)) and spins and lines[0] < spins[0]:
         return mistake("exited_early", line=lines[0])
     return None
 
 
-def _exits(script: ScriptText) -> list[int]:
-    """Return the lines that end the program, without those in functions that nothing calls."""
-    found = ((number, script.function_around(number)) for number in script.lines_with(_EXIT))
+def _exits(script: ScriptText, outcome: RunOutcome) -> list[int]:
+    """Return the lines that end the program, without those in functions that nothing calls.
+
+    Where the program ended without an error, none that would have ended it with one.
+    """
+    lines = script.lines_with(_EXIT if outcome.exit_code else rf"{_EXIT} ?0? ?\)")
+    found = ((number, script.function_around(number)) for number in lines)
     return [number for number, name in found if not name or script.calls(name)]
 
 

@@ -39,6 +39,13 @@ class GraderError(Exception):
         """Return the message in `language` if it is there, else in English."""
         return (self.zh if language == "zh" else "") or str(self)
 
+    @property
+    def text(self) -> "Text":
+        """The message in both languages; in Chinese it is the English one where there is no other."""
+        from grader.contracts.text import Text
+
+        return Text(zh=self.told("zh"), en=self.told("en"))
+
 
 class AssignmentError(GraderError):
     """An assignment's files do not say what they must.
@@ -80,7 +87,15 @@ class RefusedError(GraderError):
 
 
 class CourseError(GraderError):
-    """A course, its people or its rules cannot be changed as asked."""
+    """A course, its people or its rules cannot be changed as asked.
+
+    Attributes:
+        field: the part of what was asked for that is wrong; None where it is none alone.
+    """
+
+    def __init__(self, message: str = "", zh: str = "", field: str | None = None) -> None:
+        super().__init__(message, zh)
+        self.field = field
 
 
 class ChangedMeanwhileError(CourseError):

@@ -230,12 +230,13 @@ def checked_id(text: str, what: str) -> str:
         raise CourseError(
             f"{text!r} is no {what}: use 1 to 64 letters, digits or . _ @ -, beginning with a letter or digit",
             f"{text!r} 不能用作编号：用 1 到 64 个英文字母、数字或 . _ @ -，以字母或数字开头",
+            "id",
         )
     return text
 
 
-def checked_name(text: str) -> str:
-    """Return a person's or a course's name without space around it.
+def checked_name(text: str, field: str = "name") -> str:
+    """Return a person's or a course's name, which stood in `field`, without space around it.
 
     Raises:
         CourseError: it is too long or cannot be printed.
@@ -245,6 +246,7 @@ def checked_name(text: str) -> str:
         raise CourseError(
             f"{name[:40]!r} is no name: use at most {_LONGEST_NAME} printable characters",
             f"{name[:40]!r} 不能用作名字：最多 {_LONGEST_NAME} 个可显示的字符",
+            field,
         )
     return name
 
@@ -260,6 +262,7 @@ def checked_section(text: str) -> str:
         raise CourseError(
             f"{section[:40]!r} is no section: use 1 to {LONGEST_SECTION} printable characters",
             f"{section[:40]!r} 不能用作班级名：1 到 {LONGEST_SECTION} 个可显示的字符",
+            "sections",
         )
     return section
 
@@ -272,7 +275,7 @@ def checked_email(text: str) -> str:
     """
     email = text.strip()
     if email and (len(email) > _LONGEST_EMAIL or not email.isprintable() or not _EMAIL.fullmatch(email)):
-        raise CourseError(f"{email[:60]!r} is no e-mail address", f"{email[:60]!r} 不是邮箱地址")
+        raise CourseError(f"{email[:60]!r} is no e-mail address", f"{email[:60]!r} 不是邮箱地址", "email")
     return email
 
 

@@ -13,7 +13,7 @@ that weaves and of figures with twelve sides fail when one is halved or doubled,
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,8 @@ Floats = NDArray[np.float64]
 # a little, but driving back on purpose goes for a good part of a side. Halved or doubled, a longer way back would
 # earn more than a shorter one.
 REVERSAL_SHARE = 0.1
+
+OVERSHOOT_SHARE = 0.5  # of a straight: who backs up along it for less had gone too far
 
 # Of the extent: what is shorter is how a controller settles, and no way worth counting.
 SETTLING_SHARE = 0.01
@@ -71,9 +73,49 @@ def driven_path(x_m: Floats, y_m: Floats, heading_rad: Floats, jumps: Sequence[i
     # Projected on the heading, measuring noise cancels from sample to sample; a sum of lengths would grow.
     signed_m = np.concatenate(([0.0], np.cumsum(dx * np.cos(middle) + dy * np.sin(middle))))
     extent_m = math.hypot(float(np.ptp(x_m)), float(np.ptp(y_m)))
-    turning = _turning_points(signed_m, max(REVERSAL_SHARE * extent_m, MIN_REVERSAL_M))
+    turning = _turning_points(signed_m, _reversal_m(extent_m))
     along_m, travel_rad = _unfold(signed_m, heading_rad, turning)
     return Path(x_m, y_m, heading_rad, travel_rad, along_m, signed_m, extent_m)
+
+
+def without_overshoots(path: Path) -> Path:
+    """Return the path with each way back from too far taken for a correction, however long.
+
+    A car went too far that backs up along a straight for less than `OVERSHOOT_SHARE` of it and then goes on as
+    before: turning, or ahead.
+    """
+    found = _turning_points(path.signed_m, _reversal_m(path.extent_m))
+    kept: list[int] = []
+    i = 0
+    while i < len(found):
+        before, after = kept[-1] if kept else 0, found[i + 1] if i + 1 < len(found) else len(path) - 1
+        overshot = _is_overshoot(path, before, found[i], after)
+        if not overshot:
+            kept.append(found[i])
+        i += 2 if overshot else 1
+    if len(kept) == len(found):
+        return path
+    along_m, travel_rad = _unfold(path.signed_m, path.heading_rad, kept)
+    return replace(path, along_m=along_m, travel_rad=travel_rad)
+
+
+def _is_overshoot(path: Path, before: int, there: int, back: int) -> bool:
+    """Whether the way between samples `there` and `back` leads back along the end of a straight before it."""
+    signed_m, heading_rad = path.signed_m, path.heading_rad
+    aside = np.abs(heading_rad[before : there + 1] - heading_rad[there]) >= MIN_TURN_RAD
+    begin = before + int(np.max(np.flatnonzero(aside), initial=-1)) + 1
+    straight_m = abs(float(signed_m[there] - signed_m[begin]))
+    back_m = abs(float(signed_m[back] - signed_m[there]))
+    # The car may turn before it drives on: `back` is anywhere in that turn, and the way back ends before.
+    near_m = back_m - SETTLING_SHARE * path.extent_m
+    end = there + int(np.argmax(np.abs(signed_m[there : back + 1] - signed_m[there]) >= near_m))
+    swung_rad = float(np.ptp(heading_rad[there : end + 1]))
+    return back_m < OVERSHOOT_SHARE * straight_m and swung_rad < MIN_TURN_RAD
+
+
+def _reversal_m(extent_m: float) -> float:
+    """Return how long a way back must be at least to be no correction."""
+    return max(REVERSAL_SHARE * extent_m, MIN_REVERSAL_M)
 
 
 def _without_jumps(
@@ -161,7 +203,7 @@ class Straight(PositionalRecord):
         direction_rad: mean continuous direction of travel over its middle part, detours left out.
         bend_rad: by how much that direction changes from its start to its end, wobble aside (not negative).
         length_m: distance travelled.
-        strayed_m: distance driven in its detours.
+        strayed_m: distance driven in its detours, and beyond its end and back, but for a correction.
         spun_rad: whole turns made on the way: by so much the direction at its end is ahead of `direction_rad`.
     """
 
@@ -357,6 +399,10 @@ def _assemble(path: Path, pieces: list[_Piece]) -> Segments:
             turns.append(None)
         else:
             angle = float(path.travel_rad[piece.last] - path.travel_rad[piece.first])
+            overshot_m = -length_m - _reversal_m(path.extent_m)  # in a way back the distance falls
+            if straights and overshot_m > 0.0:
+                strayed_m = straights[-1].strayed_m + 2.0 * overshot_m
+                straights[-1] = replace(straights[-1], strayed_m=strayed_m)
             if abs(angle) > STILL_RAD or abs(length_m) > STILL_M:
                 turns[-1] = Turn(piece.first, piece.last, angle, length_m)
     return Segments(tuple(straights), tuple(turns))

@@ -134,6 +134,8 @@ def none_in_init(error: StudentError, written: str, script: ScriptText) -> Close
 def none_before_spin(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Recognise a value of a message that a method uses before anything has spun, in a script without timers."""
     heard = [one for _, one in script.callbacks("subscription")]
+    if script.lines_with(r"\bThread\(|Executor\("):
+        return None  # something spins; a second spin would take the node away from it
     if not heard or script.callbacks("timer") or script.function_around(error.line or 0) in heard:
         return None
     used = [
@@ -161,11 +163,23 @@ def constructor(error: StudentError, written: str, script: ScriptText) -> Closer
 
 
 def other_file(error: StudentError, written: str, script: ScriptText) -> Closer:
-    """Recognise a file of a package that is no node: setup.py, or a launch file."""
+    """Recognise a package's file that is no node: setup.py, or a launch file. In a package both are in place."""
+    if "/" in error.file:
+        return None
     if script.lines_with(r"^setup ?\(") and script.lines_with(r"^(from|import) (setuptools|distutils)\b"):
         return "other_file", {"name": "setup.py"}
     if script.lines_with(r"^def generate_launch_description\b"):
         return "other_file", {"name": "launch"}
+    return None
+
+
+def old_keyword(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise the names that Node's arguments had before ROS 2 Foxy."""
+    found = re.search(r"unexpected keyword argument 'node_(executable|namespace|name)'", error.message)
+    if found is not None:
+        return "launch_old_keyword", {"name": f"node_{found[1]}", "right": found[1]}
+    if "missing" in error.message and script.lines_with(r"\bnode_executable ?="):
+        return "launch_old_keyword", {"name": "node_executable", "right": "executable"}
     return None
 
 
@@ -297,6 +311,8 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "foreign_character": (dash,),
     "index_range": (list_too_short,),
     "init_twice": (calls_itself,),
+    "launch_keyword": (old_keyword,),
+    "launch_no_executable": (old_keyword,),
     "library_not_here": (other_file,),
     "missing_import": (imported_as,),
     "missing_module": (other_file, own_module),

@@ -159,8 +159,16 @@ _SIGNS: Final = (
     ),
     (r"TypeError: ('[<>]=?' not supported|unsupported operand) .*'array\.array'", "whole_array"),
     (r"TypeError: unsupported operand .*'tuple'", "comma_at_end"),
-    (r"TypeError: unsupported operand .*'NoneType'", "none_in_sum"),
+    (
+        r"TypeError: (unsupported operand .*'NoneType'|'[<>]=?' not supported .*'NoneType'|"
+        r"must be real number, not NoneType)",
+        "none_in_sum",
+    ),
     (r"TypeError: (rclpy_logging_rcutils_log|RcutilsLogger\.\w+)\(\)", "log_not_text"),
+    (
+        r"TypeError: Node\.__init__\(\) missing 1 required keyword-only argument: 'executable'",
+        "launch_no_executable",
+    ),
     (r"TypeError: Node\.__init__\(\) missing", "no_super_init"),
     (
         r"AttributeError: '\w+' object has no attribute '(_(clock|default_callback_group|logger|parameters|"
@@ -188,6 +196,10 @@ _SIGNS: Final = (
     (
         r"SubstitutionFailure: executable '(?P<name>[^'\n]*)' not found on the libexec",
         "launch_executable",
+    ),
+    (
+        r"PackageNotFoundError: (\"package )?\W*(?P<name>[^'\n]*)' (not found, searching|is not a valid package)",
+        "unknown_package",
     ),
     (r"InvalidPythonLaunchFileError: .* returns None, no LaunchDescription", "launch_returns_nothing"),
     (r"TypeError: '(int|float)' object is not iterable", "not_iterable"),
@@ -299,8 +311,8 @@ _MODULES: Final = tuple(dict.fromkeys((
     "typing",
 )))  # fmt: skip
 _LIBRARIES_NOT_HERE: Final = frozenset((
-    "PIL", "RPi", "ament_index_python", "bs4", "cv2", "cv_bridge", "flask", "gazebo_msgs", "gym",
-    "gymnasium", "imageio", "launch", "launch_ros", "moveit_msgs", "nav2_simple_commander", "open3d",
+    "PIL", "RPi", "bs4", "cv2", "cv_bridge", "flask", "gazebo_msgs", "gym",
+    "gymnasium", "imageio", "moveit_msgs", "nav2_simple_commander", "open3d",
     "openai", "pandas", "psutil", "pybullet", "pybullet_data", "requests", "scipy", "seaborn", "serial",
     "skimage", "sklearn", "smbus", "spidev", "sympy", "tensorflow", "torch", "torchvision", "tqdm",
     "transforms3d", "ultralytics", "usb", "yolov5",

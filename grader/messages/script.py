@@ -341,9 +341,18 @@ class ScriptText:
         for number in self.lines_with(r"^[ \t]*except\b[^:]*:"):
             rest = self.lines[number - 1].partition(":")[2].strip()
             behind = rest or "".join(self.lines[number : number + 1]).strip()
-            if behind in {"pass", "continue"} and "KeyboardInterrupt" not in self.lines[number - 1]:
+            hides = behind in {"pass", "continue"} and "KeyboardInterrupt" not in self.lines[number - 1]
+            if hides and not self._only_cleans_up(number):
                 return number
         return None
+
+    def _only_cleans_up(self, number: int) -> bool:
+        """Whether the ``try`` of an ``except`` holds nothing but the calls that end a program."""
+        indent = _indent(self.lines[number - 1])
+        above = range(number - 1, 0, -1)
+        tried = next((at for at in above if re.match(rf"[ \t]{{{indent}}}try ?:", self.lines[at - 1])), None)
+        body = self.body(tried) if tried is not None else []
+        return bool(body) and all(re.search(r"\b(\w*shutdown|destroy_\w+|close)\(", text) for _, text in body)
 
     def loop_of(self, number: int) -> int | None:
         """Return the line of the innermost ``while`` around the given line, in the same function."""

@@ -64,6 +64,7 @@ class CourseLife:
             raise CourseError(
                 f"dates can be moved by 0 to {MOST_DAYS_MOVED} days, not {new.move_days}",
                 f"日期可以推后 0 到 {MOST_DAYS_MOVED} 天，不能是 {new.move_days}",
+                "move_days",
             )
         now = self._clock()
         signed = Signature(now, new.id, actor)
@@ -177,6 +178,7 @@ class CourseLife:
             raise CourseError(
                 f"an age has 1 to {MOST_DAYS_OLD} days, not {older_than_days}",
                 f"天数从 1 到 {MOST_DAYS_OLD}，不能是 {older_than_days}",
+                "older_than_days",
             )
         return self._clock() - timedelta(days=older_than_days)
 

@@ -202,14 +202,14 @@ def add_course(session: Session, new: Course, actor: str, copy_of: str | None = 
     """
     row = CourseRow(
         id=checked_id(new.id, "id of a course"),
-        title=checked_name(new.title),
+        title=checked_name(new.title, "title"),
         time_zone=_checked_zone(new.time_zone),
         created_at=new.created_at,
         distro=new.distro,
     )
     one_at_a_time(session, "course", row.id)
     if session.get(CourseRow, row.id) is not None:
-        raise CourseError(f"there is a course {row.id} already", f"已经有课程 {row.id}")
+        raise CourseError(f"there is a course {row.id} already", f"已经有课程 {row.id}", "id")
     session.add(row)
     session.flush()
     after = {"title": row.title, "time_zone": row.time_zone, "distro": row.distro}
@@ -341,7 +341,7 @@ def _check_alike(entries: Sequence[RosterEntry], known: Mapping[str, Member]) ->
             f"{new} differs from the member {old} only in {_differ(new, old).en}" for new, old in clashes
         )
         zh = "\n".join(f"{new} 和已有的成员 {old} {_differ(new, old).zh}" for new, old in clashes)
-        raise CourseError(f"nothing was imported:\n{en}", f"没有导入任何人：\n{zh}")
+        raise CourseError(f"nothing was imported:\n{en}", f"没有导入任何人：\n{zh}", "id")
 
 
 def _folded(person: str) -> str:
@@ -365,6 +365,7 @@ def _check_instructor(session: Session, course: str) -> None:
         raise CourseError(
             "the course would have no instructor: make somebody else one first",
             "这样课程就没有教师了：请先让另一个人当教师",
+            "role",
         )
 
 
@@ -401,6 +402,7 @@ def _checked_zone(name: str) -> str:
         raise CourseError(
             f"{name!r} is no time zone of this machine: use a name such as Asia/Shanghai",
             f"本机没有时区 {name!r}：请用 Asia/Shanghai 这样的名称",
+            "time_zone",
         ) from None
     return name
 

@@ -9,7 +9,6 @@ from datetime import datetime, timedelta
 
 from grader.contracts.errors import CourseError, RefusedError
 from grader.contracts.identity import Caller, Course, Role
-from grader.contracts.text import Text
 from grader.store.course_life import NewCourse
 from grader.store.erasing import Space
 from grader.store.forgetting import Forgotten
@@ -54,7 +53,7 @@ def copy_course(services: Services, caller: Caller, new: NewCourse) -> CopiedCou
     try:
         made = services.course_life.copy(course.id, new, teacher, caller.signature)
     except CourseError as error:
-        raise RefusedError("invalid_course", Text(zh=error.told("zh"), en=error.told("en"))) from None
+        raise RefusedError("invalid_course", error.text, field=error.field) from None
     _, token = services.tokens.issue(made.id, teacher.id, timedelta(days=_DAYS), caller.signature)
     return CopiedCourse(course=made, instructor=teacher.id, token=token)
 

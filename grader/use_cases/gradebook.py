@@ -15,7 +15,7 @@ from grader.contracts.identity import Caller, Member, Role
 from grader.contracts.judgement import judged
 from grader.contracts.notation import written
 from grader.contracts.rubric import summed
-from grader.contracts.text import Language, Text
+from grader.contracts.text import Language
 from grader.formats.sheets.filling import FilledSheet, fill
 from grader.formats.sheets.writing import Cell, as_text, csv_table, workbook
 from grader.messages import on_page
@@ -130,7 +130,7 @@ def fill_in(
     try:
         return fill(content, column, points)
     except CourseError as error:
-        raise RefusedError("invalid_sheet", Text(zh=error.told("zh"), en=error.told("en"))) from None
+        raise RefusedError("invalid_sheet", error.text, field="file") from None
 
 
 def _points_of(

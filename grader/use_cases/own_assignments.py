@@ -126,8 +126,7 @@ def _require_fit(services: Services, caller: Caller, new: Assignment) -> None:
         raise _refused((Misfit(file=SPEC_NAME, field="id", told=_TAKEN),))
     error = same_version(before, new)
     if error is not None:
-        told = Text(zh=error.told("zh"), en=error.told("en"))
-        raise _refused((Misfit(file=SPEC_NAME, field="version", told=told),))
+        raise _refused((Misfit(file=SPEC_NAME, field="version", told=error.text),))
 
 
 def _refused(found: tuple[Misfit, ...]) -> RefusedError:

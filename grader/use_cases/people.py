@@ -4,7 +4,6 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import timedelta
-from typing import Any
 
 from grader.contracts.assignment import Distro
 from grader.contracts.errors import CourseError, RefusedError
@@ -18,7 +17,6 @@ from grader.contracts.identity import (
     Seen,
     checked_entry,
 )
-from grader.contracts.text import Text
 from grader.formats.sheets.roster import Roster, read_roster
 from grader.store.courses import RosterChange
 from grader.use_cases.callers import require_instructor, require_staff, taught_course
@@ -84,7 +82,7 @@ def plan_import(services: Services, caller: Caller, content: bytes) -> ImportPla
         roster = read_roster(content)
         return ImportPlan(roster=roster, change=services.courses.preview_roster(course, roster.entries))
     except CourseError as error:
-        raise _refused(error, "file") from None
+        raise RefusedError("invalid_roster", error.text, field="file") from None
 
 
 def import_list(  # noqa: PLR0913
@@ -119,7 +117,7 @@ def import_list(  # noqa: PLR0913
         if remove and change.gone:
             services.courses.remove(course, [one.id for one in change.gone], actor)
     except CourseError as error:
-        raise _refused(error, "file") from None
+        raise RefusedError("invalid_roster", error.text, field="file") from None
     return ImportPlan(roster=plan.roster, change=change)
 
 
@@ -191,10 +189,10 @@ def member_of(services: Services, caller: Caller, person: str) -> Member:
     return member
 
 
-def _refused(error: CourseError, field: str = "") -> RefusedError:
-    detail = Text(zh=error.told("zh"), en=error.told("en"))
-    members: dict[str, Any] = {"field": field} if field else {}
-    return RefusedError("invalid_roster", detail, **members)
+def _refused(error: CourseError) -> RefusedError:
+    """Return the refusal; doors call a member's id `person`."""
+    field = "person" if error.field == "id" else error.field
+    return RefusedError("invalid_roster", error.text, field=field)
 
 
 def changes(

@@ -448,3 +448,128 @@ def main():
                           "        self.create_subscription")  # fmt: skip
     report = launched(slot, ask=asks, drive=drive)
     assert (report.mistakes[0], "/team/engine" in report.hint.en) == ("service_nowhere", True), report.hint.en
+
+
+ENDS = """import rclpy
+
+def main():
+    rclpy.init()
+    rclpy.create_node('ends')
+"""
+WHERE = """import os
+import rclpy
+
+def main():
+    rclpy.init()
+    rclpy.create_node('where')
+    print(os.environ.get('MINE'), os.getcwd(), os.environ.get('ROS_DISTRO'))
+    os.environ['MINE'] = 'changed'
+"""
+
+
+@pytest.mark.parametrize("again", [False, True], ids=["one node", "two nodes"])
+def test_each_node_has_its_environment_and_folder(slot: Slot, again: bool) -> None:
+    nodes = """
+    SetEnvironmentVariable('MINE', 'all'),
+    Node(package='my_turtle', executable='ask', additional_env={'MINE': 'a'}, cwd='/tmp'),
+"""
+    if again:
+        nodes += """
+    Node(package='my_turtle', executable='ask', env={'MINE': 'b'}),
+    Node(package='my_turtle', executable='ask'),
+"""
+    launch = LAUNCH.replace("{nodes}", nodes).replace("TimerAction", "SetEnvironmentVariable")
+    outcome = of(launched_as(slot, launch, ask=WHERE))
+    first, *others = outcome.stdout.text.splitlines()
+    assert first == "a /tmp humble", outcome.stderr.text
+    assert [line.split()[::2] for line in others] == [["b", "None"], ["all", "humble"]][: 2 * again]
+    assert all(line.split()[1] != "/tmp" for line in others)
+
+
+DOWN = """from launch import LaunchDescription
+from launch.actions import EmitEvent, LogInfo, RegisterEventHandler, Shutdown as End, TimerAction
+from launch.event_handlers import OnProcessExit, OnShutdown
+from launch.events import Shutdown
+from launch.substitutions import LocalSubstitution
+from launch_ros.actions import Node
+
+def generate_launch_description():
+    ask = Node(package='my_turtle', executable='ask'{more})
+    return LaunchDescription([
+        RegisterEventHandler(OnShutdown(on_shutdown=[LogInfo(msg=['down: ', LocalSubstitution('event.reason')])])),
+        Node(package='my_turtle', executable='drive', remappings=[('cmd', '/turtle1/cmd_vel')]),
+        ask, {also}
+    ])
+"""
+FAST = DRIVE.replace(
+    "        self.create_subs", "        self.create_timer(0.1, self.go)\n        self.create_subs"
+).replace("    def on_order", "    def go(self):\n        self.pub.publish(Twist())\n    def on_order")
+
+
+@pytest.mark.parametrize(
+    ("more", "also", "reason", "after_s"),
+    [
+        (", on_exit=End(reason='done')", "", "done", 1.0),
+        (
+            "",
+            "RegisterEventHandler(OnProcessExit(target_action=ask, on_exit=[EmitEvent(event=Shutdown())])),",
+            "reason not given",
+            1.0,
+        ),
+        ("", "TimerAction(period=3.0, actions=[End(reason='late')]),", "late", 3.0),
+        ("", "", "ctrl-c (SIGINT)", 60.0),
+    ],
+    ids=["on_exit", "event", "timer", "never"],
+)
+def test_a_launch_file_ends_everything(slot: Slot, more: str, also: str, reason: str, after_s: float) -> None:
+    launch = DOWN.replace("{more}", more).replace("{also}", also)
+    ask = ENDS.replace(
+        "    rclpy.create_node('ends')", "    rclpy.create_node('ends')\n    __import__('time').sleep(1.0)"
+    )
+    report = launched_as(slot, launch, ask=ask, drive=FAST)
+    outcome = of(report)
+    assert f"[INFO] [launch.user]: down: {reason}\n" in outcome.stdout.text, outcome.stderr.text
+    assert outcome.stdout.text.count("down: ") == 1
+    assert "drive False" in outcome.stdout.text  # its own Ctrl+C
+    assert outcome.status is (RunStatus.INTERRUPTED if after_s > 3.0 else RunStatus.FINISHED)
+    assert outcome.last_command_ns is not None
+    longest_s = min(after_s, assignment(WantedPackage()).horizon_s)
+    assert outcome.last_command_ns / 1e9 == pytest.approx(longest_s, abs=0.25)
+
+
+def test_a_node_that_lets_ctrl_c_through_is_no_crash_when_the_launch_file_ends_it(slot: Slot) -> None:
+    launch = DOWN.replace("{more}", ", on_exit=End()").replace("{also}", "")
+    spins = FAST[: FAST.index("    try:")] + "    rclpy.spin(node)\n"
+    report = launched_as(slot, launch, ask=ENDS, drive=spins)
+    outcome = of(report)
+    assert (outcome.status, outcome.exit_code, outcome.error) == (RunStatus.FINISHED, 130, None)
+    assert "KeyboardInterrupt" in outcome.stderr.text
+
+
+def test_a_launch_whose_nodes_have_all_ended_is_over(slot: Slot) -> None:
+    launch = DOWN.replace("{more}", "").replace("{also}", "")
+    outcome = of(launched_as(slot, launch, ask=ENDS, drive=ENDS))
+    assert "down: idle" in outcome.stdout.text, outcome.stderr.text
+    assert outcome.status is RunStatus.FINISHED
+
+
+@pytest.mark.parametrize("name", ["my_turtel", "My_Turtle", "my-turtle"])
+def test_a_misspelt_package_of_ones_own_is_not_found(slot: Slot, name: str) -> None:
+    report = launched(
+        slot, PAIR.replace("package='my_turtle', executable='ask'", f"package='{name}', executable='ask'")
+    )
+    outcome = of(report)
+    assert outcome.status is RunStatus.CRASHED
+    assert (
+        f"package '{name}' not found" in outcome.stderr.text
+        or f"'{name}' is not a valid" in outcome.stderr.text
+    )
+    assert report.mistakes[0] == "unknown_package"
+    assert f"no package {name}." in report.hint.en
+    assert name in report.hint.zh
+
+
+def test_a_package_of_others_is_left_out_with_a_note(slot: Slot) -> None:
+    outcome = of(launched(slot, "Node(package='rviz2', executable='rviz2')," + PAIR))
+    assert ("launch_ignored", "rviz2 rviz2") in [(note.code, note.text) for note in outcome.notes]
+    assert outcome.status is RunStatus.INTERRUPTED

@@ -215,6 +215,20 @@ def test_a_wrong_launch_file_is_told(slot: Slot, launch: str, said: str) -> None
     [
         ("executable='drive', name", "executable='dirve', name", "launch_executable", "the executable dirve"),
         ("remappings=[(", "remapping=[(", "launch_keyword", "no argument remapping"),
+        (
+            "package='my_turtle', executable=",
+            "package='my_turtle', node_executable=",
+            "launch_old_keyword",
+            "Write executable",
+        ),
+        (
+            "my_turtle', executable='drive', name",
+            "my_turtle', name",
+            "launch_no_executable",
+            "has no executable",
+        ),
+        ("drive', name='mover'", "drive', node_name='mover'", "launch_old_keyword", "Write name now"),
+        ("package='my_turtle', exec", "package='my_turtel', exec", "unknown_package", "no package my_turtel"),
         ("default_value='3.5'", "default_value=3.5", "launch_number", "in quotes"),
         ("msg=['distance ', ", "msg=['distance ', 3.5, ", "launch_number", "in quotes"),
         ("period=1.5", "period=1", "launch_period", "period=2.0"),
@@ -233,6 +247,24 @@ def test_the_hint_says_what_is_wrong_in_a_launch_file(
 ) -> None:
     report = launched(slot, LAUNCH.replace(old, new, 1))
     assert (report.mistakes[0], words in report.hint.en) == (code, True), report.hint.en
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("import IfCondition", "import IfConditions"),
+        ("launch.conditions", "launch.conditoins"),
+        ("import os\n", "import cv2\n"),
+        ("import os\n", "import helper\n"),
+    ],
+)
+def test_a_missing_import_of_a_launch_file_is_told_and_not_that_it_is_no_node(
+    slot: Slot, old: str, new: str
+) -> None:
+    report = launched(slot, LAUNCH.replace(old, new, 1))
+    assert report.mistakes[0] in ("library_not_here", "missing_module", "own_module"), report.hint.en
+    assert "launch/go.launch.py" in report.hint.en
+    assert "not a node" not in report.hint.en
 
 
 def test_an_error_outside_the_students_lines_is_told_without_a_line(slot: Slot) -> None:
@@ -271,8 +303,7 @@ def test_a_file_of_parameters_that_is_not_there_is_left_out_with_a_warning(slot:
     assert "/mover [0.0, 3.5, '1.0']" in outcome.stdout.text
 
 
-def test_a_launch_file_includes_another(slot: Slot) -> None:
-    outer = """from launch import LaunchDescription
+INCLUDES = """from launch import LaunchDescription
 from launch.actions import GroupAction, IncludeLaunchDescription
 from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import PathJoinSubstitution, ThisLaunchFileDir
@@ -283,7 +314,16 @@ def generate_launch_description():
     return LaunchDescription([GroupAction([
         PushRosNamespace('team'),
         IncludeLaunchDescription(launch_description_source=inner, launch_arguments={'distance': '9.0'}.items()),
-    ])])
+    ], scoped=False)])
 """
-    outcome = launched(slot, outer, **{"launch/inner.launch.py": LAUNCH}).runs[0].outcome
+
+
+def test_a_launch_file_includes_another(slot: Slot) -> None:
+    outcome = launched(slot, INCLUDES, **{"launch/inner.launch.py": LAUNCH}).runs[0].outcome
     assert "/team/mover [0.0, 9.0, '1.0']" in outcome.stdout.text
+
+
+def test_what_a_handler_starts_later_finds_nothing_of_a_group_that_has_ended(slot: Slot) -> None:
+    group = INCLUDES.replace(", scoped=False", "")
+    outcome = launched(slot, group, **{"launch/inner.launch.py": LAUNCH}).runs[0].outcome
+    assert "launch configuration 'distance' does not exist" in outcome.stderr.text

@@ -27,6 +27,8 @@ def counts_ticks(seen: Searched) -> Mistake | None:
         found = re.search(r"\bif ([\w.]+) ?(<=?|>=?|==) ?([\w.]+) ?:", text)
         counted = found and _counted_each_tick(found[1], seen.script)
         count = value_of(found[3], seen.script) if found and counted else None
+        if found and count and _only_logs(line, found[1], seen.script):
+            continue
         if found and count and count >= 1 and (count * period_s <= _EARLY_S or count <= _FEW_TICKS):
             took = number(count * period_s, "s")
             period = number(period_s, "s", 4)
@@ -40,6 +42,13 @@ _EARLY_S: Final = 1.0  # a motion of more was counted in ticks, and has another 
 _FEW_TICKS: Final = 10
 
 
+def _only_logs(line: int, name: str, script: ScriptText) -> bool:
+    """Whether what a count leads to is only shown: nothing moves or stops because of it."""
+    shown = rf"(?:.*\.(?:info|debug|warn|warning)|print)\(|{re.escape(name)} ?= ?0$"
+    body = script.body(line)
+    return bool(body) and all(re.match(shown, text) for _, text in body)
+
+
 def _counted_each_tick(name: str, script: ScriptText) -> bool:
     """Whether a name is raised by 1 at each tick: not only when another count has come somewhere, as sides are."""
     others = "|".join(re.escape(other) for other in script.counters - {name})
@@ -47,6 +56,8 @@ def _counted_each_tick(name: str, script: ScriptText) -> bool:
         conditions = [script.lines[line - 1].rpartition(":")[0], *script.conditions_of(line)]
         if any(re.search(_MEASURED, head) for head in conditions):
             continue
+        if any(re.search(r"[<>]", head) and not re.search(itself(name), head) for head in conditions):
+            continue  # raised when something else has come somewhere, such as the time of a side
         if not others or not re.search(rf"(?<![\w.])({others})\b", " ".join(conditions)):
             return True
     return False
@@ -125,9 +136,21 @@ def grows(seen: Searched) -> Mistake | None:
                 found is not None
                 and "%" not in text
                 and not re.search(r"(?i)\b(cos|sin)\(|\.info\(|\bprint\(|target|goal", text)
+                and not _only_shown(text, seen.script)
             ):
                 return mistake("grows_in_loop", line=line, name=name, written=found[0].strip())
     return None
+
+
+def _only_shown(text: str, script: ScriptText) -> bool:
+    """Whether a line assigns a name that nothing but messages on the screen use."""
+    assigned = re.match(r"[ \t]*(\w+) ?=(?!=)", text)
+    if assigned is None:
+        return False
+    used = [script.written(at) for at, code in enumerate(script.lines, start=1) if code.strip()]
+    used = [one for one in used if re.search(itself(assigned[1]), one) and one.strip() != text.strip()]
+    used = [one for one in used if not re.match(rf"[ \t]*{assigned[1]} *=(?!=)", one)]
+    return all(re.search(r"\bprint\(|\.(info|debug|warn|warning)\(", one) for one in used)
 
 
 def always_true(seen: Searched) -> Mistake | None:

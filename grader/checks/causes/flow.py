@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
-from grader.checks.causes.searched import CLOCK, Searched
+from grader.checks.causes.searched import CLOCK, Searched, itself
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import not_called
 from grader.messages.arithmetic import value_of
@@ -69,6 +69,7 @@ def empty_function(seen: Searched) -> Mistake | None:
         body = [text for _, text in seen.script.body(line) if text != '""'] or [behind]
         if (
             body == ["pass"]
+            and seen.script.definition(name) is not None  # else another one may stand in its place
             and seen.script.calls(name)
             and name not in heard
             and not re.search(_HARMLESS, name)
@@ -115,9 +116,10 @@ def no_loop(seen: Searched) -> Mistake | None:
     counted = seen.script.lines_with(r"\bcreate_(timer|subscription)\(|\bimport threading\b") + [
         line
         for line in seen.script.lines_with(r"^[ \t]*for\b")
-        if not any(re.search(r"\.publish\(", text) for text in seen.script.block(line))
+        if sum(bool(re.search(r"\.publish\(", text)) for text in seen.script.block(line)) != 1
     ]
-    waiting = seen.script.lines_with(rf"^[ \t]*while\b.*({CLOCK}|\bok\(|time)")
+    counted += seen.script.lines_with(r"[\[(].*\bfor \w+ in\b")
+    waiting = seen.script.lines_with(rf"^[ \t]*while\b.*({CLOCK}|\bok\(|time(?!s\b))")
     left = seen.script.lines_with(r"^[ \t]*(return$|raise\b|(\w+\.)*_?exit\(|quit\()")
     if counted or left or len(waiting) != len(seen.script.lines_with(r"^[ \t]*while\b")):
         return None
@@ -167,6 +169,8 @@ _ENDS: Final = re.compile(r"\b(shutdown|destroy_timer|destroy_node|cancel|exit)\
 
 def ends_in_callback(seen: Searched) -> Mistake | None:
     """Find a call in a timer's callback that ends the timer or the program at the first tick."""
+    if not seen.script.lines_with(r"\bspin"):
+        return None  # then the callback never ran
     for _, name in seen.script.callbacks("timer"):
         made = seen.script.definition(name)
         body = seen.script.body(made.line) if made else ()
@@ -306,8 +310,15 @@ def _kept(script: ScriptText) -> Iterator[tuple[str, int, re.Match[str]]]:
         if made is None or given is None:
             continue
         for line, text in enumerate(block[1:], start=made.line + 1):
-            if kept := re.match(rf"[ \t]*(\w+) ?= ?{given[1]}(\.\w+)*$", text):
+            kept = re.match(rf"[ \t]*(\w+) ?= ?{given[1]}(\.\w+)*$", text)
+            if kept and not _used_in(block[line - made.line + 1 :], kept[1]):
                 yield callback, line, kept
+
+
+def _used_in(lines: list[str], name: str) -> bool:
+    """Whether lines compute with a plain name, so that it was meant as a variable of its own."""
+    shown = r"\bprint\(|\.(info|debug|warn|warning)\("
+    return any(re.search(itself(name), text) and not re.search(shown, text) for text in lines)
 
 
 def _only_in_init(name: str, script: ScriptText) -> bool:
@@ -324,10 +335,12 @@ def state_never_set(seen: Searched) -> Mistake | None:
         return None  # it may be set to anything
     written = [(line, script.written(line)) for line in script.lines_with(r"\bstate\w* ?[=!]=? ?\"\"")]
     known = {found[1] for _, text in written for found in _STATE_SET.finditer(text)}
+    asked = {found[2] for _, text in written for found in _STATE_ASKED.finditer(text)}
+    unasked = sorted(known - asked)
     for line, text in written if len(known) <= _MOST_STATES else ():
         for found in _STATE_ASKED.finditer(text):
-            near = [one for one in sorted(known) if one.lower() == found[2].lower()]
-            near = near or difflib.get_close_matches(found[2], sorted(known), 1, _NEAR)
+            near = [one for one in unasked if one.lower() == found[2].lower()]
+            near = near or difflib.get_close_matches(found[2], unasked, 1, _NEAR)
             if found[2] not in known and near:
                 return mistake("state_never_set", line=line, name=found[1], asked=found[2], known=near[0])
     return None

@@ -19,16 +19,28 @@ def clamped(seen: Searched) -> Mistake | None:
             continue
         body = seen.script.body(line)
         set_again = body and re.match(rf"{re.escape(found[1])} ?= ?[\w.]+$", body[0][1])
-        if set_again and _is_beyond(given, value_of(found[3], seen.script), upper=found[2][0] == ">"):
+        limit = value_of(found[3], seen.script)
+        if set_again and _is_beyond(given, limit, upper=found[2][0] == ">") and _drove(limit, given, seen):
             return mistake("clamped", line=line, last=body[0][0], given=number(given, "m"))
     for line, found in seen.script.matches(r"=.*\b(min|max)\( ?([\w.]+) ?, ?([\w.]+) ?\)"):
         if re.search(_NO_LENGTH, found.string):
             continue
         bounds = (value_of(part, seen.script) for part in found.groups()[1:])
         known = next((value for value in bounds if value is not None), None)
-        if _is_beyond(given, known, upper=found[1] == "min"):
+        if _is_beyond(given, known, upper=found[1] == "min") and _drove(known, given, seen):
             return mistake("clamped", line=line, last=line, given=number(given, "m"))
     return None
+
+
+def _drove(limit_m: float | None, given_m: float, seen: Searched) -> bool:
+    """Whether the worst side is off by what the limit makes of it, or is not known."""
+    error = seen.findings.measures.get("side_error_pct")
+    if error is None or limit_m is None:
+        return True
+    return abs(error.value - 100.0 * abs(limit_m - given_m) / given_m) <= _ABOUT_PCT
+
+
+_ABOUT_PCT: Final = 6.0
 
 
 def _is_beyond(given: float, limit: float | None, *, upper: bool) -> bool:

@@ -66,12 +66,23 @@ def ticks_cut(seen: Searched) -> Mistake | None:
         ]
         cut += [(found[0], _quotient(found[1], found[2], seen.script)) for found in re.finditer(_WHOLE, text)]
         for written, value in cut:
-            if value is not None and value > 1.0 and (value - math.floor(value)) / value > _CUT:
+            share = 0.0 if value is None or value <= 1.0 else (value - math.floor(value)) / value
+            if value is not None and share > _CUT and _explains(share, seen):
                 values = {"value": number(value, ""), "whole": math.floor(value)}
                 return mistake("ticks_cut", line=line, written=written, **values)
     return None
 
 
+def _explains(share: float, seen: Searched) -> bool:
+    """Whether the worst corner lacks no more than a cut of that share takes away, or is not known."""
+    corner, item = seen.findings.measures.get("corner_deg"), seen.assignment.item_on("corner_deg")
+    if corner is None or item is None or item.low is None or item.high is None:
+        return True
+    wanted_deg = (item.low + item.high) / 2.0
+    return (wanted_deg - corner.value) / wanted_deg <= share + _BESIDE_CUT
+
+
+_BESIDE_CUT: Final = 0.03  # an update of turtlesim, and one of the script's own loop
 _CUT: Final = 0.01
 
 _RADIANS: Final = 6.3  # more is meant as degrees
@@ -109,8 +120,11 @@ def _in_radians(written: str, line: str, script: ScriptText) -> bool:
         return re.search(r"\bpi\b", written) is not None and not re.search(r"180|degrees", written)
     parts = abs(value) / (math.pi / 12)
     of_circle = round(parts) >= 1 and abs(parts - round(parts)) < _TOLERANCE
-    return 0.0 < abs(value) < _RADIANS and (of_circle or re.search(_RATE, line) is not None)
+    of_rate = abs(value) <= _RATE_RADPS and re.search(_RATE, line) is not None
+    return 0.0 < abs(value) < _RADIANS and (of_circle or of_rate)
 
+
+_RATE_RADPS: Final = 2.0  # of what turns faster, a few degrees a second are more likely to be meant
 
 _RATE: Final = r"(?i)angular\.z ?=|\w*(speed|omega|rate|vel)\w* ?="
 

@@ -23,6 +23,12 @@ def equals_exactly(seen: Searched) -> Mistake | None:
     """Find a distance or an angle that must equal a number exactly."""
     for line, found in seen.script.matches(rf"{_CONDITION}{_MEASURED} ?(==|!=) ?([\w.]+)"):
         name, sign, value = found.groups()
+        body = [text for _, text in seen.script.body(line)]
+        if all(re.match(rf"(return|continue)$|{re.escape(name)} ?=(?!=)", text) for text in body) and body:
+            continue  # a guard: against a pose that has not come, or a division by 0
+        made = seen.script.definition(seen.script.function_around(line))
+        if made is not None and re.search(itself(name), seen.script.lines[made.line - 1]):
+            continue  # a parameter, as it was written in the call
         if value in ("None", "True", "False") or name in seen.script.counters:
             continue
         if not _is_flag(name, seen.script):
@@ -33,7 +39,7 @@ def equals_exactly(seen: Searched) -> Mistake | None:
 def _is_flag(name: str, script: ScriptText) -> bool:
     """Whether a name is assigned nothing but whole numbers, which may be compared exactly."""
     given = [found[1].strip() for _, found in script.matches(rf"{itself(name)} ?=(?!=)(.*)$")]
-    return bool(given) and all(re.fullmatch(r"-?\d+", value) for value in given)
+    return bool(given) and all(re.fullmatch(r"-?\d+|True|False|.*[^-=][<>].*", value) for value in given)
 
 
 def degrees_added(seen: Searched) -> Mistake | None:
@@ -48,7 +54,7 @@ def degrees_added(seen: Searched) -> Mistake | None:
 
 _KEEPS_DEGREES: Final = (
     r"\b(degrees|rad2deg)\(|\b(radians|deg2rad)\( ?[a-zA-Z_]"
-    r"|\b180\b.*(\bpi\b|\b3\.14)|(\bpi\b|\b3\.14).*\b180\b|\b57\.\d"
+    r"|\b180\b.*(\b(?i:pi)\b|\b3\.14)|(\b(?i:pi)\b|\b3\.14).*\b180\b|\b57\.\d|\b0?\.0174\d*"
 )
 _PLUS_DEGREES: Final = (
     r"(?:theta|heading|yaw)\w{0,40} ?[-+]=? ?(?=\d\d)"
@@ -58,7 +64,11 @@ _PLUS_DEGREES: Final = (
 
 def wide_tolerance(seen: Searched) -> Mistake | None:
     """Find a condition that ends a turn while many degrees are still missing."""
-    for line, found in seen.script.matches(rf"{_CONDITION}\babs\( ?{_ANGLE} ?\) ?(?:<=?|>=?) ?([\w.]+)"):
+    compared = list(seen.script.matches(rf"{_CONDITION}\babs\( ?{_ANGLE} ?\) ?(?:<=?|>=?) ?([\w.]+)"))
+    known = [value for _, found in compared if (value := value_of(found[1], seen.script)) is not None]
+    if any(value < _WIDE_RAD for value in known):
+        return None  # that one ends the turn; the others slow it down
+    for line, found in compared:
         rad = value_of(found[1], seen.script)
         if rad is not None and _WIDE_RAD <= rad <= math.pi / 2 and _misses_by(math.degrees(rad), seen):
             degrees = number(math.degrees(rad), "deg")
@@ -83,6 +93,8 @@ def tolerance_too_small(seen: Searched) -> Mistake | None:
     distance = r"(?<![\w.])((?:self\.)?\w*(?:dist|juli|err|距离)\w*)"
     for line, found in seen.script.matches(rf"{_CONDITION}{distance} ?(?:<=?|>=?) ?([\w.]+)"):
         value = value_of(found[2], seen.script)
+        if re.search(r"(?i)ang|theta|yaw|head", found[1]):
+            continue  # no distance
         if value is not None and 0.0 <= value <= _LEAST_M:
             return mistake("tolerance_too_small", line=line, name=found[1], value=exact(value))
     return None

@@ -32,9 +32,12 @@ _PAUSE_S: Final = 0.3
 
 
 def _loops_on(seen: Searched, name: str, after: int) -> bool:
-    """Whether one of the next four lines is a ``while`` whose condition reads `name`."""
-    nexts = seen.script.lines[after : after + 4]
-    return any(re.match(rf"[ \t]*while\b.*(?<!\w){re.escape(name)}\b", line) for line in nexts)
+    """Whether one of the next four lines is a ``while`` whose condition reads `name`, with no loop inside."""
+    for at in range(after + 1, min(after + 5, len(seen.script.lines) + 1)):
+        if re.match(rf"[ \t]*while\b.*(?<!\w){re.escape(name)}\b", seen.script.lines[at - 1]):
+            inside = seen.script.block(at)[1:]  # a loop around others limits the time of all of them
+            return not any(re.match(r"[ \t]*(for|while)\b", text) for text in inside)
+    return False
 
 
 def start_once(seen: Searched) -> Mistake | None:
@@ -42,7 +45,9 @@ def start_once(seen: Searched) -> Mistake | None:
     for line, found in seen.script.matches(rf"^[ \t]*self\.(\w+) ?= ?.*{CLOCK}"):
         name = found[1]
         once = seen.script.assigned(name) is not None and seen.script.function_around(line) == "__init__"
-        if once and len(seen.script.lines_with(rf"\bwhile\b.*\bself\.{name}\b")) > 1:
+        waits = seen.script.lines_with(rf"\bwhile\b.*\bself\.{name}\b")
+        waits = [at for at in waits if len(re.findall(CLOCK, seen.script.lines[at - 1])) < 2]
+        if once and len(waits) > 1:
             return mistake("start_once", line=line, name=name, again=found.string.strip())
     return None
 

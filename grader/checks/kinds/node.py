@@ -40,7 +40,7 @@ def _heard(outcome: RunOutcome) -> list[LogRecord]:
 
 def _alive(outcome: RunOutcome) -> float:
     """An exception in the clean-up after Ctrl+C does not matter: `outcome.cleanup_error` costs nothing."""
-    return 1.0 if outcome.status is RunStatus.INTERRUPTED else 0.0
+    return 1.0 if outcome.status in (RunStatus.INTERRUPTED, RunStatus.STALLED) else 0.0
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:

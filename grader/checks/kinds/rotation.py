@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
-from grader.checks.drive import FAST_TURN_RADPS, Drive, commanded_at_end, drive_of, fastest_radps
+from grader.checks.drive import FAST_TURN_RADPS, Drive, commanded_at_end, drive_of, fastest_radps, is_motion
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Mistake, mistake
 from grader.checks.mistakes import command_mistakes, driving_mistakes, unheard
 from grader.checks.scoring import fits
@@ -115,7 +115,10 @@ def rotation_mistakes(
         yield _strayed(turned, drift, drive, ("drift_m",) if short else ("drift_m", "turned_deg"))
     if not _goals(run):
         yield from command_mistakes(run, assignment.world, turns=("turned_deg",), drives=())
-    if short and turned > MIN_TURN_DEG:
+    if short and _goals(run) and not any(map(is_motion, run.trajectory.commands)):
+        code = "rotation_aborted" if run.outcome.command_count else "rotation_absolute"
+        yield mistake(code, ("turned_deg",), turned=number(turned, "deg"))
+    elif short and turned > MIN_TURN_DEG:
         yield from _short_turn(turned, drive, run)
 
 
@@ -137,13 +140,13 @@ def _short_turn(turned: float, drive: Drive, run: Run) -> Iterator[Mistake]:
     if rates and min(rates) < 0.0 < max(rates):
         yield mistake("turned_both_ways", ("turned_deg",), turned=angle)
         return
-    codes = {math.degrees(1.0): "turned_one_radian", 180.0: "half_turn"}
-    for angle_deg, code in codes.items():
-        if abs(turned - angle_deg) <= SAME_DEG:
-            yield mistake(code, ("turned_deg",), turned=angle)
-            return
     held = commanded_at_end(run)
     slow = drive.cut_short or (held is not None and held.w_radps != 0.0)
+    codes = {} if slow else {math.degrees(1.0): ("turned_one_radian", 2.0), 180.0: ("half_turn", SAME_DEG)}
+    for angle_deg, (code, within_deg) in codes.items():
+        if abs(turned - angle_deg) <= within_deg:
+            yield mistake(code, ("turned_deg",), turned=angle)
+            return
     code = "turn_too_slow" if slow else "turn_too_short"
     yield mistake(code, ("turned_deg",), turned=angle)
 

@@ -121,9 +121,7 @@ def read_roster(content: bytes) -> Roster:
                 raise _shifted()
             _check_new(entry, row_of)
         except CourseError as error:
-            skipped.append(
-                SkippedRow(number=row.number, reason=Text(zh=error.told("zh"), en=error.told("en")))
-            )
+            skipped.append(SkippedRow(number=row.number, reason=error.text))
         else:
             row_of[entry.id.casefold()] = row.number, entry.id
             entries.append(entry)

@@ -91,9 +91,7 @@ def own_name(assignment: Assignment, name: str) -> str:
 
 def misfits_of(error: AssignmentError, root: str = "") -> tuple[Misfit, ...]:
     """Return what an error says is wrong, by file, line and field; paths as they are seen from `root`."""
-    problems: Iterable[tuple[str, Text]] = error.problems or [
-        ("", Text(zh=error.told("zh"), en=error.told("en")))
-    ]
+    problems: Iterable[tuple[str, Text]] = error.problems or [("", error.text)]
     return tuple(
         _misfit(place, told, f"{root}/" if root else "") for place, told in [*problems][:_MOST_SHOWN]
     )

@@ -191,7 +191,7 @@ def _kept(name: str, content: bytes | Mapping[str, bytes]) -> bytes:
     try:
         return bundled(content, _BOUNDS_OF_PACKAGE) if isinstance(content, bytes) else bundle_of(content)
     except RefusedError as error:
-        raise refusals([(place, Text(zh=error.told("zh"), en=error.told("en")))]) from None
+        raise refusals([(place, error.text)]) from None
 
 
 def _safe(name: str) -> str:

@@ -47,7 +47,7 @@ def form_problem(error: RefusedError, language: Language, field: str = "") -> Fo
         title=kind.title.get(language),
         fix=kind.fix.get(language),
         detail=None if error.detail is None else error.detail.get(language),
-        field=error.members.get("field", field),
+        field=error.members.get("field") or field,
         line=error.members.get("line"),
         text=error.members.get("text"),
     )

@@ -8,6 +8,15 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
+__all__ = [
+    "IfCondition",
+    "InvalidConditionExpressionError",
+    "LaunchConfigurationEquals",
+    "LaunchConfigurationNotEquals",
+    "UnlessCondition",
+    "evaluate_condition_expression",
+]
+
 _TRUE = ("true", "1")
 _FALSE = ("false", "0")
 
@@ -16,7 +25,12 @@ class InvalidConditionExpressionError(Exception):
     """An expression is neither true nor false."""
 
 
-def _truth(context: LaunchContext, expression: Any) -> bool:
+def evaluate_condition_expression(context: LaunchContext, expression: Any) -> bool:
+    """Return the truth of an expression.
+
+    Raises:
+        InvalidConditionExpressionError: it is neither true nor false.
+    """
     text = perform(context, expression)
     if text.strip().lower() not in _TRUE + _FALSE:
         raise InvalidConditionExpressionError(
@@ -29,14 +43,18 @@ class IfCondition(Condition):
     """Holds where an expression is true."""
 
     def __init__(self, predicate_expression: Any) -> None:
-        super().__init__(lambda context: _truth(context, predicate_expression))
+        super().__init__(
+            predicate=lambda context: evaluate_condition_expression(context, predicate_expression)
+        )
 
 
 class UnlessCondition(Condition):
     """Holds where an expression is false."""
 
     def __init__(self, predicate_expression: Any) -> None:
-        super().__init__(lambda context: not _truth(context, predicate_expression))
+        super().__init__(
+            predicate=lambda context: not evaluate_condition_expression(context, predicate_expression)
+        )
 
 
 class LaunchConfigurationEquals(Condition):
@@ -47,7 +65,7 @@ class LaunchConfigurationEquals(Condition):
             value = context.launch_configurations.get(launch_configuration_name)
             return value == (None if expected_value is None else perform(context, expected_value))
 
-        super().__init__(equal)
+        super().__init__(predicate=equal)
 
 
 class LaunchConfigurationNotEquals(Condition):
@@ -55,4 +73,4 @@ class LaunchConfigurationNotEquals(Condition):
 
     def __init__(self, launch_configuration_name: str, expected_value: Any) -> None:
         same = LaunchConfigurationEquals(launch_configuration_name, expected_value)
-        super().__init__(lambda context: not same.evaluate(context))
+        super().__init__(predicate=lambda context: not same.evaluate(context))

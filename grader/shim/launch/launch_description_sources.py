@@ -7,66 +7,162 @@ from types import ModuleType
 from rclpy._process import loops
 from rclpy._process.packages import workspace
 
-from launch._evaluation import LaunchContext, LaunchDescription, perform
+from launch._evaluation import LaunchContext, LaunchDescription, checked, perform
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
 
+__all__ = [
+    "AnyLaunchDescriptionSource",
+    "FrontendLaunchDescriptionSource",
+    "InvalidFrontendLaunchFileError",
+    "InvalidLaunchFileError",
+    "InvalidPythonLaunchFileError",
+    "PythonLaunchDescriptionSource",
+    "get_launch_description_from_any_launch_file",
+    "get_launch_description_from_frontend_launch_file",
+    "get_launch_description_from_python_launch_file",
+    "load_python_launch_file_as_module",
+]
+
+
+class InvalidLaunchFileError(Exception):
+    """A file is no launch file."""
+
+
 class InvalidPythonLaunchFileError(Exception):
     """A launch file has no ``generate_launch_description``."""
 
 
+class InvalidFrontendLaunchFileError(InvalidLaunchFileError):
+    """A launch file in XML or YAML, of which none is read here."""
+
+
+def load_python_launch_file_as_module(python_launch_file_path: str) -> ModuleType:
+    """Return a launch file in Python as a module.
+
+    Raises:
+        OSError: there is no such file.
+    """
+    with open(python_launch_file_path, "rb") as file:
+        source = file.read()
+    module = ModuleType("launch_file")
+    module.__file__ = python_launch_file_path
+    exec(loops.compile_script(source, workspace.shown(python_launch_file_path)), module.__dict__)  # noqa: S102
+    return module
+
+
+def get_launch_description_from_python_launch_file(python_launch_file_path: str) -> LaunchDescription:
+    """Return what a launch file in Python describes.
+
+    Raises:
+        InvalidPythonLaunchFileError: it does not say so.
+        OSError: there is no such file.
+    """
+    path = python_launch_file_path
+    generate = load_python_launch_file_as_module(path).__dict__.get("generate_launch_description")
+    if generate is None:
+        raise InvalidPythonLaunchFileError(
+            f"launch file at '{path}' does not contain the required function 'generate_launch_description()'"
+        )
+    found = generate()
+    if not isinstance(found, LaunchDescription):
+        raise InvalidPythonLaunchFileError(
+            f"generate_launch_description() of '{path}' returns {found!r}, no LaunchDescription"
+        )
+    return found
+
+
+def get_launch_description_from_frontend_launch_file(frontend_launch_file_path: str) -> LaunchDescription:
+    """Refuse a launch file in XML or YAML.
+
+    Raises:
+        InvalidFrontendLaunchFileError: always.
+        OSError: there is no such file.
+    """
+    with open(frontend_launch_file_path, "rb"):
+        pass
+    raise InvalidFrontendLaunchFileError(
+        f"launch file '{frontend_launch_file_path}': only launch files in Python are run here"
+    )
+
+
+def get_launch_description_from_any_launch_file(launch_file_path: str) -> LaunchDescription:
+    """Return what a launch file describes.
+
+    Raises:
+        InvalidFrontendLaunchFileError: it is not in Python.
+        InvalidPythonLaunchFileError, OSError: as `get_launch_description_from_python_launch_file`.
+    """
+    if launch_file_path.endswith(".py"):
+        return get_launch_description_from_python_launch_file(launch_file_path)
+    return get_launch_description_from_frontend_launch_file(launch_file_path)
+
+
 class LaunchDescriptionSource:
-    """A launch file."""
+    """A description, or the file that it is read from when it is first asked for."""
 
-    def __init__(self, location: Any) -> None:
-        self.location = location
+    def __init__(
+        self,
+        launch_description: LaunchDescription | None = None,
+        location: Any = "<string>",
+        method: str = "unspecified mechanism from a script",
+    ) -> None:
+        checked(location)
+        self.method = method
+        self._description = launch_description
+        self._given = location
+        self._expanded: str | None = None
 
-    def path(self, context: LaunchContext) -> str:
-        """Return where it is."""
-        return perform(context, self.location)
+    @property
+    def location(self) -> str:
+        """Where it is."""
+        return str(self._given) if self._expanded is None else self._expanded
 
-    def read(self, context: LaunchContext) -> LaunchDescription:
-        """Return what it describes.
+    def get_launch_description(self, context: LaunchContext) -> LaunchDescription:
+        """Return the description.
 
         Raises:
-            InvalidPythonLaunchFileError: it does not say so, or is not Python.
-            OSError: there is no such file.
+            InvalidLaunchFileError, InvalidPythonLaunchFileError, OSError: the file says none.
         """
-        path = self.path(context)
-        with open(path, "rb") as file:
-            source = file.read()
-        if not path.endswith(".py"):
-            raise InvalidPythonLaunchFileError(
-                f"launch file '{path}': only launch files in Python are run here"
-            )
-        module = ModuleType("launch_file")
-        module.__file__ = path
-        exec(loops.compile_script(source, workspace.shown(path)), module.__dict__)  # noqa: S102
-        generate = module.__dict__.get("generate_launch_description")
-        if generate is None:
-            raise InvalidPythonLaunchFileError(
-                f"launch file at '{path}' does not contain the required function 'generate_launch_description()'"
-            )
-        found = generate()
-        if not isinstance(found, LaunchDescription):
-            raise InvalidPythonLaunchFileError(
-                f"generate_launch_description() of '{path}' returns {found!r}, no LaunchDescription"
-            )
-        return found
+        self._expanded = perform(context, self._given)
+        if self._description is None:
+            self._description = self._get_launch_description(self._expanded)
+        return self._description
+
+    def _get_launch_description(self, location: str) -> LaunchDescription:
+        raise RuntimeError(
+            "LaunchDescriptionSource.get_launch_description(): called without launch description being set"
+        )
 
 
 class PythonLaunchDescriptionSource(LaunchDescriptionSource):
     """A launch file in Python."""
 
     def __init__(self, launch_file_path: Any) -> None:
-        super().__init__(launch_file_path)
+        super().__init__(None, launch_file_path, "interpreted python launch file")
+
+    def _get_launch_description(self, location: str) -> LaunchDescription:
+        return get_launch_description_from_python_launch_file(location)
+
+
+class FrontendLaunchDescriptionSource(LaunchDescriptionSource):
+    """A launch file in XML or YAML, which is refused when it is asked for."""
+
+    def __init__(self, launch_file_path: Any, *, parser: Any = None, method: str = "frontend") -> None:
+        super().__init__(None, launch_file_path, method)
+
+    def _get_launch_description(self, location: str) -> LaunchDescription:
+        return get_launch_description_from_frontend_launch_file(location)
 
 
 class AnyLaunchDescriptionSource(LaunchDescriptionSource):
     """A launch file of any kind."""
 
     def __init__(self, launch_file_path: Any) -> None:
-        super().__init__(launch_file_path)
+        super().__init__(None, launch_file_path, "any launch file")
+
+    def _get_launch_description(self, location: str) -> LaunchDescription:
+        return get_launch_description_from_any_launch_file(location)

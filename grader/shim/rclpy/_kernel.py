@@ -190,7 +190,8 @@ class Kernel:
         now_ns: current virtual time; reading it is free.
         epoch_ns: wall clock at virtual time 0, nanoseconds since 1970.
         horizon_ns: virtual instant of Ctrl+C.
-        interrupted: whether the horizon has been reached.
+        interrupted: whether Ctrl+C has come, which it does at the horizon.
+        ends_early: whether it came before, from the script's own launch file.
         main_ended: whether the main thread does no more than wait for the end of the others.
         running: the thread that runs.
         threads: those alive, in order of creation; the first is the main thread.
@@ -210,6 +211,7 @@ class Kernel:
         self.epoch_ns = 0
         self.horizon_ns = FOREVER_NS
         self.interrupted = False
+        self.ends_early = False
         self.main = Thread("main thread", FIRST_IDENT)
         self.main_ended = False
         self.running = self.main
@@ -225,6 +227,7 @@ class Kernel:
         self._most_steps = FOREVER_NS
         self._world: World | None = None
         self._limit_ns = FOREVER_NS
+        self._ctrl_c_ns = FOREVER_NS
         self._alarm_ns = FOREVER_NS
         self._signals: list[int] = []
         self._started = 0
@@ -404,7 +407,7 @@ class Kernel:
         """Begin at virtual time 0. A script that makes more than `most_steps` is ended."""
         if most_steps is not None:
             self._most_steps = most_steps
-        self.horizon_ns = self._limit_ns = horizon_ns
+        self.horizon_ns = self._limit_ns = self._ctrl_c_ns = horizon_ns
         self.epoch_ns = epoch_ns
         self.replan()
 
@@ -590,7 +593,8 @@ class Kernel:
     def _coupled(self) -> World | None:
         """Return the world if time may only move with its consent; after Ctrl+C it is not asked any more."""
         world = self._world
-        return world if world is not None and world.coupled and not self.interrupted else None
+        goes_on = self.ends_early or not self.interrupted
+        return world if world is not None and world.coupled and goes_on else None
 
     def _move_to(self, target_ns: int, together_ns: int = 0) -> None:
         """Advance time to `target_ns`, or to the first event before it that is later than `together_ns`."""
@@ -612,13 +616,22 @@ class Kernel:
         if self.now_ns >= self._limit_ns:
             self._interrupt()
 
+    def interrupt(self) -> None:
+        """Let Ctrl+C come now, and not from outside at the horizon: the world goes on."""
+        self.ends_early = True
+        self._ctrl_c_ns = self._limit_ns = self.now_ns
+        self._interrupt()
+
     def _interrupt(self) -> None:
-        if self._limit_ns >= self.horizon_ns + 2 * GRACE_NS:
+        if self._limit_ns >= self._ctrl_c_ns + 2 * GRACE_NS:
             self.end("interrupted")
         self._limit_ns += GRACE_NS
         if not self.interrupted:
             self._most_steps = min(self._most_steps, self.steps + self._most_steps // GRACE_STEPS)
-            self.at_horizon()  # before anything of the script runs: it may use up its CPU time without returning
+            if (
+                not self.ends_early
+            ):  # before anything of the script runs: it may use up its CPU time meanwhile
+                self.at_horizon()
         self.interrupted = True
         self.everywhere(self._take_interrupt)
 

@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from rclpy import _distro
 from rclpy._forwarding import forwarding
 from rclpy._kernel import kernel
+from rclpy.clock import Clock
 from rclpy.duration import Duration
 from rclpy.task import Future
 from rclpy.time import Time
 from tf2_msgs.srv import FrameGraph
 from tf2_py import BufferCore
-from tf2_py._poses import to_ns
 
 from tf2_ros.buffer_interface import BufferInterface
 
+_NO_TIME = Duration()
 _POLL_NS = 20_000_000  # tf2_ros polls every 20 ms while it waits
 
 __getattr__ = forwarding(__name__, {"geometry_msgs.msg": "TransformStamped", "rclpy.node": "Node"})
@@ -32,7 +34,7 @@ class Buffer(BufferCore, BufferInterface):
     def __init__(self, cache_time: Any = None, node: Any = None) -> None:
         BufferCore.__init__(self, cache_time)
         BufferInterface.__init__(self)
-        self._waiting: list[tuple[Future, Callable[[], bool]]] = []
+        self._waiting: list[tuple[Future, Callable[[], bool], Callable[[], Any]]] = []
         if node is not None:
             self.srv = node.create_service(FrameGraph, "tf2_frames", self._get_frames)
 
@@ -51,7 +53,7 @@ class Buffer(BufferCore, BufferInterface):
         self._settle()
 
     def lookup_transform(
-        self, target_frame: str, source_frame: str, time: Time, timeout: Duration | None = None
+        self, target_frame: str, source_frame: str, time: Time, timeout: Duration = _NO_TIME
     ) -> Any:
         """Return the pose of `source_frame` in `target_frame`, waiting up to `timeout` for it.
 
@@ -73,7 +75,7 @@ class Buffer(BufferCore, BufferInterface):
         source_frame: str,
         source_time: Time,
         fixed_frame: str,
-        timeout: Duration | None = None,
+        timeout: Duration = _NO_TIME,
     ) -> Any:
         """Return the pose of `source_frame` at one time in `target_frame` at another.
 
@@ -97,7 +99,7 @@ class Buffer(BufferCore, BufferInterface):
         target_frame: str,
         source_frame: str,
         time: Time,
-        timeout: Duration | None = None,
+        timeout: Duration = _NO_TIME,
         return_debug_tuple: bool = False,
     ) -> Any:
         """Return whether the transform is or becomes known within `timeout`; with the reason if asked for."""
@@ -111,7 +113,7 @@ class Buffer(BufferCore, BufferInterface):
         source_frame: str,
         source_time: Time,
         fixed_frame: str,
-        timeout: Duration | None = None,
+        timeout: Duration = _NO_TIME,
         return_debug_tuple: bool = False,
     ) -> Any:
         """Return whether `lookup_transform_full` would succeed within `timeout`, and why not if asked for."""
@@ -120,37 +122,47 @@ class Buffer(BufferCore, BufferInterface):
         return answer if return_debug_tuple else answer[0]
 
     def wait_for_transform_async(self, target_frame: str, source_frame: str, time: Time) -> Future:
-        """Return a future that is done when the transform is known."""
-        return self._future(lambda: self.can_transform_core(target_frame, source_frame, time)[0])
+        """Return a future that is done when the transform is known: with True or, on Jazzy, with the transform."""
+        question = (target_frame, source_frame, time)
+        return self._future(
+            lambda: self.can_transform_core(*question)[0], lambda: self.lookup_transform_core(*question)
+        )
 
     def wait_for_transform_full_async(
         self, target_frame: str, target_time: Time, source_frame: str, source_time: Time, fixed_frame: str
     ) -> Future:
-        """Return a future that is done when `lookup_transform_full` would succeed."""
+        """Return a future that is done when `lookup_transform_full` would succeed: with True, or what it does."""
         question = (target_frame, target_time, source_frame, source_time, fixed_frame)
-        return self._future(lambda: self.can_transform_full_core(*question)[0])
+        return self._future(
+            lambda: self.can_transform_full_core(*question)[0],
+            lambda: self.lookup_transform_full_core(*question),
+        )
 
-    def _wait(self, ask: Callable[[], tuple[bool, str]], timeout: Duration | None) -> tuple[bool, str]:
+    def _wait(self, ask: Callable[[], tuple[bool, str]], timeout: Duration) -> tuple[bool, str]:
+        deadline_ns = kernel.now_ns
+        if timeout != _NO_TIME:  # on Humble this refuses what is no Duration, on Jazzy the next line does
+            Clock().now() + timeout
+            deadline_ns += timeout.nanoseconds
         answer = ask()
-        deadline_ns = kernel.now_ns + (0 if timeout is None else to_ns(timeout))
         while not answer[0] and kernel.now_ns < deadline_ns:
             kernel.sleep_ns(_POLL_NS)
             answer = ask()
         return answer
 
-    def _future(self, known: Callable[[], bool]) -> Future:
+    def _future(self, known: Callable[[], bool], look_up: Callable[[], Any]) -> Future:
         future = Future()
+        result = look_up if _distro.chosen == _distro.JAZZY else lambda: True
         if known():
-            future.set_result(True)
+            future.set_result(result())
         else:
-            self._waiting.append((future, known))
+            self._waiting.append((future, known, result))
         return future
 
     def _settle(self) -> None:
         """Finish the futures whose transforms have become known, and forget those done otherwise."""
         waiting, self._waiting = self._waiting, []
-        for future, known in waiting:
+        for future, known, result in waiting:
             if not future.done() and known():
-                future.set_result(True)
+                future.set_result(result())
             elif not future.done():
-                self._waiting.append((future, known))
+                self._waiting.append((future, known, result))

@@ -10,6 +10,8 @@ from rclpy.duration import Duration
 from rclpy.time import Time
 from std_msgs.msg import Header
 
+_NO_TIME = Duration()
+
 
 class TypeException(Exception):
     """An object's type is not registered for transforming or converting."""
@@ -32,7 +34,7 @@ class BufferInterface:
         self.registration = TransformRegistration()
 
     def transform(
-        self, object_stamped: Any, target_frame: str, timeout: Duration | None = None, new_type: Any = None
+        self, object_stamped: Any, target_frame: str, timeout: Duration = _NO_TIME, new_type: Any = None
     ) -> Any:
         """Return a stamped object in another frame, at its own time, converted to `new_type` if given.
 
@@ -43,7 +45,7 @@ class BufferInterface:
         header = object_stamped.header
         moved = do_transform(
             object_stamped,
-            self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout or Duration()),
+            self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout),
         )
         return moved if new_type is None else convert(moved, new_type)
 
@@ -53,7 +55,7 @@ class BufferInterface:
         target_frame: str,
         target_time: Time,
         fixed_frame: str,
-        timeout: Duration | None = None,
+        timeout: Duration = _NO_TIME,
         new_type: Any = None,
     ) -> Any:
         """Return a stamped object in another frame at another time, by way of a frame fixed in time.
@@ -64,13 +66,13 @@ class BufferInterface:
         do_transform = self.registration.get(type(object_stamped))
         header = object_stamped.header
         found = self.lookup_transform_full(
-            target_frame, target_time, header.frame_id, header.stamp, fixed_frame, timeout or Duration()
+            target_frame, target_time, header.frame_id, header.stamp, fixed_frame, timeout
         )
         moved = do_transform(object_stamped, found)
         return moved if new_type is None else convert(moved, new_type)
 
     def lookup_transform(
-        self, target_frame: str, source_frame: str, time: Time, timeout: Duration | None = None
+        self, target_frame: str, source_frame: str, time: Time, timeout: Duration = _NO_TIME
     ) -> Any:
         """Return the pose of `source_frame` in `target_frame`."""
         raise NotImplementedException
@@ -82,13 +84,13 @@ class BufferInterface:
         source_frame: str,
         source_time: Time,
         fixed_frame: str,
-        timeout: Duration | None = None,
+        timeout: Duration = _NO_TIME,
     ) -> Any:
         """Return the pose of `source_frame` at one time in `target_frame` at another."""
         raise NotImplementedException
 
     def can_transform(
-        self, target_frame: str, source_frame: str, time: Time, timeout: Duration | None = None
+        self, target_frame: str, source_frame: str, time: Time, timeout: Duration = _NO_TIME
     ) -> Any:
         """Return whether `lookup_transform` would succeed."""
         raise NotImplementedException
@@ -100,7 +102,7 @@ class BufferInterface:
         source_frame: str,
         source_time: Time,
         fixed_frame: str,
-        timeout: Duration | None = None,
+        timeout: Duration = _NO_TIME,
     ) -> Any:
         """Return whether `lookup_transform_full` would succeed."""
         raise NotImplementedException

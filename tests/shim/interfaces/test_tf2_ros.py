@@ -205,3 +205,62 @@ from tf2_ros import *
 print(TransformStamped is theirs, Node.__name__, Time.__name__, Buffer.__name__)
 """
     assert run_script(source).stdout.splitlines() == ["True True", "True Node Time Buffer"]
+
+
+@pytest.mark.parametrize(("distro", "sent"), [("humble", "base 1.0\narm 2.0\nbase 3.0\n"),
+                                              ("jazzy", "base 1.0\nbase 1.0 arm 2.0\nbase 1.0 arm 2.0\n")])  # fmt: skip
+def test_a_broadcaster_of_fixed_frames_on_jazzy_sends_the_first_of_each_frame_again(
+    run_script: Run, distro: str, sent: str
+) -> None:
+    run = run_script(
+        PREAMBLE
+        + """
+broadcaster = StaticTransformBroadcaster(node)
+broadcaster.pub_tf.publish = lambda message: print(
+    *(f'{t.child_frame_id} {t.transform.translation.x}' for t in message.transforms))
+broadcaster.sendTransform(pose(node, 'map', 'base', 1.0))
+broadcaster.sendTransform([pose(node, 'map', 'arm', 2.0)])
+broadcaster.sendTransform(pose(node, 'map', 'base', 3.0))
+""",
+        distro=distro,
+    )
+    assert run.stdout == sent, run.stderr
+
+
+@pytest.mark.parametrize(("distro", "kind"), [("humble", "bool"), ("jazzy", "TransformStamped")])
+def test_what_a_future_of_a_transform_comes_to(run_script: Run, distro: str, kind: str) -> None:
+    run = run_script(
+        PREAMBLE
+        + """
+buffer = Buffer()
+question = ('world', 'turtle1', Time())
+full = ('world', Time(), 'turtle1', Time(), 'world')
+early = [buffer.wait_for_transform_async(*question), buffer.wait_for_transform_full_async(*full)]
+buffer.set_transform(pose(node, 'world', 'turtle1', 1.0), 'me')
+late = [buffer.wait_for_transform_async(*question), buffer.wait_for_transform_full_async(*full)]
+print({type(future.result()).__name__ for future in early + late})
+""",
+        distro=distro,
+    )
+    assert run.stdout == f"{{'{kind}'}}\n", run.stderr
+
+
+@pytest.mark.parametrize(
+    ("distro", "timeout", "said"),
+    [
+        ("humble", "1.0", "TypeError: (\"Can't compare duration with object of type: \", <class 'float'>)"),
+        ("humble", "None", "TypeError: (\"Can't compare duration with object of type: \", <class 'NoneType'>)"),
+        ("jazzy", "1.0", "TypeError: unsupported operand type(s) for +: 'Time' and 'float'"),
+    ],
+)
+def test_a_timeout_that_is_no_duration_is_refused_as_upstream_does(
+    run_script: Run, distro: str, timeout: str, said: str
+) -> None:
+    run = run_script(f"{PREAMBLE}Buffer().lookup_transform('a', 'b', Time(), {timeout})\n", distro=distro)
+    assert said in run.stderr
+
+
+def test_the_action_of_the_tutorial_of_jazzy_is_there(run_script: Run) -> None:
+    script = "from custom_action_interfaces.action import Fibonacci\nprint(Fibonacci.Goal(order=3).order)\n"
+    assert run_script(script, distro="jazzy").stdout == "3\n"
+    assert "No module named 'custom_action_interfaces'" in run_script(script).stderr

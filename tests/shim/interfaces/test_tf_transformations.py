@@ -8,7 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tf_transformations import (
+    compose_matrix,
     concatenate_matrices,
+    decompose_matrix,
     euler_from_matrix,
     euler_from_quaternion,
     euler_matrix,
@@ -22,7 +24,16 @@ from tf_transformations import (
     quaternion_matrix,
     quaternion_multiply,
     quaternion_slerp,
+    random_quaternion,
+    random_rotation_matrix,
+    random_vector,
+    reflection_from_matrix,
+    reflection_matrix,
+    rotation_from_matrix,
     rotation_matrix,
+    scale_from_matrix,
+    scale_matrix,
+    shear_matrix,
     translation_from_matrix,
     translation_matrix,
     unit_vector,
@@ -115,3 +126,57 @@ def test_matrices() -> None:
 def test_unknown_conventions_are_refused(axes: str) -> None:
     with pytest.raises(KeyError):
         quaternion_from_euler(0, 0, 0, axes)
+
+
+@given(
+    st.lists(st.floats(0.5, 2.0), min_size=3, max_size=3),
+    st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3),
+    st.lists(st.floats(-1.5, 1.5), min_size=3, max_size=3),
+    st.lists(st.floats(-9.0, 9.0), min_size=3, max_size=3),
+)
+def test_a_matrix_is_decomposed_into_what_it_is_composed_of(
+    scale: list[float], shear: list[float], angles: list[float], translate: list[float]
+) -> None:
+    matrix = compose_matrix(scale, shear, angles, translate)
+    found = decompose_matrix(matrix)
+    assert found[4] is None
+    for part, given_part in zip(found, (scale, shear, angles, translate), strict=False):
+        assert np.allclose(part, given_part, atol=1e-6)
+    mirrored = compose_matrix([-scale[0], *scale[1:]], shear, angles, translate)
+    assert np.allclose(compose_matrix(*decompose_matrix(mirrored)), mirrored, atol=1e-6)
+    assert np.allclose(compose_matrix(), np.identity(4))
+
+
+POINT, AXIS = [1.0, -2.0, 3.0], [0.0, 0.6, 0.8]
+
+
+@pytest.mark.parametrize("angle", [0.5, -2.5, math.pi])
+def test_angle_axis_and_point_of_a_rotation_are_found_again(angle: float) -> None:
+    matrix = rotation_matrix(angle, AXIS, POINT)
+    assert is_same_transform(matrix, rotation_matrix(*rotation_from_matrix(matrix)))
+
+
+def test_scaling_and_mirroring_are_found_again() -> None:
+    for matrix in (scale_matrix(-1.5, POINT), scale_matrix(2.5, POINT, AXIS), scale_matrix(3.0)):
+        assert is_same_transform(matrix, scale_matrix(*scale_from_matrix(matrix)))
+    assert scale_from_matrix(scale_matrix(3.0))[2] is None
+    mirror = reflection_matrix(POINT, AXIS)
+    assert is_same_transform(mirror, reflection_matrix(*reflection_from_matrix(mirror)))
+    assert np.allclose(mirror @ [*POINT, 1.0], [*POINT, 1.0])
+    with pytest.raises(ValueError, match="eigenvalue -1"):
+        reflection_from_matrix(np.identity(4))
+
+
+def test_shearing_leaves_its_plane_and_is_refused_across_it() -> None:
+    matrix = shear_matrix(math.pi / 4, [1.0, 0.0, 0.0], POINT, [0.0, 0.0, 2.0])
+    assert np.allclose(matrix @ [*POINT, 1.0], [*POINT, 1.0])
+    assert np.allclose(matrix @ [1.0, -2.0, 5.0, 1.0], [3.0, -2.0, 5.0, 1.0])
+    with pytest.raises(ValueError, match="not orthogonal"):
+        shear_matrix(0.1, AXIS, POINT, AXIS)
+
+
+def test_random_rotations_are_rotations() -> None:
+    assert np.allclose(random_quaternion([0.0, 0.25, 0.0]), [1.0, 0.0, 0.0, 0.0])
+    assert math.isclose(float(np.linalg.norm(random_quaternion())), 1.0)
+    assert np.allclose(np.linalg.det(random_rotation_matrix()), 1.0)
+    assert random_vector(3).shape == (3,)

@@ -129,6 +129,8 @@ def test_an_edit_is_seen_without_a_restart(tmp_path: Path) -> None:
         ("order: 1", "order: 10000000000000000000000000", 3, ("order", "or less")),
         ("zh: 演示, ", "", 4, ("title.zh", "required")),
         ("points: 40", "points: -40", 15, ("items.1.points", "more than 0")),
+        ("points: 40", "points: yes", 15, ("items.1.points", "not true or false")),
+        ("order: 1", "order: true", 3, ("order", "not true or false")),
         ("points: 40", "points: .nan", 15, ("items.1.points", "finite")),
         ("points: 40", "points: 33.333", 15, ("items.1.points", "two decimals")),
         ("    low: 1\n    needs", "    needs", 13, ("items.1", "band")),

@@ -54,6 +54,7 @@ def trick(at: int, kind: str = "jump", *, before_start: bool = False) -> tuple[T
 
 def test_a_fall_and_a_rest() -> None:
     seen = values(replayed(FALL))
+    assert seen["start_m"] == pytest.approx(2.0)
     assert seen["fell_m"] == pytest.approx(1.5)
     assert seen["height_m"] == pytest.approx(0.5)
     assert seen["rest_s"] == pytest.approx((90 - 31) / 60.0, abs=0.03)

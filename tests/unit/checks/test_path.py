@@ -165,7 +165,20 @@ def test_a_path_from_the_given_start_is_judged_there() -> None:
         ("figure_eight", [*EIGHT, ("turn", 90.0), ("line", 4.0)], "drove_on", "another 3.99 m"),
         ("right_triangle", [*TRIANGLE[:4], ("line", 2.0)], "path_length", "line 3 is 2 m; 2.83 m is wanted"),
         ("right_triangle", [TRIANGLE[0], ("turn", 75.0), *TRIANGLE[2:]], "path_corner", "75"),
-        ("letter_l", [*L, ("turn", 90.0), ("line", 2.0)], "path_count", "driven: 3; the path has 2"),
+        ("letter_l", [*L, ("turn", 90.0), ("line", 2.0)], "drove_on", "another 2 m"),
+        ("letter_l", [*L, ("turn", 180.0), ("line", 1.5)], "drove_on", "another 1.5 m"),
+        (
+            "letter_l",
+            [*L[:1], ("turn", 45.0), ("line", 1.0), *L[1:]],
+            "path_count",
+            "driven: 3; the path has 2",
+        ),
+        (
+            "figure_eight",
+            [EIGHT[0], ("turn", 180.0), EIGHT[0]],
+            "path_turned",
+            "Before circle 2 the car turned 180°",
+        ),
         ("two_circles", [("arc", 360.0, 1.6), ("arc", 360.0, 0.8)], "path_reversed", "Begin with its first"),
         ("two_circles", [("arc", 180.0, 0.8), ("arc", 180.0, 1.6)], "path_swept", "turned by 180°; 360°"),
         (

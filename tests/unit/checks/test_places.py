@@ -130,6 +130,29 @@ def _is_rising(chosen: Sequence[int], mask: int) -> bool:
     return len(chosen) == bin(mask).count("1") and list(chosen) == sorted(chosen)
 
 
+@given(
+    offs_m=st.lists(st.sampled_from([0.0, 0.1, 0.15, 0.25, 0.29, 0.35, 1.0]), min_size=3, max_size=3),
+    ordered=st.booleans(),
+)
+@settings(max_examples=examples(20), deadline=None)
+def test_a_goal_missed_by_less_than_half_of_its_size_counts_half(offs_m: list[float], ordered: bool) -> None:
+    asked = task(*goals(*POINTS), measures="reached reached_pct", any_order=not ordered)
+    half = math.sqrt(0.5)
+    sides = ((-half, half), (-half, -half), (1.0, 0.0))  # the corners are cut, and the end is too early
+    passed = [
+        (x + off_m * dx, y + off_m * dy)
+        for (x, y), (dx, dy), off_m in zip(POINTS, sides, offs_m, strict=True)
+    ]
+    scoring = graded(asked, through(*passed))
+    reached, share = value(scoring, "reached"), value(scoring, "reached_pct")
+    assert reached is not None
+    assert share is not None
+    nearly = sum(0.2 < off_m <= 0.3 for off_m in offs_m)
+    assert reached == sum(off_m <= 0.2 for off_m in offs_m)
+    assert share == pytest.approx(100.0 * (reached + 0.5 * nearly) / 3.0, abs=0.001)
+    assert ("nearly" in scoring.items[1].message.en) == (nearly > 0)
+
+
 @pytest.mark.parametrize(
     ("asked", "trajectory", "code", "words"),
     [

@@ -94,6 +94,29 @@ def test_detours_are_told() -> None:
     assert scoring.mistakes[0] == "astray"
 
 
+@pytest.mark.parametrize("sides", [3, 4, 5])
+@pytest.mark.parametrize("gear", [1.0, -1.0])
+def test_the_further_a_car_drives_past_the_end_of_its_sides_and_back_the_more_it_costs(
+    sides: int, gear: float
+) -> None:
+    turn: Leg = (2 * math.pi / sides, 0.0, 1.0)
+    earned = []
+    for beyond_m in (0.1, 0.3, 0.35, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3):
+        legs: list[Leg] = [(2.0 + beyond_m, gear, 0.0), (beyond_m, -gear, 0.0), turn] * sides
+        scoring = graded(POLYGONS[sides], drive(legs))
+        earned.append(score(scoring))
+        assert item(scoring, "angles").measured == pytest.approx(360.0 / sides, abs=1.0)
+    assert earned == sorted(earned, reverse=True)
+    assert earned[1] == 100
+    assert scoring.mistakes[0] == "overshot"
+    assert max(one - other for one, other in itertools.pairwise(earned)) < 25
+
+
+def test_who_backs_up_for_most_of_a_side_has_driven_it_twice() -> None:
+    legs = [side(2.0), (1.5, -1.0, 0.0), TURN] * 4
+    assert score(graded("square", drive(legs))) < 50
+
+
 @pytest.mark.parametrize("times", [1, -1, 2])
 def test_whole_turns_on_the_spot_inside_a_side_change_nothing(times: int) -> None:
     spin: Leg = (2 * math.pi * abs(times), 0.0, math.copysign(1.0, times))

@@ -30,6 +30,7 @@ MEASURES = {
     "loaded": MeasureKind(form="flag"),
     "gravity": MeasureKind(form="flag"),
     "simulated_s": MeasureKind("s"),
+    "start_m": MeasureKind("m"),
     "fell_m": MeasureKind("m"),
     "height_m": MeasureKind("m"),
     "rest_s": MeasureKind("s"),
@@ -114,9 +115,11 @@ def _physics(counted: _Counted) -> dict[str, Measure]:
 
 
 def _object(counted: _Counted) -> dict[str, Measure]:
+    placed = counted.replayed.object[np.isfinite(counted.replayed.object[:, 0])]
+    start = {"start_m": Measure(float(placed[0, 2]))} if len(placed) else {}
     rows = counted.present
     if len(rows) < 2:
-        return {}
+        return start
     x, y = rows[0, :2] - rows[-1, :2]
     speeds = np.linalg.norm(rows[:, 7:10], axis=1)
     moving = np.flatnonzero(speeds >= _AT_REST_MPS)
@@ -126,6 +129,7 @@ def _object(counted: _Counted) -> dict[str, Measure]:
         since_s if since_s is not None else float(seconds[0 if not len(moving) else -1])
     )
     return {
+        **start,
         "fell_m": Measure(float(np.max(rows[:, 2]) - rows[-1, 2])),
         "height_m": Measure(float(rows[-1, 2])),
         "rest_s": Measure(rest_s),

@@ -13,6 +13,7 @@ from grader.checks.kinds.path.driven import (
     as_turned_deg,
     corners_deg,
     driven_stretches,
+    end_ns,
     figure_in,
 )
 from grader.checks.kinds.path.mistakes import name_of, named_corner, path_mistakes
@@ -64,7 +65,7 @@ def _settled(drive: Drive, figure: Figure | None) -> Measure:
 
 def _of_the_whole(figure: Figure) -> dict[str, Measure]:
     size, length = figure.size_m, figure.track.length_m * figure.placed.scale
-    away, nearest = figure.apart_m, figure.distances_m
+    away, nearest = max(figure.apart_m, figure.strayed_m), figure.distances_m
     mean = float(np.mean(nearest))
     gap = abs((figure.driven[-1] - figure.driven[0]) - (figure.wanted[-1] - figure.wanted[0]))
     if size <= 0.0 or length <= 0.0:
@@ -137,8 +138,6 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     if drive is None or figure is None:
         return FigureSketch()
     stretches, scale = driven_stretches(figure, drive), figure.placed.scale
-    along = np.maximum.accumulate(drive.path.along_m)
-    last = min(int(np.searchsorted(along, figure.end_m)), len(drive.t_ns) - 1)
     return FigureSketch(
         view="path",
         sides=tuple(_side(assignment, each, scale) for each in stretches if each.wanted.kind == "line"),
@@ -146,7 +145,7 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
         ideal_m=tuple(_point(point) for point in figure.wanted.tolist()),
         ideal_closed=False,
         labels=tuple(_radius(assignment, each, scale) for each in stretches if not math.isnan(each.radius_m)),
-        end_ns=int(drive.t_ns[last]),
+        end_ns=end_ns(figure, drive),
     )
 
 

@@ -34,7 +34,7 @@ from grader.geometry.matching import (
     matched_each,
     resampled,
 )
-from grader.geometry.path import median, segment
+from grader.geometry.path import Path, median, segment
 
 LEAST_M = 0.05  # a shorter drive is not a path
 LAPS_TRIED = 8  # ends of the first lap that are tried: where the car came back to its start
@@ -121,6 +121,7 @@ class Figure:
         residual: root mean square distance of the pairs as a share of the size.
         begun: the share of its first part, if that was driven well and nothing else; otherwise 0.
         repeated: what follows is the same figure again. overrun: something else follows.
+        strayed_m: how far what follows an open path leads away from it.
     """
 
     track: Track
@@ -134,6 +135,7 @@ class Figure:
     begun: float = 0.0
     repeated: bool = False
     overrun: bool = False
+    strayed_m: float = 0.0
 
     @property
     def size_m(self) -> float:
@@ -190,12 +192,17 @@ def figure_in(drive: Drive, wanted: WantedPath, start: StartPose) -> Figure | No
     points = path.x_m + 1j * path.y_m
     found: Figure | None = None
     ways, allowed = tracks(wanted), _Allowed(wanted, start)
-    least_m = 0.0 if wanted.any_scale or not ways else LAP_SHARE * ways[0].length_m
+    closed = bool(ways) and ways[0].is_closed
+    least_share = LAP_SHARE if closed else UNFINISHED_SHARE
+    least_m = 0.0 if wanted.any_scale or not ways else least_share * ways[0].length_m
     likely: list[Figure] = []  # longer parts come first
-    for end_m in _ends(points, along, least_m, repeats=bool(ways) and ways[0].is_closed):
+    ends = _ends_of_laps(points, along, least_m) if closed else _ends_of_pieces(path, along, least_m)
+    for end_m in (float(along[-1]), *ends):
         tried = _tried(points, along, end_m, ways, allowed)  # of equal ones the plainest comes first
         likely += sorted(tried, key=lambda each: round(each.residual, 3))[:LIKELY]
     for one in _refined(likely, allowed, THIN):
+        if not closed and one.end_m < float(along[-1]) and one.residual > COVERED_SHARE:
+            continue  # hardly the whole path: with what follows it is one that was driven badly
         if found is None or one.residual < (found.residual - NEARLY_SHARE) / LONGER_SHARE:
             found = one
     begun = None if wanted.any_scale else _begun(points, along, ways, allowed)
@@ -261,18 +268,31 @@ def begun_off(drive: Drive, wanted: WantedPath, start: StartPose) -> float:
     return least
 
 
-def _ends(points: Points, along: Floats, least_m: float, *, repeats: bool) -> Iterator[float]:
-    """Yield how long the part may be that is the figure: the whole drive, or up to where the car was back."""
+def _ends_of_laps(points: Points, along: Floats, least_m: float) -> Iterator[float]:
+    """Yield how far the car had driven when it was back at its start, later ones first."""
     total = float(along[-1])
-    yield total
-    if not repeats:
-        return
     at = np.linspace(0.0, total, LOOKED_AT)
     away = np.abs(resampled(points, along, at) - points[0])
     near = BACK_SHARE * size_m(points)
     inner = (away[1:-1] <= away[:-2]) & (away[1:-1] < away[2:]) & (away[1:-1] < near)
     back = [float(at[i + 1]) for i in np.flatnonzero(inner) if at[i + 1] > max(least_m, 0.02 * total)]
     yield from reversed(back[:LAPS_TRIED])
+
+
+def _ends_of_pieces(path: Path, along: Floats, least_m: float) -> Iterator[float]:
+    """Yield how far the car had driven at the ends of its straights and arcs, later ones first.
+
+    An open path may end there, and what follows be something else; no other place says that a piece is done.
+    """
+    ends = {
+        float(along[at]) for turn in segment(path).turns if turn is not None for at in (turn.first, turn.last)
+    }
+    later = [
+        end_m
+        for end_m in sorted(ends)
+        if max(least_m, LEAST_M) < end_m < (1.0 - NO_LINE_SHARE) * float(along[-1])
+    ]
+    yield from reversed(later[:LAPS_TRIED])
 
 
 def _tried(
@@ -345,11 +365,23 @@ def _with_what_follows(
     if left_m <= 0.03 * figure.end_m:
         return figure
     later = resampled(points, along, np.linspace(figure.end_m, float(along[-1]), SAMPLES))
-    away = np.min(np.abs(later[:, None] - figure.driven[None, :]), axis=1)
+    away = _nearest_m(later, figure.driven)
     laps = left_m / figure.end_m
     whole = drive.cut_short or abs(laps - round(laps)) < 0.1
     again = wanted.laps and whole and float(np.max(away)) <= ON_IT_SHARE * figure.size_m
-    return replace(figure, repeated=again, overrun=not again)
+    strayed_m = 0.0 if figure.track.is_closed else float(np.max(_nearest_m(later, figure.wanted)))
+    return replace(figure, repeated=again, overrun=not again, strayed_m=strayed_m)
+
+
+def _nearest_m(points: Points, others: Points) -> Floats:
+    """Return how far each point is from the nearest of the others."""
+    return np.asarray(np.min(np.abs(points[:, None] - others[None, :]), axis=1))
+
+
+def end_ns(figure: Figure, drive: Drive) -> int:
+    """Return when the figure was complete."""
+    along = np.maximum.accumulate(drive.path.along_m)
+    return int(drive.t_ns[min(int(np.searchsorted(along, figure.end_m)), len(drive.t_ns) - 1)])
 
 
 def driven_stretches(figure: Figure, drive: Drive) -> list[DrivenStretch]:

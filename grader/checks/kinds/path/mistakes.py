@@ -1,12 +1,13 @@
 """Mistakes that are recognised by how a driven path differs from the wanted one."""
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grader.checks.drive import Drive, coasts
+from grader.checks.drive import MOVING_MPS, Drive, coasts
 from grader.checks.kinds.path.driven import (
     UNFINISHED_SHARE,
     CommandedArc,
@@ -16,17 +17,19 @@ from grader.checks.kinds.path.driven import (
     begun_off,
     commanded_arcs,
     corners_deg,
+    end_ns,
     figure_in,
     inner_corners_m,
     roughly_off,
 )
-from grader.checks.kinds.path.wanted import Stretch, track_of, tracks
+from grader.checks.kinds.path.wanted import MIN_CORNER_RAD, Stretch, corner_rad, track_of, tracks
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import command_mistakes, only_turned, with_ends
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment, WantedPath
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
+from grader.contracts.trajectory import Trajectory
 from grader.messages import say
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
@@ -39,6 +42,7 @@ FAR_SHARE = 0.06  # of the size: a drive that is nearer is the wanted one, drive
 # A path driven the other way round, or elsewhere, is tried twice: roughly, and closely where that is promising.
 MUCH_BETTER_SHARE = 0.6  # of the rough distance: a variant that leaves more is not tried closely
 LEFT_SHARE = 0.25  # of the close distance: a variant that leaves no more explains the drive
+TURNED_DEG = 30.0  # a turn on the spot that is smaller corrects the heading
 BACK_SHARE = 0.5  # of the way: a car that backed up for more was driven backwards
 SAME_RADIUS_SHARE = 0.1  # of the radius: an arc that is no further off is the wanted one
 SWEPT_SHARE = 0.03  # of the angle: an arc that is off by more was driven for too short or too long
@@ -134,15 +138,18 @@ def path_mistakes(
     """Yield what probably went wrong on the way."""
     yield from command_mistakes(run, assignment.world, turns=_SHAPE_MEASURES, drives=_DRIVE_MEASURES)
     yield from only_turned(run, _DRIVE_MEASURES)
-    yield from _wall(assignment, run)
+    yield from _wall(assignment, run, drive, figure)
     if figure is not None:
         seen = _Seen(assignment, run, drive, figure, stretches)
         yield from _shape(seen)
         yield from _ending(seen)
 
 
-def _wall(assignment: Assignment, run: Run) -> Iterator[Mistake]:
+def _wall(assignment: Assignment, run: Run, drive: Drive, figure: Figure | None) -> Iterator[Mistake]:
+    until_ns = math.inf if figure is None or not figure.overrun else end_ns(figure, drive)
     for contact in run.trajectory.contacts[:1]:
+        if contact.start_ns > until_ns:
+            return  # the figure was complete
         track = None if assignment.path is None else track_of(assignment.path)
         is_round = track is not None and all(each.kind == "arc" for each in track.stretches)
         time, wall = number(contact.start_ns / 1e9, "s"), say(f"wall.{contact.wall}")
@@ -268,6 +275,9 @@ def _pieces(seen: _Seen) -> Iterator[Mistake]:
     scale, figure = seen.figure.placed.scale, seen.figure
     if len(seen.stretches) < len(figure.track.stretches):
         return
+    if (turned := _turned_between(seen)) is not None:
+        yield turned  # without it the next piece lies elsewhere: nothing is known of its sense or size
+        return
     yield from _arcs(seen, scale)
     corners = corners_deg(seen.stretches, mirrored=figure.placed.mirrored)
     worst = max(range(len(corners)), key=lambda i: abs(corners[i][0] - corners[i][1]), default=None)
@@ -297,6 +307,31 @@ def _pieces(seen: _Seen) -> Iterator[Mistake]:
                 wanted=number(scale * each.wanted.length_m, "m"),
             )
             return
+
+
+def _turned_between(seen: _Seen) -> Mistake | None:
+    """Recognise a turn on the spot between two pieces of which one leads straight on into the other."""
+    on_spot_deg = _most_turned_deg(seen.run.trajectory)
+    if on_spot_deg < TURNED_DEG:
+        return None
+    for before, after in itertools.pairwise(seen.stretches):
+        if abs(corner_rad(before.wanted, after.wanted)) >= MIN_CORNER_RAD:
+            continue
+        bend_rad = math.remainder(after.begins_rad - before.ends_rad, math.tau)
+        if abs(bend_rad) >= math.radians(TURNED_DEG):
+            angle = number(on_spot_deg, "deg")
+            return mistake("path_turned", _SHAPE_MEASURES, piece=name_of(after.wanted), angle=angle)
+    return None
+
+
+def _most_turned_deg(trajectory: Trajectory) -> float:
+    """Return the largest angle that was commanded on the spot at one go."""
+    most_rad = turned_rad = 0.0
+    for command, until_ns in with_ends(trajectory):
+        on_spot = abs(command.v_mps) <= MOVING_MPS
+        turned_rad = turned_rad + command.w_radps * (until_ns - command.t_ns) / 1e9 if on_spot else 0.0
+        most_rad = max(most_rad, abs(turned_rad))
+    return math.degrees(most_rad)
 
 
 def _arcs(seen: _Seen, scale: float) -> Iterator[Mistake]:
@@ -349,4 +384,5 @@ def _ending(seen: _Seen) -> Iterator[Mistake]:
         yield mistake("never_stops", ("settled",), publisher=publisher)
     elif seen.figure.overrun:
         after_m = float(np.max(seen.drive.path.along_m)) - seen.figure.end_m
-        yield mistake("drove_on", ("settled", "gap_pct"), distance=number(after_m, "m"))
+        spoilt = ("settled", "gap_pct", "off_pct")
+        yield mistake("drove_on", spoilt, distance=number(after_m, "m"))

@@ -7,22 +7,33 @@ import numpy as np
 
 from grader.checks.drive import Drive, drive_of
 from grader.checks.kinds.places.mistakes import place_mistakes
-from grader.checks.kinds.places.visits import Visit, Way, entered, jolt_mps, outside_of, visits, way_of
+from grader.checks.kinds.places.visits import (
+    Visit,
+    Way,
+    entered,
+    jolt_mps,
+    nearly_reached,
+    outside_of,
+    visits,
+    way_of,
+)
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind
 from grader.checks.mistakes import driving_mistakes
 from grader.checks.surroundings import clearance
 from grader.contracts.assignment import WINDOW_M, Assignment, Region, WantedPlaces, outside_m
 from grader.contracts.figure import FigureSketch, Point, SketchLabel, SketchRegion
 from grader.contracts.scoring import Run
-from grader.contracts.text import Text
+from grader.contracts.text import EMPTY, Text
 from grader.messages import say
 from grader.messages.quantity import number
 
+NEARLY_COUNTS = 0.5  # of a goal: one that was nearly reached, in `reached_pct`
 JOLT_S = 0.1  # within which a change of speed is one jolt
 _CIRCLE_POINTS = 36
 MEASURES = {
     "distance_m": MeasureKind("m"),
     "reached": MeasureKind(form="count"),
+    "reached_pct": MeasureKind("%"),
     "missed_m": MeasureKind("m"),
     "time_s": MeasureKind("s"),
     "end_off_m": MeasureKind("m"),
@@ -59,8 +70,14 @@ def _of_the_goals(wanted: WantedPlaces, way: Way, seen: list[Visit]) -> dict[str
     missed = [visit for visit in seen if visit.done_s is None]
     last = wanted.visit[-1].region
     off_m = math.hypot(float(way.x_m[-1]) - last.x_m, float(way.y_m[-1]) - last.y_m)
+    nearly = nearly_reached(wanted, way, seen) if missed else 0
+    more = say("places.nearly", count=nearly) if nearly else EMPTY
     found = {
         "reached": Measure(float(len(done)), {"goals": len(seen)}),
+        "reached_pct": Measure(
+            100.0 * (len(done) + NEARLY_COUNTS * nearly) / len(seen),
+            {"goals": len(seen), "reached": len(done), "nearly": more},
+        ),
         "missed_m": Measure(max((visit.outside_m for visit in missed), default=0.0)),
         "end_off_m": Measure(off_m),
     }

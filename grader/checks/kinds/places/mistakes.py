@@ -18,7 +18,7 @@ from grader.messages import say
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
-_GOAL_MEASURES = ("reached", "missed_m", "time_s", "detour_pct")
+_GOAL_MEASURES = ("reached", "reached_pct", "missed_m", "time_s", "detour_pct")
 _END_MEASURES = ("end_off_m", "heading_error_deg")
 _WRONG_WAY = ("place_no_feedback", "place_away", "place_lost", "place_exchanged")
 _DRIVE_MEASURES = ("distance_m", *_GOAL_MEASURES, *_END_MEASURES)
@@ -87,6 +87,8 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, visits: Se
     spoilt = (*_GOAL_MEASURES, *_END_MEASURES)
     if first.entered_s is not None:
         return _entered_in_vain(visits, first)
+    if way.put:
+        return mistake("teleported", spoilt, topic=assignment.world.cmd_vel_topic)
     if _ignores_the_pose(assignment, run):
         return mistake("place_no_feedback", spoilt, topic=_pose_topic(assignment), **values)
     if drive.moving_at_end and _circles(drive, first):

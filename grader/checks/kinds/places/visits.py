@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ NEAR_M = (
 )
 MOST_PARTS = 8  # into which the way between two samples is divided for that
 SAME_M = 0.01  # jumps that are shorter, all together, do not count as being put elsewhere
+NEARLY_TIMES = 1.5  # the size of a goal: a car that comes within this has nearly reached it
 FOR_EVER_S = math.inf
 
 
@@ -127,6 +128,26 @@ def visits(wanted: WantedPlaces, way: Way) -> list[Visit]:
             )
         )
     return found
+
+
+def nearly_reached(wanted: WantedPlaces, way: Way, seen: Sequence[Visit]) -> int:
+    """Return how many of the goals that were missed would count if each goal were `NEARLY_TIMES` as large."""
+    larger = replace(wanted, visit=tuple(_enlarged(goal) for goal in wanted.visit))
+    return sum(
+        there.done_s is not None and here.done_s is None
+        for here, there in zip(seen, visits(larger, way), strict=True)
+    )
+
+
+def _enlarged(goal: WantedGoal) -> WantedGoal:
+    region = goal.region
+    larger = replace(
+        region,
+        radius_m=NEARLY_TIMES * region.radius_m,
+        width_m=NEARLY_TIMES * region.width_m,
+        height_m=NEARLY_TIMES * region.height_m,
+    )
+    return replace(goal, region=larger)
 
 
 def _stays(outside: Floats, way: Way) -> list[Stay]:

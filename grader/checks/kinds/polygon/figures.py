@@ -4,7 +4,7 @@ import cmath
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from grader.contracts.record import PositionalRecord
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
 from grader.geometry.figure import CLOSED_SHARE, PolygonFigure, measure_polygon
-from grader.geometry.path import Segments, bare, median, segment
+from grader.geometry.path import Segments, bare, median, segment, without_overshoots
 
 FULL_TURN_DEG = 360.0
 Bools = NDArray[np.bool_]
@@ -101,9 +101,9 @@ ALIKE_PCT = (
     12.0  # of difference between opposite sides: with more, the figure is no rectangle with a short side
 )
 LIKE_DEG = 1.0  # a last turn that is worse than the worst corner by no more than this was meant as a corner
-NO_TURN_DEG = (
-    10.0  # a smaller change of direction after the last side is no turn, only how the car came to rest
-)
+# Of a corner: a smaller change of direction after the last side is nearer to none than to a corner. It is how the
+# car came to rest, or how a script that steers came to its last goal.
+NO_TURN_SHARE = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -179,6 +179,7 @@ def driven_polygon(assignment: Assignment, wanted: WantedPolygon, run: Run) -> D
     drive = drive_of(run)
     if drive is None:
         return None
+    drive = replace(drive, path=without_overshoots(drive.path))
     segments = segment(drive.path)
     figure = measure_polygon(drive.path, segments, sides=wanted.sides, cut_short=drive.cut_short)
     if figure is None:
@@ -187,7 +188,7 @@ def driven_polygon(assignment: Assignment, wanted: WantedPolygon, run: Run) -> D
     turned = sense * np.degrees(figure.corners_rad)
     corners = sense * np.degrees([bare(corner) for corner in figure.corners_rad])
     last_deg = sense * math.degrees(figure.last_turn_rad)
-    if abs(last_deg) <= NO_TURN_DEG:
+    if abs(last_deg) <= NO_TURN_SHARE * wanted.corner_deg:
         return DrivenPolygon(drive, segments, figure, corners, turned, sense)
     worse_deg = _worse_deg(assignment, last_deg, corners)
     if worse_deg <= 0.0:

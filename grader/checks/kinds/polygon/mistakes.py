@@ -13,6 +13,7 @@ from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import (
     command_mistakes,
     defined_twice,
+    hears,
     loop_in_callback,
     noted,
     only_turned,
@@ -26,7 +27,7 @@ from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Command, Floats
 from grader.geometry.figure import PolygonFigure
-from grader.geometry.path import median
+from grader.geometry.path import MIN_TURN_RAD, median
 from grader.messages import say
 from grader.messages.quantity import listed, number
 from grader.messages.script import ScriptText
@@ -73,8 +74,7 @@ class _Seen:
     @property
     def steers(self) -> bool:
         """Whether the script computes or compares with the heading that it hears."""
-        heard = any(each.kind == "subscription" for each in self.run.outcome.endpoints)
-        return heard and bool(ScriptText(self.run.source).lines_with(_BY_HEADING))
+        return hears(self.run) and bool(ScriptText(self.run.source).lines_with(_BY_HEADING))
 
     @property
     def ideal_deg(self) -> float:
@@ -285,7 +285,7 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
         (abs(turn.angle_rad) for turn in seen.driven.segments.turns if turn is not None), default=0.0
     )
     unfinished = seen.driven.figure is None or len(seen.driven.figure.sides_m) < seen.sides
-    by_pose = ScriptText(seen.run.source).lines_with(r"\.theta\b")
+    by_pose = hears(seen.run) and bool(ScriptText(seen.run.source).lines_with(r"\.theta\b"))
     if fastest >= (_FAST_BY_POSE_RADPS if by_pose else FAST_TURN_RADPS):
         yield mistake("degrees_as_radians", _SHAPE, rate=number(fastest, ""), ideal=_degree(seen.ideal_deg))
     elif math.degrees(widest) > 1.25 * FULL_TURN_DEG and unfinished and not _circling(seen):
@@ -324,7 +324,7 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
     ):
         yield _arcs(seen, figure)
     elif _is_astray(figure) and max(figure.bows) > 0.0:
-        yield _astray(figure)
+        yield _astray(seen, figure)
     wrong = (_angles(seen, figure), _count(seen, figure))
     for mistakes in (
         wrong if seen.rigid else reversed(wrong)
@@ -372,7 +372,7 @@ def _is_beyond_slip(seen: _Seen, figure: PolygonFigure) -> bool:
 def _arcs(seen: _Seen, figure: PolygonFigure) -> Mistake:
     """Say how much was driven in arcs, either because that was commanded or because the car slips."""
     if _is_astray(figure):
-        return _astray(figure)
+        return _astray(seen, figure)
     code = "arcs" if any(map(_is_arc, seen.run.trajectory.commands)) else "slipped"
     spoilt = _SHAPE if figure.curved_share > MOSTLY_ROUND_SHARE else ("curved_pct", *_LENGTHS, "gap_pct")
     return mistake(code, spoilt, share=number(100.0 * figure.curved_share, "%"))
@@ -383,8 +383,12 @@ def _is_astray(figure: PolygonFigure) -> bool:
     return figure.strayed_share > 0.5 * figure.curved_share
 
 
-def _astray(figure: PolygonFigure) -> Mistake:
-    return mistake("astray", _SHAPE, share=number(100.0 * figure.strayed_share, "%"))
+def _astray(seen: _Seen, figure: PolygonFigure) -> Mistake:
+    heading_rad = seen.driven.drive.path.heading_rad
+    strayed = [one for one in seen.driven.segments.straights if one.strayed_m > 0.0]
+    along_it = all(float(np.ptp(heading_rad[one.first : one.last + 1])) < MIN_TURN_RAD for one in strayed)
+    code = "overshot" if along_it else "astray"
+    return mistake(code, _SHAPE, share=number(100.0 * figure.strayed_share, "%"))
 
 
 def _is_arc(command: Command) -> bool:
@@ -393,7 +397,8 @@ def _is_arc(command: Command) -> bool:
 
 def _long_way(seen: _Seen, values: Mapping[str, object]) -> Mistake:
     """Recognise corners that go the long way round: by a wrong difference of angles, or for too long."""
-    turned_deg, by_pose = seen.driven.turned_deg, ScriptText(seen.run.source).lines_with(r"\btheta\b")
+    turned_deg = seen.driven.turned_deg
+    by_pose = hears(seen.run) and bool(ScriptText(seen.run.source).lines_with(r"\btheta\b"))
     if by_pose or not seen.driven.long_way.all():
         return mistake("long_way", ("opposite_corners",), turned=listed(turned_deg, "deg"), **values)
     turned = listed(np.abs(turned_deg), "deg")
@@ -534,8 +539,8 @@ def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         what = say("polygon.sides_differ", longest=longest, shortest=shortest)
     else:
         what = say("polygon.odd_side", number=odd + 1, length=number(float(sides[odd]), "m"))
-    lengths = listed(sides, "m")
-    yield mistake("unequal_sides", ("side_spread_pct", "gap_pct"), what=what, lengths=lengths)
+    lengths, advice = listed(sides, "m"), say(f"polygon.sides.{'by_place' if seen.steers else 'by_time'}")
+    yield mistake("unequal_sides", ("side_spread_pct", "gap_pct"), what=what, lengths=lengths, advice=advice)
 
 
 def _lengths(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:

@@ -43,10 +43,24 @@ def _touched(run: Run) -> Iterator[Mistake]:
             yield mistake("room_ran_on", _TOUCH, ended=number(ended_ns / 1e9, "s"), **values)
         elif not any(one.kind == "subscription" for one in run.outcome.endpoints):
             yield mistake("room_blind", _TOUCH, **values)
+        elif (silent_ns := _silent_since(run, contact)) is not None:
+            yield mistake("room_no_stop", _TOUCH, since=number(silent_ns / 1e9, "s"), **values)
         elif any(one.type == _SCAN for one in run.outcome.endpoints) and _drove_on(run, contact):
             yield mistake("room_drove_on", _TOUCH, **values)
         else:
             yield mistake("room_hit", _TOUCH, **values)
+
+
+def _silent_since(run: Run, contact: Contact) -> int | None:
+    """Return when a script, which went on, sent its last command before the robot touched something: a motion."""
+    before = [each for each in run.trajectory.commands if each.t_ns <= contact.start_ns]
+    if len(before) < _MANY_COMMANDS or not is_motion(before[-1]):
+        return None
+    silent_ns = contact.start_ns - before[-1].t_ns
+    return before[-1].t_ns if silent_ns > 2 * _REACTION_NS else None
+
+
+_MANY_COMMANDS = 3  # a script that publishes once has another fault
 
 
 def _drove_on(run: Run, contact: Contact) -> bool:

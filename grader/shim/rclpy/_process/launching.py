@@ -5,8 +5,11 @@ One is called as `ros2 run` would; several run side by side (`rclpy._process.sid
 
 from __future__ import annotations
 
+import difflib
+import os
 import sys
 
+from rclpy._kernel import kernel
 from rclpy._link import link
 from rclpy._process.packages import executable_path, workspace
 
@@ -18,6 +21,7 @@ _TURTLESIM = ("turtlesim", "turtlesim_node")
 _IGNORED_NOTE = "launch_ignored"
 _SEVERAL_NOTE = "launch_several"
 _MOST_NOTED = 5
+_MISSPELT = 0.8  # as like a package of the workspace as that, a name is a mistyped one
 
 
 def launch(guard: Any) -> None:
@@ -29,7 +33,9 @@ def launch(guard: Any) -> None:
     Raises:
         SystemExit, and whatever the launch file or its one node raises.
     """
-    launched = Launched(_described())
+    from launch._evaluation import set_environment
+
+    launched = Launched(*_described())
     own = launched.new_nodes()
     if not own:
         sys.stderr.write("the launch file starts no node of your own package\n")
@@ -39,20 +45,23 @@ def launch(guard: Any) -> None:
 
         if len(own) > 1:
             link.note(_SEVERAL_NOTE, ", ".join(f"{each.package}/{each.executable}" for each in own)[:1000])
-        run(own, guard, launched.after)
+        run(own, guard, launched)
         return
     node = own[0]
     if node.delay_s > 0.0:
         import time
 
         time.sleep(node.delay_s)  # virtual
+    set_environment(node.environment)
+    if node.cwd is not None:
+        os.chdir(node.cwd)
     workspace.choose(node.package, node.executable)
     sys.argv = [executable_path(node.package, node.executable), *node.arguments]
     workspace.call()
 
 
-def _described() -> Any:
-    """Return the context in which the launch file was evaluated."""
+def _described() -> tuple[Any, Any, str]:
+    """Return a context, what the launch file describes, and where that is."""
     from launch._evaluation import LaunchContext
     from launch.launch_description_sources import PythonLaunchDescriptionSource
 
@@ -65,112 +74,124 @@ def _described() -> Any:
             f"which is at '{share}'\n"
         )
         sys.exit(1)
-    given = dict(each.split(":=", 1) for each in sys.argv[1:] if ":=" in each)
-    context = LaunchContext(given)
-    context.files.append(path)
-    context.visit(PythonLaunchDescriptionSource(path).read(context).entities)
-    return context
+    context = LaunchContext(argv=sys.argv[1:])
+    context.launch_configurations |= dict(each.split(":=", 1) for each in sys.argv[1:] if ":=" in each)
+    return context, PythonLaunchDescriptionSource(path).get_launch_description(context), path
 
 
 class Launched:
     """What a launch file has started, and what is to come when something starts or ends.
 
     A command, which is not run here, counts as ended at once.
+
+    Attributes:
+        shutdown_ns: when everything is to end because the launch file says so; None: it does not.
     """
 
-    def __init__(self, context: Any) -> None:
+    def __init__(self, context: Any, description: Any, path: str) -> None:
+        from launch.event_handlers import EventHandler, OnIncludeLaunchDescription, OnShutdown
+
+        self.shutdown_ns: int | None = None
         self._context = context
         self._told = 0
-        self._answered: set[tuple[int, int]] = set()
+        self._has_shut_down = False
+        self._own_handlers: list[EventHandler | OnShutdown] = [
+            OnIncludeLaunchDescription(),
+            OnShutdown(on_shutdown=self._note_shutdown),
+        ]
+        for handler in self._own_handlers:
+            context.register_event_handler(handler)
+        context.files.append(path)
+        context.visit([description])
+
+    def _note_shutdown(self, event: Any, context: Any) -> None:
+        self._has_shut_down = True
+        now_ns = kernel.now_ns + round(context.delay_s * 1e9)
+        self.shutdown_ns = now_ns if self.shutdown_ns is None else min(now_ns, self.shutdown_ns)
 
     @property
     def goes_on(self) -> bool:
-        """Whether something is to come when a process ends."""
-        from launch.event_handlers import OnProcessExit
+        """Whether something is to come when a process ends, or everything does."""
+        from launch.event_handlers import OnProcessStart
 
-        return any(isinstance(handler, OnProcessExit) for handler, _ in self._context.handlers)
+        later = [each for each in self._context.handlers if each not in self._own_handlers]
+        return self._has_shut_down or any(
+            not each.never and not isinstance(each, OnProcessStart) for each in later
+        )
 
     def new_nodes(self) -> list[Any]:
-        """Do what is to come when something starts; return the nodes of the workspace that are new.
+        """Do what is to come when something happens; return the nodes of the workspace that are new.
 
         Raises:
             SubstitutionFailure: a package has no such executable: launch then starts nothing more at home.
+            PackageNotFoundError: there is no such package, but one that is nearly called so.
         """
-        while self._answer():
-            pass
-        started = self._context.started[self._told :]
+        context = self._context
+        context.answer_events()
+        started = context.started[self._told :]
         self._told += len(started)
-        return _own(started)
+        ignored, context.untold = context.untold, []
+        return _own(context, started, ignored)
 
     def after(self, action: Any, code: int) -> list[Any]:
         """Do what is to come when the process of an action ends; return the nodes that start then.
 
         Raises:
-            SubstitutionFailure: as `new_nodes`.
+            SubstitutionFailure, PackageNotFoundError: as `new_nodes`.
         """
-        from launch.event_handlers import OnProcessExit
-
-        for handler, scope in reversed(list(self._context.handlers)):  # launch asks the latest first
-            if isinstance(handler, OnProcessExit) and handler.is_about(action):
-                self._visit(handler, scope, action, code, 0.0)
+        self._context.delay_s = 0.0
+        action.end(self._context, code)
         return self.new_nodes()
 
-    def _answer(self) -> bool:
-        """Answer what has started; return whether there was anything to answer."""
-        from launch.event_handlers import OnProcessExit, OnProcessStart
+    def shut_down(self, reason: str, *, due_to_sigint: bool = False) -> None:
+        """Do what is to come when everything ends, unless it has come already."""
+        from launch.events import Shutdown
 
-        found = False
-        for number, (handler, scope) in enumerate(list(self._context.handlers)):
-            for place, (action, kind, what) in enumerate(list(self._context.started)):
-                wanted = OnProcessStart if kind == "node" else (OnProcessExit, OnProcessStart)
-                if (number, place) in self._answered or not isinstance(handler, wanted):
-                    continue
-                self._answered.add((number, place))
-                if handler.is_about(action):
-                    found = True
-                    self._visit(handler, scope, action, 0, what.delay_s if kind == "node" else 0.0)
-        return found
-
-    def _visit(self, handler: Any, scope: Any, action: Any, code: int, delay_s: float) -> None:
-        from launch.event_handlers import ProcessEvent
-
-        self._context.restore(scope)
-        self._context.delay_s = delay_s
-        actions = handler.actions
-        self._context.visit(
-            actions(ProcessEvent(action, code), self._context) if callable(actions) else actions
-        )
+        if self._has_shut_down:
+            return
+        self._context.delay_s = 0.0
+        self._context.emit_event_sync(Shutdown(reason=reason, due_to_sigint=due_to_sigint))
+        self._context.answer_events()
 
 
-def _own(started: list[tuple[Any, str, Any]]) -> list[Any]:
+def _own(context: Any, started: list[tuple[Any, str, Any]], ignored: list[str]) -> list[Any]:
     """Return the nodes of the workspace; note what else is not carried out.
 
     Raises:
-        SubstitutionFailure: a package has no such executable.
+        SubstitutionFailure, PackageNotFoundError: as `Launched.new_nodes`.
     """
-    own, ignored = [], []
+    from launch_ros.substitutions import ExecutableInPackage
+
+    own = []
     for _, kind, what in started:
         if kind == "node" and what.package in workspace.names:
-            _check_executable(what.package, what.executable)
+            ExecutableInPackage(what.executable, what.package).perform(context)
             own.append(what)
             ignored += [f"{each} of {what.package} {what.executable}" for each in what.untold]
         elif kind == "node" and (what.package, what.executable) == _TURTLESIM:
             if what.arguments != ["--ros-args"] and "-r" in what.arguments:
                 ignored.append("turtlesim_node " + " ".join(what.arguments[1:]))
+        elif kind == "node":
+            _check_package(what.package)
+            ignored.append(f"{what.package} {what.executable}".strip())
         else:
-            ignored.append(what if kind == "command" else f"{what.package} {what.executable}")
+            ignored.append(what)
     for text in ignored[:_MOST_NOTED]:
         link.note(_IGNORED_NOTE, text[:200])
     return own
 
 
-def _check_executable(package: str, name: str) -> None:
-    from launch.substitutions import SubstitutionFailure
+def _check_package(name: str) -> None:
+    """Refuse what is most likely one's own package, misspelt; any other may be installed at home.
 
-    folder = executable_path(package, name).rpartition("/")[0]
-    known = workspace.executables_of(package)
-    if not known:
-        found = f"package '{package}' found at '{workspace.prefix_of(package)}'"
-        raise SubstitutionFailure(f"{found}, but libexec directory '{folder}' does not exist")
-    if name not in known:
-        raise SubstitutionFailure(f"executable '{name}' not found on the libexec directory '{folder}' ")
+    Raises:
+        PackageNotFoundError: there is no such package, but one that is nearly called so.
+    """
+    from ament_index_python.packages import PackageNotFoundError, get_package_prefix
+
+    plain = {known.lower().replace("-", "_") for known in workspace.names}
+    if difflib.get_close_matches(name.lower().replace("-", "_"), plain, 1, _MISSPELT):
+        try:
+            get_package_prefix(name)
+        except ValueError as error:
+            raise PackageNotFoundError(str(error)) from None

@@ -60,7 +60,7 @@ class Ending:
                 _wire.Exit(
                     min(kernel.now_ns, kernel.horizon_ns),
                     self.reason,
-                    kernel.interrupted and not self.crashed_early,
+                    kernel.interrupted and not kernel.ends_early and not self.crashed_early,
                     self.code,
                     self.type,
                     self.message,

@@ -5,14 +5,15 @@ to another program, and put back when it returns: the command line, the student'
 executor, log levels and signal handlers, the main thread. Only one thread runs at a time, so no program ever
 sees another one's. They meet in the graph alone. At Ctrl+C each gets its own, as from a terminal.
 
-Not of their own are the state of Python's other modules (`random`, `logging`, functions of `atexit`), environment,
-working directory and files, the alarm, and the steps that a run may make.
+Not of their own are the state of Python's other modules (`random`, `logging`, functions of `atexit`), files, the
+alarm, and the steps that a run may make.
 """
 
 from __future__ import annotations
 
 import _frozen_importlib
 import gc
+import os
 import sys
 import threading
 from concurrent.futures import thread as pools
@@ -30,6 +31,7 @@ from rclpy._rcl import handles, logs
 from rclpy._rcl.endpoints import EndpointHandle
 from rclpy._rcl.enums import SignalHandlerOptions
 from rclpy._rcl.node_handle import NodeHandle
+from rclpy._storage.tree import storage
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -37,7 +39,6 @@ if TYPE_CHECKING:
     from typing import Any, NoReturn
 
     Guard = Callable[[Callable[[], None]], int]
-    After = Callable[[Any, int], list[Any]]
 
 _AT_EXIT = "_threading_atexits"
 _OWN: tuple[tuple[Any, str], ...] = (
@@ -66,6 +67,8 @@ _OWN: tuple[tuple[Any, str], ...] = (
     (pools, "_shutdown"),
     (pools, "_threads_queues"),
     (_frozen_importlib, "_module_locks"),  # one that never ends loading a module holds up no other
+    (os.environ, "_data"),
+    (storage, "cwd"),
 )
 """State that each program has for itself, as objects and names of their attributes."""
 
@@ -76,6 +79,7 @@ class Program:
     Attributes:
         package, executable, arguments: what is started, as `action` of the launch file says.
         delay_s: how long after the launch file, or after what it waited for.
+        cwd: where it works; None: where the launch does.
         ended: whether its process would be gone.
     """
 
@@ -83,6 +87,8 @@ class Program:
         self.action, self.package, self.executable = node.action, node.package, node.executable
         self.arguments: list[str] = node.arguments
         self.delay_s: float = node.delay_s
+        self.environment: dict[str, str] = node.environment
+        self.cwd: str | None = node.cwd
         self.ended = False
         self.values: list[Any] = []
         self.modules: dict[str, ModuleType] = {}
@@ -100,8 +106,14 @@ class Program:
             argv, [sys.executable, *argv], thread, False, None, [], [], dict(handlers.handlers), [], None, None,
             SignalHandlerOptions.NO, False, 0, None, {}, {}, False, {}, {}, _MainThread(thread),
             list(getattr(threading, _AT_EXIT)), False, WeakKeyDictionary(), {},
+            _encoded(self.environment), storage.cwd,
         ]  # fmt: skip
         return thread
+
+
+def _encoded(environment: dict[str, str]) -> dict[bytes, bytes]:
+    """Return what `os.environ` keeps of an environment."""
+    return {os.fsencode(name): os.fsencode(value) for name, value in environment.items()}
 
 
 class _MainThread(threading.Thread):
@@ -129,7 +141,7 @@ class _Images:
     """Which program's own things are in place, and the programs of the launch; None stands for launch itself."""
 
     guard: Guard
-    after: After
+    launched: Any
 
     def __init__(self) -> None:
         self.programs: list[Program] = []
@@ -162,7 +174,7 @@ class _Images:
     def follow(self, program: Program, code: int) -> None:
         """Start what is to come after a program's end. After Ctrl+C launch starts nothing more."""
         if not kernel.interrupted:
-            self.guard(lambda: self.add(self.after(program.action, code)))
+            self.guard(lambda: self.add(self.launched.after(program.action, code)))
 
     def switch(self, old: Any, new: Any) -> None:
         """Put one program's own things aside and another one's in place."""
@@ -195,30 +207,43 @@ class _Images:
 images = _Images()
 
 
-def run(nodes: list[Any], guard: Guard, after: After) -> None:
+def run(nodes: list[Any], guard: Guard, launched: Any) -> None:
     """Start the nodes' programs in this order, and return when all have ended.
 
     Args:
         nodes: of the student's packages, as the launch file described them.
         guard: calls a function, takes what it raises for the program's end, and returns the exit code of that.
-        after: returns the nodes that start when the process of an action ends, with its exit code.
+        launched: knows which nodes start when the process of an action ends, and when everything is to end.
 
     Raises:
         RuntimeError: there are more than there can be threads.
     """
-    images.guard, images.after = guard, after
+    images.guard, images.launched = guard, launched
     images.begin(workspace.module_names())
     images.add(nodes)
-    while not all(program.ended for program in images.programs):
+    while not _all_ended():
         try:
-            kernel.wait(
-                lambda: all(program.ended for program in images.programs),
-                None,
-                "launch waits for its nodes",
-                idle=True,
-            )
-        except KeyboardInterrupt:
-            continue  # each of them has got its own
+            _wait_for_end(launched)
+        except KeyboardInterrupt:  # each of them has got its own
+            guard(lambda: launched.shut_down("ctrl-c (SIGINT)", due_to_sigint=True))
+    guard(lambda: launched.shut_down("idle"))
+
+
+def _all_ended() -> bool:
+    return all(program.ended for program in images.programs)
+
+
+def _wait_for_end(launched: Any) -> None:
+    """Wait until all programs have ended, or it is time for the launch file's own end of everything."""
+    due_ns: int | None = None if kernel.interrupted else launched.shutdown_ns
+    kernel.wait(
+        lambda: _all_ended() or (launched.shutdown_ns != due_ns and not kernel.interrupted),
+        due_ns,
+        "launch waits for its nodes",
+        idle=True,
+    )
+    if due_ns is not None and kernel.now_ns >= due_ns and not _all_ended():
+        kernel.interrupt()
 
 
 def _live(program: Program, guard: Guard) -> None:
@@ -231,6 +256,8 @@ def _live(program: Program, guard: Guard) -> None:
 def _call(program: Program) -> None:
     if program.delay_s > 0.0:
         kernel.sleep_ns(round(program.delay_s * 1e9))
+    if program.cwd is not None:
+        os.chdir(program.cwd)
     workspace.choose(program.package, program.executable)
     workspace.call()
 

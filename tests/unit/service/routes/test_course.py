@@ -52,7 +52,11 @@ def test_a_copy_has_the_rules_and_nobody_but_its_teacher(
     }
     assert "course.copy" in told
     again = client.post("/api/v1/courses", json=body, headers=school.as_("wang"))
-    assert (again.status_code, again.json()["code"]) == (422, "invalid_course")
+    assert (again.status_code, again.json()["code"], again.json()["field"]) == (422, "invalid_course", "id")
+    untold = client.post(
+        "/api/v1/courses", json={**body, "id": "x", "title": "a\nb"}, headers=school.as_("wang")
+    )
+    assert (untold.status_code, untold.json()["field"]) == (422, "title")
 
 
 def archive(client: httpx.Client, school: School, archived: bool) -> httpx.Response:

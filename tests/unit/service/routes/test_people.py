@@ -77,7 +77,9 @@ def test_one_member_is_put_changed_and_deleted(client: httpx.Client, headers: di
         "email": "z@a.cn",
         "sections": ["A", "B"],
     }
-    assert client.put(url, headers=headers, json={"email": "nowhere"}).json()["code"] == "invalid_roster"
+    for field, wrong in {"email": "nowhere", "name": "a\nb", "sections": [""]}.items():
+        refused = client.put(url, headers=headers, json={field: wrong}).json()
+        assert (refused["code"], refused["field"]) == ("invalid_roster", field)
     token = client.post(f"{url}/tokens", headers=headers, json={"days": 1}).json()["token"]
     theirs = {"Authorization": f"Bearer {token}"}
     assert client.get("/api/v1/me", headers=theirs).json()["person"] == "zhao"
@@ -85,4 +87,4 @@ def test_one_member_is_put_changed_and_deleted(client: httpx.Client, headers: di
     assert client.get("/api/v1/me", headers=theirs).status_code == 401
     assert client.delete(url, headers=headers).json()["code"] == "member_not_found"
     last = client.delete("/api/v1/members/wang", headers=headers)
-    assert (last.status_code, last.json()["code"]) == (422, "invalid_roster")
+    assert (last.status_code, last.json()["code"], last.json()["field"]) == (422, "invalid_roster", "role")

@@ -1,0 +1,12 @@
+import rclpy, math, time
+from geometry_msgs.msg import Twist
+rclpy.init(); n=rclpy.create_node('s'); p=n.create_publisher(Twist,'/turtle1/cmd_vel',10); time.sleep(0.5)
+def mv(v,w,t):
+    m=Twist(); m.linear.x=float(v); m.angular.z=float(w); e=time.time()+t
+    while time.time()<e: p.publish(m); time.sleep(0.01)
+    p.publish(Twist())
+for i in range(4):
+    percent = i * 25
+    n.get_logger().info(f'完成 {percent}%')
+    mv(1,0,2)
+    mv(0,math.radians(100),1)
