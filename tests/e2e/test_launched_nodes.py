@@ -237,6 +237,13 @@ def test_one_that_waits_for_a_delay_begins_later(slot: Slot) -> None:
     assert 2_000_000_000 < outcome.first_command_ns < 2_200_000_000
 
 
+def test_one_whose_time_does_not_come_has_never_been_started(slot: Slot) -> None:
+    late = "TimerAction(period=500.0, actions=[Node(package='my_turtle', executable='ask', arguments=['late'])]),"
+    outcome = of(launched(slot, PAIR + late))
+    assert outcome.stdout.text.count("ask my_turtle.ask") == 1
+    assert (outcome.stderr.text, outcome.status) == ("", RunStatus.INTERRUPTED)
+
+
 LISTENS = """import rclpy
 from std_msgs.msg import Float64
 
