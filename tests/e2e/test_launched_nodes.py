@@ -237,6 +237,13 @@ def test_one_that_waits_for_a_delay_begins_later(slot: Slot) -> None:
     assert 2_000_000_000 < outcome.first_command_ns < 2_200_000_000
 
 
+def test_one_whose_time_does_not_come_has_never_been_started(slot: Slot) -> None:
+    late = "TimerAction(period=500.0, actions=[Node(package='my_turtle', executable='ask', arguments=['late'])]),"
+    outcome = of(launched(slot, PAIR + late))
+    assert outcome.stdout.text.count("ask my_turtle.ask") == 1
+    assert (outcome.stderr.text, outcome.status) == ("", RunStatus.INTERRUPTED)
+
+
 LISTENS = """import rclpy
 from std_msgs.msg import Float64
 
@@ -573,3 +580,53 @@ def test_a_package_of_others_is_left_out_with_a_note(slot: Slot) -> None:
     outcome = of(launched(slot, "Node(package='rviz2', executable='rviz2')," + PAIR))
     assert ("launch_ignored", "rviz2 rviz2") in [(note.code, note.text) for note in outcome.notes]
     assert outcome.status is RunStatus.INTERRUPTED
+
+
+TUTORIAL = """from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, EmitEvent, ExecuteProcess, LogInfo, RegisterEventHandler
+from launch.actions import TimerAction
+from launch.conditions import IfCondition
+from launch.event_handlers import OnExecutionComplete, OnProcessExit, OnProcessIO, OnProcessStart, OnShutdown
+from launch.events import Shutdown
+from launch.substitutions import FindExecutable, LaunchConfiguration, LocalSubstitution, PythonExpression
+from launch_ros.actions import Node
+
+def ended(event, context):
+    program, *arguments = event.cmd
+    told = [event.process_name, program.rpartition('/')[2], *arguments, str(event.returncode)]
+    return [LogInfo(msg=' '.join(told)), EmitEvent(event=Shutdown(reason='ask is done'))]
+
+def generate_launch_description():
+    sim = Node(package='turtlesim', namespace=LaunchConfiguration('ns'), executable='turtlesim_node', name='sim')
+    ask = Node(package='my_turtle', executable='ask', name='boss')
+    ros2 = [FindExecutable(name='ros2')]
+    spawn = ExecuteProcess(cmd=[[*ros2, ' service call ', LaunchConfiguration('ns'), '/spawn']], shell=True)
+    change = ExecuteProcess(cmd=[[*ros2, ' param set']], shell=True)
+    never = ExecuteProcess(
+        condition=IfCondition(PythonExpression([LaunchConfiguration('r'), ' == 200 and ', 'False'])), cmd=['never']
+    )
+    return LaunchDescription([
+        DeclareLaunchArgument('ns', default_value='turtlesim1'), DeclareLaunchArgument('r', default_value='200'),
+        sim, ask,
+        RegisterEventHandler(OnProcessStart(target_action=sim, on_start=[LogInfo(msg='started'), spawn])),
+        RegisterEventHandler(OnProcessIO(target_action=spawn, on_stdout=lambda event: LogInfo(msg='never'))),
+        RegisterEventHandler(OnExecutionComplete(target_action=spawn, on_completion=[
+            LogInfo(msg='finished'), change, TimerAction(period=2.0, actions=[never])])),
+        RegisterEventHandler(OnProcessExit(target_action=ask, on_exit=ended)),
+        RegisterEventHandler(
+            OnShutdown(on_shutdown=[LogInfo(msg=['shut down: ', LocalSubstitution('event.reason')])])),
+    ])
+"""
+
+
+def test_the_tutorial_about_event_handlers_is_carried_out(slot: Slot) -> None:
+    outcome = of(launched_as(slot, TUTORIAL, ask=ENDS))
+    lines = [line.removeprefix("[INFO] [launch.user]: ") for line in outcome.stdout.text.splitlines()]
+    ended = "ask-2 ask --ros-args -r __node:=boss 0"
+    assert lines == ["started", "finished", ended, "shut down: ask is done"], outcome.stderr.text
+    assert [note.text for note in outcome.notes if note.code == "launch_ignored"] == [
+        "OnProcessIO",
+        "turtlesim_node -r __node:=sim -r __ns:=/turtlesim1",
+        "/usr/bin/ros2 service call turtlesim1/spawn",
+        "/usr/bin/ros2 param set",
+    ]

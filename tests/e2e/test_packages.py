@@ -327,3 +327,24 @@ def test_what_a_handler_starts_later_finds_nothing_of_a_group_that_has_ended(slo
     group = INCLUDES.replace(", scoped=False", "")
     outcome = launched(slot, group, **{"launch/inner.launch.py": LAUNCH}).runs[0].outcome
     assert "launch configuration 'distance' does not exist" in outcome.stderr.text
+
+
+BESIDE = """import os
+import pkgutil
+from importlib import resources
+
+def main():
+    here = os.path.dirname(__file__)
+    print(open(os.path.join(here, 'data', 'a.txt')).read(), here.rpartition('/')[2])
+    print(pkgutil.get_data('my_turtle', 'data/a.txt'))
+    print(resources.files('my_turtle').joinpath('data/a.txt').read_text())
+"""
+
+
+def test_files_beside_the_modules_are_found(slot: Slot) -> None:
+    setup = package_files()[f"{NAME}/setup.py"].replace(
+        "data_files=[", "package_dir={'': '.'}, package_data={'my_turtle': ['data/*.txt']}, data_files=["
+    )
+    files = {MODULE: BESIDE, f"{NAME}/data/a.txt": "found", "setup.py": setup}
+    outcome = graded(slot, package_files(**files)).runs[0].outcome
+    assert outcome.stdout.text == "found my_turtle\nb'found'\nfound\n", outcome.stderr.text

@@ -250,3 +250,9 @@ def test_services_tell_what_they_send(run_script: RunScript) -> None:
         distro="jazzy",
     )
     assert run.stdout == "1 True\n2\n"
+
+
+@pytest.mark.parametrize("distro", ["humble", "jazzy"])
+def test_create_node_refuses_an_unknown_argument_in_its_own_name(run_script: RunScript, distro: str) -> None:
+    run = run_script("import rclpy\nrclpy.init()\nrclpy.create_node('a', bogus=1)\n", distro=distro)
+    assert "TypeError: create_node() got an unexpected keyword argument 'bogus'" in run.stderr

@@ -270,3 +270,18 @@ def test_parameter_files_are_refused_where_rcls_parser_refuses_them(run_script, 
     write = "" if text is None else f"open('/tmp/p.yaml', 'w').write({text!r})\n"
     run = run_script(f"{VALUES}{write}show('--params-file', '/tmp/p.yaml')\n")
     assert run.stdout == f"{fault}, at ./src/rcl/arguments.c:406\n", run.stderr
+
+
+def test_integers_of_more_than_64_bits_are_refused_and_not_kept(run_script):
+    source = """
+        attempt(lambda: node.declare_parameter("big", 2**63))
+        attempt(lambda: node.declare_parameter("many", [1, -2**63 - 1]))
+        node.declare_parameter("n", 2**63 - 1)
+        attempt(lambda: node.set_parameters([Parameter("n", value=-2**70)]))
+        print(node.get_parameter("n").value, node.has_parameter("big"))
+    """
+    whole = "[-9223372036854775808, 9223372036854775807]"
+    lines = run_lines(run_script, source)
+    assert lines[0] == f"AssertionError The 'integer_value' field must be an integer in {whole}"
+    assert lines[1].startswith("AssertionError The 'integer_array_value' field must be a set or sequence")
+    assert lines[2:] == [lines[0], "9223372036854775807 False"]

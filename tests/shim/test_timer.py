@@ -65,13 +65,20 @@ def test_cancel_and_reset(run_script):
 
 def test_invalid_periods(run_script):
     source = """
-        for period in (-1, "x", None):
+        for period in (-1, "x", None, 1e12, 9.2e9):
             try:
                 node.create_timer(period, print)
             except Exception as error:
                 print(type(error).__name__)
     """
-    assert run_lines(run_script, source) == ["RCLError", "ValueError", "TypeError"]
+    assert run_lines(run_script, source) == ["RCLError", "ValueError", "TypeError", "TypeError"]
+
+
+def test_a_period_of_more_than_64_bits_is_no_argument(run_script):
+    for distro, last in (("humble", "arg2: int)"), ("jazzy", "arg2: int, arg3: bool)")):
+        run = run_script(PREFIX + "node.create_timer(1e12, print)", distro=distro)
+        assert "__init__(): incompatible constructor arguments" in run.stderr
+        assert last in run.stderr
 
 
 def test_period_zero_lets_time_pass(run_script):

@@ -291,3 +291,52 @@ def test_logging_and_imports_work_in_threads(run_bare: RunScript) -> None:
         "for t in ts: t.start()\nfor t in ts: t.join()\nprint(now())\n"
     )
     assert [line.split()[-1] for line in lines(run)] == ["0", "1", "2", "3.0"]
+
+
+def test_locks_and_queues_of_multiprocessing_keep_threads_apart(run_bare: RunScript) -> None:
+    """Where no process can be started, a ThreadPool is what is left of multiprocessing, and it is made of them."""
+    run = run_bare(
+        CLOCK
+        + """
+import multiprocessing
+from multiprocessing.pool import ThreadPool
+
+def nap(seconds):
+    time.sleep(seconds)
+    return seconds
+
+with ThreadPool(2) as pool:
+    print(pool.map(nap, [1.0, 1.0, 2.0]), now())
+semaphore = multiprocessing.Semaphore(1)
+print(semaphore.acquire(), semaphore.acquire(False), semaphore.acquire(timeout=1.5), now())
+condition = multiprocessing.Condition()
+def notify():
+    time.sleep(2.0)
+    with condition:
+        condition.notify()
+threading.Thread(target=notify).start()
+with condition:
+    print(condition.wait(5.0), condition.acquire(), now())
+for lock in (multiprocessing.Lock(), multiprocessing.RLock()):
+    try:
+        lock.release()
+    except (AssertionError, ValueError) as error:
+        print(type(error).__name__, error)
+q = multiprocessing.Queue()
+q.put('x' * 200_000)
+print(len(q.get()), q.empty())
+try:
+    q.get(timeout=3.0)
+except queue.Empty:
+    print('empty', now())
+"""
+    )
+    assert lines(run) == [
+        "[1.0, 1.0, 2.0] 3.0",
+        "True False False 4.5",
+        "True True 6.5",
+        "ValueError semaphore or lock released too many times",
+        "AssertionError attempt to release recursive lock not owned by thread",
+        "200000 True",
+        "empty 9.5",
+    ]

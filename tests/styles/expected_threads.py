@@ -34,6 +34,7 @@ EXPECTED = {
     "threading_timer": Expectation(plan=(Leg(0.1, 2.0, 1.0),), status=INTERRUPTED),
     "event_wait": Expectation(plan=(Leg(0.1, 1.95, 0.5),), stdout="half way\n", says=("20 messages",)),
     "condition_ping_pong": Expectation(plan=drive(0.0, *[(0.75, 1.0, 0.0), (0.75, 0.0, 1.0)] * 2)),
+    "thread_pool_of_processes": Expectation(plan=drive(0.0, *[(0.75, 1.0, 0.0), (0.75, 0.0, 1.0)] * 2)),
     "queue_worker": Expectation(
         plan=drive(0.0, (1.0, 1.0, 0.0), (0.5, 0.0, 1.0), (0.5, 1.0, 0.0), (1.0, 0.0, -1.0)),
         stdout="all done\n",

@@ -47,7 +47,7 @@ def mounted(source: bytes, wanted: WantedPackage | None, distro: str) -> Mounted
     fields = {
         "files": [[path, len(files[path])] for path in order],
         "modules": [each for package in packages for each in _modules(package, site)],
-        "shared": [each for package in packages for each in _shared(package)],
+        "shared": [each for package in packages for each in _shared(package, site)],
         "packages": {
             name: package.name for package in packages if package.is_built for name in package.marked
         },
@@ -94,9 +94,10 @@ def _modules(package: Package, site: str) -> list[list[Any]]:
     return found
 
 
-def _shared(package: Package) -> list[list[str]]:
-    """Return installed path and path in the archive of what ``data_files`` installs."""
+def _shared(package: Package, site: str) -> list[list[str]]:
+    """Return installed path and path in the archive of what ``data_files`` and ``package_data`` install."""
     if not package.is_built:
         return []
     prefix = f"install/{package.name}"
-    return [[f"{prefix}/{target}", f"{package.folder}/{path}"] for target, path in package.shared.items()]
+    placed = {**{f"{site}/{inside}": path for inside, path in package.data.items()}, **package.shared}
+    return [[f"{prefix}/{target}", f"{package.folder}/{path}"] for target, path in placed.items()]

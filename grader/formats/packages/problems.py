@@ -135,7 +135,7 @@ def _script(
 ) -> Iterator[PackageProblem]:
     """Yield what is wrong with an entry; `known` holds the names of the modules that were read for others."""
     path = package.modules.get(script.module)
-    beside = script.module.replace(".", "/") + ".py"
+    beside = package.sources + script.module.replace(".", "/") + ".py"
     folder = beside.rpartition("/")[0]
     if path is None and beside in package.paths and f"{folder}/__init__.py" not in package.paths:
         yield _fatal("package_no_init", MODULES, folder=f"{package.folder}/{folder}")
@@ -176,7 +176,7 @@ def _defined(source: bytes) -> set[str] | None:
 def _shared(package: Package) -> Iterator[PackageProblem]:
     if "data_files" in package.unread:
         return
-    installed = set(package.shared.values())
+    installed = {*package.shared.values(), *package.data.values()}
     if "package.xml" in package.paths and "package.xml" not in installed:
         yield _harmless(
             "package_share_missing",

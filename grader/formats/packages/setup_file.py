@@ -91,6 +91,34 @@ class SetupFile:
                 return None
         return found
 
+    def package_dir(self) -> dict[str, str] | None:
+        """Return the folders of packages by their names, of all others under the empty one; None: not known."""
+        value = self.arguments.get("package_dir", {})
+        if isinstance(value, dict) and all(isinstance(each, str) for each in value.values()):
+            return {name: _plain(folder) for name, folder in value.items()}
+        return None
+
+    def package_data(self, folders: Mapping[str, str]) -> dict[str, list[str]] | None:
+        """Return which files are installed with the modules of packages; None when that is not known.
+
+        Args:
+            folders: of all packages that are installed, by their names.
+        """
+        value = self.arguments.get("package_data", {})
+        if not isinstance(value, dict):
+            return None
+        found: dict[str, list[str]] = {}
+        for name, folder in folders.items():
+            for patterns in (value.get("", []), value.get(name, [])):
+                if not (isinstance(patterns, list) and all(isinstance(each, str) for each in patterns)):
+                    return None
+                for pattern in patterns:
+                    paths = self._globbed(f"{folder}/{pattern}" if folder else pattern)
+                    if paths is UNKNOWN:
+                        return None
+                    found.setdefault(name, []).extend(paths)
+        return found
+
     def _execute(self, statement: ast.stmt) -> None:
         if isinstance(statement, ast.Assign):
             value = self._value(statement.value)
@@ -208,19 +236,26 @@ class SetupFile:
         return UNKNOWN
 
     def _found_packages(self, arguments: list[Any], options: Mapping[str, Any]) -> Any:
-        where = (arguments or [options.get("where", ".")])[0]
-        excluded = options.get("exclude", [])
-        if where not in (".", "") or not isinstance(excluded, list):
+        given = {**dict(zip(("where", "exclude", "include"), arguments, strict=False)), **options}
+        where, excluded = given.get("where", "."), given.get("exclude", [])
+        included = given.get("include", ["*"])
+        if not (isinstance(where, str) and isinstance(excluded, list) and isinstance(included, list)):
             return UNKNOWN
-        if not self._may(self._names_of_paths * (1 + len(excluded))):
+        if not self._may(self._names_of_paths * (1 + len(excluded) + len(included))):
             return UNKNOWN
-        folders = {path.rpartition("/")[0] for path in self._paths if path.endswith("/__init__.py")}
+        start = f"{_plain(where)}/".removeprefix("/")
+        folders = {
+            path.rpartition("/")[0][len(start) :]
+            for path in self._paths
+            if path.endswith("/__init__.py") and path.startswith(start) and "/" in path[len(start) :]
+        }
         found = []
         for folder in sorted(folders):
             parts = folder.split("/")
             whole = all("/".join(parts[:end]) in folders for end in range(1, len(parts)))
             name = ".".join(parts)
-            if whole and not any(fnmatchcase(name, str(pattern)) for pattern in excluded):
+            fits = any(fnmatchcase(name, str(pattern)) for pattern in included)
+            if whole and fits and not any(fnmatchcase(name, str(pattern)) for pattern in excluded):
                 found.append(name)
         return found
 
@@ -284,6 +319,11 @@ def _name_of(function: ast.expr) -> str:
 
 def _is_main_guard(test: ast.expr) -> bool:
     return isinstance(test, ast.Compare) and isinstance(test.left, ast.Name) and test.left.id == "__name__"
+
+
+def _plain(folder: str) -> str:
+    """Return a folder of the package without dots and slashes around it; empty: the package's own."""
+    return "/".join(part for part in folder.split("/") if part not in ("", "."))
 
 
 def _joined_path(parts: Sequence[str]) -> str:

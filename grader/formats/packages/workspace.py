@@ -18,6 +18,8 @@ from grader.formats.packages.setup_file import SetupFile
 
 PYTHON: Final = "ament_python"
 _MOST_MANIFEST_BYTES: Final = 64 * 1024
+_DEEPEST: Final = 50
+"""Parts that a module's name may have and be looked for as ``package_dir`` says; time grows with their square."""
 _ENTRY: Final = re.compile(r"\s*([^=\s][^=]*?)\s*=\s*([\w.]+)\s*:\s*([\w.]+)\s*(?:\[.*\])?\s*")
 _INDEX: Final = "share/ament_index/resource_index/packages"
 _BASE: Final = "$base/"
@@ -60,6 +62,8 @@ class Package(Record):
         setup_name: as ``setup.py`` says. script_folder: as ``setup.cfg`` says, such as ``lib/my_pkg``, or ``bin``.
         entries: lines of ``console_scripts``. scripts: those that are well-formed.
         modules: names of what is installed, with the paths of their files (empty: a folder without ``__init__``).
+        sources: folder of the modules, with a slash behind it, as ``package_dir`` says; mostly empty.
+        data: path beside the modules (``my_pkg/data/x.yaml``) to the path of the file, as ``package_data`` says.
         shared: installed path (``share/my_pkg/launch/x.launch.py``) to the path of the file.
     """
 
@@ -74,6 +78,8 @@ class Package(Record):
     entries: tuple[str, ...] = ()
     scripts: tuple[Executable, ...] = ()
     modules: Mapping[str, str] = field(default_factory=dict)
+    sources: str = ""
+    data: Mapping[str, str] = field(default_factory=dict)
     shared: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -130,7 +136,14 @@ def _package(folder: str, files: Mapping[str, bytes]) -> Package:
     setup = SetupFile(own.get(SETUP, b""), own)
     scripts, data = setup.console_scripts(), setup.data_files()
     packages, modules = setup.strings("packages"), setup.strings("py_modules")
-    known = {"entry_points": scripts, "data_files": data, "packages": packages, "py_modules": modules}
+    known: dict[str, object] = {
+        "entry_points": scripts, "data_files": data, "packages": packages, "py_modules": modules,
+    }  # fmt: skip
+    known["package_dir"] = placed = setup.package_dir()
+    sources = (placed or {}).get("", "")
+    names = _folders(own, f"{sources}/".removeprefix("/")) if packages is None else packages
+    folders = {name: _folder(name, placed or {}) for name in names}
+    known["package_data"] = beside = setup.package_data(folders)
     unread = [name for name, value in known.items() if value is None]
     if SETUP in own and not (setup.is_python and setup.calls_setup):
         unread = ["setup"]
@@ -146,7 +159,9 @@ def _package(folder: str, files: Mapping[str, bytes]) -> Package:
         script_folder=_script_folder(own.get("setup.cfg", b"")),
         entries=tuple(scripts or ()),
         scripts=tuple(Executable(setup.text("name"), each[1], each[2], each[3]) for each in found),
-        modules=_modules(_folders(own) if packages is None else packages, modules or [], own),
+        modules=_modules(folders, {name: _folder(name, placed or {}) for name in modules or ()}, own),
+        sources=f"{sources}/".removeprefix("/"),
+        data=_data(folders, beside or {}),
         shared=_all_shared(setup.text("name"), own) if data is None else _shared(data, own),
     )
 
@@ -187,26 +202,59 @@ def _script_folder(content: bytes) -> str:
     return folder.removeprefix(_BASE).strip("/") if folder.startswith(_BASE) else "bin"
 
 
-def _modules(packages: list[str], singles: list[str], own: Mapping[str, bytes]) -> dict[str, str]:
-    """Return the modules that setuptools installs: of each package those in its own folder, not in subfolders."""
+def _folder(name: str, placed: Mapping[str, str]) -> str:
+    """Return where a package, or a module without its ending, is, as setuptools' ``build_py`` looks for it."""
+    parts = name.split(".")
+    if len(parts) > _DEEPEST:
+        return "/".join(parts)
+    for end in range(len(parts), -1, -1):
+        start = placed.get(".".join(parts[:end]))
+        if start is not None:
+            return "/".join((*([start] if start else []), *parts[end:]))
+    return "/".join(parts)
+
+
+def _modules(
+    packages: Mapping[str, str], singles: Mapping[str, str], own: Mapping[str, bytes]
+) -> dict[str, str]:
+    """Return the modules that setuptools installs: of each package those in its own folder, not in subfolders.
+
+    Args:
+        packages: their names and folders.
+        singles: names of other modules, and their files without the ending.
+        own: the package's files.
+    """
     found: dict[str, str] = {}
-    for name in packages:
-        folder = name.replace(".", "/")
+    for name, folder in packages.items():
         inside = [path for path in own if path.rpartition("/")[0] == folder and path.endswith(".py")]
         for path in inside:
             stem = path.rpartition("/")[2][:-3]
             found[name if stem == "__init__" else f"{name}.{stem}"] = path
         if inside:
             found.setdefault(name, "")
-    for name in singles:
-        if (path := name.replace(".", "/") + ".py") in own:
-            found[name] = path
+    for name, place in singles.items():
+        if f"{place}.py" in own:
+            found[name] = f"{place}.py"
     return dict(sorted(found.items()))
 
 
-def _folders(own: Mapping[str, bytes]) -> list[str]:
+def _data(folders: Mapping[str, str], beside: Mapping[str, list[str]]) -> dict[str, str]:
+    """Return what is installed beside the modules; these are installed anyway."""
+    found: dict[str, str] = {}
+    for name, paths in beside.items():
+        inside = name.replace(".", "/")
+        for path in paths:
+            if not path.endswith(".py"):
+                found[inside + path.removeprefix(folders[name])] = path
+    return found
+
+
+def _folders(own: Mapping[str, bytes], start: str) -> list[str]:
     """Return all packages of Python: what ``setup`` probably installs where it does not say so readably."""
-    return sorted(path.rpartition("/")[0].replace("/", ".") for path in own if path.endswith("/__init__.py"))
+    inside = (path.removeprefix(start) for path in own if path.startswith(start))
+    return sorted(
+        path.rpartition("/")[0].replace("/", ".") for path in inside if path.endswith("/__init__.py")
+    )
 
 
 def _all_shared(name: str, own: Mapping[str, bytes]) -> dict[str, str]:

@@ -79,6 +79,7 @@ if TYPE_CHECKING:
 
 HIDDEN_NODE_PREFIX = "_"
 NOT_SET = Parameter.Type.NOT_SET
+_INTEGERS = (Parameter.Type.INTEGER, Parameter.Type.INTEGER_ARRAY)
 _GID_BYTES = 24
 
 __getattr__ = passed_on(__name__)
@@ -768,6 +769,8 @@ class Node:
 
             self._descriptors[name] = ParameterDescriptor(dynamic_typing=True)
         old = self._parameters.get(name)
+        if parameter.type_ in _INTEGERS and not _fits(parameter.value):
+            parameter.to_parameter_msg()  # where upstream makes the message for all, and Humble's refuses
         self._parameters[name] = parameter
         return "new" if old is None or old.type_ == NOT_SET else "changed"
 
@@ -970,6 +973,11 @@ def _no_subscription_callbacks() -> SubscriptionEventCallbacks:
     from rclpy.qos_event import SubscriptionEventCallbacks
 
     return SubscriptionEventCallbacks()
+
+
+def _fits(value: Any) -> bool:
+    """Whether an integer, or each of several, has 64 bits."""
+    return all(-(2**63) <= each < 2**63 for each in (value if hasattr(value, "__iter__") else (value,)))
 
 
 def _require_names(names: list[str]) -> None:

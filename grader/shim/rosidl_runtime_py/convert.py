@@ -6,38 +6,111 @@ from array import array
 from collections import OrderedDict
 from typing import Any
 
+from rosidl_parser.definition import Array, BoundedSequence
 
-def message_to_ordereddict(msg: Any, *, truncate_length: int | None = None) -> OrderedDict[str, Any]:
+
+def message_to_ordereddict(
+    msg: Any, *, truncate_length: int | None = None, no_arr: bool = False, no_str: bool = False
+) -> OrderedDict[str, Any]:
     """Return a message's fields in order; nested messages become dicts, arrays lists.
 
     Args:
         msg: the message.
         truncate_length: longest text and list; what is cut off shows as ``...``.
+        no_arr: show only type and length of arrays.
+        no_str: show only the length of texts.
     """
-    names = msg.get_fields_and_field_types()
-    return OrderedDict((name, _plain(getattr(msg, name), truncate_length)) for name in names)
+    show = _Shown(truncate_length, no_arr, no_str)
+    return OrderedDict(
+        (name, show.field(msg, name, kind)) for name, kind in get_message_slot_types(msg).items()
+    )
 
 
-def message_to_yaml(msg: Any, *, truncate_length: int | None = None) -> str:
-    """Return a message as block-style YAML, as ``ros2 topic echo`` prints it."""
-    return "\n".join(_yaml_lines(message_to_ordereddict(msg, truncate_length=truncate_length), 0)) + "\n"
+def message_to_yaml(
+    msg: Any,
+    *,
+    truncate_length: int | None = None,
+    no_arr: bool = False,
+    no_str: bool = False,
+    flow_style: bool = False,
+) -> str:
+    """Return a message as YAML, as ``ros2 topic echo`` prints it; in one line if `flow_style`."""
+    values = message_to_ordereddict(msg, truncate_length=truncate_length, no_arr=no_arr, no_str=no_str)
+    return (_yaml_flow(values) if flow_style else "\n".join(_yaml_lines(values, 0))) + "\n"
 
 
-def message_to_csv(msg: Any, *, truncate_length: int | None = None) -> str:
+def message_to_csv(
+    msg: Any, *, truncate_length: int | None = None, no_arr: bool = False, no_str: bool = False
+) -> str:
     """Return the values of a message's fields in one line, separated by commas."""
-    return ",".join(_leaves(message_to_ordereddict(msg, truncate_length=truncate_length)))
+    return ",".join(_leaves(msg, _Shown(truncate_length, no_arr, no_str)))
 
 
-def _plain(value: Any, limit: int | None) -> Any:
-    if hasattr(value, "get_fields_and_field_types"):
-        return message_to_ordereddict(value, truncate_length=limit)
-    if isinstance(value, str):
-        return value if limit is None or len(value) <= limit else value[:limit] + "..."
-    if isinstance(value, list | tuple | array) or hasattr(value, "tolist"):
-        elements = list(value) if isinstance(value, list | tuple) else value.tolist()
-        shown = [_plain(element, limit) for element in elements[:limit]]
-        return [*shown, "..."] if limit is not None and len(elements) > limit else shown
-    return value
+def get_message_slot_types(msg: Any) -> OrderedDict[str, Any]:
+    """Return the types of a message's fields, as `rosidl_parser.definition` describes them, by their names."""
+    return OrderedDict(zip(msg.get_fields_and_field_types(), msg.SLOT_TYPES, strict=True))
+
+
+class _Shown:
+    """How values are shown."""
+
+    def __init__(self, limit: int | None, no_arr: bool, no_str: bool) -> None:
+        self.limit = limit
+        self.no_arr = no_arr
+        self.no_str = no_str
+
+    def field(self, msg: Any, name: str, kind: Any) -> Any:
+        """Return the value of a field as plain data."""
+        value = getattr(msg, name)
+        if self.no_arr and _elements(value) is not None:
+            return _array_info(value, kind)
+        return self.value(value)
+
+    def value(self, value: Any) -> Any:
+        """Return any value as plain data."""
+        if hasattr(value, "get_fields_and_field_types"):
+            return message_to_ordereddict(
+                value, truncate_length=self.limit, no_arr=self.no_arr, no_str=self.no_str
+            )
+        if isinstance(value, bytes):
+            return self.cut(value.decode("latin-1"))
+        if isinstance(value, str):
+            return self.text(value)
+        elements = _elements(value)
+        if elements is None:
+            return value.item() if hasattr(value, "item") else value
+        shown = [self.value(element) for element in elements[: self.limit]]
+        return [*shown, "..."] if self.limit is not None and len(elements) > self.limit else shown
+
+    def text(self, value: str) -> str:
+        """Return a text."""
+        return f"<string length: <{len(value)}>>" if self.no_str else self.cut(value)
+
+    def cut(self, value: str) -> str:
+        """Return the beginning of what is too long."""
+        return value if self.limit is None or len(value) <= self.limit else value[: self.limit] + "..."
+
+
+def _elements(value: Any) -> list[Any] | None:
+    """Return the elements of an array; None: it is none."""
+    if isinstance(value, list | tuple):
+        return list(value)
+    if isinstance(value, array) or hasattr(value, "tolist"):
+        elements = value.tolist()
+        return elements if isinstance(elements, list) else None  # numpy's numbers have it, too
+    return None
+
+
+def _array_info(value: Any, kind: Any) -> str:
+    inner = kind.value_type
+    name = getattr(inner, "typename", "")
+    if hasattr(inner, "namespaced_name"):
+        name = "/".join(inner.namespaced_name())
+    name = name or ("wstring" if "WString" in type(inner).__name__ else "string")
+    if isinstance(kind, Array):
+        return f"<array type: {name}[{kind.size}]>"
+    bound = f"[{kind.maximum_size}]" if isinstance(kind, BoundedSequence) else ""
+    return f"<sequence type: {name}{bound}, length: {len(value)}>"
 
 
 def _yaml_lines(values: OrderedDict[str, Any], depth: int) -> list[str]:
@@ -72,9 +145,32 @@ def _yaml_scalar(value: Any) -> str:
     return repr(value)
 
 
-def _leaves(value: Any) -> list[str]:
+def _yaml_flow(value: Any) -> str:
     if isinstance(value, dict):
-        return [leaf for inner in value.values() for leaf in _leaves(inner)]
+        return "{" + ", ".join(f"{name}: {_yaml_flow(inner)}" for name, inner in value.items()) + "}"
     if isinstance(value, list):
-        return [leaf for inner in value for leaf in _leaves(inner)]
-    return [value.decode("latin-1") if isinstance(value, bytes) else str(value)]
+        return "[" + ", ".join(_yaml_flow(inner) for inner in value) + "]"
+    return _yaml_scalar(value)
+
+
+def _leaves(msg: Any, show: _Shown) -> list[str]:
+    found = []
+    for name, kind in get_message_slot_types(msg).items():
+        value = getattr(msg, name)
+        elements = _elements(value)
+        if elements is not None and show.no_arr:
+            found.append(_array_info(value, kind))
+        else:
+            found += _leaf(value if elements is None else elements, show)
+    return found
+
+
+def _leaf(value: Any, show: _Shown) -> list[str]:
+    if isinstance(value, list):
+        shown = [leaf for inner in value[: show.limit] for leaf in _leaf(inner, show)]
+        return [*shown, "..."] if show.limit is not None and len(value) > show.limit else shown
+    if hasattr(value, "get_fields_and_field_types"):
+        return _leaves(value, show)
+    if isinstance(value, bytes) and show.limit is not None and len(value) > show.limit:
+        value = value[: show.limit] + b"..."
+    return [show.text(value) if isinstance(value, str) else str(value)]

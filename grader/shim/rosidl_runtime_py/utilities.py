@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import Any
+
+from rosidl_parser.definition import NamespacedType
+
+from rosidl_runtime_py.import_message import import_message_from_namespaced_type
 
 
 def get_interface(identifier: str) -> Any:
@@ -13,40 +16,86 @@ def get_interface(identifier: str) -> Any:
         ValueError: not the form of an interface's name.
         ModuleNotFoundError, AttributeError: no such package, no such interface.
     """
-    parts = identifier.split("/")
-    if len(parts) < 2 or not all(parts):
-        raise ValueError(f"Expected the full name of an interface, got '{identifier}'")
-    return getattr(import_module(".".join(parts[:-1])), parts[-1])
+    return import_message_from_namespaced_type(get_namespaced_type(identifier))
 
 
 def get_message(identifier: str) -> Any:
-    """Return the message class of e.g. ``std_msgs/msg/String``.
+    """Return the message class of e.g. ``std_msgs/msg/String``, or ``std_msgs/String``.
 
     Raises:
         ValueError: not a message.
     """
-    return _checked(get_interface(identifier), identifier, "a message", ("_fields_and_field_types",))
+    found = import_message_from_namespaced_type(get_message_namespaced_type(identifier))
+    return _checked(is_message(found), found, identifier, "a message")
 
 
 def get_service(identifier: str) -> Any:
-    """Return the service class of e.g. ``turtlesim/srv/Spawn``.
+    """Return the service class of e.g. ``turtlesim/srv/Spawn``, or ``turtlesim/Spawn``.
 
     Raises:
         ValueError: not a service.
     """
-    return _checked(get_interface(identifier), identifier, "a service", ("Request", "Response"))
+    found = import_message_from_namespaced_type(get_service_namespaced_type(identifier))
+    return _checked(is_service(found), found, identifier, "a service")
 
 
 def get_action(identifier: str) -> Any:
-    """Return the action class of e.g. ``turtlesim/action/RotateAbsolute``.
+    """Return the action class of e.g. ``turtlesim/action/RotateAbsolute``, or without ``action``.
 
     Raises:
         ValueError: not an action.
     """
-    return _checked(get_interface(identifier), identifier, "an action", ("Goal", "Result", "Feedback"))
+    found = import_message_from_namespaced_type(get_action_namespaced_type(identifier))
+    return _checked(is_action(found), found, identifier, "an action")
 
 
-def _checked(interface: Any, identifier: str, kind: str, attributes: tuple[str, ...]) -> Any:
-    if not all(hasattr(interface, attribute) for attribute in attributes):
+def get_namespaced_type(identifier: str) -> NamespacedType:
+    """Return the description of an interface's full name.
+
+    Raises:
+        ValueError: not the form of an interface's name.
+    """
+    return _namespaced(identifier)
+
+
+def get_message_namespaced_type(identifier: str) -> NamespacedType:
+    """Return the description of a message's name; ``msg`` may be left out of it."""
+    return _namespaced(identifier, "msg")
+
+
+def get_service_namespaced_type(identifier: str) -> NamespacedType:
+    """Return the description of a service's name; ``srv`` may be left out of it."""
+    return _namespaced(identifier, "srv")
+
+
+def get_action_namespaced_type(identifier: str) -> NamespacedType:
+    """Return the description of an action's name; ``action`` may be left out of it."""
+    return _namespaced(identifier, "action")
+
+
+def is_message(interface: Any) -> bool:
+    """Return whether a class is a message's."""
+    return hasattr(interface, "SLOT_TYPES")
+
+
+def is_service(interface: Any) -> bool:
+    """Return whether a class is a service's."""
+    return hasattr(interface, "Request") and hasattr(interface, "Response")
+
+
+def is_action(interface: Any) -> bool:
+    """Return whether a class is an action's."""
+    return all(hasattr(interface, name) for name in ("Goal", "Result", "Feedback"))
+
+
+def _namespaced(identifier: str, default: str = "") -> NamespacedType:
+    *spaces, name = identifier.split("/")
+    if not spaces or not all((*spaces, name)):
+        raise ValueError(f"Expected the full name of an interface, got '{identifier}'")
+    return NamespacedType([*spaces, default] if default and len(spaces) == 1 else spaces, name)
+
+
+def _checked(holds: bool, interface: Any, identifier: str, kind: str) -> Any:
+    if not holds:
         raise ValueError(f"Expected the full name of {kind}, got '{identifier}'")
     return interface

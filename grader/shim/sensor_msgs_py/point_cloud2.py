@@ -7,6 +7,7 @@ from collections import namedtuple
 from collections.abc import Iterable
 from typing import Any
 
+from rclpy import _distro
 from sensor_msgs.msg import PointCloud2, PointField
 
 _DTYPES = {
@@ -39,7 +40,7 @@ def read_points(
     """
     numpy = _numpy()
     assert isinstance(cloud, PointCloud2), "Cloud is not a sensor_msgs.msg.PointCloud2"
-    layout = _layout(cloud)
+    layout = _layout(cloud.fields, ">" if cloud.is_bigendian else "<", cloud.point_step)
     points = numpy.ndarray((cloud.width * cloud.height,), layout, bytes(cloud.data))
     if field_names is not None:
         wanted = list(field_names)
@@ -64,11 +65,15 @@ def read_points_numpy(
     uvs: Iterable[int] | None = None,
     reshape_organized_cloud: bool = False,
 ) -> Any:
-    """Return the points as a plain array with one column per field; all fields must have one type."""
-    assert len({field.datatype for field in cloud.fields}) <= 1, (
-        "All fields need to have the same datatype. Use `read_points()` otherwise."
-    )
-    points = read_points(cloud, field_names, skip_nans, uvs, reshape_organized_cloud)
+    """Return the points as a plain array with one column per field.
+
+    All fields must have one type; on Jazzy only those that are asked for.
+    """
+    wanted = list(field_names) if field_names is not None else None
+    looked_at = wanted if _distro.chosen == _distro.JAZZY else None
+    kinds = {field.datatype for field in cloud.fields if looked_at is None or field.name in looked_at}
+    assert len(kinds) <= 1, "All fields need to have the same datatype. Use `read_points()` otherwise."
+    points = read_points(cloud, wanted, skip_nans, uvs, reshape_organized_cloud)
     return _numpy().stack([points[name] for name in points.dtype.names], axis=-1)
 
 
@@ -85,22 +90,34 @@ def read_points_list(
     return [point._make(values) for values in read_points(cloud, names, skip_nans, uvs)]
 
 
-def create_cloud(header: Any, fields: list[Any], points: Any) -> Any:
-    """Return a PointCloud2 of points with the given fields, packed without gaps."""
+def dtype_from_fields(fields: Iterable[Any], point_step: int | None = None) -> Any:
+    """Return the dtype of a point with the given fields, which is `point_step` bytes long if that is given."""
+    return _layout(fields, "<", point_step)
+
+
+def create_cloud(header: Any, fields: list[Any], points: Any, *step: Any, **given: Any) -> Any:
+    """Return a PointCloud2 of points with the given fields, packed without gaps.
+
+    Only Jazzy takes `point_step` besides, the bytes of a point.
+    """
+    if _distro.chosen == _distro.JAZZY:
+        return _cloud(header, fields, points, *step, **given)
+    if given:
+        raise TypeError(f"create_cloud() got an unexpected keyword argument '{next(iter(given))}'")
+    if step:
+        raise TypeError(f"create_cloud() takes 3 positional arguments but {3 + len(step)} were given")
+    return _cloud(header, fields, points)
+
+
+def _cloud(header: Any, fields: list[Any], points: Any, point_step: int | None = None) -> Any:
     numpy = _numpy()
-    layout = numpy.dtype(
-        {
-            "names": [field.name for field in fields],
-            "formats": ["<" + _DTYPES[field.datatype] for field in fields],
-            "offsets": [field.offset for field in fields],
-        }
-    )
+    layout = dtype_from_fields(fields, point_step)
     if isinstance(points, numpy.ndarray) and points.dtype.names is not None:
         packed = points.astype(layout)
     elif _is_table(numpy, points, fields):
         packed = numpy.empty(len(points), dtype=layout)
-        for column, field in enumerate(fields):
-            packed[field.name] = points[:, column]
+        for column, name in enumerate(layout.names):
+            packed[name] = points[:, column]
     else:
         packed = numpy.array([tuple(point) for point in points], dtype=layout)
     data = packed.tobytes()
@@ -126,7 +143,7 @@ def _is_table(numpy: Any, points: Any, fields: list[Any]) -> bool:
     return (
         isinstance(points, numpy.ndarray)
         and points.dtype.kind in "fiu"
-        and points.shape[1:] == (len(fields),)
+        and points.shape[1:] == (sum(field.count for field in fields),)
         and all(field.datatype in (PointField.FLOAT32, PointField.FLOAT64) for field in fields)
     )
 
@@ -140,19 +157,21 @@ def create_cloud_xyz32(header: Any, points: Any) -> Any:
     return create_cloud(header, fields, points)
 
 
-def _layout(cloud: Any) -> Any:
-    """Return the dtype of one point of a cloud."""
-    names = [field.name or f"unnamed_field_{i}" for i, field in enumerate(cloud.fields)]
+def _layout(fields: Iterable[Any], order: str, point_step: int | None) -> Any:
+    """Return the dtype of a point; of a field with several values each has a name of its own."""
+    numpy = _numpy()
+    names, formats, offsets = [], [], []
+    for i, field in enumerate(fields):
+        assert field.count > 0, "Can't process fields with count = 0."
+        kind = numpy.dtype(order + _DTYPES[field.datatype])
+        name = field.name or f"unnamed_field_{i}"
+        for a in range(field.count):
+            names.append(f"{name}_{a}" if field.count > 1 else name)
+            formats.append(kind)
+            offsets.append(field.offset + a * kind.itemsize)
     assert len(set(names)) == len(names), "Duplicate field names are not allowed!"
-    order = ">" if cloud.is_bigendian else "<"
-    return _numpy().dtype(
-        {
-            "names": names,
-            "formats": [order + _DTYPES[field.datatype] for field in cloud.fields],
-            "offsets": [field.offset for field in cloud.fields],
-            "itemsize": cloud.point_step,
-        }
-    )
+    size = {} if point_step is None else {"itemsize": point_step}
+    return numpy.dtype({"names": names, "formats": formats, "offsets": offsets, **size})
 
 
 def _numpy() -> Any:

@@ -1,12 +1,16 @@
 """sensor_msgs_py.point_cloud2: points in and out."""
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 from sensor_msgs.msg import PointField
 from sensor_msgs_py import point_cloud2
 from std_msgs.msg import Header, String
+
+from tests.shim.test_files import SITE_PACKAGES
 
 POINTS = [(1.0, 2.0, 3.0), (4.0, 5.0, math.nan)]
 
@@ -59,3 +63,40 @@ def test_an_array_is_packed_as_its_rows_are(kind: str) -> None:
     assert point_cloud2.read_points_list(whole)[1] == (3.0, 4.0, 5.0)
     with pytest.raises((ValueError, TypeError)):
         point_cloud2.create_cloud_xyz32(Header(), rows[:, :2])
+
+
+MIXED = """
+from sensor_msgs.msg import PointField
+from sensor_msgs_py import point_cloud2
+from std_msgs.msg import Header
+fields = [
+    PointField(name='x', offset=0, datatype=PointField.FLOAT32, count=2),
+    PointField(name='ring', offset=8, datatype=PointField.UINT16, count=1),
+]
+print(point_cloud2.dtype_from_fields(fields, point_step=12))
+try:
+    cloud = point_cloud2.create_cloud(Header(), fields, [(0.5, 1.5, 1)], point_step=16)
+    print(cloud.point_step, len(cloud.data), point_cloud2.read_points(cloud)[0])
+except TypeError as error:
+    print(error)
+cloud = point_cloud2.create_cloud(Header(), fields, [(0.5, 1.5, 1)])
+cloud.fields = [PointField(name='x', datatype=PointField.FLOAT32, count=1), fields[1]]
+try:
+    print(point_cloud2.read_points_numpy(cloud, ['x']))
+except AssertionError as error:
+    print(error)
+"""
+
+
+def test_jazzy_takes_the_size_of_a_point_and_asks_less_of_the_fields(run_script: Callable[..., Any]) -> None:
+    layout = (
+        "{'names': ['x_0', 'x_1', 'ring'], 'formats': ['<f4', '<f4', '<u2'], 'offsets': [0, 4, 8], 'itemsize': 12}"
+    )
+    assert run_script(MIXED, distro="jazzy", preload=[SITE_PACKAGES]).stdout.splitlines() == [
+        layout, "16 16 (0.5, 1.5, 1)", "[[0.5]]",
+    ]  # fmt: skip
+    assert run_script(MIXED, preload=[SITE_PACKAGES]).stdout.splitlines() == [
+        layout,
+        "create_cloud() got an unexpected keyword argument 'point_step'",
+        "All fields need to have the same datatype. Use `read_points()` otherwise.",
+    ]

@@ -269,12 +269,37 @@ def _is_listed(name: str, prefixes: list[str], depth: int) -> bool:
     )
 
 
-def create_node(node_name: str, *, enable_logger_service: bool = False, **options: Any) -> node.Node:
+def create_node(
+    node_name: str,
+    *,
+    context: Context | None = None,
+    cli_args: list[str] | None = None,
+    namespace: str | None = None,
+    use_global_arguments: bool = True,
+    enable_rosout: bool = True,
+    start_parameter_services: bool = True,
+    parameter_overrides: list[Parameter] | None = None,
+    allow_undeclared_parameters: bool = False,
+    automatically_declare_parameters_from_overrides: bool = False,
+    enable_logger_service: bool = False,
+) -> node.Node:
     """Create a `rclpy.node.Node`; the arguments are described there."""
     import rclpy.node  # now it is there for the script, too
 
     new: Any = rclpy.node.Node
-    created: node.Node = new(node_name, enable_logger_service=enable_logger_service, **options)
+    created: node.Node = new(
+        node_name,
+        context=context,
+        cli_args=cli_args,
+        namespace=namespace,
+        use_global_arguments=use_global_arguments,
+        enable_rosout=enable_rosout,
+        start_parameter_services=start_parameter_services,
+        parameter_overrides=parameter_overrides,
+        allow_undeclared_parameters=allow_undeclared_parameters,
+        automatically_declare_parameters_from_overrides=automatically_declare_parameters_from_overrides,
+        enable_logger_service=enable_logger_service,
+    )
     return created
 
 

@@ -26,12 +26,14 @@ if TYPE_CHECKING:
 
 LAZY = {
     "_curses": ("host", "patch_curses"),
+    "_multiprocessing": ("locks", "patch_multiprocessing"),
     "_tkinter": ("host", "patch_tkinter"),
     "concurrent.futures.thread": ("threads", "patch_futures_thread"),
     "linecache": ("tracebacks", "prime_linecache"),
     "dbm": ("host", "patch_dbm"),
     "datetime": ("datetime", "patch_datetime"),
     "logging": ("threads", "patch_logging"),
+    "multiprocessing.connection": ("select", "patch_connection"),
     "numpy": ("numpy", "patch_names"),
     "numpy.lib._datasource": ("numpy", "patch_datasource"),
     "numpy.lib._format_impl": ("numpy", "patch_format"),

@@ -1,12 +1,18 @@
-"""The two kinds of lock, built on the kernel: waiting for one is virtual.
+"""The kinds of lock, built on the kernel: waiting for one is virtual.
 
 Only one thread runs at a time and it is never taken off between two of these statements, so a plain
 attribute is enough to hold a lock.
 """
 
+from __future__ import annotations
+
 import _thread
 
 from rclpy._kernel import Thread, kernel
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
 
 
 def deadline_after(timeout: float | None) -> int | None:
@@ -168,3 +174,86 @@ class RLock:
         state = "unlocked" if self._owner is None else "locked"
         owner = 0 if self._owner is None else self._owner.ident
         return f"<{state} _thread.RLock object owner={owner} count={self._count} at {id(self):#x}>"
+
+
+class SemLock:
+    """`_multiprocessing.SemLock`: what the locks of `multiprocessing` are made of.
+
+    In the one process that there is they keep threads apart, as those of `multiprocessing.pool.ThreadPool`.
+    """
+
+    SEM_VALUE_MAX = 2**31 - 1
+    _RECURSIVE = 0
+
+    def __init__(self, kind: int, value: int, maxvalue: int, name: str, unlink: bool) -> None:
+        self.handle = id(self)
+        self.kind = kind
+        self.maxvalue = maxvalue
+        self.name = None if unlink else name
+        self._value = value
+        self._holds = 0
+        self._owner: Thread | None = None
+
+    def acquire(self, block: bool = True, timeout: float | None = None) -> bool:
+        """Take one, waiting for it up to `timeout` seconds; None: for ever."""
+        if self.kind == self._RECURSIVE and self._is_mine():
+            self._holds += 1
+            return True
+        if not self._value:
+            seconds = (None if timeout is None else max(0.0, timeout)) if block else 0.0
+            if seconds == 0.0:
+                kernel.charge()
+                if not self._value:
+                    return False
+            elif not kernel.wait(self._is_free, deadline_after(seconds)):
+                return False
+        self._value -= 1
+        self._holds += 1
+        self._owner = kernel.running
+        return True
+
+    def _is_free(self) -> bool:
+        return self._value > 0
+
+    def release(self) -> None:
+        """Give one back.
+
+        Raises:
+            AssertionError: it is another thread's. ValueError: all are there.
+        """
+        if self.kind == self._RECURSIVE:
+            if not self._is_mine():
+                raise AssertionError("attempt to release recursive lock not owned by thread")
+            if self._holds > 1:
+                self._holds -= 1
+                return
+        elif self._value >= self.maxvalue:
+            raise ValueError("semaphore or lock released too many times")
+        self._value += 1
+        self._holds -= 1
+
+    def _count(self) -> int:
+        return self._holds
+
+    def _is_mine(self) -> bool:
+        return self._holds > 0 and self._owner is kernel.running
+
+    def _get_value(self) -> int:
+        return self._value
+
+    def _is_zero(self) -> bool:
+        return not self._value
+
+    def _after_fork(self) -> None:
+        self._holds = 0
+
+    def __enter__(self) -> bool:
+        return self.acquire()
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
+
+
+def patch_multiprocessing(module: Any) -> None:
+    """Let locks be made of virtual ones: the system has no semaphores here."""
+    module.SemLock = SemLock

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from types import ModuleType
     from typing import Any
 
+_SURE_BYTES = 4_096  # as many as a pipe takes at once, where it takes any
 _select, _poll = select.select, select.poll
 _epoll: Any = getattr(select, "epoll", None)  # Linux only
 
@@ -107,3 +108,21 @@ def patch_selectors(module: ModuleType) -> None:
         target.DefaultSelector = (
             target.PollSelector
         )  # off Linux the default is kqueue, which would wait in real time
+
+
+def patch_connection(module: ModuleType) -> None:
+    """Let the connections of `multiprocessing` wait for the other end without stopping it, as it is a thread."""
+    target: Any = module
+    connection = target.Connection
+    read, write = connection._read, connection._write
+
+    def read_later(handle: int, size: int) -> Any:
+        virtual_select([handle], [], [])
+        return read(handle, size)
+
+    def write_later(handle: int, data: Any) -> Any:
+        virtual_select([], [handle], [])
+        return write(handle, data[:_SURE_BYTES])
+
+    connection._recv.__defaults__ = (read_later,)
+    connection._send.__defaults__ = (write_later,)

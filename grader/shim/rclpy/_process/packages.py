@@ -80,7 +80,8 @@ class Workspace:
 
     def launch_path(self) -> str:
         """Return where the launch file is installed; nothing where it is not."""
-        found = sorted(path for path in self._installed if path.rpartition("/")[2] == self.launch)
+        shared = (path for path in self._installed if "/share/" in path)
+        found = sorted(path for path in shared if path.rpartition("/")[2] == self.launch)
         return found[0] if found else ""
 
     def shown(self, path: str) -> str:
@@ -149,6 +150,24 @@ class Workspace:
         self.modules.append(module)
         code: CodeType = loops.compile_script(self._files[path], path)
         exec(code, module.__dict__)  # noqa: S102
+
+    @staticmethod
+    def get_data(path: str) -> bytes:
+        """Return what a file contains, for `pkgutil`.
+
+        Raises:
+            OSError: there is no such file.
+        """
+        with open(path, "rb") as file:
+            return file.read()
+
+    def get_resource_reader(self, name: str) -> Any:
+        """Return what `importlib.resources` finds the files beside a package's modules with."""
+        from importlib.readers import FileReader
+        from types import SimpleNamespace
+
+        loader: Any = SimpleNamespace(path=self._known[name][2])
+        return FileReader(loader)
 
     def get_source(self, name: str) -> str:
         """Return a module's text, for `inspect`."""

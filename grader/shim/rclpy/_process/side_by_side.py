@@ -255,7 +255,10 @@ def _live(program: Program, guard: Guard) -> None:
 
 def _call(program: Program) -> None:
     if program.delay_s > 0.0:
-        kernel.sleep_ns(round(program.delay_s * 1e9))
+        try:
+            kernel.sleep_ns(round(program.delay_s * 1e9))
+        except KeyboardInterrupt:
+            return  # launch starts nothing more
     if program.cwd is not None:
         os.chdir(program.cwd)
     workspace.choose(program.package, program.executable)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rclpy import _distro
 from rclpy._kernel import kernel
 from rclpy._patches.time import UPTIME_NS
 from rclpy._rcl.enums import ClockChange, ClockType
@@ -155,6 +156,17 @@ class ClockHandle(Handle):
                 watcher.after({"clock_change": change, "delta": delta_ns})
 
 
+def _no_period(period_ns: int) -> str:
+    """Return pybind11's words for a period that its constructor does not take."""
+    jazzy = _distro.chosen == _distro.JAZZY
+    return (
+        "__init__(): incompatible constructor arguments. The following argument types are supported:\n"
+        "    1. rclpy._rclpy_pybind11.Timer(arg0: rclpy._rclpy_pybind11.Clock, "
+        f"arg1: rclpy._rclpy_pybind11.Context, arg2: int{', arg3: bool' if jazzy else ''})\n\n"
+        f"Invoked with: Clock, Context, {period_ns}{', True' if jazzy else ''}"
+    )
+
+
 class TimerHandle(Handle):
     """A phase-locked timer: a late call skips to the next multiple of the period, never a burst.
 
@@ -167,6 +179,8 @@ class TimerHandle(Handle):
     def __init__(self, clock: ClockHandle, context: ContextHandle, period_ns: int) -> None:
         super().__init__()
         required(context)
+        if not -(2**63) <= period_ns < 2**63:
+            raise TypeError(_no_period(period_ns))
         if period_ns < 0:
             raise RCLError(NEGATIVE_PERIOD)
         if not context.valid:

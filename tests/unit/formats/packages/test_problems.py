@@ -132,6 +132,62 @@ def test_a_right_package_has_no_problem(setup: str) -> None:
     assert (found.problems, found.file_name) == ((), f"{NAME}/{MODULE}")
 
 
+def in_src(**more: str | None) -> dict[str, str]:
+    files = package_files(**more)
+    return {
+        path.replace(f"{NAME}/{NAME}/", f"{NAME}/src/{NAME}/"): content for path, content in files.items()
+    }
+
+
+@pytest.mark.parametrize(
+    ("packages", "place"),
+    [
+        ("find_packages('src')", "{'': 'src'}"),
+        ("find_packages(where='./src/', include=['my_*'])", "{'': './src/'}"),
+        ("[package_name]", "{package_name: 'src/' + package_name}"),
+        ("computed()", "{'': 'src'}"),
+    ],
+)
+def test_modules_may_be_in_a_folder_of_their_own(packages: str, place: str) -> None:
+    setup = changed(RIGHT, "find_packages(exclude=['test'])", f"{packages}, package_dir={place}")
+    found = mounted(
+        bundled(zipped(in_src(**{"setup.py": setup}))), WantedPackage(executable="drive"), "humble"
+    )
+    assert (found.problems, found.file_name) == ((), f"{NAME}/src/{MODULE}")
+    names = {name: path for name, path, _, _ in found.fields["modules"]}
+    assert names[f"{NAME}.drive"] == f"{NAME}/src/{MODULE}"
+    assert set(names) == {NAME, f"{NAME}.drive", f"{NAME}.helper"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "code"),
+    [
+        ({"packages": "find_packages('src')"}, "package_entry_module"),
+        ({"packages": "[]", "place": "{'': 'src'}"}, "package_module_not_installed"),
+    ],
+)
+def test_a_folder_of_modules_that_setup_does_not_name_is_recognised(
+    changes: dict[str, str], code: str
+) -> None:
+    place = f", package_dir={changes['place']}" if "place" in changes else ""
+    setup = changed(RIGHT, "find_packages(exclude=['test'])", changes["packages"] + place)
+    found = mounted(bundled(zipped(in_src(**{"setup.py": setup}))), None, "humble")
+    assert [each.code for each in found.problems][:1] == [code]
+
+
+def test_package_data_is_installed_beside_the_modules() -> None:
+    data = "package_data={'': ['*.txt'], package_name: ['config/*.yaml', '*.py']}"
+    files = {f"{NAME}/config/a.yaml": "x: 1\n", f"{NAME}/a.txt": "a", f"{NAME}/config/b.txt": "b"}
+    setup = changed(RIGHT, "find_packages(exclude=['test'])", f"find_packages(), {data}")
+    found = mounted(bundled(zipped(package_files(**{"setup.py": setup}, **files))), None, "jazzy")
+    site = f"install/{NAME}/lib/python3.12/site-packages/{NAME}"
+    placed = dict(found.fields["shared"])
+    assert placed[f"{site}/config/a.yaml"] == f"{NAME}/{NAME}/config/a.yaml"
+    assert placed[f"{site}/a.txt"] == f"{NAME}/{NAME}/a.txt"
+    assert [path for path in placed if path.startswith(site)] == [f"{site}/a.txt", f"{site}/config/a.yaml"]
+    assert found.problems == ()
+
+
 def test_several_executables_need_a_choice() -> None:
     setup = changed(RIGHT, LINE, LINE + f" 'stop = {NAME}.drive:main',")
     source = bundled(zipped(package_files(**{"setup.py": setup})))
@@ -154,6 +210,8 @@ def test_the_wanted_name_counts() -> None:
         "setup(name=" + "+".join(["'x'"] * 9000) + ")\n",
         "from glob import glob\nsetup(data_files=[('x', glob('" + "**/*/" * 30 + "x'))])\n",
         "setup(name=" + "-" * 3000 + "1)\n",
+        f"a = ['{'a.' * 1900}a']\n" + "a = a + a\n" * 11 + "setup(packages=a, package_dir={'': 'b'})\n",
+        "a = ['x']\n" + "a = a + a\n" * 11 + "setup(packages=a, package_data={'': ['**/*']})\n",
     ],
 )
 def test_a_setup_that_would_take_for_ever_is_read_at_once(setup: str) -> None:
