@@ -27,7 +27,7 @@ from grader.messages.exceptions import meaning
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
-_IN_THREAD = re.compile(r".*, line (\d{1,7}): (\w+)(?:: (.*))?", re.DOTALL | re.ASCII)
+_IN_THREAD = re.compile(r"[^:]*?(?:, line (\d{1,7}))?: (\w+)(?:: (.*))?", re.DOTALL | re.ASCII)
 _SPACE = Text(zh="", en=" ")
 _REPEATED_LINES = 40
 _MOST_DIFFERENT = 4  # lines in one round of a loop that asks again
@@ -92,7 +92,7 @@ def _in_thread(note: str, script: ScriptText) -> Text:
     found = _IN_THREAD.fullmatch(note)
     if found is None:
         return crash
-    error = StudentError(type=found[2], message=found[3] or "", line=int(found[1]), traceback="")
+    error = StudentError(type=found[2], message=found[3] or "", line=int(found[1] or 0) or None, traceback="")
     code, reason = meaning(error, "crashed", script)
     return crash if code == "crashed" else join([crash, reason], _SPACE)
 
@@ -399,7 +399,7 @@ def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
         return ()
     if (call := noted(outcome, "forbidden")) is not None:
         return (mistake("forbidden", detail=explained(RunStatus.FORBIDDEN, call)),)
-    if outcome.exit_code == _USAGE and outcome.stderr.text.startswith("usage: "):
+    if _is_usage(outcome):
         return (mistake("no_arguments"),)
     if outcome.nodes:
         vain = waits_in_vain(run, world, surely=True) if outcome.status is RunStatus.INTERRUPTED else None
@@ -413,8 +413,17 @@ def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
     return (without_node(run),)
 
 
+def _is_usage(outcome: RunOutcome) -> bool:
+    """Whether argparse ended the script, which asks for arguments that it was not given."""
+    return (
+        outcome.exit_code == _USAGE and re.search(r"^usage: ", outcome.stderr.text, re.MULTILINE) is not None
+    )
+
+
 def _unused_publisher(run: Run, world: World) -> tuple[Mistake, ...]:
     outcome, topic = run.outcome, world.cmd_vel_topic
+    if _is_usage(outcome):
+        return (mistake("no_arguments"),)
     if noted(outcome, "incompatible_qos") == topic:
         return (mistake("incompatible_qos", topic=topic),)
     if outcome.status is RunStatus.FINISHED:
@@ -525,11 +534,17 @@ def _waits(run: Run) -> Mistake | None:
     script = ScriptText(run.source)
     if (topic := noted(run.outcome, "type_mismatch")) is not None:
         return mistake("not_received", topic=topic)
-    if script.lines_with(r"Executor\(") and not script.lines_with(r"\badd_node\("):
-        return mistake("executor_without_node")
+    if (empty := without_added_node(script)) is not None:
+        return empty
     if script.lines_with(r"\.publish\(") and (hidden := script.swallowed) is not None:
         return mistake("error_hidden", line=hidden)
     return _in_loop(run, script)
+
+
+def without_added_node(script: ScriptText) -> Mistake | None:
+    """Recognise an executor to which no node was added."""
+    made = script.lines_with(r"Executor\(")
+    return mistake("executor_without_node") if made and not script.lines_with(r"\badd_node\(") else None
 
 
 def _in_loop(run: Run, script: ScriptText) -> Mistake | None:

@@ -3,10 +3,11 @@
 from collections.abc import Iterator, Sequence
 
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import script_mistakes
+from grader.checks.mistakes import script_mistakes, without_added_node
 from grader.contracts.outcome import RunOutcome, RunStatus, ServiceResult
 from grader.contracts.scoring import Run
 from grader.messages.quantity import number
+from grader.messages.script import ScriptText
 
 _OWN_TYPES = (
     "rcl_interfaces/",
@@ -25,20 +26,27 @@ def unanswered(run: Run, calls: Sequence[ServiceResult]) -> tuple[Mistake, ...]:
     if not outcome.nodes:
         code = "init_without_node" if outcome.status is RunStatus.INTERRUPTED else "nothing_ran"
         return (mistake(code),)
-    return tuple(_unanswered(calls, outcome))
+    return tuple(_unanswered(calls, run))
 
 
-def _unanswered(calls: Sequence[ServiceResult], outcome: RunOutcome) -> Iterator[Mistake]:
+def _unanswered(calls: Sequence[ServiceResult], run: Run) -> Iterator[Mistake]:
     """Yield why the first call without an answer got none."""
+    outcome = run.outcome
     result = next((each for each in calls if each.answered_ns is None), None)
     if result is None:
         return
-    if result.sent_ns is None:
+    call = result.call
+    named = [one for one in outcome.endpoints if one.kind == "service" and one.name == call.service]
+    if named and named[0].type != call.type:
+        kind = named[0].type
+        yield mistake("wrong_service_type", service=call.service, type=kind, wanted=call.type)
+    elif result.sent_ns is None:
         yield _not_offered(result, outcome, frozenset(each.call.service for each in calls))
     elif outcome.status is RunStatus.FINISHED:
         yield mistake("not_spinning", ended=number(outcome.duration_ns / 1e9, "s"))
     else:
-        yield mistake("service_silent", service=result.call.service)
+        silent = mistake("service_silent", service=call.service)
+        yield without_added_node(ScriptText(run.source)) or silent
 
 
 def _not_offered(result: ServiceResult, outcome: RunOutcome, wanted: frozenset[str]) -> Mistake:
@@ -48,11 +56,8 @@ def _not_offered(result: ServiceResult, outcome: RunOutcome, wanted: frozenset[s
         if endpoint.kind == "service" and not endpoint.type.startswith(_OWN_TYPES)
     ]
     call = result.call
-    named = [endpoint for endpoint in own if endpoint.name == call.service]
-    if named and named[0].type == call.type:
+    if any(endpoint.name == call.service for endpoint in own):
         return mistake("not_spinning", ended=number(outcome.duration_ns / 1e9, "s"))
-    if named:
-        return mistake("wrong_service_type", service=call.service, type=named[0].type, wanted=call.type)
     own = [endpoint for endpoint in own if endpoint.name not in wanted]  # other tools
     if own:
         used = ", ".join(f"{endpoint.name} ({endpoint.type})" for endpoint in own[:_MAX_NAMED])

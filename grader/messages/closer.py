@@ -4,6 +4,7 @@ Each function takes the exception, the line that raised it, and the script; it r
 its sentence ``mistake.<code>``, or None where the script does not show the cause for certain.
 """
 
+import difflib
 import re
 from collections.abc import Callable, Mapping
 from typing import Final
@@ -284,13 +285,92 @@ def handler_order(error: StudentError, written: str, script: ScriptText) -> Clos
     """Recognise a service's handler whose parameters are in the wrong order."""
     name = script.function_around(error.line or 0)
     made = script.definition(name)
-    if made is None or "_Request' object has no attribute" not in error.message:
+    if made is None or not re.search(r"_(Request|Response)' object has no", error.message):
         return None
     exchanged = re.search(r"\( ?(?:self ?, ?)?(res\w*) ?, ?(req\w*) ?\)", script.lines[made.line - 1])
     if exchanged is None:
         return None
     right = f"{exchanged[2]}, {exchanged[1]}"
     return "handler_order", {"line": made.line, "name": name, "right": right}
+
+
+def class_for_self(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a method that gets no object, as it is taken from the class or marked as static."""
+    found = re.match(r"(\w+)\.(\w+)\(\) missing \d+ required", error.message)
+    made = script.definition(found[2]) if found else None
+    if found is None:
+        return None
+    if made is not None and "@staticmethod" in script.lines[made.line - 2]:
+        return "static_with_self", {"line": made.line - 1, "name": found[2]}
+    used = script.lines_with(rf"\b{found[1]}\.{found[2]}\b")
+    line = error.line if error.line in used else next(iter(used), None)
+    if line is None or script.object_at(line) != "self":
+        return None
+    return "class_for_self", {"line": line, "name": found[2], "owner": found[1]}
+
+
+def endpoint_arguments(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a publisher or subscription that lacks something else than the queue size, which comes last."""
+    found = re.search(r"create_(publisher|subscription)\(\) missing (\d+)", error.message)
+    if found is None:
+        return None
+    given = script.arguments(error.line or 0, f"create_{found[1]}")
+    if found[2] == "1" and not (given and re.fullmatch(r"\d+", given[-1])):
+        return None
+    return "endpoint_arguments", {"kind": f"create_{found[1]}", "example": _ENDPOINTS[found[1]]}
+
+
+_ENDPOINTS: Final = {
+    "publisher": "self.create_publisher(Twist, '/turtle1/cmd_vel', 10)",
+    "subscription": "self.create_subscription(Pose, '/turtle1/pose', self.callback, 10)",
+}
+
+
+def message_replaced(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Find the new message that has taken the name of the one that a callback received."""
+    field = re.search(r"has no attribute '(\w+)'", error.message)
+    base = re.search(rf"\b(\w+)\.{field[1]}\b", written) if field else None
+    made = script.definition(script.function_around(error.line or 0))
+    if (
+        field is None
+        or base is None
+        or made is None
+        or base[1] not in _parameters(script.lines[made.line - 1])
+    ):
+        return None
+    inside = range(made.line, made.line + len(script.block(made.line)))
+    given = [n for n in script.lines_with(rf"^[ \t]*{base[1]} ?= ?\w+\( ?\)") if n in inside]
+    if not given:
+        return None
+    return "message_replaced", {"given": given[0], "name": base[1], "field": field[1]}
+
+
+def parameter_called(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a subscription's callback that uses what it receives under another name."""
+    found = re.match(r"name '(\w+)' is not defined", error.message)
+    name = script.function_around(error.line or 0)
+    made = script.definition(name)
+    heard = [one for _, one in script.callbacks("subscription")]
+    if found is None or made is None or name not in heard:
+        return None
+    given = [one for one in _parameters(script.lines[made.line - 1]) if one != "self"]
+    if len(given) != 1 or re.search(rf"\b{given[0]}\b", "\n".join(script.block(made.line)[1:])):
+        return None
+    values = {"function": name, "begins": made.line, "name": found[1], "parameter": given[0]}
+    return "parameter_called", values
+
+
+def declared_name(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Find a declared parameter of nearly the same name."""
+    found = re.search(r"'([\w.]{1,60})'\)$", error.message)
+    lines = [script.written(number) for number in script.lines_with(r"\bdeclare_parameter\(")]
+    known = re.findall(r"declare_parameter\( *[\"']([\w.]{1,60})[\"']", "\n".join(lines))
+    near = [one for one in known if found and one.lower() == found[1].lower()]
+    near = near or (difflib.get_close_matches(found[1], known, 1, _NEAR) if found else [])
+    return ("misspelt", {"suggestion": near[0]}) if near else None
+
+
+_NEAR: Final = 0.75
 
 
 def own_module(error: StudentError, written: str, script: ScriptText) -> Closer:
@@ -307,6 +387,7 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "assigned_later": (missing_global,),
     "bad_name": (backslash,),
     "callback_called": (called_here,),
+    "class_for_object": (class_for_self,),
     "call_mismatch": (main_needs_args, bare_class, signature),
     "foreign_character": (dash,),
     "index_range": (list_too_short,),
@@ -316,15 +397,19 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "library_not_here": (other_file,),
     "missing_import": (imported_as,),
     "missing_module": (other_file, own_module),
+    "missing_qos": (class_for_self, endpoint_arguments),
     "no_super_init": (constructor,),
     "not_callable": (overwritten,),
     "not_yet_assigned": (too_early,),
     "open_string": (open_docstring,),
+    "parameter_not_declared": (declared_name,),
     "ros_1_habit": (rate_of_ros_1,),
     "self_outside": (class_body,),
     "shell_line": (only_shell,),
     "still_none": (none_in_init, none_before_spin),
     "text_for_number": (text_plus_number,),
+    "unknown_field": (message_replaced,),
+    "unknown_name": (parameter_called,),
     "unknown_part": (handler_order, wanted_field),
     "wrong_parameters": (main_needs_args, signature),
 }

@@ -57,7 +57,7 @@ def _size(count_bytes: int) -> str:
 _CLAUSE = re.compile(r"(?P<thread>[^:;]*?)(?:, line (?P<line>\d+))?: (?P<reason>.*)", re.DOTALL)
 _REASONS = {
     r"rate\.sleep\(\) waits for a timer of its node.*": "rate",
-    r"(?P<call>\S+) waits for an answer, but no executor.*": "answer",
+    r"(?P<call>.+?) waits for an answer, but no executor.*": "answer",
     r"spin_once\(\) waits for .*": "spin_once",
     r"wait_for_message\(\) waits for a message on (?P<topic>.+)": "message",
     r"the end of the program waits for the other threads": "threads",

@@ -3,6 +3,7 @@
 Type and text of an exception tell which code it gets; the sentence ``mistake.<code>`` says what it means.
 """
 
+import builtins
 import difflib
 import re
 from collections.abc import Callable, Mapping
@@ -12,7 +13,7 @@ from grader.contracts.outcome import StudentError
 from grader.contracts.text import Text
 from grader.messages import enumerated, say
 from grader.messages.closer import Closer, looked_closer
-from grader.messages.script import LONGEST_NAME, NO_SCRIPT, ScriptText
+from grader.messages.script import LONGEST_NAME, NO_SCRIPT, Definition, ScriptText
 
 _AT: Final = r"\n(?:.*\n)*  File .*\n(?!(?:.*\n)*  File )"
 """Prefix of a pattern for the line that raised the exception: skips to the traceback's last ``File`` entry."""
@@ -46,7 +47,7 @@ _SIGNS: Final = (
     (_LINE + r"(?P<word>class|def)(?P<rest>\w+)[ \t]*\(.*:[ \t]*(#.*)?\n", "blank_after_word"),
     (r"SyntaxError: expression cannot contain assignment.*\n.*\n.*\w\.\w+[ \t]*=", "dotted_keyword"),
     (_LINE + r"(from|import)[ \t]+[\w.]*-", "hyphen_in_module"),
-    (_LINE + r"[^\"'#\n]*\)[ \t]*[A-Za-z_]\w*[ \t]*\(", "missing_dot"),
+    (_LINE + r"(self[ \t]+[A-Za-z_]|[^\"'#\n]*\)[ \t]*[A-Za-z_]\w*[ \t]*\()", "missing_dot"),
     (r"SyntaxError: expected '\('", "def_parentheses"),
     (r"SyntaxError: expected 'except' or 'finally' block", "try_alone"),
     (r"SyntaxError: invalid syntax\. Perhaps you forgot a comma\?", "missing_comma"),
@@ -56,7 +57,8 @@ _SIGNS: Final = (
         "unbalanced",
     ),
     (r"SyntaxError: unterminated (triple-quoted )?(f-)?string literal", "open_string"),
-    (r"SyntaxError: '\w+' outside (async )?function", "outside_function"),
+    (r"SyntaxError: '(?P<word>await|async \w+)' outside async function", "await_in_plain_function"),
+    (r"SyntaxError: '\w+' outside function", "outside_function"),
     (r"SyntaxError: invalid (non-printable )?character", "foreign_character"),
     (r"SyntaxError: invalid syntax\n.*\n +(```|\$ |>>> )", "pasted_mark"),
     (r"(IndentationError|TabError): ", "indentation"),
@@ -104,7 +106,8 @@ _SIGNS: Final = (
         r"Duration|\w+_Request|\w+_Goal)\.__init__\(\) takes 1 positional",
         "fields_by_position",
     ),
-    (r"TypeError: .*(qos_profile|queue_size)", "missing_qos"),
+    (r"TypeError: .*unexpected keyword argument 'queue_size'", "queue_size_of_ros_1"),
+    (r"TypeError: .*qos_profile", "missing_qos"),
     (
         r"TypeError: Expected QoSProfile or int, but received <class '(str|float|bool|list|tuple)'>",
         "qos_number",
@@ -154,10 +157,16 @@ _SIGNS: Final = (
     ),
     (
         r"TypeError: ('[<>]=?' not supported|unsupported operand) .*"
-        r"('(Duration|Time)' and '(int|float)'|'(int|float)' and '(Duration|Time)')",
+        r"('Time' and '(int|float)'|'(int|float)' and 'Time')",
+        "time_and_number",
+    ),
+    (
+        r"TypeError: ('[<>]=?' not supported|unsupported operand) .*"
+        r"('Duration' and '(int|float)'|'(int|float)' and 'Duration')",
         "duration_and_number",
     ),
     (r"TypeError: ('[<>]=?' not supported|unsupported operand) .*'array\.array'", "whole_array"),
+    (r"TypeError: .* argument after \* must be an iterable", "comma_of_args"),
     (r"TypeError: unsupported operand .*'tuple'", "comma_at_end"),
     (
         r"TypeError: (unsupported operand .*'NoneType'|'[<>]=?' not supported .*'NoneType'|"
@@ -229,6 +238,7 @@ _SIGNS: Final = (
         "name_taken",
     ),
     (r"AttributeError: ", "unknown_attribute"),
+    (r"NameError: name '(?P<name>__main__)' is not defined", "name_without_quotes"),
     (r"NameError: name '(?=(\w*_){2})_{0,3}(name|main|init)_{0,3}' is not defined", "underscores"),
     (r"NameError: ", "unknown_name"),
     (r"KeyError: ", "missing_key"),
@@ -336,7 +346,7 @@ _NODE_PROPERTIES: Final = tuple(sorted((*_NODE_LISTS, "context", "default_callba
 def suggested(error: StudentError) -> str | None:
     """Return the name that Python suggests instead of an unknown one; None if it suggests none."""
     found = _SUGGESTION.search(error.traceback)
-    return found[1] if found else None
+    return None if found is None or found[1].startswith("_") else found[1]
 
 
 def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT) -> tuple[str, Text]:
@@ -382,6 +392,7 @@ _OTHER_LANGUAGES: Final = {
     "NULL": "None",
     "nullptr": "None",
     "nil": "None",
+    "none": "None",
 }
 """Names of Python 2, C++ and other languages, each with what Python 3 has instead."""
 
@@ -413,7 +424,8 @@ def _statement(error: StudentError, script: ScriptText) -> Closer:
         return None
     name = found[1]
     same = [known for known in _STATEMENTS if sorted(known) == sorted(name.lower())]
-    near = same or difflib.get_close_matches(name.lower(), _STATEMENTS, 1, 0.75)
+    alike = [known for known in _STATEMENTS if known[0] == name[0].lower()]
+    near = same or difflib.get_close_matches(name.lower(), alike, 1, _NEAR)
     return ("misspelt_keyword", {"name": name, "suggestion": near[0]}) if near else None
 
 
@@ -433,9 +445,11 @@ def _float(error: StudentError, script: ScriptText) -> Closer:
 
 
 def _later(error: StudentError, script: ScriptText) -> Closer:
-    """Look closer at a variable without a value: it may have the name of the class that it is made from."""
+    """Look closer at a variable without a value: it may have the name of what it is made from."""
     found = re.search(r"'(\w+)'", error.message)
     name = "" if found is None else found[1]
+    if name and script.lines_with(rf"^[ \t]*import[ \t]+{name}$"):
+        return "hidden_module", {"name": name}
     return ("name_hides_class", {"name": name}) if name in _IMPORTS and name[:1].isupper() else None
 
 
@@ -509,8 +523,6 @@ def _name(error: StudentError) -> Closer:
         return None
     name = found[1]
     written = script_line(error)
-    if re.search(rf"(\b__init__|\bNode|\bcreate_node)\([ \t]*{name}[ \t]*\)", written):
-        return "name_without_quotes", {"name": name}
     if re.fullmatch(_SHELL, name) and re.match(rf"{_SHELL}([ \t]+[-~/.\w].*)?$", written):
         return "shell_line", {}
     if name in {"name", "main"} and re.match(r"if\b", written):
@@ -522,9 +534,15 @@ def _name(error: StudentError) -> Closer:
     suggestion = suggested(error)
     if suggestion is None:
         return None
-    if suggestion.lower() == name and re.search(rf"\b{name}[ \t]*\(", written) is None:
-        return None  # `node`, which nobody made, is not the class `Node`
+    is_called = re.search(rf"\b{name}[ \t]*\(", written) is not None
+    if not is_called and suggestion not in ("True", "False", "None") and _is_function(suggestion, name):
+        return None  # `node`, which nobody made, is not the class `Node`, nor `size` the function `slice`
     return "misspelt", {"suggestion": suggestion}
+
+
+def _is_function(suggestion: str, name: str) -> bool:
+    """Whether Python suggests one of its own functions, or a class for the name of a variable."""
+    return hasattr(builtins, suggestion) or (suggestion[:1].isupper() and name.islower())
 
 
 def _own_name(error: StudentError, script: ScriptText) -> Closer:
@@ -532,32 +550,53 @@ def _own_name(error: StudentError, script: ScriptText) -> Closer:
     found = re.match(r"name '(\w+)' is not defined", error.message)
     if found is None:
         return None
-    name, line = found[1], error.line or 0
+    name, line, written = found[1], error.line or 0, script_line(error)
+    if re.search(rf"({_NAMING})\([ \t]*{name}[ \t]*[,)]", written):
+        return "name_without_quotes", {"name": name}
+    node = script.object_at(line)
     made = script.definition(name)
     if made is not None and made.takes_self:
-        called = re.search(rf"\b{name}[ \t]*\(", script_line(error)) is not None
-        return "missing_self", {"name": name, "call": "(...)" if called else ""}
+        called = re.search(rf"\b{name}[ \t]*\(", written) is not None
+        values = {"name": name, "call": "(...)" if called else ""}
+        return ("missing_self", values) if node == "self" else ("missing_object", {**values, "object": node})
     if made is not None and script.owner_of(made.line) is not None:
         return "function_inside", {"name": name, "begins": made.line}
     if name in _NODE_ATTRIBUTES and script.in_method(line):
         return "missing_self", {"name": name, "call": "(...)"}
-    if given := script.lines_with(rf"\bself\.{name}[ \t]*(:[^=]*)?=(?!=)"):
+    if (given := _assigned_in_class(name, script)) and line not in given:
+        if node != "self":
+            return "missing_object", {"name": name, "object": node, "call": ""}
         return "missing_self_value", {"name": name, "given": given[0]}
     local = script.assigned(name)
-    if local is not None and _in_other_method(local.line, line, script):
+    if local is not None and (code := _of_other_function(local.line, line, script)) is not None:
         function = script.function_around(local.line)
-        return "local_of_method", {"name": name, "given": local.line, "function": function}
-    if script.node_class and name not in _OTHER_LANGUAGES and _is_node(name, script_line(error)):
+        return code, {"name": name, "given": local.line, "function": function}
+    if script.node_class and name not in _OTHER_LANGUAGES and _is_node(name, written):
         return "node_not_made", {"name": name, "owner": script.node_class}
-    return _nearest_own(name, script, _name(error))
+    return _nearest_own(name, line, script, _name(error))
 
 
-def _nearest_own(name: str, script: ScriptText, otherwise: Closer) -> Closer:
+_NAMING: Final = r"\b__init__|\bNode|\bcreate_node|\b(?:get|declare|has)_parameter"
+"""Calls whose first argument is a name, which is text."""
+
+
+def _assigned_in_class(name: str, script: ScriptText) -> list[int]:
+    """Return the lines that assign an attribute: ``self.name = ...``, or ``name = ...`` in the class itself."""
+    own = script.lines_with(rf"\bself\.{re.escape(name)}[ \t]*(:[^=]*)?=(?!=)")
+    plain = script.lines_with(rf"^[ \t]+{re.escape(name)} ?(:[^=]*)?=(?!=)")
+    owners = ((number, script.owner_of(number)) for number in plain)
+    return own or [n for n, above in owners if above and re.match(r"[ \t]*class\b", script.lines[above - 1])]
+
+
+def _nearest_own(name: str, line: int, script: ScriptText, otherwise: Closer) -> Closer:
     """Prefer a similar function or class of the script, not defined yet when it failed, to Python's suggestion."""
     if otherwise is not None and otherwise[0] != "misspelt":
         return otherwise
     if not script.is_short or len(name) > LONGEST_NAME:
         return otherwise
+    if name in script.defined_names:
+        begins = script.lines_with(rf"^(def|class) {name}\b")[-1]
+        return ("defined_below", {"name": name, "begins": begins}) if begins > line else None
     near = difflib.get_close_matches(name, script.defined_names, 1, _NEAR)
     return ("misspelt", {"suggestion": near[0]}) if near else otherwise
 
@@ -565,10 +604,13 @@ def _nearest_own(name: str, script: ScriptText, otherwise: Closer) -> Closer:
 _NEAR: Final = 0.75
 
 
-def _in_other_method(line: int, other: int, script: ScriptText) -> bool:
-    """Whether two lines stand in different methods of the script."""
+def _of_other_function(line: int, other: int, script: ScriptText) -> str | None:
+    """Return the code for a name that is assigned on `line` and unknown on `other`, both in functions."""
+    around = script.function_around(line), script.function_around(other)
+    if not all(around) or around[0] == around[1]:
+        return None
     both = script.in_method(line) and script.in_method(other)
-    return both and script.function_around(line) != script.function_around(other)
+    return "local_of_method" if both else "local_of_function"
 
 
 def _is_node(name: str, written: str) -> bool:
@@ -581,25 +623,57 @@ def _is_node(name: str, written: str) -> bool:
 
 def _attribute(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at an unknown attribute."""
-    missing = re.match(r"module 'rclpy' has no attribute '(\w+)'", error.message)
-    if missing is not None and missing[1] in _OF_ROS_1:
-        return "ros_1_habit", {"name": f"rclpy.{missing[1]}", "instead": _OF_ROS_1[missing[1]]}
-    if missing is not None and _IMPORTS.get(missing[1], "").startswith("from rclpy."):
-        return "not_in_module", {"name": missing[1], "statement": _IMPORTS[missing[1]]}
     found = re.match(r"'(\w+)' object has no attribute '(\w+)'", error.message)
-    if found is not None and found[2] in ("spin", "spin_once") and found[1] in ("Node", script.node_class):
-        return "spin_of_rclpy", {"name": found[2]}
-    if found is not None and found[1] in ("Duration", "Time") and found[2] in _DURATION_OF_ROS_1:
-        return "ros_1_habit", {"name": f".{found[2]}", "instead": _DURATION_OF_ROS_1[found[2]]}
-    if found is not None and (closer := _own_attribute(found[1], found[2], script)) is not None:
-        return closer
-    if found is not None and (closer := _of_an_object(found[2], script_line(error), script)) is not None:
+    closer = _of_module(error) if found is None else _of_object(found[1], found[2], error, script)
+    if closer is not None:
         return closer
     suggestion = suggested(error)
     if suggestion is not None and suggestion not in _NODE_LISTS:
         return "misspelt", {"suggestion": suggestion}
-    return None if found is None else _message_fields(found[1], found[2], script)
+    if found is not None and (closer := _message_fields(found[1], found[2], script)) is not None:
+        return closer
+    own = found is not None and script.class_line(found[1]) is not None
+    return None if own or not script.has_code else ("unknown_in_library", {})
 
+
+def _of_module(error: StudentError) -> Closer:
+    """Look closer at what a module has not."""
+    found = re.match(r"module '(\w+)' has no attribute '(\w+)'", error.message)
+    if found is None:
+        return None
+    module, name = found.groups()
+    if module == "rclpy" and name in _OF_ROS_1:
+        return "ros_1_habit", {"name": f"rclpy.{name}", "instead": _OF_ROS_1[name]}
+    if module == "rclpy" and _IMPORTS.get(name, "").startswith("from rclpy."):
+        return "not_in_module", {"name": name, "statement": _IMPORTS[name]}
+    if name in ("msg", "srv", "action") or f"{module}.{name}" in _MODULES:
+        return "import_statement", {"statement": f"import {module}.{name}"}
+    return None
+
+
+def _of_object(owner: str, name: str, error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at what an object has not."""
+    is_node = owner in ("Node", script.node_class)
+    if name in ("spin", "spin_once") and is_node:
+        return "spin_of_rclpy", {"name": name}
+    if owner in ("Duration", "Time") and name in _DURATION_OF_ROS_1:
+        return "ros_1_habit", {"name": f".{name}", "instead": _DURATION_OF_ROS_1[name]}
+    closer = _own_attribute(owner, name, script)
+    if closer is None and is_node and name in _MEANT_OF_NODE:
+        return "misspelt", {"suggestion": _MEANT_OF_NODE[name]}
+    return closer or _of_an_object(name, script_line(error), script)
+
+
+_MEANT_OF_NODE: Final = {
+    "create_sub": "create_subscription",
+    "create_subscriber": "create_subscription",
+    "create_pub": "create_publisher",
+    "logger": "get_logger()",
+    "clock": "get_clock()",
+    "get_time": "get_clock().now()",
+    "now": "get_clock().now()",
+}
+"""What Node does not have under these names, for which Python suggests something far from it."""
 
 _FIELDS: Final = {
     "Odometry": "pose.pose.position (x, y, z), pose.pose.orientation, twist.twist (linear, angular)",
@@ -643,18 +717,41 @@ def _own_attribute(owner: str, name: str, script: ScriptText) -> Closer:
     if name in _NODE_ATTRIBUTES and script.class_without_base(owner):
         return "no_base_class", {"line": begins}
     made = script.definition(name)
-    if made is not None and script.owner_of(made.line) != begins:
-        return "method_outside", {"name": name, "owner": owner, "begins": made.line}
+    if made is not None and (around := script.owner_of(made.line)) != begins:
+        return _defined_elsewhere(owner, name, made, "" if around is None else script.lines[around - 1])
     given = script.lines_with(rf"\bself\.{re.escape(name)}[ \t]*(:[^=]*)?=(?!=)")
+    if not given and (
+        outside := script.lines_with(rf"^([\w ,]*, ?)?{re.escape(name)} ?(,[\w ,]*|:[^=]*)?=(?!=)")
+    ):
+        return "not_of_self", {"name": name, "given": outside[0], "call": ""}
     if len(given) == 1 and given[0] > begins:
         return "not_yet_assigned", {"name": name, "given": given[0]}
     near = [known for known in script.own_values if known != name and known.lower() == name.lower()]
     if near:
         return "misspelt", {"suggestion": near[0]}
     local = [] if given else script.lines_with(rf"^[ \t]+{re.escape(name)}[ \t]*(:[^=]*)?=(?!=)")
-    if local and local[0] > begins:
-        return "local_only", {"name": name, "given": local[0]}
-    return None
+    return _local(name, local[0], script) if local and local[0] > begins else None
+
+
+def _defined_elsewhere(owner: str, name: str, made: Definition, around: str) -> Closer:
+    """Look at a ``def`` that is none of the class `owner`, and at the head of the block in which it stands."""
+    if re.match(r"[ \t]*class\b", around):
+        return None
+    if re.match(r"[ \t]*def\b", around):
+        return "method_inside", {"name": name, "owner": owner, "begins": made.line}
+    if not around and not made.takes_self:
+        return "not_of_self", {"name": name, "given": made.line, "call": "(...)"}
+    return "method_outside", {"name": name, "owner": owner, "begins": made.line}
+
+
+def _local(name: str, given: int, script: ScriptText) -> Closer:
+    """Look at a variable of a function that is used as if it were the object's."""
+    used = {script.function_around(n) for n in script.lines_with(rf"\bself\.{re.escape(name)}\b")}
+    if used == {script.function_around(given)}:
+        return "not_of_self", {"name": name, "given": given, "call": ""}
+    node = script.object_at(given)
+    made = node == "self" or any(n < given for n in script.lines_with(rf"\b{node} ?=(?!=)"))
+    return ("local_only", {"name": name, "given": given, "object": node}) if made else None
 
 
 def _module(error: StudentError, script: ScriptText) -> Closer:
@@ -714,6 +811,23 @@ def _base_class(error: StudentError, script: ScriptText) -> Closer:
     return ("no_base_class", {"line": above[-1]}) if above else None
 
 
+def _args(error: StudentError, script: ScriptText) -> Closer:
+    """Find the argument of a thread's function that lacks the comma of a tuple."""
+    for line, found in script.matches(r"\btarget ?= ?.*\bargs ?= ?(?:\( ?([\w.]+) ?\)|([\w.]+) ?[,)])"):
+        return "comma_of_args", {"line": line, "name": found[1] or found[2]}
+    return "crashed", {}
+
+
+def _made_late(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at a node that was made without ``init``: it may have been named only, or ended already."""
+    made = script.lines_with(rf"(?<!class )\b({script.node_class}|Node|create_node)\(")
+    ended = [number for number in script.lines_with(r"\bshutdown\(") if made and number < made[-1]]
+    begun = [number for number in script.lines_with(r"\brclpy\.init\(") if ended and number < ended[0]]
+    if begun and script.function_around(ended[0]) == script.function_around(made[-1]):
+        return "shutdown_early", {"where": _where(ended)}
+    return _not_started(error, script)
+
+
 def _where(lines: list[int]) -> Text | str:
     """Return the lines as they stand in a sentence; nothing when there are none."""
     if not lines:
@@ -730,7 +844,8 @@ _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
     "function_not_called": _function,
     "int_in_float": _float,
     "no_input": _asked_again,
-    "not_initialized": _not_started,
+    "comma_of_args": _args,
+    "not_initialized": _made_late,
     "syntax_error": _statement,
     "text_for_number": _text,
     "wrong_parameters": _parameters,

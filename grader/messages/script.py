@@ -33,6 +33,10 @@ _ENDS: Final = re.compile(
 """Statements that stand behind `rclpy.spin()` in right scripts, too, and do no work."""
 
 
+_HIDES: Final = re.compile(r"\bexcept ?:|\b((Base)?Exception|AssertionError|TypeError)\b")
+"""An ``except`` that catches what a wrong value in a message raises."""
+
+
 LONGEST_NAME: Final = 60
 """Of the names that are compared for being alike, which takes the square of their lengths."""
 
@@ -170,12 +174,27 @@ class ScriptText:
             above = self.owner_of(above)
         return False
 
+    def object_at(self, number: int) -> str:
+        """Return what the node is called on a line: ``self`` in a method, else the variable that keeps it."""
+        above: int | None = number if 0 < number <= len(self.lines) else None
+        while above is not None:
+            if re.match(r"[ \t]*def \w+ ?\( ?self\b", self.lines[above - 1]):
+                return "self"
+            above = self.owner_of(above)
+        made = rf"^[ \t]*(\w+) ?= ?{self.node_class}\("
+        return next((found[1] for _, found in self.matches(made)), "node")
+
     def hands_over(self, number: int, name: str) -> bool:
         """Whether the given line calls a function among the arguments of one that wants a callback."""
         call = " ".join(self.lines[max(number - 5, 0) : number])
         wanting = list(re.finditer(r"\bcreate_(timer|subscription|service)\(", call))
         given = re.compile(rf"\b{re.escape(name)}\([ \t]*\)")
         return bool(wanting) and given.search(_arguments(call[wanting[-1].end() :])) is not None
+
+    def arguments(self, number: int, name: str) -> list[str]:
+        """Return the arguments of the call of `name` that begins on the given line, as `lines` has them."""
+        call = " ".join(self.lines[max(number - 1, 0) : number + 6]).partition(f"{name}(")[2]
+        return [part.strip() for part in _arguments(call).split(",") if part.strip()]
 
     def written(self, number: int) -> str:
         """Return the given line as it was written, with its strings and comments."""
@@ -341,7 +360,7 @@ class ScriptText:
         for number in self.lines_with(r"^[ \t]*except\b[^:]*:"):
             rest = self.lines[number - 1].partition(":")[2].strip()
             behind = rest or "".join(self.lines[number : number + 1]).strip()
-            hides = behind in {"pass", "continue"} and "KeyboardInterrupt" not in self.lines[number - 1]
+            hides = behind in {"pass", "continue"} and _HIDES.search(self.lines[number - 1])
             if hides and not self._only_cleans_up(number):
                 return number
         return None

@@ -68,11 +68,12 @@ _WAITS: Final = frozenset(("waits_in_loop", "waits_without_spin"))
 _KEPT_BUSY: Final = frozenset(("waits_in_loop", "cpu_limit", "log_not_reached", "publish_not_reached"))
 
 _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (
+    (_NO_MOTION, flow.other_axis),
     (_COUNTED, counts.set_to_plus),
     (_COUNTED | _BY_POSE | {"curved"}, flow.state_never_set),
     (_BY_POSE | _COUNT | {"wall_hit"}, steering.equals_exactly),
     (_BY_POSE | _CORNERS | _COUNT | {"endless_turn", "degrees_as_radians"}, steering.degrees_added),
-    (_NO_MOTION | _LOST | {"never_stops", "wall_hit", "endless_turn"}, flow.deaf_loop),
+    (_NO_MOTION | _LOST | {"never_stops", "wall_hit", "side_goes_on", "endless_turn"}, flow.deaf_loop),
     (_NO_MOTION | _LOST | _SILENT, flow.kept_local),
     (_NO_MOTION | _LOST | _SILENT | _BY_POSE, flow.kept_global),
     (_NO_MOTION | _LOST | _SILENT | _WAITS, flow.thread_runs_here),

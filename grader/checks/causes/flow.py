@@ -36,6 +36,13 @@ def _read_in(condition: str, script: ScriptText) -> list[str]:
     return names + [name for block in blocks for name in re.findall(r"\bself\.(\w+)", block)]
 
 
+def other_axis(seen: Searched) -> Mistake | None:
+    """Find a speed along, or about, an axis in which a car on the ground cannot move."""
+    for line, found in seen.script.matches(r"\.(angular\.[xy]|linear\.z) ?=(?!=)(?! ?-?[0.]+ ?(;|$))"):
+        return mistake("other_axis", line=line, name=found[1])
+    return None
+
+
 def loop_for_spin(seen: Searched) -> Mistake | None:
     """Find an endless loop that only keeps a script running, in which nothing ever calls its callbacks."""
     script = seen.script

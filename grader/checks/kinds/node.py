@@ -65,7 +65,8 @@ def node_mistakes(run: Run) -> tuple[Mistake, ...]:
 
 
 def _logging(run: Run) -> Iterator[Mistake]:
-    outcome, written = run.outcome, ScriptText(run.source).lines_with(r"\bget_logger\(\)\.\w+\(")
+    outcome, script = run.outcome, ScriptText(run.source)
+    written = script.lines_with(r"\bget_logger\(\)\.\w+\(")
     heard = _heard(outcome)
     if any(record.level_name == "INFO" for record in heard):
         return
@@ -74,6 +75,8 @@ def _logging(run: Run) -> Iterator[Mistake]:
         yield mistake("wrong_level", ("info_logs",), levels=", ".join(levels))
     elif outcome.stdout.text.strip():
         yield mistake("printed", ("info_logs",))
+    elif written and script.lines_with(r"\bget_logger\(\)\.debug\(") == written:
+        yield mistake("wrong_level", ("info_logs",), levels="DEBUG")  # not shown unless asked for
     elif outcome.status in (RunStatus.FINISHED, RunStatus.INTERRUPTED) and written:
         yield mistake("log_not_reached", ("info_logs",), line=written[0])
     elif outcome.status in (RunStatus.FINISHED, RunStatus.INTERRUPTED):

@@ -52,7 +52,7 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
         ),
         (error("RecursionError", "maximum recursion depth exceeded"), "recursion", ("17", "exceeded")),
         (error("NameError", "name '_name_' is not defined"), "underscores", ("__main__",)),
-        (error("NameError", "name '__main__' is not defined"), "underscores", ("__main__",)),
+        (error("NameError", "name '__main__' is not defined"), "name_without_quotes", ("'__main__'",)),
         (error("NameError", "name 'name' is not defined"), "unknown_name", ("'name'",)),
         (error("NameError", "name 'name_' is not defined"), "unknown_name", ("'name_'",)),
         (error("AttributeError", "'Twist' object has no attribute 'liner'"), "unknown_field", ("liner",)),
@@ -195,7 +195,11 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
         (error("ModuleNotFoundError", "No module named 'rospy'"), "ros_1", ("rospy", "ROS 2")),
         (error("ModuleNotFoundError", "No module named 'cv2'"), "library_not_here", ("cv2",)),
         (error("ModuleNotFoundError", "No module named 'pynput'"), "no_terminal", ("17",)),
-        (error("TypeError", "got an unexpected keyword argument 'queue_size'"), "missing_qos", ("17", "10")),
+        (
+            error("TypeError", "got an unexpected keyword argument 'queue_size'"),
+            "queue_size_of_ros_1",
+            ("17", "10"),
+        ),
         (
             error("FileNotFoundError", "[Errno 2] No such file or directory: 'a.csv'"),
             "missing_file",

@@ -21,7 +21,11 @@ OWN = Endpoint(
 
 
 def judged(
-    result: ServiceResult | None, *, services: tuple[tuple[str, str], ...] = (), **outcome: Any
+    result: ServiceResult | None,
+    *,
+    services: tuple[tuple[str, str], ...] = (),
+    source: str = "",
+    **outcome: Any,
 ) -> Scoring:
     endpoints = tuple(
         Endpoint(kind="service", node="/n", name=name, type=kind, count=0) for name, kind in services
@@ -33,7 +37,7 @@ def judged(
         "endpoints": (OWN, *endpoints),
     }
     calls = () if result is None else (result,)
-    run = Run(trajectory=drive([]), outcome=RunOutcome(**{**values, **outcome}), calls=calls)
+    run = Run(trajectory=drive([]), outcome=RunOutcome(**{**values, **outcome}), calls=calls, source=source)
     return evaluate(TASK, [run])
 
 
@@ -83,6 +87,18 @@ def test_a_call_without_an_answer() -> None:
     scoring = judged(ServiceResult(call=CALL, sent_ns=2 * SECOND), services=RIGHT)
     assert scoring.mistakes == ("service_silent",)
     assert item(scoring, "offered").status is ItemStatus.PASSED
+
+
+def test_a_call_of_another_type_than_the_service_has() -> None:
+    other = ((CALL.service, "std_srvs/srv/Trigger"),)
+    scoring = judged(ServiceResult(call=CALL, sent_ns=2 * SECOND), services=other)
+    assert scoring.mistakes == ("wrong_service_type",)
+
+
+def test_an_executor_without_the_node_answers_nothing() -> None:
+    source = "executor = SingleThreadedExecutor()\nexecutor.spin()\n"
+    scoring = judged(ServiceResult(call=CALL, sent_ns=2 * SECOND), services=RIGHT, source=source)
+    assert scoring.mistakes == ("executor_without_node",)
 
 
 def test_an_empty_answer() -> None:

@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - one case a line, to be compared with its neighbours
 """What the text of a script shows about an exception, and where it must show nothing."""
 
 import pytest
@@ -137,3 +138,105 @@ def test_a_handler_with_its_parameters_exchanged_is_told(parameters: str, code: 
     source = f"def handle({parameters}):\n    response.names = []\n    return response\n"
     message = "'GetNames_Request' object has no attribute 'names'"
     assert told("AttributeError", message, source, 2)[0] == code
+
+
+CAR = (
+    "class Car(Node):\n    def __init__(self):\n        super().__init__('car')\n        self.side = 2.0\n        {init}\n"
+    "    def go(self, t):\n        {go}\n{more}def main():\n    car = Car()\n    {main}\n"
+)
+"""`init` is line 5, `go` line 7; `main` is line 10 where `more` is empty."""
+
+
+def car(*, init: str = "pass", go: str = "pass", more: str = "", main: str = "pass") -> str:
+    return CAR.format(init=init, go=go, more=more, main=main)
+
+
+HEARD = car(init="self.create_subscription(Pose, '/p', self.go, 10)", go="{line}")
+
+
+@pytest.mark.parametrize(
+    ("kind", "message", "source", "line", "code", "words"),
+    [
+        ("NameError", "name 'go' is not defined", car(main="go(1.0)"), 10, "missing_object", "car.go(...)"),
+        ("NameError", "name 'side' is not defined", car(main="go(side)"), 10, "missing_object", "car.side"),
+        ("NameError", "name 'side' is not defined", car(go="x = side"), 7, "missing_self_value", "self.side"),
+        ("NameError", "name 'v' is not defined", "class A:\n    v = 1\n    def f(self):\n        v\n", 4, "missing_self_value", "self.v"),
+        ("NameError", "name 'n' is not defined", "def f():\n    n = 1\ndef g():\n    go(n)\n", 4, "local_of_function", "f()"),
+        ("NameError", "name 'f' is not defined", "f()\n\ndef f():\n    pass\n", 1, "defined_below", "line 3"),
+        ("NameError", "name 'pose' is not defined", HEARD.format(line="self.x = pose"), 7, "parameter_called", "write t instead of pose"),
+        ("NameError", "name 'pose' is not defined", HEARD.format(line="self.pose = pose"), 7, "parameter_called", "called t"),
+        ("NameError", "name 'pose' is not defined", HEARD.format(line="self.x = pose - t"), 7, "unknown_name", "pose"),
+        ("NameError", "name 'side' is not defined", "self.get_parameter(side).value", 1, "name_without_quotes", "'side'"),
+        ("AttributeError", "'Car' object has no attribute 'f'", car(go="self.f()", more="        def f(self):\n            pass\n"), 7, "method_inside", "line 8"),
+        ("AttributeError", "'Car' object has no attribute 'f'", car(go="self.f()", more="def f():\n    pass\n"), 7, "not_of_self", "f(...)"),
+        ("AttributeError", "'Car' object has no attribute 'f'", car(go="self.f()", more="class B:\n    def f(self):\n        pass\n"), 7, "unknown_attribute", "'f'"),
+        ("AttributeError", "'Car' object has no attribute 'X'", "X, Y = 1, 2\n" + car(go="self.X"), 8, "not_of_self", "line 1"),
+        ("AttributeError", "'Car' object has no attribute 'm'", car(go="m = Twist(); self.m.x").replace("; ", "\n        "), 8, "not_of_self", "line 7"),
+        ("AttributeError", "'Car' object has no attribute 'v'", car(go="self.v", main="v = 1"), 7, "local_only", "car.v"),
+        ("AttributeError", "'Car' object has no attribute 'v'", car(go="self.v").replace("    car = ", "    v = 1\n    car = "), 7, "unknown_attribute", "'v'"),
+        ("AttributeError", "'Car' object has no attribute 'create_subscriber'", car(), 7, "misspelt", "'create_subscription'"),
+        ("AttributeError", "'Car' object has no attribute 'get_time'", car(), 7, "misspelt", "get_clock().now()"),
+        ("AttributeError", "'Publisher' object has no attribute 'send'", car(), 7, "unknown_in_library", "'send'"),
+        ("AttributeError", "module 'geometry_msgs' has no attribute 'msg'", car(), 7, "import_statement", "import geometry_msgs.msg"),
+        ("AttributeError", "'Twist' object has no attribute 'x'", HEARD.format(line="t = Twist(); t.x").replace("; ", "\n        "), 8, "message_replaced", "Line 7"),
+        ("AttributeError", "'Twist' object has no attribute 'x'", HEARD.format(line="m = Twist(); m.x").replace("; ", "\n        "), 8, "unknown_field", "no field x"),
+        ("AttributeError", "'Move_Response' object has no attribute 'x'", "def f(self, response, request):\n    request.x\n", 2, "handler_order", "(request, response)"),
+        ("UnboundLocalError", "local variable 'time' referenced before assignment", "import time\ndef f():\n    time = time.time()\n", 3, "hidden_module", "time"),
+        ("TypeError", "Car.go() missing 1 required positional argument: 'self'", car(init="self.create_timer(1, Car.go)"), 10, "class_for_self", "Line 5"),
+        ("TypeError", "Car.go() missing 1 required positional argument: 'self'", "class Car(Node):\n    @staticmethod\n    def go(self):\n        pass\n", 4, "static_with_self", "Line 2"),
+        ("TypeError", "Node.create_publisher() missing 1 required positional argument: 'qos_profile'", car(init="Node.create_publisher(Twist, '/a', 10)"), 5, "class_for_self", "self.create_publisher"),
+        ("TypeError", "Node.create_publisher() missing 1 required positional argument: 'qos_profile'", car(init="self.create_publisher(Twist, 10)"), 5, "endpoint_arguments", "(Twist, '/turtle1/cmd_vel', 10)"),
+        ("TypeError", "Node.create_publisher() missing 1 required positional argument: 'qos_profile'", car(init="self.create_publisher(Twist, '/a')"), 5, "missing_qos", "10"),
+        ("TypeError", "Node.create_subscription() missing 2 required positional arguments: 'callback' and 'qos_profile'", car(init="self.create_subscription(Twist, '/a')"), 5, "endpoint_arguments", "self.callback"),
+        ("TypeError", "unsupported operand type(s) for -: 'float' and 'Time'", car(), 7, "time_and_number", "time.time()"),
+        ("TypeError", "unsupported operand type(s) for -: 'float' and 'Duration'", car(), 7, "duration_and_number", "Duration"),
+        ("NotInitializedException", "", car(main="pass").replace("    car =", "    rclpy.init()\n    rclpy.shutdown()\n    car ="), 3, "shutdown_early", "line 10"),
+        ("ParameterNotDeclaredException", "('Invalid access to undeclared parameter(s)', 'Side')", "self.declare_parameter('side', 1)\nself.get_parameter('Side')", 2, "misspelt", "'side'"),
+        ("ParameterNotDeclaredException", "('Invalid access to undeclared parameter(s)', 'v')", "self.declare_parameter('side', 1)\nself.get_parameter('v')", 2, "parameter_not_declared", "v"),
+    ],
+)  # fmt: skip
+def test_the_script_shows_what_is_meant(
+    kind: str, message: str, source: str, line: int, code: str, words: str
+) -> None:
+    given, text = told(kind, message, source, line)
+    assert given == code, text
+    assert words in text
+
+
+@pytest.mark.parametrize(
+    ("name", "suggestion", "line", "code"),
+    [
+        ("side", "slice", "x = side / 2", "unknown_name"),
+        ("size", "slice", "x = size(3)", "misspelt"),
+        ("dist", "Twist", "x = dist + 1", "unknown_name"),
+        ("Ture", "True", "while Ture:", "misspelt"),
+        ("none", "None", "x = none", "other_language"),
+        ("speeed", "speed", "x = speeed", "misspelt"),
+    ],
+)
+def test_a_function_of_python_is_not_suggested_for_a_variable(
+    name: str, suggestion: str, line: str, code: str
+) -> None:
+    more = f". Did you mean: '{suggestion}'?"
+    assert told("NameError", f"name '{name}' is not defined", line, 1, more)[0] == code
+
+
+def test_what_node_keeps_for_itself_is_not_suggested() -> None:
+    message = "'Car' object has no attribute 'log'"
+    assert told("AttributeError", message, car(), 7, ". Did you mean: '_log'?")[0] == "unknown_attribute"
+
+
+@pytest.mark.parametrize(
+    ("problem", "line", "code"),
+    [
+        ("invalid syntax", "self pub.publish(msg)", "missing_dot"),
+        ("invalid syntax", "turn left", "syntax_error"),
+        ("invalid syntax", "retrun x", "misspelt_keyword"),
+        ("'await' outside async function", "await asyncio.sleep(1)", "await_in_plain_function"),
+        ("'await' outside function", "await f()", "outside_function"),
+    ],
+)
+def test_what_is_told_of_a_line_that_python_rejects(problem: str, line: str, code: str) -> None:
+    shown = f'  File "script.py", line 1\n    {line}\n    ^\nSyntaxError: {problem}\n'
+    error = StudentError(type="SyntaxError", message=problem, line=1, traceback=shown)
+    assert meaning(error, "syntax_error", ScriptText(line))[0] == code

@@ -18,6 +18,8 @@ RATE = "rate.sleep() waits for a timer of its node, but nothing spins that node 
          "Client.call() 在等服务的回应"),
         ("MainThread, line 5: spin_once() waits for a timer, a message or a request, but nothing of that can come",
          "spin_once() 在等"),
+        (f"T, line 3: client.call() of '/turtle1/x' {ANSWER}",
+         "client.call() of '/turtle1/x' 在等服务的回应"),
         ("T: wait_for_message() waits for a message on '/x'", "话题 '/x'"),
         ("MainThread: the end of the program waits for the other threads", "程序末尾"),
         ("MainThread, line 9: Lock.acquire() waits for ever", "Lock.acquire() 永远等不到"),

@@ -244,8 +244,9 @@ def excepthook(args: Any, /) -> None:
     error = args.exc_value if args.exc_value is not None else args.exc_type()
     print(f"Exception in thread {name}:", file=sys.stderr)  # noqa: T201
     tracebacks.print_exception(error)
-    place = tracebacks.line_of(error)
-    link.note("thread_exception", f"{name}, line {place}: {tracebacks.one_line(error)}")
+    line = tracebacks.line_of(error)
+    place = f"{name}, line {line}" if line else name
+    link.note("thread_exception", f"{place}: {tracebacks.one_line(error)}")
 
 
 def patch_queue(queue: ModuleType) -> None:
