@@ -275,6 +275,10 @@ def _behind_spin(run: Run) -> Mistake | None:
         return None
     if call.line in script.lines_with(r"\btarget ?= ?[\w.]*\bspin\("):
         return mistake("thread_called", line=call.line)
+    around = script.function_around(call.line)
+    for line in script.lines_with(r"\brclpy\.spin\("):
+        if line > call.line and script.function_around(line) == around:
+            return mistake("second_spin", line=line, spin=call.line)
     if not script.works_after(call.line) or any(line < call.line for line in _working_callbacks(script)):
         return None  # with a callback the work may be meant to happen there, and only the stop stands behind
     return mistake("behind_spin", line=call.line)
@@ -293,13 +297,15 @@ def _working_callbacks(script: ScriptText) -> Iterator[int]:
 def _spin_in_callback(run: Run) -> Mistake | None:
     """Recognise a callback that waits for a future, which only another callback of the same executor can bring."""
     call, script = call_at_end(run), ScriptText(run.source)
-    if call is None or not call.name.endswith("spin_until_future_complete"):
+    known = None if call is None else re.search(r"\bspin(_once|_until_future_complete)?$", call.name)
+    if call is None or known is None:
         return None
     name = script.function_around(call.line)
     called_back = name and script.lines_with(
         rf"\bcreate_(timer|subscription|service)\(.*\b{re.escape(name)}\b"
     )
-    return mistake("spin_in_callback", line=call.line) if called_back else None
+    code = "spin_in_callback" if known[1] == "_until_future_complete" else "spin_in_spin"
+    return mistake(code, line=call.line, call=f"rclpy.{known[0]}()") if called_back else None
 
 
 _SWUNG_NS = 5_000_000_000
@@ -362,6 +368,8 @@ def without_node(run: Run) -> Mistake:
         return mistake("main_guard", given=guard[1], line=run.source.count("\n", 0, guard.start()) + 1)
     if (uncalled := not_called(run)) is not None:
         return uncalled
+    if inside := ScriptText(run.source).lines_with(r"^[ \t]+if __name__ ?=="):
+        return mistake("guard_inside", line=inside[0])
     exits = _exits(ScriptText(run.source), run.outcome)
     if exits and not run.outcome.stdout.text.strip():
         return mistake("exited_early", line=exits[0])
@@ -508,7 +516,10 @@ def not_called(run: Run) -> Mistake | None:
     if (coroutine := _UNAWAITED.search(run.outcome.stderr.text)) is not None:
         return _unawaited(coroutine[1], ScriptText(run.source))
     named = ScriptText(run.source).uncalled
-    return None if named is None else mistake("not_called", line=named.line, name=named.name)
+    if named is None:
+        return None
+    given = "msg" if named.name.endswith(".publish") else ""
+    return mistake("not_called", line=named.line, name=named.name, call=f"{named.name}({given})")
 
 
 def _unawaited(name: str, script: ScriptText) -> Mistake:
@@ -549,8 +560,8 @@ def without_added_node(script: ScriptText) -> Mistake | None:
 
 def _in_loop(run: Run, script: ScriptText) -> Mistake | None:
     """Recognise a loop that was still waiting when the run ended, and whether callbacks could have ended it."""
-    if (begins := _loop_at_end(run, script)) is None:
-        return None
+    if (begins := _loop_at_end(run, script)) is None or (closer := loop_in_callback(run)) is not None:
+        return None if begins is None else closer
     heard = any(each.kind == "subscription" for each in run.outcome.endpoints)
     in_thread = script.lines_with(r"\btarget ?= ?[\w.]*spin|\bExecutor\(")
     deaf = heard and not script.spins(begins) and not in_thread

@@ -33,12 +33,22 @@ def missing_global(error: StudentError, written: str, script: ScriptText) -> Clo
 def calls_itself(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Find the call of the function around the failed line in its own body."""
     function = script.function_around(error.line or 0) if error.line else ""
-    made = script.definition(function) if function else None
-    if made is None:
-        return None
-    inside = range(made.line + 1, made.line + len(script.block(made.line)))
-    calls = [number for number in script.lines_with(rf"(?<![\w.]){function} ?\(") if number in inside]
+    calls = _own_calls(function, script)
     return ("calls_itself", {"name": function, "again": calls[0]}) if calls else None
+
+
+def _own_calls(function: str, script: ScriptText) -> list[int]:
+    """Return the lines on which a function calls itself."""
+    made = script.definition(function) if function else None
+    inside = range(0) if made is None else range(made.line + 1, made.line + len(script.block(made.line)))
+    calls = script.lines_with(rf"(?<![\w.])(self\.)?{function} ?\(") if inside else []
+    return [number for number in calls if number in inside]
+
+
+def recursion(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Find the line on which a function calls itself, which is not the one that found it too deep."""
+    calls = _own_calls(script.function_around(error.line or 0), script)
+    return ("recursion", {"line": calls[0]}) if calls else None
 
 
 def main_needs_args(error: StudentError, written: str, script: ScriptText) -> Closer:
@@ -62,8 +72,10 @@ def signature(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Return how the ``def`` should read if a method lacks self or a callback has wrong parameters."""
     found = re.match(r"(?:(\w+)\.)?(\w+)\(\) (takes (\d+) .* but (\d+)|missing (\d+) )", error.message)
     made = script.definition(found[2]) if found else None
-    if found is None or made is None or script.owner_of(made.line) is None:
+    if found is None or made is None:
         return None
+    if script.owner_of(made.line) is None:
+        return _plain_callback(found[2], made.line, written, script)
     name, given = found[2], _parameters(script.lines[made.line - 1])
     values: dict[str, object] = {"name": name, "begins": made.line}
     if given[:1] in (["cls"], ["this"]) or script.is_decorated(made.line):
@@ -76,6 +88,16 @@ def signature(error: StudentError, written: str, script: ScriptText) -> Closer:
         right = ", ".join(given) == wanted[1]
         if any(callback == name for _, callback in script.callbacks(kind)) and f"{name}(" not in written:
             return None if right else (wanted[0], {**values, "written": f"def {name}({wanted[1]}):"})
+    return None
+
+
+def _plain_callback(name: str, begins: int, written: str, script: ScriptText) -> Closer:
+    """Say how the ``def`` of a callback that is no method should read."""
+    given = ", ".join(_parameters(script.lines[begins - 1]))
+    for kind, (code, parameters) in _CALLBACKS.items():
+        right = parameters.removeprefix("self").removeprefix(", ")
+        if any(callback == name for _, callback in script.callbacks(kind)) and f"{name}(" not in written:
+            return None if given == right else (code, {"begins": begins, "written": f"def {name}({right}):"})
     return None
 
 
@@ -360,6 +382,27 @@ def parameter_called(error: StudentError, written: str, script: ScriptText) -> C
     return "parameter_called", values
 
 
+def callback_as_text(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Find a callback whose name stands in quotes."""
+    if "'str' object" not in error.message:
+        return None
+    for kind, place in (("timer", 1), ("subscription", 2), ("service", 2)):
+        for line in script.lines_with(rf"\bcreate_{kind}\("):
+            if script.arguments(line, f"create_{kind}")[place : place + 1] == ['""']:
+                return "callback_as_text", {"line": line, "kind": f"create_{kind}"}
+    return None
+
+
+def node_needs_name(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a plain node that was made without a name."""
+    return ("node_needs_name", {}) if re.search(r"\bNode\( ?\)", written) else None
+
+
+def time_to_sleep(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a number for the Duration that a clock's sleep wants."""
+    return ("sleeps_duration", {}) if re.search(r"\.sleep_(for|until)\(", written) else None
+
+
 def declared_name(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Find a declared parameter of nearly the same name."""
     found = re.search(r"'([\w.]{1,60})'\)$", error.message)
@@ -391,6 +434,7 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "call_mismatch": (main_needs_args, bare_class, signature),
     "foreign_character": (dash,),
     "index_range": (list_too_short,),
+    "crashed": (signature,),
     "init_twice": (calls_itself,),
     "launch_keyword": (old_keyword,),
     "launch_no_executable": (old_keyword,),
@@ -398,16 +442,18 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "missing_import": (imported_as,),
     "missing_module": (other_file, own_module),
     "missing_qos": (class_for_self, endpoint_arguments),
-    "no_super_init": (constructor,),
-    "not_callable": (overwritten,),
+    "no_super_init": (node_needs_name, constructor),
+    "not_callable": (overwritten, callback_as_text),
     "not_yet_assigned": (too_early,),
     "open_string": (open_docstring,),
     "parameter_not_declared": (declared_name,),
+    "recursion": (recursion,),
     "ros_1_habit": (rate_of_ros_1,),
     "self_outside": (class_body,),
     "shell_line": (only_shell,),
     "still_none": (none_in_init, none_before_spin),
     "text_for_number": (text_plus_number,),
+    "time_and_number": (time_to_sleep,),
     "unknown_field": (message_replaced,),
     "unknown_name": (parameter_called,),
     "unknown_part": (handler_order, wanted_field),

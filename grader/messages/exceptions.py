@@ -32,7 +32,8 @@ _SIGNS: Final = (
     (r"SyntaxError: Missing parentheses in call to 'print'", "print_statement"),
     (_LINE + r"(\}\s*)?(else[ \t]+if|elseif|elsif)\b", "else_if"),
     (
-        _LINE + r"(//|/\*|\}|(for|while|if)[ \t]*\([^)\n]*;|[^\"'#\n]*(\w::\w|\)[ \t]*\{[ \t]*\n))",
+        _LINE + r"(//|/\*|\}|(for|while|if)[ \t]*\([^)\n]*;|[^\"'#\n]*(\w(::|->)\w|=[ \t]*new[ \t]+\w|"
+        r"\)[ \t]*\{[ \t]*\n))",
         "c_syntax",
     ),
     (_LINE + r"[^\"'#\n]*\d[ \t]*(m/s|rad/s|rad|m|s|cm|米|秒|度|弧度)(?!\w)", "unit_in_code"),
@@ -48,6 +49,14 @@ _SIGNS: Final = (
     (r"SyntaxError: expression cannot contain assignment.*\n.*\n.*\w\.\w+[ \t]*=", "dotted_keyword"),
     (_LINE + r"(from|import)[ \t]+[\w.]*-", "hyphen_in_module"),
     (_LINE + r"(self[ \t]+[A-Za-z_]|[^\"'#\n]*\)[ \t]*[A-Za-z_]\w*[ \t]*\()", "missing_dot"),
+    (_LINE + r"[^\"'#\n]*(?P<sign>=[<>])", "reversed_sign"),
+    (_LINE + r"for[ \t]+(?P<name>\w+)[ \t]+range\(", "in_forgotten"),
+    (_LINE + r"(?P<written>\w+[ \t]*\([ \t]*self\b[^()\n]*\)[ \t]*:)[ \t]*(#.*)?\n", "def_forgotten"),
+    (
+        r"SyntaxError: invalid syntax.*\n.*\n +([^\"'#\n]*[(,][ \t]*)?(?P<topic>/[A-Za-z]\w*(/\w+)*)[ \t]*[,)]",
+        "topic_without_quotes",
+    ),
+    (r"SyntaxError: f-string: ", "f_string"),
     (r"SyntaxError: expected '\('", "def_parentheses"),
     (r"SyntaxError: expected 'except' or 'finally' block", "try_alone"),
     (r"SyntaxError: invalid syntax\. Perhaps you forgot a comma\?", "missing_comma"),
@@ -59,7 +68,12 @@ _SIGNS: Final = (
     (r"SyntaxError: unterminated (triple-quoted )?(f-)?string literal", "open_string"),
     (r"SyntaxError: '(?P<word>await|async \w+)' outside async function", "await_in_plain_function"),
     (r"SyntaxError: '\w+' outside function", "outside_function"),
+    (r"SyntaxError: invalid character '(?P<sign>[\u00b0\u00d7\u00f7\u2260\u2264\u2265])'", "sign_of_maths"),
     (r"SyntaxError: invalid (non-printable )?character", "foreign_character"),
+    (
+        r"SyntaxError: invalid syntax.*\n.*\n +[^\"'#=(\n]*[\u4e00-\u9fff][^\"'#=(\n]*\n",
+        "words_in_code",
+    ),
     (r"SyntaxError: invalid syntax\n.*\n +(```|\$ |>>> )", "pasted_mark"),
     (r"(IndentationError|TabError): ", "indentation"),
     (r"RuntimeError: Context\.init\(\) must only be called once", "init_twice"),
@@ -87,6 +101,10 @@ _SIGNS: Final = (
     (r"AssertionError: The '(?P<field>\w+)' field must be of type 'float'", "int_in_float"),
     (r"Aborted: field '(?P<field>\w+)' of .*`PyFloat_Check", "int_in_float_at_publish"),
     (r"Aborted: field '(?P<field>\w+)' of (?P<owner>[\w/]+): ", "wrong_type_at_publish"),
+    (
+        r"AssertionError: The '(?P<field>\w+)' field must be of type '(?P<type>bool|int|str)'",
+        "wrong_type_in_field",
+    ),
     (r"AssertionError: The '(?P<field>\w+)' field must be a set or sequence", "list_in_field"),
     (
         r"AssertionError: The '(?P<field>\w+)' field must be a sub message of type '(?P<owner>\w+)'",
@@ -116,7 +134,9 @@ _SIGNS: Final = (
         r"TypeError: float\(\) argument must be .*'(function|method)'" + _AT + r".*create_timer\(",
         "timer_order",
     ),
-    (r"TypeError: descriptor '__init__' .*'super'", "super_brackets"),
+    (r"TypeError: (Node\.)?create_timer\(\) (missing|got an unexpected keyword)", "timer_arguments"),
+    (r"TypeError: (descriptor '__init__' .*'super'|super\(\) argument 1 must be)", "super_brackets"),
+    (r"ParameterAlreadyDeclaredException: ", "declared_twice"),
     (r"ParameterNotDeclaredException: .*'(?P<name>[\w.]+)'\)", "parameter_not_declared"),
     (r"ParameterUninitializedException: .*'(?P<name>[\w.]+)'", "parameter_without_value"),
     (
@@ -129,10 +149,16 @@ _SIGNS: Final = (
         "parameter_integer",
     ),
     (r"InvalidParameterTypeException: .*expecting type '[\w.]*STRING'", "parameter_text"),
-    (r"TypeError: .*'Parameter'|AttributeError: 'Parameter' object has no attribute", "parameter_value"),
+    (
+        r"TypeError: .*'Parameter(Value)?'|AttributeError: 'Parameter(Value)?' object has no attribute",
+        "parameter_value",
+    ),
     (r"TypeError: Expected QoSProfile or int, but received <class '(function|method)'>", "wrong_order"),
     (r"TypeError: Publisher\.publish\(\) (takes|missing) ", "one_message"),
     (r"TypeError: spin(_once|_until_future_complete)?\(\) missing .*'node'", "spin_what"),
+    (r"TypeError: spin_until_future_complete\(\) missing .*'future'", "future_missing"),
+    (r"TypeError: spin(_once)?\(\) got an unexpected keyword argument 'time", "spin_timeout"),
+    (r"TypeError: \w*Executor\.spin\w*\(\) takes 1 positional", "executor_spin"),
     (
         r"TypeError: 'str' object cannot be interpreted as an integer" + _AT + r".*\bsleep\([ \t]*['\"]",
         "text_in_sleep",
@@ -179,6 +205,7 @@ _SIGNS: Final = (
         "launch_no_executable",
     ),
     (r"TypeError: Node\.__init__\(\) missing", "no_super_init"),
+    (r"TypeError: Node\.__init__\(\) (takes 2 positional|got an unexpected keyword)", "node_name_only"),
     (
         r"AttributeError: '\w+' object has no attribute '(_(clock|default_callback_group|logger|parameters|"
         r"parameter_overrides|publishers|rate_group|Node__\w+))'(?!.*" + _AT + r".*\.\1\b)",
@@ -214,11 +241,17 @@ _SIGNS: Final = (
     (r"TypeError: '(int|float)' object is not iterable", "not_iterable"),
     (r"TypeError: Expected .*, got <class '[\w.]*\.Metaclass_\w+'>", "class_for_object"),
     (
-        r"TypeError: (?!(Node|Client|Publisher|ActionClient|Rate|Clock)\.)(\w+\.)?\w+\(\) "
+        r"TypeError: (?!(Node|Client|Publisher|ActionClient|Executor|Rate|Clock)\.)(\w+\.)?\w+\(\) "
         r"(takes \d+ positional arguments? but|missing \d+ required positional)",
         "wrong_parameters",
     ),
-    (r"TypeError: '(?!module|type)\w+' object is not callable", "not_callable"),
+    (
+        r"TypeError: ([\w.]+\.)?(?P<name>\w+)\(\) got an unexpected keyword argument '(?P<given>\w+)'",
+        "keyword_of_own",
+    ),
+    (r"TypeError: ([\w.]+\.)?(<locals>\.)?<lambda>\(\) (takes|missing) ", "lambda_parameters"),
+    (r"TypeError: 'module' object is not callable", "module_called"),
+    (r"TypeError: '(?!type)\w+' object is not callable", "not_callable"),
     (r"TypeError: 'NoneType' object does not support the context manager protocol", "with_init"),
     (
         r"(AttributeError: (?=')|TypeError: (?!.*(keyword|positional) argument))"
@@ -240,10 +273,13 @@ _SIGNS: Final = (
     (r"AttributeError: ", "unknown_attribute"),
     (r"NameError: name '(?P<name>__main__)' is not defined", "name_without_quotes"),
     (r"NameError: name '(?=(\w*_){2})_{0,3}(name|main|init)_{0,3}' is not defined", "underscores"),
+    (r"NameError: name '(?P<name>\w*[\u4e00-\u9fff]\w*)' is not defined", "words_in_code"),
     (r"NameError: ", "unknown_name"),
     (r"KeyError: ", "missing_key"),
     (r"ZeroDivisionError: ", "divided_by_zero"),
     (r"NotImplementedError: Service classes can not be instantiated", "service_class"),
+    (r"NotImplementedError: Action classes can not be instantiated", "action_class"),
+    (r"ValueError: math domain error", "math_domain"),
     (r"TypeError: unsupported operand type\(s\) for \^: '(float|int)'", "power_sign"),
     (r"TypeError: atan2 expected 2 arguments, got 1", "atan2_of_one"),
     (r"TypeError: unsupported operand type\(s\) for .*'property'", "field_of_class"),
@@ -291,7 +327,7 @@ _NAMES_BY_MODULE: Final = {
     "rclpy.executors": ("MultiThreadedExecutor", "SingleThreadedExecutor"),
     "rclpy.node": ("Node",),
     "rclpy.parameter": ("Parameter",),
-    "rclpy.qos": ("QoSProfile",),
+    "rclpy.qos": ("QoSProfile", "qos_profile_sensor_data"),
     "math": ("atan2", "cos", "degrees", "pi", "radians", "sin", "sqrt"),
     "time": ("sleep",),
     "threading": ("Thread",),
@@ -407,6 +443,10 @@ _OF_ROS_1: Final = {
     "Time": "node.get_clock().now()",
     "create_publisher": "node.create_publisher(Twist, '/turtle1/cmd_vel', 10)",
     "create_timer": "node.create_timer(0.1, callback)",
+    "Service": "node.create_service(SetBool, '/my_service', callback)",
+    "ServiceProxy": "node.create_client(Spawn, '/spawn')",
+    "Timer": "node.create_timer(0.1, callback)",
+    "get_param": "node.declare_parameter('side', 2.0).value",
     "get_logger": "node.get_logger()",
 }
 """Attributes that ``rclpy`` does not have, each with what to write instead."""
@@ -477,7 +517,55 @@ def _comma(error: StudentError, script: ScriptText) -> Closer:
 def _text(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at text in a computation: it may be a parameter's default."""
     lines = script.numbers_as_text
+    if not lines and "multiply sequence" in error.message and not script.lines_with(r"\binput\(|\bargv\b"):
+        return "sequence_times_number", {}
     return ("parameter_text", {"line": lines[0]}) if lines else None
+
+
+_SIGNS_OF_MATHS: Final = {"×": "*", "÷": "/", "≤": "<=", "≥": ">=", "≠": "!=", "°": "math.radians(90)"}
+_OF_TYPE: Final = {"bool": "True", "int": "int(x)", "str": "str(x)"}
+_CALLS_OF_MODULES: Final = {"time": "time.time()", "random": "random.random()", "math": "math.sqrt(x)"}
+
+
+def _sign(error: StudentError, script: ScriptText) -> Closer:
+    sign = error.message.partition("'")[2][:1]
+    return "sign_of_maths", {"sign": sign, "instead": _SIGNS_OF_MATHS.get(sign, "")}
+
+
+def _reversed(error: StudentError, script: ScriptText) -> Closer:
+    found = re.search(r"=([<>])", script_line(error))
+    return ("reversed_sign", {"sign": found[0], "instead": f"{found[1]}="}) if found else ("syntax_error", {})
+
+
+def _field_type(error: StudentError, script: ScriptText) -> Closer:
+    field, kind = re.findall(r"'(\w+)'", error.message)[:2]
+    return "wrong_type_in_field", {"field": field, "instead": _OF_TYPE[kind], "wanted": kind}
+
+
+def _module_called(error: StudentError, script: ScriptText) -> Closer:
+    """Name the module that is called, if only one can be meant."""
+    called = set(re.findall(r"(?<![\w.])(\w+)[ \t]*\(", script_line(error)))
+    known = [name for name in sorted(called) if script.lines_with(rf"\bimport ([\w, ]+, ?)?{name}\b")]
+    if len(known) != 1:
+        return "crashed", {}
+    return "module_called", {"name": known[0], "instead": _CALLS_OF_MODULES.get(known[0], f"{known[0]}.…()")}
+
+
+def _keyword(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at an argument whose name a function of the script does not have."""
+    found = re.match(r"(?:[\w.]+\.)?(\w+)\(\) .*'(\w+)'", error.message)
+    made = script.definition(found[1]) if found else None
+    if found is None or made is None:
+        return "crashed", {}
+    return "keyword_of_own", {"name": found[1], "given": found[2], "begins": made.line}
+
+
+def _words(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at Chinese words in code, which some take for the names of variables."""
+    named = script.lines_with(r"^[ \t]*(self\.)?\w*[\u4e00-\u9fff]\w* ?=(?!=)")
+    if not named:
+        return "words_in_code", {}
+    return ("unknown_name" if error.type == "NameError" else "syntax_error"), {}
 
 
 def _asked_again(error: StudentError, script: ScriptText) -> Closer:
@@ -527,6 +615,10 @@ def _name(error: StudentError) -> Closer:
         return "shell_line", {}
     if name in {"name", "main"} and re.match(r"if\b", written):
         return "underscores", {}
+    if name == "rospy":
+        used = re.search(r"\brospy\.(\w+)", written)
+        instead = _OF_ROS_1.get(used[1] if used else "", "rclpy")
+        return "ros_1_habit", {"name": used[0] if used else name, "instead": instead}
     if name in _OTHER_LANGUAGES:
         return "other_language", {"name": name, "instead": _OTHER_LANGUAGES[name]}
     if name in _IMPORTS:
@@ -840,6 +932,12 @@ _MOST_LINES: Final = 4
 _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
     "assigned_later": _later,
     "foreign_character": _pasted,
+    "keyword_of_own": _keyword,
+    "module_called": _module_called,
+    "reversed_sign": _reversed,
+    "sign_of_maths": _sign,
+    "words_in_code": _words,
+    "wrong_type_in_field": _field_type,
     "comma_at_end": _comma,
     "function_not_called": _function,
     "int_in_float": _float,

@@ -342,7 +342,7 @@ class ScriptText:
 
     @property
     def uncalled(self) -> Mention | None:
-        """The first line that names a function of the script, by itself, without calling it."""
+        """The first line that names a function of the script, or of ROS, by itself, without calling it."""
         for number in self.lines_with(r"^[ \t]*(\w+\.)*\w+$"):
             written = self.lines[number - 1].strip()
             before, behind = (
@@ -350,7 +350,8 @@ class ScriptText:
                 for part in (slice(max(number - 2, 0), number - 1), slice(number, number + 1))
             )
             made = self.definition(written.rpartition(".")[2])
-            if made is not None and before[-1:] not in {",", "("} and behind[:1] != ")":
+            known = made is not None or re.search(r"\w\.(publish|start|sleep|spin_once)$", written)
+            if known and before[-1:] not in {",", "("} and behind[:1] != ")":
                 return Mention(number, written)
         return None
 

@@ -77,6 +77,8 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_NO_MOTION | _LOST | _SILENT, flow.kept_local),
     (_NO_MOTION | _LOST | _SILENT | _BY_POSE, flow.kept_global),
     (_NO_MOTION | _LOST | _SILENT | _WAITS, flow.thread_runs_here),
+    (_NO_MOTION | _SILENT | {"never_spun", "stalled"}, flow.thread_not_started),
+    (_NO_MOTION | _SILENT, flow.never_filled),
     (_NO_MOTION | _SHORT, numbers.floor_is_zero),
     (_NO_MOTION | _SHORT, numbers.int_is_zero),
     (_NO_MOTION | _COUNT, numbers.negative_time),
@@ -87,6 +89,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_NO_MOTION | {"never_stops", "endless_turn"}, counts.count_anew),
     (frozenset(("sides_missing", "sides_missing_by_timer")), counts.count_kept),
     (_NO_MOTION, flow.empty_function),
+    (_NO_MOTION | _SILENT | {"never_spun"}, flow.never_called),
     (_SHORT | _CORNERS, numbers.radians_twice),
     (_SHORT | _CORNERS | _LOST | {"no_drive_by_pose"}, numbers.radians_of_pose),
     (
@@ -130,6 +133,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("publish_not_reached",)), flow.returns_before),
     (_WAITS, flow.waits_for_two),
     (_KEPT_BUSY, flow.loop_for_spin),
+    (frozenset(("cpu_limit",)), flow.timer_in_timer),
     (frozenset(("cpu_limit",)), flow.large_message),
     (frozenset(("error_hidden",)), numbers.hidden_int),
 )

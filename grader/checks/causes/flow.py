@@ -287,6 +287,83 @@ def thread_runs_here(seen: Searched) -> Mistake | None:
     return None
 
 
+def thread_not_started(seen: Searched) -> Mistake | None:
+    """Find a thread in a script that starts none, or names ``start`` without calling it."""
+    script = seen.script
+    if script.lines_with(r"\.start\("):
+        return None
+    for line, found in script.matches(r"(?:(?<![\w.])([\w.]+) ?= ?)?(?:threading\.)?\bThread\("):
+        return mistake("thread_not_started", line=line, call=f"{found[1] or 'Thread(...)'}.start()")
+    return None
+
+
+def timer_in_timer(seen: Searched) -> Mistake | None:
+    """Find a timer's callback that makes another timer each time it is called."""
+    named = {name for _, name in seen.script.callbacks("timer")}
+    for line in seen.script.lines_with(r"\bcreate_timer\("):
+        if (name := seen.script.function_around(line)) in named:
+            return mistake("timer_in_timer", line=line, name=name)
+    return None
+
+
+def never_called(seen: Searched) -> Mistake | None:
+    """Find a function that nothing calls or hands over, and that alone does what is missing."""
+    script = seen.script
+    dead = _dead(script)
+    wanted = script.lines_with(_WANTED.get(seen.mistake.code, r"\.publish\("))
+    if not dead:
+        return None
+    lost = wanted and all(script.function_around(line) in dead for line in wanted)
+    asked = {one for _, found in script.matches(_ASKED) for one in found.groups() if one}
+    for name in (name for name, called in dead.items() if not called):
+        made = script.definition(name)
+        blocks = script.reached_from([made.line]) if made is not None else set()
+        does = any(
+            begins <= line < begins + len(script.block(begins)) for line in wanted for begins in blocks
+        )
+        if made is not None and ((lost and does) or asked & script.given_in(name)):
+            return mistake("never_called", name=name, begins=made.line)
+    return None
+
+
+_WANTED: Final = {
+    "no_turns": r"\.angular\.z ?=(?!=)(?! ?-?[0.]+ ?(;|$))",
+    "no_drive": r"\.linear\.x ?=(?!=)(?! ?-?[0.]+ ?(;|$))",
+    "only_stops": r"\.(linear\.x|angular\.z) ?=(?!=)(?! ?-?[0.]+ ?(;|$))",
+}
+"""What a script does somewhere that did not happen; of the other mistakes, a publish."""
+
+_ASKED: Final = r"\bself\.(\w+) is None\b|\bnot self\.(\w+)(?!\()\b"
+"""What a function waits for."""
+
+
+def _dead(script: ScriptText) -> dict[str, bool]:
+    """Return the functions that nothing runs, and whether another one of them calls it."""
+    names = {found[1] for _, found in script.matches(r"^[ \t]*def (\w+)")}
+    users: dict[str, set[str]] = {name: set() for name in names}
+    for at, line in enumerate(script.lines, start=1):
+        for name in names.intersection(re.findall(r"\w+", re.sub(r"^[ \t]*def \w+", "", line))):
+            users[name].add(script.function_around(at))
+    alive = {name for name in names if "" in users[name] or name.startswith("__")}
+    left = list(alive)
+    while left:
+        used = left.pop()
+        new = {name for name in names - alive if used in users[name]}
+        alive |= new
+        left += new
+    return {name: bool(users[name] - {name}) for name in users if name not in alive}
+
+
+def never_filled(seen: Searched) -> Mistake | None:
+    """Find what a function waits for and to which nothing but None is ever assigned."""
+    for line, found in seen.script.matches(_ASKED):
+        name = found[1] or found[2]
+        given = seen.script.lines_with(rf"\bself\.{name} ?(:[^=]*)?=(?!=)")
+        if given and given == seen.script.lines_with(rf"\bself\.{name} ?(:[^=]*)?= ?None$"):
+            return mistake("never_filled", line=line, name=name, given=given[0])
+    return None
+
+
 def kept_global(seen: Searched) -> Mistake | None:
     """Find a callback that keeps what it is given in a variable of its own, and not in that of the module."""
     for callback, _, kept in _kept(seen.script):

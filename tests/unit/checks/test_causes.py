@@ -224,6 +224,12 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("side_goes_on", GLOBAL.format(first="global current"), "side_goes_on"),
         ("log_not_reached", "self.get_logger().set_level(LoggingSeverity.WARN)\n", "level_raised"),
         ("log_not_reached", "self.get_logger().set_level(LoggingSeverity.DEBUG)\n", "log_not_reached"),
+        ("cpu_limit", KEPT.format(loop="def f():", block="node.create_timer(1, tick)"), "cpu_limit"),
+        (
+            "cpu_limit",
+            KEPT.format(loop="pass", block="").replace("go()", "node.create_timer(1, tick)"),
+            "timer_in_timer",
+        ),
         ("cpu_limit", "m.data = img.flatten().tolist()\n", "list_of_pixels"),
         ("cpu_limit", "m.data = img.tobytes()\n", "cpu_limit"),
         ("cpu_limit", "self.path.poses.append(p)\nself.pub.publish(self.path)\n", "message_grows"),

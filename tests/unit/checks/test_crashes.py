@@ -101,8 +101,8 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
         (error("TypeError", "main() missing 1 required positional argument: 'args'"), "crashed", ("args",)),
         (
             error("TypeError", "Node.create_timer() missing 1 required positional argument: 'callback'"),
-            "crashed",
-            ("callback",),
+            "timer_arguments",
+            ("create_timer(0.1, self.timer_callback)",),
         ),
         (
             error("TypeError", "Duration.__init__() takes 1 positional argument but 2 were given"),
