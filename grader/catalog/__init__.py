@@ -186,11 +186,7 @@ class Catalog:
         for folder in (*self._folders(), *self._further()):
             if folder.name == assignment_id:
                 return folder
-        known = ", ".join(sorted(folder.name for folder in self._folders()))
-        raise UnknownAssignmentError(
-            f"no assignment {assignment_id!r}; there are: {known}",
-            f"没有作业 {assignment_id!r}；现有：{known}",
-        )
+        raise UnknownAssignmentError.among((folder.name for folder in self._folders()), assignment_id)
 
     def _folders(self) -> Iterator[Path]:
         if not self.root.is_dir():

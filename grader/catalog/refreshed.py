@@ -76,10 +76,11 @@ class RefreshedAssignments:
 
     def get(self, assignment_id: str) -> Assignment:
         """Return one assignment, or raise UnknownAssignmentError."""
-        for assignment in self.all():
+        every = self.all()
+        for assignment in every:
             if assignment.id == assignment_id:
                 return assignment
-        raise UnknownAssignmentError(f"there is no assignment {assignment_id!r}")
+        raise UnknownAssignmentError.among((one.id for one in every), assignment_id)
 
     def starter(self, assignment_id: str) -> bytes:
         """Return the script that students of an assignment begin with; empty where it has none."""

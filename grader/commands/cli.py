@@ -17,7 +17,7 @@ from typing import NoReturn
 from grader import __version__
 from grader.commands.options import told_value
 from grader.contracts.errors import GraderError
-from grader.contracts.text import Language, Text
+from grader.contracts.text import Language, Text, trouble
 
 COMMANDS: dict[str, str] = {
     "check": "grade one file here, as the service would / 本地预检",
@@ -143,6 +143,8 @@ def _prepared(command: str, argv: list[str]) -> tuple[ModuleType, argparse.Names
 
 def run(argv: Sequence[str]) -> int:
     """Run one command and return the process's exit code. Bad input is reported in one line, with no traceback."""
+    if sys.stdout is None:  # closed by the shell: `>&-`
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - open until the process ends
     Parser.language = _language(argv)
     parser = Parser(
         prog="grader",
@@ -169,8 +171,13 @@ def run(argv: Sequence[str]) -> int:
         return EXIT_NOT_DONE
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
-    except (
-        BrokenPipeError
-    ):  # the reader has closed the pipe, as `head` does; Python would fail again when it flushes
+    except OSError as error:
+        # The output cannot be written; what else may fail the commands report themselves. Python would fail again
+        # when it flushes.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return EXIT_BROKEN_PIPE
+        if isinstance(error, BrokenPipeError):  # the reader has closed the pipe, as `head` does
+            return EXIT_BROKEN_PIPE
+        told = trouble(error)
+        told = Text(zh=f"写不出结果：{told.zh}", en=f"the output cannot be written: {told.en}")
+        sys.stderr.write(f"grader: {told.get(Parser.language)}\n")
+        return EXIT_NOT_DONE

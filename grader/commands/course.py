@@ -20,7 +20,7 @@ from grader.contracts.errors import CourseError
 from grader.contracts.identity import Role, RosterEntry, checked_id
 from grader.contracts.text import Text, trouble
 from grader.formats.sheets.reading import MAX_FILE_BYTES
-from grader.formats.sheets.roster import read_roster
+from grader.formats.sheets.roster import Roster, read_roster
 from grader.store.audit import Signature
 from grader.store.clock import utc_now
 from grader.store.costs import Costs
@@ -101,7 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _create(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     teacher = checked_id(arguments.instructor, "id of an instructor")
-    listed = () if arguments.roster is None else _read(arguments.roster, arguments)
+    listed = () if arguments.roster is None else _read(arguments.roster, arguments).checked()
     name = next((entry.name for entry in listed if entry.id == teacher), teacher)
     instructor = RosterEntry(id=teacher, name=name, role=Role.INSTRUCTOR)
     entries = [instructor, *(entry for entry in listed if entry.id != instructor.id)]
@@ -119,9 +119,11 @@ def _create(storage: OpenedStore, arguments: argparse.Namespace) -> None:
 
 def _import(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     course = chosen_course(storage, arguments.course)
-    entries = _read(arguments.file, arguments)
+    roster = _read(arguments.file, arguments)
     if arguments.dry_run:
-        _show(storage.courses.preview_roster(course, entries), arguments)
+        _show(storage.courses.preview_roster(course, roster.entries), arguments)
+    entries = roster.entries if arguments.skip else roster.checked()
+    if arguments.dry_run:
         return
     change = storage.courses.import_roster(course, entries, actor())
     added, changed, same = len(change.added), len(change.changed), change.unchanged
@@ -185,27 +187,24 @@ def _members(count: int) -> str:
     return "1 member" if count == 1 else f"{count} members"
 
 
-def _read(path: Path, arguments: argparse.Namespace) -> tuple[RosterEntry, ...]:
-    """Return a roster's entries; of one that is not UTF-8 show a name, which tells whether it was read rightly."""
+def _read(path: Path, arguments: argparse.Namespace) -> Roster:
+    """Return a roster; of one that is not UTF-8 show a name, which tells whether it was read rightly."""
     roster = read_roster(_content(path))
-    if getattr(arguments, "skip", False) or getattr(arguments, "dry_run", False):
+    if getattr(arguments, "skip", False):
         for row in roster.skipped:
             tell(
                 arguments,
                 zh=f"跳过第 {row.number} 行：{row.reason.zh}",
                 en=f"line {row.number} is skipped: {row.reason.en}",
             )
-        entries = roster.entries
-    else:
-        entries = roster.checked()
-    if roster.encoding == "gb18030" and entries:
-        named = next((one for one in entries if not one.name.isascii()), entries[0])
+    if roster.encoding == "gb18030" and roster.entries:
+        named = next((one for one in roster.entries if not one.name.isascii()), roster.entries[0])
         tell(
             arguments,
             zh=f"{path} 不是 UTF-8，按 GBK 读取，例如：{named.id} {named.name}",
             en=f"{path} is not UTF-8 and was read as GBK, such as: {named.id} {named.name}",
         )
-    return entries
+    return roster
 
 
 def _content(path: Path) -> bytes:

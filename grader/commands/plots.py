@@ -26,7 +26,7 @@ def check_plot_path(path: Path) -> None:
                 en=f"--plot {path}: the name must end in .png or .svg",
             ),
         )
-    _require_folder("--plot", path)
+    require_folder("--plot", path)
 
 
 def check_bag_path(path: Path) -> None:
@@ -43,7 +43,7 @@ def check_bag_path(path: Path) -> None:
                 en=f"--record {path}: the name must end in .mcap",
             ),
         )
-    _require_folder("--record", path)
+    require_folder("--record", path)
     if find_spec("mcap") is None:
         raise RefusedError(
             "bags_not_installed",
@@ -55,7 +55,12 @@ def check_bag_path(path: Path) -> None:
         )
 
 
-def _require_folder(option: str, path: Path) -> None:
+def require_folder(option: str, path: Path) -> None:
+    """Look whether the folder of a file that an option names is there, before anything is graded for it.
+
+    Raises:
+        RefusedError: it is not.
+    """
     folder = path.resolve().parent
     if not folder.is_dir():
         raise RefusedError(

@@ -20,7 +20,7 @@ import yaml
 from grader.catalog import Catalog
 from grader.commands.handed_in import graded, pick, read_file
 from grader.commands.options import add_grading_options, add_language_option, tell
-from grader.commands.plots import file_error
+from grader.commands.plots import file_error, require_folder
 from grader.contracts.assignment import SUFFIXES, Assignment
 from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.report import GradeReport
@@ -80,6 +80,8 @@ def run(arguments: argparse.Namespace) -> int:
     assignment = Catalog(arguments.assignments).get(arguments.assignment)
     if arguments.reports is not None:
         arguments.reports.mkdir(parents=True, exist_ok=True)
+    if arguments.output is not None:
+        require_folder("--output", arguments.output)
     rows: list[dict[str, str]] = []
     with unpacked(arguments.export) as folder, Slot(SlotConfig(mode=arguments.isolation)) as slot:
         for entry in entries(folder, SUFFIXES[assignment.input]):

@@ -12,10 +12,10 @@ from zoneinfo import ZoneInfo
 
 from pydantic import ValidationError
 
-from grader.catalog import Catalog
 from grader.commands.options import add_language_option, tell
 from grader.commands.storage import actor, add_course_option, add_data_option, chosen_course, opened
 from grader.contracts import fields
+from grader.contracts.assignment import Assignment
 from grader.contracts.errors import CourseError
 from grader.contracts.fields import kinds_of
 from grader.contracts.identity import Seen, unknown_members
@@ -26,6 +26,7 @@ from grader.contracts.validation_words import said
 from grader.render.audit_lines import Teller
 from grader.store.audit import Signature
 from grader.store.clock import utc_now
+from grader.store.database import Database
 from grader.store.rules import CourseRules, StoredRules, tag, to_document
 from grader.use_cases.bodies import ExtensionBody, RulesBody, rules_from
 
@@ -79,8 +80,18 @@ def run(arguments: argparse.Namespace) -> int:
         course = chosen_course(storage, arguments.course)
         if arguments.action == "extend" and storage.courses.member(course, arguments.student) is None:
             raise unknown_members(course, arguments.student)
+        if arguments.action != "show":
+            arguments.of_course = _assignment(storage.database, course, arguments.assignment)
         action(StoredRules(storage.database), Signature(utc_now(), course, actor()), arguments)
     return 0
+
+
+def _assignment(database: Database, course: str, assignment_id: str) -> Assignment:
+    """Return an assignment that the grader brings, the operator adds, or the course has made."""
+    from grader.operation.settings import load
+    from grader.service.composition import assignments_of
+
+    return assignments_of(load(), database, utc_now).of(course).get(assignment_id)
 
 
 def _show(stored: StoredRules, signed: Signature, _: argparse.Namespace) -> None:
@@ -98,7 +109,7 @@ def _local(extension: Extension, zone: ZoneInfo) -> Extension:
 
 
 def _set(stored: StoredRules, signed: Signature, arguments: argparse.Namespace) -> None:
-    items = [item.id for item in Catalog().get(arguments.assignment).items]
+    items = [item.id for item in arguments.of_course.items]
     known = stored.of(signed.course)
     before = known.of(arguments.assignment)
     rules = _read(_changed(before, arguments.rules), known.zone)
@@ -117,6 +128,9 @@ def _set(stored: StoredRules, signed: Signature, arguments: argparse.Namespace) 
 def _changed(before: Rules, given: list[str]) -> dict[str, Any]:
     """Return the rules `before` as a document, with those that were given in their places."""
     document = to_document(before)
+    names = [rule.partition("=")[0] for rule in given]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise CourseError(f"{twice} is given twice", f"{twice} 写了两次")
     for rule in given:
         name, equals, value = rule.partition("=")
         if name not in _KINDS or not equals:
@@ -134,7 +148,7 @@ def _value(name: str, text: str) -> Any:
     kind = _KINDS[name]
     if isinstance(kind, fields.Instant | fields.Choice):
         return text
-    if isinstance(kind, fields.Names):
+    if isinstance(kind, fields.Names) and not text.startswith("["):
         return [one.strip() for one in text.split(",")]
     try:
         return json.loads(text)
@@ -156,7 +170,6 @@ def _read(document: dict[str, Any], zone: ZoneInfo) -> Rules:
 
 
 def _extend(stored: StoredRules, signed: Signature, arguments: argparse.Namespace) -> None:
-    Catalog().get(arguments.assignment)
     known = stored.of(signed.course)
     before = known.extension(arguments.assignment, arguments.student)
     extension = _extended(before, known.zone, arguments)
@@ -184,12 +197,20 @@ def _extended(before: Extension, zone: ZoneInfo, arguments: argparse.Namespace) 
 
 
 def _warn_of_no_effect(extension: Extension, known: CourseRules, arguments: argparse.Namespace) -> None:
-    rules = known.of(arguments.assignment)
-    if extension.due is not None and rules.due_for(extension) != extension.due:
+    rules = known.of(arguments.assignment, arguments.student)
+    if extension.due is None or rules.due_for(extension) == extension.due:
+        return
+    if rules.due is None:
         tell(
             arguments,
-            zh="注意：不晚于全班的截止时间，没有作用",
-            en="note: no later than everybody's due date, so without effect",
+            zh="注意：这道题没有截止时间，没有作用",
+            en="note: the assignment has no due date, so without effect",
+        )
+    else:
+        tell(
+            arguments,
+            zh="注意：不晚于这名学生本来的截止时间，没有作用",
+            en="note: no later than the student's own due date, so without effect",
         )
 
 

@@ -26,18 +26,24 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Grade until told to stop; running gradings finish first. A second signal does not wait for them."""
-    from grader.commands.storage import database_url
+    from grader.commands.storage import database_url, refuse_missing
     from grader.operation import logs
     from grader.operation.settings import load
     from grader.service.composition import running_worker
+    from grader.store.database import Database
 
-    url = database_url(arguments.data) or arguments.database_url
+    url = database_url(arguments.data, create=False) or arguments.database_url
     settings = load(database_url=url, slots=arguments.slots)
     if not settings.slots:
         raise SettingsError(
             "slots (GRADER_SLOTS): a worker without slots would grade nothing",
             "slots (GRADER_SLOTS)：没有槽位的评分进程什么也评不了",
         )
+    database = Database(settings.database_url)
+    try:
+        refuse_missing(database)
+    finally:
+        database.close()
     logs.configure(settings.log_format, settings.log_level)
     stopped = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # starting may take as long as an upgrade

@@ -21,6 +21,8 @@ import errno
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from grader.contracts.text import Language, Text
 
 
@@ -59,6 +61,15 @@ class AssignmentError(GraderError):
 
 class UnknownAssignmentError(GraderError):
     """No assignment has the name asked for."""
+
+    @classmethod
+    def among(cls, known: "Iterable[str]", assignment_id: str) -> "UnknownAssignmentError":
+        """Return the error that lists the ids that there are."""
+        there = ", ".join(sorted(known))
+        return cls(
+            f"no assignment {assignment_id!r}; there are: {there}",
+            f"没有作业 {assignment_id!r}；现有：{there}",
+        )
 
 
 class RefusedError(GraderError):

@@ -1,5 +1,6 @@
 """What is wrong with a field of a request: a sentence in both languages for each type of pydantic's errors."""
 
+import re
 from collections.abc import Mapping
 from typing import Any, Final
 
@@ -12,6 +13,7 @@ _INSTANT = Text(
     zh="要填一个时间，例如 2026-03-20T23:59:59。",
     en="This is not a date and time such as 2026-03-20T23:59:59.",
 )
+_MEMBER = re.compile(r"<\w+\.\w+: ('[^']*')>")
 _ONE_OF = Text(zh="只能是这些值之一：{expected}。", en="Use one of these: {expected}.")
 _LIST = Text(zh="要填一个列表。", en="This is not a list.")
 _OBJECT = Text(zh="要填一个 JSON 对象。", en="This is not a JSON object.")
@@ -66,6 +68,8 @@ def said(problem: Mapping[str, Any], language: Language) -> str:
         return str(problem["msg"])
     limits = problem.get("ctx", {}).items()
     shown = {name: written(value) if isinstance(value, float) else value for name, value in limits}
+    if "expected" in shown:  # pydantic writes the members of an enumeration as Python does
+        shown["expected"] = _MEMBER.sub(r"\1", str(shown["expected"]))
     if language == "zh" and "expected" in shown:  # pydantic joins the values in English
         shown["expected"] = str(shown["expected"]).replace(" or ", "、").replace(", ", "、")
     return sentence.get(language).format(**shown)

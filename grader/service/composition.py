@@ -77,7 +77,7 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
             settings,
             clock,
             retries=_retries(settings),
-            assignments=_assignments(settings, database, clock),
+            assignments=assignments_of(settings, database, clock),
             preflight=preflight or stack.enter_context(_preflight()),
             plots=PlotCache(draw_stored, settings.plot_cache_entries),
             callers=Callers(courses, Tokens(database, clock), _token(settings, courses)),
@@ -115,7 +115,7 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
     with ExitStack() as stack:
         database = stack.enter_context(_store(settings, "grader worker"))
         clock = stack.enter_context(clock_of(database))
-        parts = _parts(database, settings, _assignments(settings, database, clock), clock)
+        parts = _parts(database, settings, assignments_of(settings, database, clock), clock)
         metrics = Metrics(Measures(database, parts.workers, clock, settings.silent_s).state)
         if settings.metrics_port is not None:
             stack.enter_context(exported(metrics, settings.metrics_port, settings.host))
@@ -128,7 +128,7 @@ def _providers(settings: Settings, clock: Clock) -> Providers:
     return opened(read_config(settings.signin), lambda: clock().timestamp())
 
 
-def _assignments(settings: Settings, database: Database, clock: Clock) -> CourseAssignments:
+def assignments_of(settings: Settings, database: Database, clock: Clock) -> CourseAssignments:
     """Return the assignments that come with the grader, the operator's, and those of single courses."""
     folders = (None, *(set_root(str(one)) or one for one in settings.assignment_folders))
     shared = RefreshedAssignments([_Fitting(Catalog(one, AssignmentMemory())) for one in folders])

@@ -4,6 +4,7 @@ A SQLite database is copied page by page, a PostgreSQL database row by row from 
 meanwhile. To put a backup back, stop the service first.
 """
 
+import itertools
 import os
 import sqlite3
 import stat
@@ -60,7 +61,7 @@ def restore_file(backup: Path, database: Path) -> Path | None:
         _settle(new)
         old = None
         if database.is_file():
-            old = database.with_name(database.name + ".before-restore")
+            old = _free_name(database.with_name(database.name + ".before-restore"))
             copy_file(database, old)  # with what its log holds
             _settle(database)
             _pass_on_access(database, new)
@@ -76,6 +77,12 @@ def restore_file(backup: Path, database: Path) -> Path | None:
         new.unlink(missing_ok=True)
         _forget_log(new)
     return old
+
+
+def _free_name(file: Path) -> Path:
+    """Return `file`, with a number behind its name if there is one: what an earlier restore kept stays."""
+    numbered = (file.with_name(f"{file.name}.{number}") for number in itertools.count(2))
+    return file if not file.exists() else next(one for one in numbered if not one.exists())
 
 
 def restore_rows(backup: Path, database: Database, *, replace: bool) -> int:

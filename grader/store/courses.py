@@ -165,8 +165,6 @@ class Courses:
             add_members(session, signed, change.added)
             for one in change.changed:
                 _change(session, signed, one)
-            if any(one.before.role is Role.INSTRUCTOR for one in change.changed):
-                _check_instructor(session, course_id)
             return change
 
     def remove(self, course_id: str, people: Sequence[str], actor: str, reason: str = "") -> None:
@@ -184,14 +182,13 @@ class Courses:
             unknown = [one for one in people if one not in known]
             if unknown:
                 raise unknown_members(course_id, *unknown)
+            _check_instructor(known, {id_: one for id_, one in known.items() if id_ not in people})
             for table in OF_MEMBERS:
                 theirs = col(table.course) == course_id, col(table.person).in_(people)
                 session.execute(delete(table).where(*theirs))
             for person in people:
                 before = _audited(known[person])
                 record(session, signed, "member.remove", f"member {person}", before=before, reason=reason)
-            if any(known[one].role is Role.INSTRUCTOR for one in people):
-                _check_instructor(session, course_id)
 
 
 def add_course(session: Session, new: Course, actor: str, copy_of: str | None = None) -> Course:
@@ -304,6 +301,7 @@ def _roster_change(session: Session, course: str, entries: Sequence[RosterEntry]
     _check_alike(entries, known)
     after = [_put_into(known.get(one.id), course, one) for one in entries]
     listed = {one.id for one in entries}
+    _check_instructor(known, known | {one.id: one for one in after})
     return RosterChange(
         added=tuple(one for one in after if one.id not in known),
         changed=tuple(
@@ -359,9 +357,10 @@ def _differ(one: str, other: str) -> Text:
     )
 
 
-def _check_instructor(session: Session, course: str) -> None:
-    session.flush()
-    if not _members(session, course, Role.INSTRUCTOR):
+def _check_instructor(before: Mapping[str, Member], after: Mapping[str, Member]) -> None:
+    """Refuse a change that leaves a course without its last instructor."""
+    had, has = (any(one.role is Role.INSTRUCTOR for one in them.values()) for them in (before, after))
+    if had and not has:
         raise CourseError(
             "the course would have no instructor: make somebody else one first",
             "这样课程就没有教师了：请先让另一个人当教师",

@@ -69,13 +69,19 @@ def require_published(
     """Return an assignment with all its items.
 
     Raises:
-        RefusedError: the assignment is not published. The error has `code` and `field`, and lists what is.
+        RefusedError: the assignment is not published, or a draft, and the caller a student. The error has `code`
+            and `field`, and lists what the caller sees.
     """
     assignment = published(services, caller, assignment_id)
-    if assignment is None:
-        known = services.assignments.of(caller.course).all()
-        raise RefusedError(code, field=field, allowed=[one.id for one in known])
+    if assignment is None or _is_draft_to(services, caller, assignment_id):
+        raise RefusedError(code, field=field, allowed=[one.id for one in checklist(services, caller)])
     return assignment
+
+
+def _is_draft_to(services: Services, caller: Caller, assignment_id: str) -> bool:
+    """Whether the caller is a student from whom a draft is hidden, its name as well."""
+    rules = services.rules.of(caller.course).of(assignment_id)
+    return caller.role is Role.STUDENT and rules.shown is Shown.DRAFT
 
 
 def visible_assignment(services: Services, caller: Caller, assignment_id: str) -> Assignment:

@@ -139,7 +139,7 @@ class _OfCourse:
             own = self.uploaded.get(assignment_id)
             if isinstance(own, Assignment):
                 return own
-            raise
+            raise UnknownAssignmentError.among((one.id for one in self.all()), assignment_id) from None
 
     def troubles(self) -> Mapping[str, Text]:
         taken = {one.id for one in self.shared.all()}

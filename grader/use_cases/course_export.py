@@ -134,7 +134,7 @@ class _Export:
         about["appeals"] = [_plain(asdict(asked)) for asked in services.appeals.of(one.id)]
         yield f"{folder}/submission.json", _json(about)
         source = services.submissions.source(one.id) or b""
-        suffix = ".zip" if is_package(source) else ".py" if one.file_name.endswith(".py") else ".txt"
+        suffix = ".zip" if is_package(source) else ".py" if one.file_name.lower().endswith(".py") else ".txt"
         yield f"{folder}/source{suffix}", source
         if stored is not None:
             yield f"{folder}/report.json", stored.content

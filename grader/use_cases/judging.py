@@ -25,6 +25,8 @@ _REASON = Text(
     en="Say why, where a machine's points are changed or an appeal waits for an answer; the student sees it.",
 )
 
+_DECIMALS = Text(zh="分数最多两位小数。", en="Points have at most two decimals.")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WaitingPage:
@@ -144,7 +146,7 @@ def _give(  # noqa: PLR0913
     given = []
     for item, points, seen in wanted:
         if not math.isclose(points, round(points, 2), abs_tol=1e-9):
-            raise RefusedError("invalid_points", field="points")
+            raise RefusedError("invalid_points", _DECIMALS, field="points")
         told = comment.replace("\r\n", "\n")
         one = Given(item=item, points=round(points, 2), comment=told, corrects=corrects, answers=answers)
         given.append((one, seen))

@@ -17,6 +17,7 @@ from grader.contracts.identity import (
     Seen,
     checked_entry,
 )
+from grader.contracts.text import Text
 from grader.formats.sheets.roster import Roster, read_roster
 from grader.store.courses import RosterChange
 from grader.use_cases.callers import require_instructor, require_staff, taught_course
@@ -119,6 +120,22 @@ def import_list(  # noqa: PLR0913
     except CourseError as error:
         raise RefusedError("invalid_roster", error.text, field="file") from None
     return ImportPlan(roster=plan.roster, change=change)
+
+
+def add_member(services: Services, caller: Caller, entry: RosterEntry) -> Member:
+    """Add somebody who is not in the course; return the member.
+
+    Raises:
+        RefusedError: as `set_member`, or there is such a member.
+    """
+    course = taught_course(caller)
+    if services.courses.member(course, entry.id) is not None:
+        told = Text(
+            zh=f"已经有成员 {entry.id}：要修改，请打开这个人的页面。",
+            en=f"There is a member {entry.id} already; to change what is known of them, open their page.",
+        )
+        raise RefusedError("invalid_roster", told, field="person")
+    return set_member(services, caller, entry)
 
 
 def set_member(services: Services, caller: Caller, entry: RosterEntry) -> Member:

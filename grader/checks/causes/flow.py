@@ -315,7 +315,7 @@ def never_called(seen: Searched) -> Mistake | None:
         return None
     lost = wanted and all(script.function_around(line) in dead for line in wanted)
     asked = {one for _, found in script.matches(_ASKED) for one in found.groups() if one}
-    for name in (name for name, called in dead.items() if not called):
+    for name in (name for name, called in dead.items() if not called and name != "main"):
         made = script.definition(name)
         blocks = script.reached_from([made.line]) if made is not None else set()
         does = any(

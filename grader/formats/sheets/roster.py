@@ -183,12 +183,16 @@ def _check_once(row: ListedRow, columns: dict[str, int]) -> None:
             )
 
 
+_NOBODY = frozenset({"points possible", "student, test", "test student"})
+"""Names, in small letters, of rows without an id that Canvas exports beside the students."""
+
+
 def _entry(row: ListedRow, columns: dict[str, int]) -> RosterEntry | None:
     """Return the person in a row, None if there is none."""
     cells = {column: row.cells[index] for column, index in columns.items() if index < len(row.cells)}
     person = unicodedata.normalize("NFKC", cells.get("id", "")).strip()
     name = cells.get("name") or _joined(cells.get("first", ""), cells.get("last", ""))
-    if not person and (not name or name.casefold() == "points possible"):  # Canvas' second row
+    if not person and (not name or name.casefold() in _NOBODY):  # two rows of Canvas
         return None
     # else the sum is imported as a student's id; somebody with a name may really be called Sum
     if (not name or name.isdecimal()) and any(label(cell) in _SUMS for cell in row.cells):

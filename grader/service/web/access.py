@@ -163,6 +163,16 @@ def require_known(visitor: Visitor) -> None:
         raise EnterFirstError
 
 
+def require_member(visitor: Visitor) -> None:
+    """Ask for the visitor's name where there are courses: their rules say which assignments members see.
+
+    Raises:
+        EnterFirstError: there are courses, and the visitor has not said who they are.
+    """
+    if not visitor.open:
+        require_known(visitor)
+
+
 def seen(services: Services, visitor: Visitor, submission_id: str) -> tuple[Submission, StoredReport | None]:
     """Return a submission and its grading, if there is one yet, to somebody who may see it.
 

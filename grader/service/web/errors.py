@@ -11,7 +11,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.text import Language
 from grader.service.routes.problems import PROBLEM_TYPES
 from grader.service.web.access import EnterFirstError, ask_to_enter
-from grader.service.web.pages import language_of, page
+from grader.service.web.pages import keep_language, language_of, page
 
 _Handler = Callable[[Request, Exception], Awaitable[Response]]
 _MACHINES = ("/api/", "/healthz")
@@ -91,4 +91,6 @@ def _is_person(request: Request) -> bool:
 
 
 async def _on_enter_first(request: Request, error: Exception) -> Response:
-    return ask_to_enter(request)
+    answer = ask_to_enter(request)
+    keep_language(request, answer)
+    return answer

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 from zoneinfo import ZoneInfo
 
-from fastapi import Request
+from fastapi import Request, Response
 from fastapi.responses import HTMLResponse
 from fastapi.templating import Jinja2Templates
 from jinja2 import Environment, StrictUndefined
@@ -52,10 +52,16 @@ def page(request: Request, template: str, *, status: int = 200, **values: Any) -
     context = {**_context(request, language, token), **values}
     headers = {**_HEADERS, "Content-Language": _HTML_LANGUAGE[language]}
     response = _TEMPLATES.TemplateResponse(request, template, context, status_code=status, headers=headers)
-    if request.cookies.get(LANGUAGE_COOKIE) != language and "lang" in request.query_params:
-        response.set_cookie(LANGUAGE_COOKIE, language, max_age=_A_YEAR_S, httponly=True, samesite="lax")
+    keep_language(request, response)
     forms.remember(request, response, token)
     return response
+
+
+def keep_language(request: Request, response: Response) -> None:
+    """Let a browser remember the language that ``?lang=`` chose, also where the answer leads elsewhere."""
+    language = language_of(request)
+    if request.cookies.get(LANGUAGE_COOKIE) != language and "lang" in request.query_params:
+        response.set_cookie(LANGUAGE_COOKIE, language, max_age=_A_YEAR_S, httponly=True, samesite="lax")
 
 
 def fragment(request: Request, template: str, **values: Any) -> str:
@@ -91,7 +97,7 @@ def _other_language(request: Request, language: Language) -> dict[str, str]:
     return {
         "code": _HTML_LANGUAGE[other],
         "name": on_page(other, "language.name"),
-        "href": f"{url.path}?{url.query}",
+        "href": f"/{url.path.lstrip('/')}?{url.query}",  # two slashes would begin another host's address
     }
 
 

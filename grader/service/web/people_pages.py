@@ -87,7 +87,7 @@ def add_member(
 ) -> Response:
     """Add somebody, or show the form again with what is wrong."""
     try:
-        people.set_member(services, visitor.caller, form.entry())
+        people.add_member(services, visitor.caller, form.entry())
     except RefusedError as error:
         problem = form_problem(error, language_of(request), field="person")
         return _people_page(request, services, visitor, form=form, problem=problem)

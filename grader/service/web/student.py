@@ -36,6 +36,7 @@ _MOST_ATTEMPTS = 50
 @router.get("/", dependencies=[COSTLY])
 def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
     """Show the checklist, with what the student reached so far."""
+    access.require_member(visitor)
     own = [one.submission for one in _attempts(services, visitor)]
     return page(
         request,
@@ -56,6 +57,7 @@ def read_assignment(
     request: Request, services: ServicesDep, visitor: VisitorDep, assignment_id: str
 ) -> Response:
     """Show what is asked and how it earns points, and take a file."""
+    access.require_member(visitor)
     return _assignment_page(request, visible_assignment(services, visitor.caller, assignment_id))
 
 
@@ -69,9 +71,8 @@ def take_file(  # noqa: PLR0913, PLR0917
     student: Annotated[str, Form(max_length=200)] = "",
 ) -> Response:
     """Take a file and lead to its result; on a refusal show the same page with the reason."""
+    access.require_member(visitor)
     assignment = visible_assignment(services, visitor.caller, assignment_id)
-    if not visitor.open:
-        access.require_known(visitor)
     given = visitor.student or student.strip()
     upload = Upload(
         assignment=assignment.id,

@@ -2,6 +2,9 @@
 
 import argparse
 import re
+import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -40,6 +43,17 @@ def test_a_wrong_argument_is_one_message_in_one_language(
     assert wanted in said
     assert other not in said
     assert help_line.endswith("--help")
+
+
+def test_output_that_cannot_be_written_is_one_message() -> None:
+    command = [sys.executable, "-m", "grader", "assignments", "list", "--lang", "en"]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr.startswith("grader: the output cannot be written: ")) == (2, True)
+    closed = subprocess.run(
+        ["/bin/sh", "-c", f"{shlex.join(command)} >&-"], stderr=subprocess.PIPE, text=True, check=False
+    )
+    assert (closed.returncode, closed.stderr) == (0, "")
 
 
 def test_every_error_of_argparse_has_its_chinese_words() -> None:

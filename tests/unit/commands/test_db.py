@@ -88,6 +88,9 @@ def test_a_restored_database_is_as_it_was(database: Database, db, tmp_path: Path
     again.close()
     assert count(tmp_path / "grader.db") == 1
     assert count(tmp_path / "grader.db.before-restore") == 2
+    db("restore", tmp_path / "backup.db")
+    assert count(tmp_path / "grader.db.before-restore") == 2
+    assert count(tmp_path / "grader.db.before-restore.2") == 1
 
 
 @on_sqlite

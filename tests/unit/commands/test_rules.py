@@ -122,12 +122,13 @@ def test_what_somebody_else_changes_meanwhile_stays(
         ("counts=best_before_due", "要有 due", "needs a due date"),
         ("colour=red", "写成 规则=值", "RULE=VALUE"),
         ("late=[1]", "JSON 对象", "JSON object"),
+        ("attempts=3 attempts=4", "写了两次", "is given twice"),
         ("hidden_items=nose", "没有评分项 nose", "no item nose"),
     ],
 )
 def test_rules_that_make_no_sense_change_nothing(grader, shown, rule: str, zh: str, en: str) -> None:
     for language, words in (("zh", zh), ("en", en)):
-        told = grader("rules", "set", "square", rule, status=2, lang=language)[1]
+        told = grader("rules", "set", "square", *rule.split(" "), status=2, lang=language)[1]
         assert told.startswith("grader: ")
         assert words in told
     assert shown() == {}
@@ -148,3 +149,13 @@ def test_rules_that_make_no_sense_change_nothing(grader, shown, rule: str, zh: s
 def test_extensions_that_make_no_sense(grader, shown, arguments: tuple[str, ...], zh: str) -> None:
     assert zh in grader("rules", "extend", *arguments, status=2, lang="zh")[1]
     assert shown() == {}
+
+
+def test_a_due_date_that_changes_nothing_is_told(database: Database, grader) -> None:
+    early, late = "2026-03-20T00:00:00", "2026-03-30T00:00:00"
+    between = "2026-03-25T00:00:00"
+    assert "no due date" in grader("rules", "extend", "1", "square", "--due", between)[1]
+    grader("rules", "set", "square", f"due={late}", f'by_section=[{{"section": "A", "due": "{early}"}}]')
+    assert "no later than" in grader("rules", "extend", "1", "square", "--due", between, "--reason", "x")[1]
+    Courses(database, utc_now).import_roster("ros", [RosterEntry(id="2", name="2", sections=("A",))], "test")
+    assert "note" not in grader("rules", "extend", "2", "square", "--due", between)[1]

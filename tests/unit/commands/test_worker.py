@@ -4,6 +4,7 @@ import os
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -28,7 +29,15 @@ def test_a_worker_that_could_not_work_says_why(
     assert logging.getLogger().handlers is handlers  # a refused command leaves the process as it was
 
 
-def test_garbage_is_collected_once_a_worker_has_started(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_worker_makes_no_database(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["worker", "--data", str(tmp_path / "typo"), "--lang", "en"]) == 2
+    assert "there is no database; check --data" in capsys.readouterr().err
+    assert not (tmp_path / "typo").exists()
+
+
+def test_garbage_is_collected_once_a_worker_has_started(
+    sqlite_url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Starting, it is not: `grader.__main__` turns that off."""
 
     class Worker(SimpleNamespace):
@@ -50,7 +59,7 @@ def test_garbage_is_collected_once_a_worker_has_started(monkeypatch: pytest.Monk
     handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
     gc.disable()
     try:
-        assert run(["worker", "--slots", "1"]) == 0
+        assert run(["worker", "--slots", "1", "--database-url", sqlite_url]) == 0
     finally:
         gc.enable()
         for number, handler in handlers.items():

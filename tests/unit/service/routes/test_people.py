@@ -32,6 +32,18 @@ def test_a_dry_run_tells_and_changes_nothing(
     assert services.courses.members("ros") == before
 
 
+def test_a_dry_run_refuses_what_an_import_would(client: httpx.Client, headers: dict[str, str]) -> None:
+    refused = send_list(client, headers, "id,name,role\nwang,王,student\n", dry_run=True)
+    assert (refused.status_code, refused.json()["code"]) == (422, "invalid_roster")
+
+
+def test_canvas_own_rows_are_passed_over(client: httpx.Client, headers: dict[str, str]) -> None:
+    rows = 'Student,ID,SIS User ID\n"Points Possible",,\n"Li, A",7,20260101\n"Student, Test",8,\n'
+    seen = send_list(client, headers, rows, dry_run=True).json()
+    assert [one["id"] for one in seen["added"]] == ["20260101"]
+    assert seen["skipped"] == []
+
+
 def test_wrong_rows_are_skipped_only_if_asked(
     client: httpx.Client, headers: dict[str, str], services: Services
 ) -> None:

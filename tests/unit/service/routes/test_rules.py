@@ -266,3 +266,19 @@ def test_what_needs_a_hidden_item_does_not_tell_of_it(
     for path in (url, url + "/report"):
         assert "边数" not in client.get(path, headers=school.as_("li")).text
     assert "边数" in client.get(url, headers=school.as_("wang")).json()["rubric"][1]["message"]
+
+
+def test_a_draft_has_no_name_for_students(
+    ruled: Callable[..., httpx.Response],
+    hand_in: Callable[..., httpx.Response],
+    client: httpx.Client,
+    school: Any,
+) -> None:
+    ruled(shown="draft")
+    refused = hand_in().json()
+    assert (refused["code"], "square" in refused["allowed"]) == ("unknown_assignment", False)
+    listed = client.get("/api/v1/assignments/none", headers=school.as_("li")).json()["allowed"]
+    assert listed
+    assert "square" not in listed
+    to_staff = client.get("/api/v1/assignments/none", headers=school.as_("wang")).json()["allowed"]
+    assert "square" in to_staff

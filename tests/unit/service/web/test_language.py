@@ -60,6 +60,10 @@ def test_the_switch_is_remembered(browser: Browser) -> None:
 
 
 def test_the_switch_keeps_the_view(instructor: Browser) -> None:
+    assert (
+        'href="/evil.example/x?lang=en"'
+        in instructor.get(f"{instructor.client.base_url}//evil.example/x").text
+    )
     assert 'href="/class?show=stuck&amp;lang=en"' in instructor.get("/class?show=stuck").text
 
 

@@ -91,6 +91,13 @@ def test_a_member_is_added_changed_and_removed(wang: Browser, services: Services
     assert wang.get("/class/people/zhao").status_code == 404
 
 
+def test_adding_changes_nobody_who_is_there(wang: Browser, services: Services) -> None:
+    before = services.courses.member("ros", "ta")
+    refused = wang.post("/class/people", {"person": "ta", "name": "New"})
+    assert (refused.status_code, "已经有成员 ta" in refused.text) == (422, True)
+    assert services.courses.member("ros", "ta") == before
+
+
 @pytest.mark.thorough
 def test_what_is_wrong_stands_in_the_form(wang: Browser, services: Services) -> None:
     wrong = wang.post("/class/people", {"person": "a b", "name": "赵"})

@@ -42,7 +42,7 @@ COURSE = (303, 403, 403, 200, 200, 404)  # of this course: a stranger is told th
 INSTRUCTORS = (303, 403, 403, 403, 200, 200)
 CHANGES = (303, 403, 403, 403, 303, 404)
 EXPECTED: dict[str, tuple[int, ...]] = {
-    "GET /": EVERYBODY,
+    "GET /": MEMBERS,
     "GET /enter": EVERYBODY,
     "GET /guide": EVERYBODY,
     "POST /enter": (303,) * 6,
@@ -71,7 +71,7 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /class/notices/mail": (303, 403, 403, 403, 303, 303),  # nothing is wanted
     "POST /enter/bind": (403,) * 6,  # nobody was recognised a moment ago
     "POST /enter/course": (403,) * 6,
-    "GET /assignments/{assignment_id}": EVERYBODY,
+    "GET /assignments/{assignment_id}": MEMBERS,
     "POST /assignments/{assignment_id}": (303,) * 6,
     "GET /playground": MEMBERS,
     "POST /playground/car": MEMBERS,
