@@ -24,6 +24,10 @@ TURTLE_SERVICES = {
 }
 """The services to which a client's name is compared. Those of turtlesim's parameters are left out."""
 
+TURTLE_ACTION = "/turtle1/rotate_absolute"
+SEND_GOAL = "/_action/send_goal"
+"""Ends the name of the service that an action's client calls first."""
+
 _OF_ROS = ("/clock", "/parameter_events", "/rosout", "/tf_static")
 _OF_PARAMETERS = "rcl_interfaces/"
 _SIMILARITY = 0.75
@@ -43,6 +47,7 @@ def waits_in_vain(run: Run, world: World, *, surely: bool = False) -> Mistake | 
     return (
         _without_clock(run, world)
         or _unanswered_client(run, world)
+        or _unanswered_action(run, world)
         or _silent_topic(run, world, surely=surely)
     )
 
@@ -69,6 +74,22 @@ def _unanswered_client(run: Run, world: World) -> Mistake | None:
         if offered[client.name] != client.type:
             wanted = offered[client.name]
             return mistake("client_type", service=client.name, type=client.type, wanted=wanted)
+    return None
+
+
+def _unanswered_action(run: Run, world: World) -> Mistake | None:
+    """Recognise a client of an action that has nearly the name of turtlesim's."""
+    offered = {each.name for each in _of_kind(run, "service")}
+    if world.kind == "robot" or _has_spawned(run):
+        return None
+    for client in _of_kind(run, "client"):
+        action = client.name.removesuffix(SEND_GOAL)
+        if (
+            action not in (client.name, TURTLE_ACTION)
+            and client.name not in offered
+            and _near(action, [TURTLE_ACTION])
+        ):
+            return mistake("action_nearly", action=action, near=TURTLE_ACTION)
     return None
 
 
@@ -119,10 +140,14 @@ def services_of(world: World) -> dict[str, str]:
 
 def _not_of_spawned(run: Run, endpoints: list[Endpoint]) -> list[Endpoint]:
     """Leave out endpoints that may belong to a turtle that the script has spawned."""
-    if not any(each.type == "turtlesim/srv/Spawn" and each.count for each in _of_kind(run, "client")):
+    if not _has_spawned(run):
         return endpoints
     names = (*TURTLE_TOPICS, *TURTLE_SERVICES)
     return [each for each in endpoints if each.name.rpartition("/")[2] not in names]
+
+
+def _has_spawned(run: Run) -> bool:
+    return any(each.type == "turtlesim/srv/Spawn" and each.count for each in _of_kind(run, "client"))
 
 
 def _near(name: str, known: Iterable[str]) -> str:

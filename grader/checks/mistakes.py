@@ -555,7 +555,8 @@ def _waits(run: Run) -> Mistake | None:
 def without_added_node(script: ScriptText) -> Mistake | None:
     """Recognise an executor to which no node was added."""
     made = script.lines_with(r"Executor\(")
-    return mistake("executor_without_node") if made and not script.lines_with(r"\badd_node\(") else None
+    added = script.lines_with(r"\badd_node\(|\bspin\w*\(.*\bexecutor ?=")
+    return mistake("executor_without_node") if made and not added else None
 
 
 def _in_loop(run: Run, script: ScriptText) -> Mistake | None:

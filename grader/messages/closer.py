@@ -108,6 +108,12 @@ _CALLBACKS: Final = {
 }
 
 
+def _names(line: str) -> list[str]:
+    """Return what the parameters of a ``def`` are called, without self."""
+    found = (re.match(r"\w+", part) for part in _parameters(line))
+    return [one[0] for one in found if one is not None and one[0] != "self"]
+
+
 def _parameters(line: str) -> list[str]:
     inside = line.partition("(")[2].rpartition(")")[0]
     return [part.strip()[:40] for part in inside.split(",") if part.strip()]
@@ -322,7 +328,7 @@ def class_for_self(error: StudentError, written: str, script: ScriptText) -> Clo
     made = script.definition(found[2]) if found else None
     if found is None:
         return None
-    if made is not None and "@staticmethod" in script.lines[made.line - 2]:
+    if made and script.is_decorated(made.line) and "@staticmethod" in script.lines[made.line - 2]:
         return "static_with_self", {"line": made.line - 1, "name": found[2]}
     used = script.lines_with(rf"\b{found[1]}\.{found[2]}\b")
     line = error.line if error.line in used else next(iter(used), None)
@@ -349,22 +355,20 @@ _ENDPOINTS: Final = {
 
 
 def message_replaced(error: StudentError, written: str, script: ScriptText) -> Closer:
-    """Find the new message that has taken the name of the one that a callback received."""
+    """Find the new message that has taken the name of the one that a callback received, or keeps."""
     field = re.search(r"has no attribute '(\w+)'", error.message)
-    base = re.search(rf"\b(\w+)\.{field[1]}\b", written) if field else None
-    made = script.definition(script.function_around(error.line or 0))
-    if (
-        field is None
-        or base is None
-        or made is None
-        or base[1] not in _parameters(script.lines[made.line - 1])
-    ):
+    base = re.search(rf"(self\.)?\b(\w+)\.{field[1]}\b", written) if field else None
+    if field is None or base is None:
         return None
-    inside = range(made.line, made.line + len(script.block(made.line)))
-    given = [n for n in script.lines_with(rf"^[ \t]*{base[1]} ?= ?\w+\( ?\)") if n in inside]
-    if not given:
-        return None
-    return "message_replaced", {"given": given[0], "name": base[1], "field": field[1]}
+    heard = [one for _, one in script.callbacks("subscription") if base[2] in script.given_in(one)]
+    for function in heard if base[1] else [script.function_around(error.line or 0)]:
+        made = script.definition(function)
+        inside = range(0) if made is None else range(made.line, made.line + len(script.block(made.line)))
+        for name in [] if made is None else _names(script.lines[made.line - 1]):
+            given = script.lines_with(rf"^[ \t]*{name} ?= ?\w+\( ?\)$") if base[1] or name == base[2] else []
+            if replaced := [number for number in given if number in inside]:
+                return "message_replaced", {"given": replaced[0], "name": name, "field": field[1]}
+    return None
 
 
 def parameter_called(error: StudentError, written: str, script: ScriptText) -> Closer:
@@ -375,8 +379,13 @@ def parameter_called(error: StudentError, written: str, script: ScriptText) -> C
     heard = [one for _, one in script.callbacks("subscription")]
     if found is None or made is None or name not in heard:
         return None
-    given = [one for one in _parameters(script.lines[made.line - 1]) if one != "self"]
-    if len(given) != 1 or re.search(rf"\b{given[0]}\b", "\n".join(script.block(made.line)[1:])):
+    if not found[1].islower() or not re.search(rf"\b{found[1]}\.\w|= ?{found[1]}$", written):
+        return None  # it may be a constant
+    given = _names(script.lines[made.line - 1])
+    if len(given) != 1:
+        return None
+    uses = [text for text in script.block(made.line)[1:] if re.search(rf"\b{given[0]}\b", text)]
+    if uses and not re.match(rf"[ \t]*{given[0]} ?=(?!=)", uses[0]):
         return None
     values = {"function": name, "begins": made.line, "name": found[1], "parameter": given[0]}
     return "parameter_called", values
@@ -408,12 +417,20 @@ def declared_name(error: StudentError, written: str, script: ScriptText) -> Clos
     found = re.search(r"'([\w.]{1,60})'\)$", error.message)
     lines = [script.written(number) for number in script.lines_with(r"\bdeclare_parameter\(")]
     known = re.findall(r"declare_parameter\( *[\"']([\w.]{1,60})[\"']", "\n".join(lines))
+    begins = [
+        n
+        for n in script.lines_with(r"\bdeclare_parameter\(")
+        if found and f"'{found[1]}'" in script.written(n).replace('"', "'")
+    ]
+    if found and begins:
+        return "defined_below", {"name": found[1], "begins": begins[0]}
     near = [one for one in known if found and one.lower() == found[1].lower()]
-    near = near or (difflib.get_close_matches(found[1], known, 1, _NEAR) if found else [])
+    near = near or (difflib.get_close_matches(found[1], known[:_MOST], 1, _NEAR) if found else [])
     return ("misspelt", {"suggestion": near[0]}) if near else None
 
 
 _NEAR: Final = 0.75
+_MOST: Final = 50  # names that are compared, which takes the square of their lengths
 
 
 def own_module(error: StudentError, written: str, script: ScriptText) -> Closer:

@@ -13,7 +13,7 @@ from grader.contracts.outcome import StudentError
 from grader.contracts.text import Text
 from grader.messages import enumerated, say
 from grader.messages.closer import Closer, looked_closer
-from grader.messages.script import LONGEST_NAME, NO_SCRIPT, Definition, ScriptText
+from grader.messages.script import LONGEST_NAME, NO_SCRIPT, Assigned, Definition, ScriptText
 
 _AT: Final = r"\n(?:.*\n)*  File .*\n(?!(?:.*\n)*  File )"
 """Prefix of a pattern for the line that raised the exception: skips to the traceback's last ``File`` entry."""
@@ -48,7 +48,10 @@ _SIGNS: Final = (
     (_LINE + r"(?P<word>class|def)(?P<rest>\w+)[ \t]*\(.*:[ \t]*(#.*)?\n", "blank_after_word"),
     (r"SyntaxError: expression cannot contain assignment.*\n.*\n.*\w\.\w+[ \t]*=", "dotted_keyword"),
     (_LINE + r"(from|import)[ \t]+[\w.]*-", "hyphen_in_module"),
-    (_LINE + r"(self[ \t]+[A-Za-z_]|[^\"'#\n]*\)[ \t]*[A-Za-z_]\w*[ \t]*\()", "missing_dot"),
+    (
+        _LINE + r"(self[ \t]+(?!(and|if|in|is|not|or)\b)[A-Za-z_]|[^\"'#\n]*\)[ \t]*[A-Za-z_]\w*[ \t]*\()",
+        "missing_dot",
+    ),
     (_LINE + r"[^\"'#\n]*(?P<sign>=[<>])", "reversed_sign"),
     (_LINE + r"for[ \t]+(?P<name>\w+)[ \t]+range\(", "in_forgotten"),
     (_LINE + r"(?P<written>\w+[ \t]*\([ \t]*self\b[^()\n]*\)[ \t]*:)[ \t]*(#.*)?\n", "def_forgotten"),
@@ -156,6 +159,7 @@ _SIGNS: Final = (
     (r"TypeError: Expected QoSProfile or int, but received <class '(function|method)'>", "wrong_order"),
     (r"TypeError: Publisher\.publish\(\) (takes|missing) ", "one_message"),
     (r"TypeError: spin(_once|_until_future_complete)?\(\) missing .*'node'", "spin_what"),
+    (r"AttributeError: 'str' object has no attribute 'executor'", "spin_what"),
     (r"TypeError: spin_until_future_complete\(\) missing .*'future'", "future_missing"),
     (r"TypeError: spin(_once)?\(\) got an unexpected keyword argument 'time", "spin_timeout"),
     (r"TypeError: \w*Executor\.spin\w*\(\) takes 1 positional", "executor_spin"),
@@ -270,6 +274,7 @@ _SIGNS: Final = (
         r"services|subscriptions|timers|waitables)' of '\w+' object has no setter",
         "name_taken",
     ),
+    (r"AttributeError: 'super' object has no attribute '_*init_*'", "underscores"),
     (r"AttributeError: ", "unknown_attribute"),
     (r"NameError: name '(?P<name>__main__)' is not defined", "name_without_quotes"),
     (r"NameError: name '(?=(\w*_){2})_{0,3}(name|main|init)_{0,3}' is not defined", "underscores"),
@@ -382,7 +387,7 @@ _NODE_PROPERTIES: Final = tuple(sorted((*_NODE_LISTS, "context", "default_callba
 def suggested(error: StudentError) -> str | None:
     """Return the name that Python suggests instead of an unknown one; None if it suggests none."""
     found = _SUGGESTION.search(error.traceback)
-    return None if found is None or found[1].startswith("_") else found[1]
+    return None if found is None or re.match(r"_(?!_)", found[1]) else found[1]
 
 
 def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT) -> tuple[str, Text]:
@@ -553,11 +558,12 @@ def _module_called(error: StudentError, script: ScriptText) -> Closer:
 
 def _keyword(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at an argument whose name a function of the script does not have."""
-    found = re.match(r"(?:[\w.]+\.)?(\w+)\(\) .*'(\w+)'", error.message)
-    made = script.definition(found[1]) if found else None
-    if found is None or made is None:
+    found = re.match(r"(?:[\w.]*?(\w+)\.)?(\w+)\(\) .*'(\w+)'", error.message)
+    made = script.definition(found[2]) if found else None
+    owner = None if found is None or not found[1] else script.class_line(found[1])
+    if found is None or made is None or (found[1] and owner is None):
         return "crashed", {}
-    return "keyword_of_own", {"name": found[1], "given": found[2], "begins": made.line}
+    return "keyword_of_own", {"name": found[2], "given": found[3], "begins": made.line}
 
 
 def _words(error: StudentError, script: ScriptText) -> Closer:
@@ -623,6 +629,8 @@ def _name(error: StudentError) -> Closer:
         return "other_language", {"name": name, "instead": _OTHER_LANGUAGES[name]}
     if name in _IMPORTS:
         return "missing_import", {"name": name, "statement": _IMPORTS[name]}
+    if (near := _respelt(name, written)) is not None:
+        return "misspelt", {"suggestion": near}
     suggestion = suggested(error)
     if suggestion is None:
         return None
@@ -630,6 +638,17 @@ def _name(error: StudentError) -> Closer:
     if not is_called and suggestion not in ("True", "False", "None") and _is_function(suggestion, name):
         return None  # `node`, which nobody made, is not the class `Node`, nor `size` the function `slice`
     return "misspelt", {"suggestion": suggestion}
+
+
+_WORDS: Final = ("self", "True", "False", "None", "break", "continue", "pass", "return")
+"""Words of Python, for which it suggests nothing where letters changed places."""
+
+
+def _respelt(name: str, written: str) -> str | None:
+    """Return the module, or the word of Python, that is written with other capitals or its letters exchanged."""
+    if _IMPORTS.get(name.lower(), "").startswith("import ") and re.search(rf"\b{name}\.", written):
+        return name.lower()
+    return next((known for known in _WORDS if sorted(known) == sorted(name)), None)
 
 
 def _is_function(suggestion: str, name: str) -> bool:
@@ -659,10 +678,10 @@ def _own_name(error: StudentError, script: ScriptText) -> Closer:
         if node != "self":
             return "missing_object", {"name": name, "object": node, "call": ""}
         return "missing_self_value", {"name": name, "given": given[0]}
-    local = script.assigned(name)
-    if local is not None and (code := _of_other_function(local.line, line, script)) is not None:
-        function = script.function_around(local.line)
-        return code, {"name": name, "given": local.line, "function": function}
+    if (local := script.assigned(name)) is not None and (
+        closer := _of_other(local, line, script)
+    ) is not None:
+        return closer
     if script.node_class and name not in _OTHER_LANGUAGES and _is_node(name, written):
         return "node_not_made", {"name": name, "owner": script.node_class}
     return _nearest_own(name, line, script, _name(error))
@@ -696,13 +715,16 @@ def _nearest_own(name: str, line: int, script: ScriptText, otherwise: Closer) ->
 _NEAR: Final = 0.75
 
 
-def _of_other_function(line: int, other: int, script: ScriptText) -> str | None:
-    """Return the code for a name that is assigned on `line` and unknown on `other`, both in functions."""
-    around = script.function_around(line), script.function_around(other)
+def _of_other(local: Assigned, line: int, script: ScriptText) -> Closer:
+    """Look at a name that another function than the one around `line` assigns."""
+    around = script.function_around(local.line), script.function_around(line)
     if not all(around) or around[0] == around[1]:
         return None
-    both = script.in_method(line) and script.in_method(other)
-    return "local_of_method" if both else "local_of_function"
+    if script.in_method(line) and local.value.startswith(f"{script.node_class}("):
+        return "node_is_self", {"name": local.name, "given": local.line}
+    both = script.in_method(line) and script.in_method(local.line)
+    code = "local_of_method" if both else "local_of_function"
+    return code, {"name": local.name, "given": local.line, "function": around[0]}
 
 
 def _is_node(name: str, written: str) -> bool:

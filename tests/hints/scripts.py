@@ -302,6 +302,7 @@ SCRIPTS = (
     _script("loop before the publisher", "straight", "waits_in_loop", ("        # 创建发布者:", "        while True:\n            time.sleep(0.1)\n        # 创建发布者:"), ("import rclpy\n", "import rclpy, time\n")),
     _script("arguments of a thread without a comma", "square", "thread_crashed", ("    node.move_square()\n", "    threading.Thread(target=node.turn, args=(1.57)).start()\n"),
             ("import time\n", "import time, threading\n"), words="args=(1.57,)"),
+    _script("action without its namespace", "straight", "action_nearly", ("self.timer = self", "from rclpy.action import ActionClient\n        from turtlesim.action import RotateAbsolute\n        client = ActionClient(self, RotateAbsolute, '/rotate_absolute')\n        client.wait_for_server()\n        self.timer = self"), words="/turtle1/rotate_absolute"),
     _script("exit passed over", "square", "never_called", ("    node.move_square()\n", "    try:\n        rclpy.spin(node)\n    except SystemExit:\n        pass\n")),
     _script("arguments that nobody gives", "square", "no_arguments", ("    node.move_square()\n", "    import argparse\n    parser = argparse.ArgumentParser()\n    parser.add_argument('side')\n    parser.parse_args()\n")),
     _script("thread called", "square", "thread_called", ("    node.move_square()\n", "    threading.Thread(target=rclpy.spin(node)).start()\n    node.move_square()\n"), ("import time\n", "import time, threading\n"), words="target=rclpy.spin, args="),

@@ -314,17 +314,31 @@ def never_called(seen: Searched) -> Mistake | None:
     if not dead:
         return None
     lost = wanted and all(script.function_around(line) in dead for line in wanted)
-    asked = {one for _, found in script.matches(_ASKED) for one in found.groups() if one}
-    for name in (name for name, called in dead.items() if not called and name != "main"):
+    for name in [name for name, called in dead.items() if not called and name != "main"][:_MOST_DEAD]:
         made = script.definition(name)
         blocks = script.reached_from([made.line]) if made is not None else set()
         does = any(
             begins <= line < begins + len(script.block(begins)) for line in wanted for begins in blocks
         )
-        if made is not None and ((lost and does) or asked & script.given_in(name)):
+        if made is not None and ((lost and does) or _brings(made.line, script)):
             return mistake("never_called", name=name, begins=made.line)
     return None
 
+
+def _brings(begins: int, script: ScriptText) -> bool:
+    """Whether a function, and no other line, keeps what it is given where something else waits for it."""
+    block = script.block(begins)
+    given = re.search(r"\((?:self ?, ?)?(\w+)[^,]*\) ?:", block[0])
+    kept = re.findall(rf"\bself\.(\w+) ?= ?{given[1]}\b", "\n".join(block)) if given else []
+    asked = {one for _, found in script.matches(_ASKED) for one in found.groups() if one}
+    inside = range(begins, begins + len(block))
+    for name in asked.intersection(kept):
+        if all(line in inside for line in script.lines_with(rf"\bself\.{name} ?=(?!=)(?! ?None$)")):
+            return True
+    return False
+
+
+_MOST_DEAD: Final = 20  # of each it is looked at all that it would run
 
 _WANTED: Final = {
     "no_turns": r"\.angular\.z ?=(?!=)(?! ?-?[0.]+ ?(;|$))",

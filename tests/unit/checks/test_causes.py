@@ -78,6 +78,10 @@ GLOBAL = (
     "node.create_subscription(Pose, '/p', hear, 10)\n"
 )
 KEPT = "def tick():\n    go()\nnode.create_timer(0.1, tick)\n{loop}\n    {block}\n"
+LOST = (
+    "class A(Node):\n    def hear(self, msg):\n        self.p = {value}\n    def tick(self):\n"
+    "        if not self.p:\n            return\n        pub.publish(m)\n{more}node.create_timer(0.1, node.tick)\n"
+)
 STATES = "self.state = 'turn'\nself.state = 'turning'\nif self.state == '{asked}':\n    go()\n"
 MEASURED = (
     "def tick(self):\n    if self.sides >= 4:\n        return\n    if {condition}:\n        self.sides += 1\n"
@@ -224,6 +228,9 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("side_goes_on", GLOBAL.format(first="global current"), "side_goes_on"),
         ("log_not_reached", "self.get_logger().set_level(LoggingSeverity.WARN)\n", "level_raised"),
         ("log_not_reached", "self.get_logger().set_level(LoggingSeverity.DEBUG)\n", "log_not_reached"),
+        ("publish_not_reached", LOST.format(value="msg", more=""), "never_called"),
+        ("publish_not_reached", LOST.format(value="False", more=""), "publish_not_reached"),
+        ("publish_not_reached", LOST.format(value="msg", more="        self.p = 1\n"), "publish_not_reached"),
         ("cpu_limit", KEPT.format(loop="def f():", block="node.create_timer(1, tick)"), "cpu_limit"),
         (
             "cpu_limit",
