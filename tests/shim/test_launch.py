@@ -8,6 +8,7 @@ from collections.abc import Callable
 import pytest
 
 from tests.shim.conftest import Run
+from tests.shim.test_files import SITE_PACKAGES
 
 RunScript = Callable[..., Run]
 
@@ -150,7 +151,7 @@ X = LaunchConfiguration('x', default='none')
 
 
 def visited(run_script: RunScript, script: str, distro: str = "humble") -> Run:
-    return run_script(BEFORE + script, distro=distro)
+    return run_script(BEFORE + script, distro=distro, preload=[SITE_PACKAGES])
 
 
 def lines(run: Run) -> list[str]:
@@ -383,9 +384,139 @@ print(args(namespace='x/'), '|', args(namespace='/', name='m'))
         "--ros-args -r __ns:=/a/b -r a:=b",
         "--ros-args -r __ns:=/b -r a:=b",
         "2.0",
-        "--ros-args --params-file /tmp/launch_params_0 -r a:=b",
+        "--ros-args -p speed:=2.0 -r a:=b",
         "--ros-args -r __ns:=/x | --ros-args -r __node:=m -r __ns:=/",
     ]
+
+
+GIVEN = (
+    NODE
+    + """
+from typing import List
+from launch.conditions import IfCondition
+from rclpy._rcl.ros_args import parse_ros_args
+for each in ('n', 'flag', 'words', 'numbers', 'nothing', 'bad'):
+    context.launch_configurations[each] = {'n': '3', 'flag': 'false', 'words': 'a: b', 'numbers': '[1, 2]',
+        'nothing': '', 'bad': '['}[each]
+def of(name):
+    return LaunchConfiguration(name)
+def given(parameters, **node):
+    args(parameters=parameters, **node)
+    parsed = parse_ros_args(context.started[-1][2].arguments, reject_unknown=True)
+    for pattern, values in parsed.parameters.items():
+        print(pattern, {name: value.get() for name, value in values.items()})
+"""
+)
+
+
+@pytest.mark.parametrize(
+    ("value", "read"),
+    [
+        ("ParameterValue(of('flag'), value_type=bool)", "False"),
+        ("ParameterValue(of('flag'))", "False"),
+        ("ParameterValue(of('n'))", "3"),
+        ("ParameterValue(of('n'), value_type=float)", "3.0"),
+        ("ParameterValue(of('n'), value_type=str)", "'3'"),
+        ("ParameterValue(of('words'), value_type=str)", "'a: b'"),
+        ("ParameterValue(of('numbers'), value_type=List[int])", "[1, 2]"),
+        ("ParameterValue([[of('n')], 4], value_type=List[int])", "[3, 4]"),
+        ("ParameterValue([1, 2], value_type=List[float])", "[1.0, 2.0]"),
+        ("ParameterValue('x')", "'x'"),
+        ("of('flag')", "False"),
+        ("of('numbers')", "[1, 2]"),
+        ("of('nothing')", "''"),
+        ("'1.0'", "'1.0'"),
+        ("'yes'", "'yes'"),
+        ("'two\\nlines'", "'two\\nlines'"),
+        ("[1, 2.5]", "[1.0, 2.5]"),
+        ("[1e-20, 1.0]", "[1e-20, 1.0]"),
+        ("['a', of('n')]", "'a3'"),
+        ("[['a', of('n')], 'b']", "['a3', 'b']"),
+        ("['a', 'yes']", "['a', 'yes']"),
+        ("(True, False)", "[True, False]"),
+    ],
+)
+def test_a_parameter_is_what_launch_makes_of_its_value(run_script: RunScript, value: str, read: str) -> None:
+    run = visited(run_script, f"{GIVEN}given([{{'p': {value}}}])")
+    assert lines(run) == [f"/** {{'p': {read}}}"]
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ("ParameterValue(of('n'), value_type=bool)", "ValueError: Cannot convert value '3' to '<class 'bool'>'"),
+        ("ParameterValue(of('flag'), value_type=int)", "ValueError: invalid literal for int()"),
+        ("ParameterValue(of('n'), value_type=List[int])", "Cannot convert value '3' to a list of '<class 'int'>'"),
+        ("ParameterValue(of('bad'))", "ValueError: Failed to convert '[' using yaml rules: yaml.safe"),
+        ("ParameterValue(1, value_type=str)", "TypeError: value='1' is not an instance of <class 'str'>"),
+        ("ParameterValue([1, 'a'])", "TypeError: Input value is not an acceptable 'SomeValueType'.Got value='[1"),
+        ("of('words')", "Sequence[float], Sequence[str]. Got <class 'dict'>.If the parameter is meant"),
+        ("of('bad')", "TypeError: Unable to parse the value of parameter p as yaml. If the parameter is meant"),
+        ("[1, 'a']", "TypeError: Expected a non-empty sequence, with items of uniform type."),
+        ("None", "TypeError: Unexpected type for parameter value None"),
+        ("[]", "TypeError: Expected 'value' to be one of"),
+    ],
+)  # fmt: skip
+def test_a_value_that_no_parameter_can_have_is_refused(run_script: RunScript, value: str, said: str) -> None:
+    assert said in visited(run_script, f"{GIVEN}given([{{'p': {value}}}])").stderr
+
+
+def test_parameters_of_a_node_are_for_its_name_where_that_is_known(run_script: RunScript) -> None:
+    run = visited(
+        run_script,
+        f"""{GIVEN}
+from launch_ros.descriptions import Parameter as Described
+given([{{}}])
+given([{{'a': {{'b': 1}}, ('c', of('n')): 2}}], name='n', namespace='/x')
+given([{{'a': 1}}, Described('b', of('n')), Described('c', 'd')], name='n')
+context.launch_configurations['global_params'] = []
+said(SetParameter('s', [1, 2]), SetParameter('t', of('n')), SetParameter('u', '1'))
+given([Described('t', 4)])
+""",
+    )
+    assert lines(run) == [
+        "/x/n {'a.b': 1, 'c3': 2}",
+        "/** {'a': 1, 'b': 3, 'c': 'd'}",
+        "/** {'s': '(1, 2)', 't': 4, 'u': 1}",
+    ]
+
+
+SUBSTITUTED = """
+open('/tmp/a.yaml', 'w').write(TEXT)
+print(open(ParameterFile('/tmp/a.yaml', allow_substs=True).evaluate(context)).read())
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "read"),
+    [
+        ("a: $(var n)", "a: 3"),
+        ("a: $(var none 5)", "a: 5"),
+        ("a: $(env NONE '')/$(env NONE a$(var n)b)", "a: /a3b"),
+        ('a: $(eval "$(var n) * 2")', "a: 6"),
+        (r"""a: $(env NONE "b$(env NONE \"c'd\")")""", '''a: b"c'd"'''),
+        ("a: $(not $(var flag))", "a: true"),
+        ("a: $5 (b)", "a: $5 (b)"),
+        (r"a: \$(var n)", "a: $(var n)"),
+        ("", ""),
+    ],
+)
+def test_substitutions_in_a_file_of_parameters(run_script: RunScript, text: str, read: str) -> None:
+    assert lines(visited(run_script, f"{GIVEN}TEXT = {text!r}{SUBSTITUTED}")) == [read]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("a: $(nothing)", "RuntimeError: Unknown substitution: nothing"),
+        ("a: $(var)", "TypeError: var substitution expects 1 or 2 arguments"),
+        ("a: $(var n", "ValueError: "),
+        ("a: $(var none)", "SubstitutionFailure: launch configuration 'none' does not exist"),
+        ("a: [$(var n)", "SubstitutionFailure: The substituted parameter file is not a valid yaml file"),
+    ],
+)
+def test_a_wrong_substitution_in_a_file_is_refused(run_script: RunScript, text: str, said: str) -> None:
+    assert said in visited(run_script, f"{GIVEN}TEXT = {text!r}{SUBSTITUTED}").stderr
 
 
 def test_a_namespace_that_cannot_be_one_is_refused(run_script: RunScript) -> None:

@@ -88,7 +88,7 @@ class Parameter(Substitution):
         name = perform(context, self.name)
         for each in context.launch_configurations.get("global_params", ()):
             if isinstance(each, tuple) and each[0] == name:
-                return str(getattr(each[1], "value", each[1]))
+                return str(each[1])
         if self._default is None:
             raise SubstitutionFailure(f"parameter '{name}' not found")
         given = self._default

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 from array import array
 from collections import OrderedDict
+from importlib import import_module
 from typing import Any
 
 from rosidl_parser.definition import Array, BoundedSequence
@@ -35,15 +37,25 @@ def message_to_yaml(
     flow_style: bool = False,
 ) -> str:
     """Return a message as YAML, as ``ros2 topic echo`` prints it; in one line if `flow_style`."""
-    values = message_to_ordereddict(msg, truncate_length=truncate_length, no_arr=no_arr, no_str=no_str)
-    return (_yaml_flow(values) if flow_style else "\n".join(_yaml_lines(values, 0))) + "\n"
+    yaml = import_module("yaml")  # loaded when it is needed only
+    yaml.add_representer(
+        OrderedDict,
+        lambda dumper, data: dumper.represent_mapping("tag:yaml.org,2002:map", data.items()),
+    )
+    text: str = yaml.dump(
+        message_to_ordereddict(msg, truncate_length=truncate_length, no_arr=no_arr, no_str=no_str),
+        allow_unicode=True,
+        width=sys.maxsize,
+        default_flow_style=flow_style,
+    )
+    return text
 
 
 def message_to_csv(
     msg: Any, *, truncate_length: int | None = None, no_arr: bool = False, no_str: bool = False
 ) -> str:
     """Return the values of a message's fields in one line, separated by commas."""
-    return ",".join(_leaves(msg, _Shown(truncate_length, no_arr, no_str)))
+    return _leaves(msg, _Shown(truncate_length, no_arr, no_str))
 
 
 def get_message_slot_types(msg: Any) -> OrderedDict[str, Any]:
@@ -113,64 +125,29 @@ def _array_info(value: Any, kind: Any) -> str:
     return f"<sequence type: {name}{bound}, length: {len(value)}>"
 
 
-def _yaml_lines(values: OrderedDict[str, Any], depth: int) -> list[str]:
-    indent = "  " * depth
-    lines = []
-    for name, value in values.items():
-        if isinstance(value, dict) and value:
-            lines += [f"{indent}{name}:", *_yaml_lines(OrderedDict(value), depth + 1)]
-        elif isinstance(value, list) and value:
-            lines.append(f"{indent}{name}:")
-            for element in value:
-                lines += _yaml_element(element, indent)
-        else:
-            lines.append(f"{indent}{name}: {_yaml_scalar(value)}")
-    return lines
-
-
-def _yaml_element(element: Any, indent: str) -> list[str]:
-    if not isinstance(element, dict) or not element:
-        return [f"{indent}- {_yaml_scalar(element)}"]
-    first, *rest = _yaml_lines(OrderedDict(element), 0)
-    return [f"{indent}- {first}", *(f"{indent}  {line}" for line in rest)]
-
-
-def _yaml_scalar(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, dict | list):
-        return "{}" if isinstance(value, dict) else "[]"
-    if isinstance(value, str) and value and value.replace("_", "").isalnum() and not value[0].isdigit():
-        return value
-    return repr(value)
-
-
-def _yaml_flow(value: Any) -> str:
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{name}: {_yaml_flow(inner)}" for name, inner in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(_yaml_flow(inner) for inner in value) + "]"
-    return _yaml_scalar(value)
-
-
-def _leaves(msg: Any, show: _Shown) -> list[str]:
+def _leaves(msg: Any, show: _Shown) -> str:
     found = []
     for name, kind in get_message_slot_types(msg).items():
         value = getattr(msg, name)
-        elements = _elements(value)
-        if elements is not None and show.no_arr:
-            found.append(_array_info(value, kind))
-        else:
-            found += _leaf(value if elements is None else elements, show)
-    return found
+        is_array = _elements(value) is not None
+        found.append(_array_info(value, kind) if is_array and show.no_arr else _leaf(value, show))
+    return _joined(found)
 
 
-def _leaf(value: Any, show: _Shown) -> list[str]:
-    if isinstance(value, list):
-        shown = [leaf for inner in value[: show.limit] for leaf in _leaf(inner, show)]
-        return [*shown, "..."] if show.limit is not None and len(value) > show.limit else shown
+def _leaf(value: Any, show: _Shown) -> str:
+    if _elements(value) is not None:
+        shown = [_leaf(inner, show) for inner in value[: show.limit]]
+        return _joined([*shown, "..."] if show.limit is not None and len(value) > show.limit else shown)
     if hasattr(value, "get_fields_and_field_types"):
         return _leaves(value, show)
     if isinstance(value, bytes) and show.limit is not None and len(value) > show.limit:
         value = value[: show.limit] + b"..."
-    return [show.text(value) if isinstance(value, str) else str(value)]
+    return show.text(value) if isinstance(value, str) else str(value)
+
+
+def _joined(texts: list[str]) -> str:
+    """Return texts with commas between them; as upstream, there is none behind a beginning that is empty."""
+    joined = ""
+    for text in texts:
+        joined += f",{text}" if joined else text
+    return joined

@@ -1,7 +1,7 @@
 """rosidl_runtime_py: classes from names, messages from plain data and back."""
 
 import pytest
-from geometry_msgs.msg import Polygon, Twist
+from geometry_msgs.msg import Point32, Polygon, Twist
 from nav_msgs.msg import Odometry
 from rosidl_parser.definition import NamespacedType
 from rosidl_runtime_py import (
@@ -26,10 +26,10 @@ from rosidl_runtime_py.utilities import (
     is_message,
     is_service,
 )
-from sensor_msgs.msg import LaserScan
+from sensor_msgs.msg import JointState, LaserScan, PointField
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
-from std_msgs.msg import ByteMultiArray, String
+from std_msgs.msg import ByteMultiArray, Empty, Float64, Header, String
 from turtlesim.action import RotateAbsolute
 from turtlesim.srv import Spawn
 
@@ -96,6 +96,37 @@ def test_text() -> None:
         "intensities: []",
     ]
     assert message_to_csv(Twist()) == "0.0,0.0,0.0,0.0,0.0,0.0"
+
+
+@pytest.mark.parametrize(
+    ("message", "text"),
+    [
+        (Float64(data=float("inf")), "data: .inf"),
+        (Float64(data=float("nan")), "data: .nan"),
+        (Float64(data=1e17), "data: 1.0e+17"),
+        (String(data="yes"), "data: 'yes'"),
+        (String(data="on top: 5"), "data: 'on top: 5'"),
+        (String(data="go left"), "data: go left"),
+        (String(data="你好"), "data: 你好"),
+        (String(data="a\nb"), "data: 'a\n\n  b'"),
+        (String(data="a\tb"), 'data: "a\\tb"'),
+        (String(data="x " * 100), "data: '" + "x " * 100 + "'"),
+        (String(data="5"), "data: '5'"),
+        (String(), "data: ''"),
+        (Polygon(points=[Point32()]), "points:\n- x: 0.0\n  y: 0.0\n  z: 0.0"),
+        (Empty(), "{}"),
+    ],
+)
+def test_text_is_that_of_pyyaml(message: object, text: str) -> None:
+    assert message_to_yaml(message) == text + "\n"
+
+
+def test_values_between_commas() -> None:
+    assert message_to_csv(JointState(name=["a", "b"], position=[1.0])) == "0,0,,a,b,1.0,,"
+    assert message_to_csv(JointState(name=["a"] * 3), truncate_length=1) == "0,0,,a,...,,,"
+    assert message_to_csv(Header(frame_id="map")) == "0,0,map"
+    assert message_to_csv(JointState(name=["", "b"])) == "0,0,,b,,,"
+    assert message_to_csv(PointField(name="", offset=1)) == "1,0,0"
 
 
 def test_arrays_and_texts_may_be_shown_by_their_size() -> None:

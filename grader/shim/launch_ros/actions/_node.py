@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 
-from launch._evaluation import Action, LaunchContext, Substitution, checked, perform, perform_bool
+from launch._evaluation import Action, LaunchContext, Substitution, checked, perform
+from launch._types import yaml
 from launch.actions import ExecuteProcess
 from launch.substitutions import CommandNotRunError
 from rclpy import _distro
 from rclpy._process.packages import workspace
 from rclpy.validate_namespace import validate_namespace
 
-from launch_ros.parameter_descriptions import Parameter, ParameterFile, ParameterValue
+from launch_ros._parameters import evaluate_parameter_dict, normalize_parameters
+from launch_ros.parameter_descriptions import Parameter, ParameterFile, new_file
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -54,7 +55,6 @@ class Node(ExecuteProcess):
         self.expanded_remapping_rules: list[tuple[str, str]] | None = None
         self._name = name
         self._namespace = namespace
-        self._parameters = parameters or ()
         self._remappings = [(source, target) for source, target in remappings or ()]
         self._full_name: str | None = None
         if parameters is not None and not isinstance(parameters, list):
@@ -62,6 +62,7 @@ class Node(ExecuteProcess):
                 f"'Node' expected 'parameters' to be one of [{list}], but got '{parameters}' of type "
                 f"'{type(parameters)}': write parameters=[...]"
             )
+        self._parameters = normalize_parameters(parameters or ())
 
     @property
     def node_name(self) -> str:
@@ -109,17 +110,13 @@ class Node(ExecuteProcess):
         self._full_name = f"{self.expanded_node_namespace.rstrip('/')}/{name}"
         node = self._full_name if self.is_node_name_fully_specified() else "/**"
         given = context.launch_configurations
-        for each in (*given.get("global_params", ()), *self._parameters):
-            given_alone = isinstance(each, tuple)  # by SetParameter, as -p for whatever node there is
-            path = _parameter_file(
-                context, dict([each]) if given_alone else each, "/**" if given_alone else node
-            )
-            if os.path.isfile(path):
-                found += ["--params-file", path]
+        for each in given.get("global_params", ()):
+            if isinstance(each, tuple):  # by SetParameter
+                found += ["-p", f"{each[0]}:={each[1]}"]
             else:
-                sys.stderr.write(
-                    f"[WARNING] [launch_ros.actions.node]: Parameter file path is not a file: {path}\n"
-                )
+                found += ["--params-file", os.path.abspath(each)]
+        for each in self._parameters:
+            found += _parameter_arguments(context, each, node)
         rules = list(given.get("ros_remaps", ()))
         rules += [(perform(context, source), perform(context, target)) for source, target in self._remappings]
         self.expanded_remapping_rules = rules or None
@@ -215,60 +212,17 @@ def joined_namespace(base: str | None, own: str | None) -> str | None:
     return joined if joined.startswith("/") else f"/{joined}"
 
 
-def _parameter_file(context: LaunchContext, given: Any, node: str) -> str:
-    """Return the path of a file of parameters; of a dictionary one that is written for it and `node`."""
-    if isinstance(given, ParameterFile):
-        given = given.param_file
+def _parameter_arguments(context: LaunchContext, given: Any, node: str) -> list[str]:
+    """Return the arguments for one of `parameters=`; of a dictionary, a file that is written for `node`."""
     if isinstance(given, Parameter):
-        given = {given.name: ParameterValue(given.value, value_type=given.value_type)}
-    if not isinstance(given, dict):
-        return perform(context, given)
-    path = f"/tmp/launch_params_{len(_written)}"  # noqa: S108 - the storage's own
-    _written.append(path)
-    lines = [f"    {name}: {_value(context, value)}\n" for name, value in _flat(context, given)]
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(f"{node}:\n  ros__parameters:\n" + "".join(lines))
-    return path
-
-
-_written: list[str] = []
-
-
-def _flat(context: LaunchContext, given: dict[Any, Any], before: str = "") -> list[tuple[str, Any]]:
-    found: list[tuple[str, Any]] = []
-    for key, value in given.items():
-        name = before + perform(context, key)
-        found += _flat(context, value, f"{name}.") if isinstance(value, dict) else [(name, value)]
-    return found
-
-
-def _value(context: LaunchContext, value: Any) -> str:
-    """Return a value in YAML; the text of a substitution is read as YAML, as upstream does."""
-    if isinstance(value, ParameterValue):
-        return _typed(context, value.value, value.value_type)
-    if isinstance(value, Substitution):
-        return perform(context, value) or '""'
-    if isinstance(value, (list, tuple)):
-        if any(isinstance(each, Substitution) for each in value):
-            return perform(context, value)
-        return "[" + ", ".join(_scalar(each) for each in value) + "]"
-    return _scalar(value)
-
-
-def _typed(context: LaunchContext, value: Any, kind: Any) -> str:
-    """Return a value in YAML, of a text as what `kind` says; None: as YAML says, as of lists."""
-    if isinstance(value, (bool, int, float)) or kind not in (str, int, float, bool):
-        return _value(context, value)
-    text = perform(context, value)
-    if kind is bool:
-        return _scalar(perform_bool(context, text))
-    return json.dumps(text) if kind is str else _scalar(kind(text))
-
-
-def _scalar(value: Any) -> str:
-    if isinstance(value, float):
-        text = repr(value)
-        return text.replace("e", ".0e") if "e" in text and "." not in text else text
-    if isinstance(value, (bool, int, str)):
-        return json.dumps(value)
-    raise TypeError(f"Expected a value of a parameter, got {value!r}")
+        name, value = given.evaluate(context)
+        return ["-p", f"{name}:={yaml().dump(value)}"]
+    if isinstance(given, ParameterFile):
+        path = str(given.evaluate(context))
+    else:
+        values = evaluate_parameter_dict(context, given)
+        path = new_file(yaml().dump({node: {"ros__parameters": values}}, default_flow_style=False))
+    if os.path.isfile(path):
+        return ["--params-file", path]
+    sys.stderr.write(f"[WARNING] [launch_ros.actions.node]: Parameter file path is not a file: {path}\n")
+    return []

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 
-from launch._evaluation import Action, LaunchContext, Substitution, checked, perform
+from launch._evaluation import Action, LaunchContext, checked, perform
 from launch.actions import TimerAction
 from launch.substitutions import SubstitutionFailure
+from launch.utilities import normalize_to_list_of_substitutions
 from rclpy.validate_namespace import validate_namespace
 
+from launch_ros._parameters import evaluate_parameter_dict, normalize_parameter_dict
 from launch_ros.actions._node import joined_namespace
-from launch_ros.parameter_descriptions import ParameterValue
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -45,15 +46,21 @@ class SetParameter(Action):
 
     def __init__(self, name: Any, value: Any, **options: Any) -> None:
         super().__init__(**options)
-        checked(name)
-        self.name = name
-        self.value = value
+        self._given = normalize_parameter_dict({tuple(normalize_to_list_of_substitutions(name)): value})
+
+    @property
+    def name(self) -> Any:
+        """The name as a tuple of substitutions."""
+        return next(iter(self._given))
+
+    @property
+    def value(self) -> Any:
+        """The value, a text as a tuple of substitutions."""
+        return next(iter(self._given.values()))
 
     def execute(self, context: LaunchContext) -> None:
-        value = self.value
-        if isinstance(value, Substitution):
-            value = ParameterValue(perform(context, value))
-        _extended(context, "global_params", (perform(context, self.name), value))
+        for name, value in evaluate_parameter_dict(context, self._given).items():
+            _extended(context, "global_params", (name, tuple(value) if isinstance(value, list) else value))
 
 
 class SetParametersFromFile(Action):
