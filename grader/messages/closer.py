@@ -413,19 +413,19 @@ def time_to_sleep(error: StudentError, written: str, script: ScriptText) -> Clos
 
 
 def declared_name(error: StudentError, written: str, script: ScriptText) -> Closer:
-    """Find a declared parameter of nearly the same name."""
+    """Find the parameter that is declared later, or under nearly the same name."""
     found = re.search(r"'([\w.]{1,60})'\)$", error.message)
-    lines = [script.written(number) for number in script.lines_with(r"\bdeclare_parameter\(")]
-    known = re.findall(r"declare_parameter\( *[\"']([\w.]{1,60})[\"']", "\n".join(lines))
-    begins = [
-        n
-        for n in script.lines_with(r"\bdeclare_parameter\(")
-        if found and f"'{found[1]}'" in script.written(n).replace('"', "'")
-    ]
-    if found and begins:
-        return "defined_below", {"name": found[1], "begins": begins[0]}
-    near = [one for one in known if found and one.lower() == found[1].lower()]
-    near = near or (difflib.get_close_matches(found[1], known[:_MOST], 1, _NEAR) if found else [])
+    known: dict[str, int] = {}
+    for number in script.lines_with(r"\bdeclare_parameter\("):
+        name = re.search(r"declare_parameter\( *[\"']([\w.]{1,60})[\"']", script.written(number))
+        if name is not None:
+            known.setdefault(name[1], number)
+    if found is None:
+        return None
+    if found[1] in known:
+        return "defined_below", {"name": found[1], "begins": known[found[1]]}
+    near = [one for one in known if one.lower() == found[1].lower()]
+    near = near or difflib.get_close_matches(found[1], list(known)[:_MOST], 1, _NEAR)
     return ("misspelt", {"suggestion": near[0]}) if near else None
 
 
