@@ -114,3 +114,23 @@ def test_timers_subscriptions_and_so_on_are_served_in_upstreams_order(run_script
             rclpy.spin_once(node, timeout_sec=0.1)
     """
     assert run_lines(run_script, source) == ["first", "second", "message", "guard", "service"]
+
+
+def test_timers_without_end_take_virtual_time(run_script):
+    """Otherwise a callback that makes a timer each time would double them each period, at hardly any time."""
+    source = """
+        made = 1
+        def tick():
+            global made
+            made += 1
+            node.create_timer(0.1, tick)
+        node.create_timer(0.1, tick)
+        try:
+            rclpy.spin(node)
+        except KeyboardInterrupt:
+            print(made)
+    """
+    (made,) = run_lines(run_script, source, horizon_s=2.0)
+    assert 10_000 < int(made) < 2**16
+    (few,) = run_lines(run_script, source, horizon_s=1.25)
+    assert int(few) == 2**12

@@ -167,6 +167,11 @@ def _no_period(period_ns: int) -> str:
     )
 
 
+FREE_TIMERS = 10_000
+"""Timers that are made without a charge; from then on each costs one, as a publish does. A callback that makes a
+timer each time doubles their number each period, and would take the whole CPU time at one instant."""
+
+
 class TimerHandle(Handle):
     """A phase-locked timer: a late call skips to the next multiple of the period, never a burst.
 
@@ -176,9 +181,14 @@ class TimerHandle(Handle):
         backlog: non-empty when a reset or a clock jump must wake a waiting executor.
     """
 
+    _made = 0
+
     def __init__(self, clock: ClockHandle, context: ContextHandle, period_ns: int) -> None:
         super().__init__()
         required(context)
+        TimerHandle._made += 1
+        if TimerHandle._made > FREE_TIMERS:
+            kernel.charge()
         if not -(2**63) <= period_ns < 2**63:
             raise TypeError(_no_period(period_ns))
         if period_ns < 0:
