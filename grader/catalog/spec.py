@@ -1,7 +1,7 @@
 """What the models of ``assignment.yaml`` share: strictness, lengths, and numbers that may be drawn by seed."""
 
 from random import Random
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, get_args, get_origin
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, field_validator
 
@@ -27,7 +27,10 @@ class SpecModel(BaseModel):
 
 def _leaves(annotation: Any) -> set[Any]:
     """Return the plain types in an annotation such as ``tuple[float, float] | None``."""
-    return set().union(*map(_leaves, inner)) if (inner := get_args(annotation)) else {annotation}
+    inner = get_args(annotation)
+    if get_origin(annotation) is Annotated:
+        inner = inner[:1]  # what follows are rules
+    return set().union(*map(_leaves, inner)) if inner else {annotation}
 
 
 def number_or_range(value: object) -> object:

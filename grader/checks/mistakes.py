@@ -275,9 +275,12 @@ def _behind_spin(run: Run) -> Mistake | None:
         return None
     if call.line in script.lines_with(r"\btarget ?= ?[\w.]*\bspin\("):
         return mistake("thread_called", line=call.line)
-    around = script.function_around(call.line)
+    around: list[int | None] = [script.owner_of(call.line)]  # the blocks in which the first call stands
+    while (block := around[-1]) is not None:
+        around.append(script.owner_of(block))
+    inside = script.function_around(call.line)
     for line in script.lines_with(r"\brclpy\.spin\("):
-        if line > call.line and script.function_around(line) == around:
+        if line > call.line and script.function_around(line) == inside and script.owner_of(line) in around:
             return mistake("second_spin", line=line, spin=call.line)
     if not script.works_after(call.line) or any(line < call.line for line in _working_callbacks(script)):
         return None  # with a callback the work may be meant to happen there, and only the stop stands behind

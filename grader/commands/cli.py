@@ -6,6 +6,7 @@ command that did its work; 1 for a lower score, or something found wrong; 2 when
 """
 
 import argparse
+import errno
 import importlib
 import os
 import re
@@ -42,6 +43,7 @@ COMMANDS: dict[str, str] = {
 }
 
 EXIT_NOT_DONE = 2
+_UNWRITTEN = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EBADF)
 EXIT_INTERRUPTED = 130  # as a shell reports SIGINT
 EXIT_BROKEN_PIPE = 141  # as a shell reports SIGPIPE
 
@@ -172,12 +174,16 @@ def run(argv: Sequence[str]) -> int:
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
     except OSError as error:
-        # The output cannot be written; what else may fail the commands report themselves. Python would fail again
-        # when it flushes.
+        told = trouble(error)
+        if error.filename is not None:
+            sys.stderr.write(f"grader: {error.filename}: {told.get(Parser.language)}\n")
+            return EXIT_NOT_DONE
+        if error.errno not in _UNWRITTEN:
+            raise
+        # The output cannot be written. Python would fail again when it flushes.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if isinstance(error, BrokenPipeError):  # the reader has closed the pipe, as `head` does
             return EXIT_BROKEN_PIPE
-        told = trouble(error)
         told = Text(zh=f"写不出结果：{told.zh}", en=f"the output cannot be written: {told.en}")
         sys.stderr.write(f"grader: {told.get(Parser.language)}\n")
         return EXIT_NOT_DONE

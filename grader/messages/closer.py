@@ -409,7 +409,7 @@ def node_needs_name(error: StudentError, written: str, script: ScriptText) -> Cl
 
 def time_to_sleep(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Recognise a number for the Duration that a clock's sleep wants."""
-    return ("sleeps_duration", {}) if re.search(r"\.sleep_(for|until)\(", written) else None
+    return ("sleeps_duration", {}) if re.search(r"\.sleep_for\(", written) else None
 
 
 def declared_name(error: StudentError, written: str, script: ScriptText) -> Closer:

@@ -400,7 +400,9 @@ def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT)
     """
     # long lines make patterns slow
     shown = "\n".join(line[:_LONGEST] for line in error.traceback.split("\n"))
-    told = f"{error.type}: {error.message}\n{shown}"
+    # A script may name its exceptions as it likes; only a plain name is one that the signs know.
+    kind = error.type if re.fullmatch(r"[\w.]+", error.type) else "Exception"
+    told = f"{kind}: {error.message}\n{shown}"
     known = ((code, re.match(sign, told)) for sign, code in _SIGNS)
     code, values = next(((code, found.groupdict()) for code, found in known if found), (otherwise, {}))
     refine = _REFINED.get(code)
@@ -543,14 +545,19 @@ def _reversed(error: StudentError, script: ScriptText) -> Closer:
 
 
 def _field_type(error: StudentError, script: ScriptText) -> Closer:
-    field, kind = re.findall(r"'(\w+)'", error.message)[:2]
-    return "wrong_type_in_field", {"field": field, "instead": _OF_TYPE[kind], "wanted": kind}
+    found = re.search(r"'(\w+)' field must be of type '(\w+)'", error.message)
+    if found is None or found[2] not in _OF_TYPE:
+        return "crashed", {}
+    return "wrong_type_in_field", {"field": found[1], "instead": _OF_TYPE[found[2]], "wanted": found[2]}
 
 
 def _module_called(error: StudentError, script: ScriptText) -> Closer:
     """Name the module that is called, if only one can be meant."""
-    called = set(re.findall(r"(?<![\w.])(\w+)[ \t]*\(", script_line(error)))
-    known = [name for name in sorted(called) if script.lines_with(rf"\bimport ([\w, ]+, ?)?{name}\b")]
+    called = set(re.findall(r"(?<![\w.])(\w+)[ \t]*\(", script_line(error)[:_LONGEST]))
+    imported = {
+        name for _, found in script.matches(r"\bimport ([\w, ]+)") for name in re.findall(r"\w+", found[1])
+    }
+    known = sorted(called & imported)
     if len(known) != 1:
         return "crashed", {}
     return "module_called", {"name": known[0], "instead": _CALLS_OF_MODULES.get(known[0], f"{known[0]}.…()")}

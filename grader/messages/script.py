@@ -7,7 +7,7 @@ patterns over lines from which strings and comments are blanked out.
 import itertools
 import re
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Final, NamedTuple
 
@@ -23,9 +23,10 @@ _MOST_CHARACTERS: Final = 50_000
 _ASSIGNED: Final = re.compile(r"[ \t]*(?:self\.|cls\.)?(\w+) ?(?::[^=]*)?=(?!=)(.*)$")
 _BOUND: Final = re.compile(
     r"\b(?:for|as|global|nonlocal) ([\w, ]+?)(?: in\b|:|$)|\bdef \w+ ?\((.*)|"
-    r"([\w.]+(?: ?, ?[\w.]+)*) ?(?:[-+*/|&^%]|//|\*\*)?=(?!=)"
+    r"(?<![\w.])([\w.]+(?: ?, ?[\w.]+)*) ?(?:[-+*/|&^%]|//|\*\*)?=(?!=)"
 )
 """Where a name gets a value other than by a plain assignment: loops, parameters, ``+=``."""
+_EQUALS: Final = re.compile(r"(?<![=!<>])=(?!=)")
 _TAB: Final = 8
 _ENDS: Final = re.compile(
     r"(\w+\.)*(destroy_\w+|shutdown|try_shutdown|info|print|exit|join)\(|(except|finally|else|pass|return|raise)\b"
@@ -75,6 +76,7 @@ class ScriptText:
         self._source = source
         self._called: dict[str, bool] = {}
         self._blocks: dict[int, list[str]] = {}
+        self._runs: dict[int, set[int]] = {}
 
     @cached_property
     def lines(self) -> list[str]:
@@ -301,11 +303,18 @@ class ScriptText:
         found = set(numbers)
         left = sorted(found)
         while left:
-            names = set(re.findall(r"(\w+)\(", "\n".join(self.block(left.pop()))))
-            new = {made.line for name in names if (made := self.definition(name)) is not None} - found
+            new = self._run_from(left.pop()) - found
             found |= new
             left += sorted(new)
         return found
+
+    def _run_from(self, number: int) -> set[int]:
+        """Return the first lines of the functions that a block calls."""
+        if number not in self._runs:
+            names = set(re.findall(r"(\w+)\(", "\n".join(self.block(number))))
+            found = {made.line for name in names if (made := self.definition(name)) is not None}
+            self._runs[number] = found
+        return self._runs[number]
 
     def spins(self, number: int) -> bool:
         """Whether the block that begins on the given line calls the executor, itself or in a function it calls."""
@@ -399,6 +408,19 @@ class ScriptText:
         made = self.definition(name)
         body = "\n".join(self.block(made.line)) if made is not None else ""
         return set(re.findall(r"\bself\.(\w+) ?(?::[^=\n]*)?=(?!=)", body))
+
+    @cached_property
+    def attributes_set(self) -> Mapping[str, list[tuple[int, str]]]:
+        """The attributes that are assigned, of any object: on which lines, and the text behind the last ``=``.
+
+        Attributes on the left of any other ``=``, such as that of a keyword, are taken for assigned as well.
+        """
+        found: dict[str, list[tuple[int, str]]] = {}
+        for number, line in enumerate(self.lines, start=1):
+            *targets, value = _EQUALS.split(line)
+            for name in dict.fromkeys(re.findall(r"\w\.(\w+)\b", " ".join(targets))):
+                found.setdefault(name, []).append((number, value.strip()))
+        return found
 
     def block(self, number: int) -> list[str]:
         """Return the given line and the block that it begins."""

@@ -38,8 +38,9 @@ def _read_in(condition: str, script: ScriptText) -> list[str]:
 
 def other_axis(seen: Searched) -> Mistake | None:
     """Find a speed along, or about, an axis in which a car on the ground cannot move."""
-    for line, found in seen.script.matches(r"\.(angular\.[xy]|linear\.z) ?=(?!=)(?! ?-?[0.]+ ?(;|$))"):
-        return mistake("other_axis", line=line, name=found[1])
+    for line, found in seen.script.matches(r"^[^,]*?\.(angular\.[xy]|linear\.z) ?=(?!=)(.*)$"):
+        if value_of(found[2].rpartition("=")[2].partition(";")[0].strip(), seen.script) != 0.0:
+            return mistake("other_axis", line=line, name=found[1])
     return None
 
 
@@ -309,36 +310,47 @@ def timer_in_timer(seen: Searched) -> Mistake | None:
 def never_called(seen: Searched) -> Mistake | None:
     """Find a function that nothing calls or hands over, and that alone does what is missing."""
     script = seen.script
-    dead = _dead(script)
+    dead = {} if script.lines_with(r"\bgetattr\(") else _dead(script)
     wanted = script.lines_with(_WANTED.get(seen.mistake.code, r"\.publish\("))
     if not dead:
         return None
     lost = wanted and all(script.function_around(line) in dead for line in wanted)
-    for name in [name for name, called in dead.items() if not called and name != "main"][:_MOST_DEAD]:
+    asked = {one for _, found in script.matches(_ASKED) for one in found.groups() if one}
+    for name in [name for name, called in dead.items() if not called][:_MOST_DEAD]:
         made = script.definition(name)
+        if made is not None and _may_be_run(name, made.line, seen):
+            continue
         blocks = script.reached_from([made.line]) if made is not None else set()
         does = any(
             begins <= line < begins + len(script.block(begins)) for line in wanted for begins in blocks
         )
-        if made is not None and ((lost and does) or _brings(made.line, script)):
+        if made is not None and ((lost and does) or _brings(made.line, asked, script)):
             return mistake("never_called", name=name, begins=made.line)
     return None
 
 
-def _brings(begins: int, script: ScriptText) -> bool:
-    """Whether a function, and no other line, keeps what it is given where something else waits for it."""
+def _may_be_run(name: str, begins: int, seen: Searched) -> bool:
+    """Whether something outside of the script may call a function: an entry point, or a base class but Node."""
+    owner = seen.script.owner_of(begins)
+    if owner is None:
+        return name == "main" or seen.assignment.package is not None
+    base = re.match(r"[ \t]*class \w+ ?\(([^)]*)\)", seen.script.lines[owner - 1])
+    return base is not None and base[1].strip() not in {"", "object", "Node", "rclpy.node.Node"}
+
+
+def _brings(begins: int, asked: set[str], script: ScriptText) -> bool:
+    """Whether a function stores its argument in one of the attributes `asked` for, and nothing else sets that."""
     block = script.block(begins)
     given = re.search(r"\((?:self ?, ?)?(\w+)[^,]*\) ?:", block[0])
     kept = re.findall(rf"\bself\.(\w+) ?= ?{given[1]}\b", "\n".join(block)) if given else []
-    asked = {one for _, found in script.matches(_ASKED) for one in found.groups() if one}
     inside = range(begins, begins + len(block))
-    for name in asked.intersection(kept):
-        if all(line in inside for line in script.lines_with(rf"\bself\.{name} ?=(?!=)(?! ?None$)")):
-            return True
-    return False
+    return any(
+        all(line in inside for line, value in script.attributes_set.get(name, ()) if value != "None")
+        for name in asked.intersection(kept)
+    )
 
 
-_MOST_DEAD: Final = 20  # of each it is looked at all that it would run
+_MOST_DEAD: Final = 20  # functions that are looked at, each with all that it would run
 
 _WANTED: Final = {
     "no_turns": r"\.angular\.z ?=(?!=)(?! ?-?[0.]+ ?(;|$))",
@@ -353,8 +365,8 @@ _ASKED: Final = r"\bself\.(\w+) is None\b|\bnot self\.(\w+)(?!\()\b"
 
 def _dead(script: ScriptText) -> dict[str, bool]:
     """Return the functions that nothing runs, and whether another one of them calls it."""
-    names = {found[1] for _, found in script.matches(r"^[ \t]*def (\w+)")}
-    users: dict[str, set[str]] = {name: set() for name in names}
+    users: dict[str, set[str]] = {found[1]: set() for _, found in script.matches(r"^[ \t]*def (\w+)")}
+    names = set(users)  # and `users` is in the order of the script
     for at, line in enumerate(script.lines, start=1):
         for name in names.intersection(re.findall(r"\w+", re.sub(r"^[ \t]*def \w+", "", line))):
             users[name].add(script.function_around(at))
@@ -370,11 +382,13 @@ def _dead(script: ScriptText) -> dict[str, bool]:
 
 def never_filled(seen: Searched) -> Mistake | None:
     """Find what a function waits for and to which nothing but None is ever assigned."""
+    if seen.script.lines_with(r"\bsetattr\("):
+        return None
     for line, found in seen.script.matches(_ASKED):
         name = found[1] or found[2]
-        given = seen.script.lines_with(rf"\bself\.{name} ?(:[^=]*)?=(?!=)")
-        if given and given == seen.script.lines_with(rf"\bself\.{name} ?(:[^=]*)?= ?None$"):
-            return mistake("never_filled", line=line, name=name, given=given[0])
+        given = seen.script.attributes_set.get(name, ())
+        if given and all(value == "None" for _, value in given):
+            return mistake("never_filled", line=line, name=name, given=given[0][0])
     return None
 
 

@@ -245,7 +245,8 @@ def _data(folders: Mapping[str, str], beside: Mapping[str, list[str]]) -> dict[s
         inside = name.replace(".", "/")
         for path in paths:
             if not path.endswith(".py"):
-                found[inside + path.removeprefix(folders[name])] = path
+                folder = folders[name]
+                found[f"{inside}/" + path.removeprefix(f"{folder}/" if folder else "")] = path
     return found
 
 

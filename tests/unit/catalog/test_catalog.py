@@ -209,6 +209,7 @@ def test_a_path_is_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
+        ("{line: 2.0}", "{line: yes}", "path.pieces.0.line: write a number, not true or false"),
         ("{line: 2.0}", "{line: 2.0, turn: 90}", "path.pieces.0: write a piece as one of"),
         ("{line: 2.0}", "{arc: 90}", "path.pieces.0: arc and radius belong together"),
         ("{line: 2.0}", "{line: 0}", "path.pieces.0: write a piece as one of"),

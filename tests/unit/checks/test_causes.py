@@ -336,3 +336,35 @@ def test_a_script_of_long_lines_is_not_searched() -> None:
     begun_s = time.process_time()
     assert cause("turns_too_short", source) == "turns_too_short"
     assert time.process_time() - begun_s < 2.0
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "class D(threading.Thread):\n    def run(self):\n        self.pub.publish(m)\nD().start()\n",
+        "class N(Node):\n    def go(self):\n        self.pub.publish(m)\ngetattr(N(), 'go')()\n",
+        "class N(LifecycleNode):\n    def on_activate(self, state):\n        self.pub.publish(m)\n",
+    ],
+)
+def test_what_others_call_is_not_said_to_be_never_called(source: str) -> None:
+    assert cause("never_published", source) == "never_published"
+
+
+def test_the_first_function_that_nothing_calls_is_told() -> None:
+    source = "".join(f"def {name}():\n    pub.publish(m)\n" for name in ("zig", "alpha", "mid", "beta"))
+    findings = Findings(measures={}, mistakes=(Mistake("never_published", EMPTY, ()),))
+    told = with_causes(assignment("square"), _run(source, "default"), findings).mistakes[0]
+    assert (told.code, "zig()" in told.text.en) == ("never_called", True)
+
+
+@pytest.mark.parametrize(
+    ("line", "wanted"),
+    [
+        ("m.angular.y = 0.5", "other_axis"),
+        ("m.angular.x = m.angular.y = 0.0", "no_turns"),
+        ("m.linear.x, m.linear.y, m.linear.z = 1.0, 0.0, 0.0", "no_turns"),
+        ("ZERO = 0.0\nm.linear.z = ZERO", "no_turns"),
+    ],
+)
+def test_only_a_speed_along_another_axis_is_told(line: str, wanted: str) -> None:
+    assert cause("no_turns", line + "\n") == wanted

@@ -98,3 +98,13 @@ def test_what_follows_the_first_two_dashes_is_the_scripts(
     monkeypatch.setattr(run_command, "run", lambda arguments: seen.append(arguments) or 0)
     assert cli.run(["run", *arguments]) == 0
     assert (seen[0].file, seen[0].horizon_s, seen[0].args) == (Path("a.py"), 3.0, expected)
+
+
+def test_a_file_that_a_command_cannot_use_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "class").mkdir()
+    (tmp_path / "file").write_text("")
+    arguments = ["regrade-folder", str(tmp_path / "class"), "-a", "square", "--lang", "en"]
+    assert cli.run([*arguments, "--reports", str(tmp_path / "file")]) == cli.EXIT_NOT_DONE
+    assert capsys.readouterr().err == f"grader: {tmp_path / 'file'}: File exists\n"

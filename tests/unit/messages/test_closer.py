@@ -291,3 +291,16 @@ def test_what_is_told_of_a_line_that_python_rejects(problem: str, line: str, cod
     shown = f'  File "script.py", line 1\n    {line}\n    ^\nSyntaxError: {problem}\n'
     error = StudentError(type="SyntaxError", message=problem, line=1, traceback=shown)
     assert meaning(error, "syntax_error", ScriptText(line))[0] == code
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"),
+    [
+        ("AssertionError: The 'x' field must be of type 'int'", ""),
+        ("AssertionError", "The 'x' field must be of type 'queer'"),
+        ("TypeError: 'module' object is not callable", "x"),
+        ("A\nB", "x"),
+    ],
+)
+def test_an_exception_that_is_named_like_a_message_is_just_a_crash(kind: str, message: str) -> None:
+    assert told(kind, message, "raise it", 1)[0] == "crashed"

@@ -515,6 +515,8 @@ _MULTIPLE_SHARE = 0.03
 
 def _joined_sides(seen: _Seen, figure: PolygonFigure) -> Mistake | None:
     """Recognise sides that lie on one line, because a turn between them is missing."""
+    if min(figure.sides_m) <= 0.0:
+        return None
     sides = np.asarray(figure.sides_m) / min(figure.sides_m)
     times = np.round(sides)
     apart = float(np.max(np.abs(sides - times) / times))
@@ -525,7 +527,9 @@ def _joined_sides(seen: _Seen, figure: PolygonFigure) -> Mistake | None:
 
 def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     sides = np.asarray(figure.sides_m)
-    if not seen.loses("side_spread_pct", 100.0 * float(np.ptp(sides)) / float(np.mean(sides))):
+    if figure.perimeter_m <= 0.0 or not seen.loses(
+        "side_spread_pct", 100.0 * float(np.ptp(sides)) / float(np.mean(sides))
+    ):
         return
     apart = sides - median(figure.sides_m)
     odd = int(np.argmax(np.abs(apart)))
