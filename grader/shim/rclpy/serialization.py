@@ -17,6 +17,21 @@ def serialize_message(message: Any) -> bytes:
 
 
 def deserialize_message(serialized_message: bytes, message_type: Any) -> Any:
-    """Return the message of `message_type` that the bytes hold."""
+    """Return the message of `message_type` that the bytes hold.
+
+    Raises:
+        RMWError: they hold none.
+    """
+    from rclpy._rcl.errors import RMWError
+
     check_for_type_support(message_type)
-    return cdr.deserialize(serialized_message, message_type)
+    if not isinstance(serialized_message, bytes):
+        raise TypeError(
+            "deserialize(): incompatible function arguments. The following argument types are supported:\n"
+            f"    1. (arg0: bytes, arg1: object) -> object\n\n"
+            f"Invoked with: {serialized_message!r}, {message_type!r}"
+        )
+    try:
+        return cdr.deserialize(serialized_message, message_type)
+    except cdr.CdrError:
+        raise RMWError("failed to deserialize ROS message: error not set") from None

@@ -46,9 +46,10 @@ def do_transform_vector3(vector3: Any, transform: Any) -> Any:
 
 def do_transform_pose(pose: Any, transform: Any) -> Any:
     """Return a Pose moved by a TransformStamped."""
-    p, q = pose.position, pose.orientation
-    moved = _rigid(transform) @ Rigid((p.x, p.y, p.z), normalize((q.x, q.y, q.z, q.w)))
-    (x, y, z), (qx, qy, qz, qw) = moved
+    p, o = pose.position, pose.orientation
+    moved = _rigid(transform) @ Rigid((p.x, p.y, p.z), normalize((o.x, o.y, o.z, o.w)))
+    (x, y, z), q = moved
+    qx, qy, qz, qw = (-part for part in q) if q[3] < 0.0 else q  # upstream tells the rotation with w >= 0
     return Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
 
 

@@ -14,10 +14,11 @@ from tf2_py._exceptions import (
     LookupException,
     TransformException,
 )
-from tf2_py._poses import from_message, problem, to_message, to_ns
+from tf2_py._poses import from_message, problems, to_message, to_ns
 
 _CACHE_TIME_NS = 10 * 10**9
 _MAX_DEPTH = 1000
+_SHORTEST_NS = 100_000  # span of time for which the rate of a single pose is told
 _LOOP = "The tf tree is invalid because it contains a loop."
 
 Cache = TimeCache | StaticCache
@@ -50,6 +51,7 @@ class BufferCore:
         Raises:
             TransformException: its subclass tells why there is none.
         """
+        _require_names(_1=target_frame, _2=source_frame)
         rigid, time_ns = self._lookup(target_frame, source_frame, to_ns(time), "lookupTransform")
         return to_message(rigid, time_ns, target_frame, source_frame)
 
@@ -61,12 +63,17 @@ class BufferCore:
         Raises:
             TransformException: its subclass tells why there is none.
         """
+        _require_names(_1=target_frame, _3=source_frame, _5=fixed_frame)
+        self._validate(target_frame, "lookupTransform argument target_frame")
+        self._validate(source_frame, "lookupTransform argument source_frame")
+        self._validate(fixed_frame, "lookupTransform argument fixed_frame")
         then, _ = self._lookup(fixed_frame, source_frame, to_ns(source_time), "lookupTransform")
         now, time_ns = self._lookup(target_frame, fixed_frame, to_ns(target_time), "lookupTransform")
         return to_message(now @ then, time_ns, target_frame, source_frame)
 
     def can_transform_core(self, target_frame: str, source_frame: str, time: Any) -> tuple[bool, str]:
         """Return whether the transform is known, and why not."""
+        _require_names(_1=target_frame, _2=source_frame)
         try:
             self._lookup(target_frame, source_frame, to_ns(time), "canTransform")
         except TransformException as error:
@@ -77,8 +84,15 @@ class BufferCore:
         self, target_frame: str, target_time: Any, source_frame: str, source_time: Any, fixed_frame: str
     ) -> tuple[bool, str]:
         """Return whether the transform by way of a fixed frame is known, and why not."""
-        known, why = self.can_transform_core(fixed_frame, source_frame, source_time)
-        return self.can_transform_core(target_frame, fixed_frame, target_time) if known else (known, why)
+        _require_names(_1=target_frame, _3=source_frame, _5=fixed_frame)
+        try:
+            self._validate(target_frame, "canTransform argument target_frame")
+            self._validate(source_frame, "canTransform argument source_frame")
+            self._validate(fixed_frame, "canTransform argument fixed_frame")
+        except TransformException as error:
+            return False, str(error)
+        known, why = self.can_transform_core(target_frame, fixed_frame, target_time)
+        return self.can_transform_core(fixed_frame, source_frame, source_time) if known else (known, why)
 
     def get_latest_common_time(self, target_frame: str, source_frame: str) -> Any:
         """Return the newest time at which both frames are known.
@@ -94,8 +108,8 @@ class BufferCore:
         return Time(nanoseconds=self._latest_common_ns(target_frame, source_frame))
 
     def clear(self) -> None:
-        """Forget the poses of all frames, moving and fixed."""
-        self._caches.clear()
+        """Forget the poses of all moving frames; fixed ones stay, as upstream."""
+        self._caches = {name: cache for name, cache in self._caches.items() if isinstance(cache, StaticCache)}
 
     def all_frames_as_string(self) -> str:
         """Return one sentence per frame that has a parent."""
@@ -105,14 +119,18 @@ class BufferCore:
         )
 
     def all_frames_as_yaml(self) -> str:
-        """Return parent and authority of every frame as YAML."""
-        if not self._caches:
+        """Return parent, authority, rate and times of every frame as YAML."""
+        if not self._frames:
             return "[]"
         lines = ""
         for frame, cache in self._caches.items():
+            length_ns = cache.latest_ns - cache.oldest_ns
             lines += f"{frame}: \n  parent: '{cache.latest.parent}'\n"
             lines += f"  broadcaster: '{self._authorities[frame]}'\n"
-            lines += f"  most_recent_transform: {cache.latest_ns / 1e9:.3f}\n"
+            lines += f"  rate: {cache.length * 1e9 / max(length_ns, _SHORTEST_NS):.3f}\n"
+            lines += f"  most_recent_transform: {cache.latest_ns / 1e9:.6f}\n"
+            lines += f"  oldest_transform: {cache.oldest_ns / 1e9:.6f}\n"
+            lines += f"  buffer_length: {length_ns / 1e9:.3f}\n"
         return lines
 
     def _frameExists(self, frame_id: str) -> bool:
@@ -124,17 +142,21 @@ class BufferCore:
     def _insert(self, transform: Any, authority: str, static: bool) -> None:
         sample = from_message(transform)
         child = transform.child_frame_id.removeprefix("/")
-        wrong = problem(child, sample, authority)
+        wrong = problems(child, sample, authority)
+        for line, text in wrong:
+            _complain("Error:   ", text, line)
         if wrong:
-            sys.stderr.write(f"Error:   {wrong}\n")
             return
         cache = self._caches.get(child)
         if cache is None or isinstance(cache, StaticCache) is not static:
             cache = StaticCache() if static else TimeCache(self._span_ns)
         if not cache.insert(sample):
-            sys.stderr.write(
-                f"Warning: TF_OLD_DATA ignoring data from the past for frame {child} at time "
+            _complain(
+                "Warning: ",
+                f"TF_OLD_DATA ignoring data from the past for frame {child} at time "
                 f"{sample.stamp_ns / 1e9:.6f} according to authority {authority}\n"
+                "Possible reasons are listed at http://wiki.ros.org/tf/Errors%20explained",
+                294,
             )
             return
         self._caches[child] = cache
@@ -223,6 +245,18 @@ class BufferCore:
 
     def _stamps(self, frame: str, end: str) -> list[int]:
         return [self._caches[name].latest_ns for name in self._ancestors(frame, end) if name != end]
+
+
+def _complain(level: str, text: str, line: int) -> None:
+    sys.stderr.write(f"{level}{text}\n         at line {line} in ./src/buffer_core.cpp\n")
+
+
+def _require_names(**frames: Any) -> None:
+    """Raise TypeError, as the C module does, for a frame that is no text."""
+    for position, frame in frames.items():
+        if not isinstance(frame, str):
+            kind = "None" if frame is None else type(frame).__name__
+            raise TypeError(f"argument {position[1:]} must be str, not {kind}")
 
 
 def _chain(rigids: list[Rigid]) -> Rigid:

@@ -37,6 +37,16 @@ class TimeCache:
         """Time of the newest sample."""
         return self._samples[-1].stamp_ns
 
+    @property
+    def oldest_ns(self) -> int:
+        """Time of the oldest sample."""
+        return self._samples[0].stamp_ns
+
+    @property
+    def length(self) -> int:
+        """Number of samples."""
+        return len(self._samples)
+
     def insert(self, sample: Sample) -> bool:
         """Add a sample in order of time. Return False, and drop it, if it is older than the span of the cache."""
         if self._samples:
@@ -82,7 +92,8 @@ class TimeCache:
 class StaticCache:
     """The pose of a frame that never moves in its parent."""
 
-    latest_ns = 0
+    latest_ns = oldest_ns = 0
+    length = 1
 
     def __init__(self) -> None:
         self.latest: Sample

@@ -24,36 +24,26 @@ def to_ns(moment: Any) -> int:
     raise TypeError("time must have sec and nanosec, or nanoseconds.")
 
 
-def problem(child: str, sample: Sample, authority: str) -> str:
-    """Return why a pose cannot be taken in, or an empty text."""
-    values = (*sample.rigid.translation, *sample.rigid.rotation)
-    if child == sample.parent:
-        return (
-            f'TF_SELF_TRANSFORM: Ignoring transform from authority "{authority}" with frame_id and  '
-            f'child_frame_id "{child}" because they are the same'
-        )
-    if not child:
-        return (
-            f'TF_NO_CHILD_FRAME_ID: Ignoring transform from authority "{authority}" '
-            "because child_frame_id not set "
-        )
-    if not sample.parent:
-        return (
-            f'TF_NO_FRAME_ID: Ignoring transform with child_frame_id "{child}"  '
-            f'from authority "{authority}" because frame_id not set'
-        )
-    if any(isnan(value) for value in values):
-        return (
-            f'TF_NAN_INPUT: Ignoring transform for child_frame_id "{child}" '
-            f'from authority "{authority}" because of a nan value in the transform'
-        )
-    if not abs(sum(component**2 for component in sample.rigid.rotation) - 1.0) < _NORM_TOLERANCE:
-        return (
-            f'TF_DENORMALIZED_QUATERNION: Ignoring transform for child_frame_id "{child}" from authority '
-            f'"{authority}" because of an invalid quaternion in the transform '
-            "({:f} {:f} {:f} {:f})".format(*sample.rigid.rotation)
-        )
-    return ""
+def problems(child: str, sample: Sample, authority: str) -> list[tuple[int, str]]:
+    """Return why a pose cannot be taken in: lines of buffer_core.cpp, and their texts."""
+    parent, (translation, rotation) = sample.parent, sample.rigid
+    is_nan = any(isnan(value) for value in (*translation, *rotation))
+    is_unit = abs(sum(component**2 for component in rotation) - 1.0) < _NORM_TOLERANCE
+    told = {
+        (211, child == parent): f'TF_SELF_TRANSFORM: Ignoring transform from authority "{authority}" with '
+        f'frame_id and  child_frame_id "{child}" because they are the same',
+        (219, not child): f'TF_NO_CHILD_FRAME_ID: Ignoring transform from authority "{authority}" '
+        "because child_frame_id not set ",
+        (227, not parent): f'TF_NO_FRAME_ID: Ignoring transform with child_frame_id "{child}"  '
+        f'from authority "{authority}" because frame_id not set',
+        (237, is_nan): f'TF_NAN_INPUT: Ignoring transform for child_frame_id "{child}" '
+        f'from authority "{authority}" because of a nan value in the transform '
+        "({:f} {:f} {:f}) ({:f} {:f} {:f} {:f})".format(*translation, *rotation),
+        (256, not is_unit): f'TF_DENORMALIZED_QUATERNION: Ignoring transform for child_frame_id "{child}" '
+        f'from authority "{authority}" because of an invalid quaternion in the transform '
+        "({:f} {:f} {:f} {:f})".format(*rotation),
+    }
+    return [(line, text) for (line, wrong), text in told.items() if wrong]
 
 
 def from_message(message: Any) -> Sample:

@@ -9,6 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rclpy._interfaces.cdr import CdrError, deserialize, serialize
 from rclpy._interfaces.definitions import Field
+from rclpy._rcl.errors import RMWError
+from rclpy.serialization import deserialize_message
 from rclpy._interfaces.messages import CLASSES, STRUCTURES, interface_name
 from rosbags.typesys import Stores, get_typestore
 from std_msgs.msg import Empty, Float64MultiArray, String
@@ -169,3 +171,10 @@ def test_deserialized_messages_still_check_assignments() -> None:
     twist = deserialize(serialize(Twist()), Twist)
     with pytest.raises(AssertionError, match="The 'x' field must be of type 'float'"):
         twist.linear.x = 1
+
+
+def test_bytes_that_are_no_message_are_refused_as_by_the_middleware() -> None:
+    with pytest.raises(RMWError, match="failed to deserialize ROS message"):
+        deserialize_message(b"abc", String)
+    with pytest.raises(TypeError, match="incompatible function arguments"):
+        deserialize_message("abc", String)  # type: ignore[arg-type]

@@ -2,10 +2,11 @@
 
 import math
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import Pose, Quaternion, TransformStamped
 from hypothesis import given
 from hypothesis import strategies as st
 from tf2_py import (
@@ -16,6 +17,7 @@ from tf2_py import (
     LookupException,
     TransformException,
 )
+from tf2_geometry_msgs import do_transform_pose
 
 LATEST = Time()
 
@@ -242,7 +244,49 @@ def test_loops_are_noticed() -> None:
 def test_frames_as_text() -> None:
     core = buffer(pose("w", "a"))
     assert core.all_frames_as_string() == "Frame a exists with parent w.\n"
-    assert "a: \n  parent: 'w'\n  broadcaster: 'test'\n" in core.all_frames_as_yaml()
+    assert core.all_frames_as_yaml().splitlines() == [
+        "a: ", "  parent: 'w'", "  broadcaster: 'test'", "  rate: 10000.000", "  most_recent_transform: 1.000000",
+        "  oldest_transform: 1.000000", "  buffer_length: 0.000",
+    ]  # fmt: skip
+
+
+def test_clearing_leaves_fixed_frames() -> None:
+    core = buffer(pose("w", "a"))
+    core.set_transform_static(pose("a", "s", 2.0), "test")
+    core.clear()
+    assert xy_yaw(core.lookup_transform_core("a", "s", at(0.0)))[0] == 2.0
+    assert not core.can_transform_core("w", "a", at(0.0))[0]
+
+
+def test_all_that_is_wrong_with_a_pose_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    buffer(pose("", "", math.nan))
+    core = buffer(pose("w", "a", t_s=20.0), pose("w", "a", t_s=1.0))
+    told = capsys.readouterr().err.splitlines()
+    assert [line.split(":")[1].strip().split(" ")[0] for line in told if ": " in line] == [
+        "TF_SELF_TRANSFORM", "TF_NO_CHILD_FRAME_ID", "TF_NO_FRAME_ID", "TF_NAN_INPUT", "TF_OLD_DATA",
+    ]  # fmt: skip
+    assert told[-3:] == [
+        "Warning: TF_OLD_DATA ignoring data from the past for frame a at time 1.000000 according to authority test",
+        "Possible reasons are listed at http://wiki.ros.org/tf/Errors%20explained",
+        "         at line 294 in ./src/buffer_core.cpp",
+    ]
+    assert core.can_transform_full_core("w", at(20.0), "a", at(20.0), "nope") == (
+        False, 'Invalid frame ID "nope" passed to canTransform argument fixed_frame - frame does not exist',
+    )  # fmt: skip
+
+
+def test_frames_are_texts() -> None:
+    core: Any = buffer(pose("w", "a"))
+    with pytest.raises(TypeError, match="argument 2 must be str, not int"):
+        core.lookup_transform_core("w", 5, at(1.0))
+    with pytest.raises(TypeError, match="argument 1 must be str, not None"):
+        core.can_transform_core(None, "w", at(1.0))
+
+
+def test_a_moved_pose_has_a_positive_w() -> None:
+    turned = Pose(orientation=Quaternion(z=0.6, w=-0.8))
+    moved = do_transform_pose(turned, pose("w", "a"))
+    assert (moved.orientation.z, moved.orientation.w) == pytest.approx((-0.6, 0.8))
 
 
 def test_times_must_be_times() -> None:
