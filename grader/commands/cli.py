@@ -174,16 +174,26 @@ def run(argv: Sequence[str]) -> int:
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
     except OSError as error:
-        told = trouble(error)
-        if error.filename is not None:
-            sys.stderr.write(f"grader: {error.filename}: {told.get(Parser.language)}\n")
-            return EXIT_NOT_DONE
+        return _not_done(error)
+
+
+def _not_done(error: OSError) -> int:
+    """Say which file a command could not use, or that its output cannot be written; return the exit code.
+
+    Raises:
+        OSError: the error is about something else.
+    """
+    told = trouble(error)
+    if error.filename is None:
         if error.errno not in _UNWRITTEN:
-            raise
-        # The output cannot be written. Python would fail again when it flushes.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise error
+        os.dup2(
+            os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno()
+        )  # Python would fail again when it flushes
         if isinstance(error, BrokenPipeError):  # the reader has closed the pipe, as `head` does
             return EXIT_BROKEN_PIPE
         told = Text(zh=f"写不出结果：{told.zh}", en=f"the output cannot be written: {told.en}")
-        sys.stderr.write(f"grader: {told.get(Parser.language)}\n")
-        return EXIT_NOT_DONE
+    else:
+        told = Text(zh=f"{error.filename}：{told.zh}", en=f"{error.filename}: {told.en}")
+    sys.stderr.write(f"grader: {told.get(Parser.language)}\n")
+    return EXIT_NOT_DONE
