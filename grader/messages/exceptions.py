@@ -298,6 +298,10 @@ _SIGNS: Final = (
     (r"EOFError: ", "no_input"),
     (r"IndexError: list index out of range" + _AT + r".*\bsys\.argv\[", "no_arguments"),
     (r"IndexError: array index out of range" + _AT + r".*\branges\[", "ranges_index"),
+    (
+        r"IndexError: pop from (an )?empty (list|deque)" + _AT + r".*?(?P<list>[\w.]{1,60})\.pop(left)?\(",
+        "list_empty",
+    ),
     (r"IndexError: (array|list|string|tuple) index out of range", "index_range"),
     (r"error: (\(25, |setupterm:)", "no_terminal"),  # of termios and curses
     (r"TclError: ", "no_display"),

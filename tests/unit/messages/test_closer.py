@@ -49,6 +49,19 @@ LIST = "def f():\n    xs = {made}\n    for i in range(4):\n        print(xs[i])\
 RANGE = "list index out of range"
 
 
+@pytest.mark.parametrize(
+    ("message", "line", "wanted"),
+    [
+        ("pop from empty list", "v, w = self.plan.pop(0)", "self.plan is empty by then"),
+        ("pop from an empty deque", "x = goals.popleft()", "goals is empty by then"),
+    ],
+)
+def test_what_is_taken_from_an_empty_list_is_told(message: str, line: str, wanted: str) -> None:
+    code, text = told("IndexError", message, line, 1)
+    assert code == "list_empty"
+    assert wanted in text
+
+
 def test_a_list_is_too_short_for_the_loop_around() -> None:
     assert told("IndexError", RANGE, LIST.format(made="[1, 2, 3]"), 4)[0] == "list_too_short"
 
