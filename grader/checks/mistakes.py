@@ -136,18 +136,14 @@ def command_mistakes(
     return _timeouts(run.trajectory, outcome, turns, drives)
 
 
-def hears(run: Run) -> bool:
-    """Whether the script subscribes to anything; a theta of another script belongs to a teleport."""
-    return any(each.kind == "subscription" for each in run.outcome.endpoints)
-
-
 def only_turned(run: Run, spoilt: tuple[str, ...]) -> Iterator[Mistake]:
     """Recognise a car that was told to turn, and never to drive."""
     if noted(run.outcome, "lateral_command") is not None:
         return  # it was told to drive, but sideways
     moves = [command for command in run.trajectory.commands if is_motion(command)]
     if moves and not any(abs(command.v_mps) > MOVING_MPS for command in moves):
-        by_pose = hears(run) and ScriptText(run.source).lines_with(r"\.theta\b|\borientation\b")
+        # the theta of a script that hears nothing belongs to a teleport
+        by_pose = run.outcome.hears and ScriptText(run.source).lines_with(r"\.theta\b|\borientation\b")
         yield swings(run, spoilt) or mistake("no_drive_by_pose" if by_pose else "no_drive", spoilt)
 
 
@@ -316,11 +312,15 @@ _FLIPS = 10
 _STAYED_M, _SWUNG_RAD = 0.05, 0.02
 
 
+def no_final_stop(run: Run, excess: str, spoilt: tuple[str, ...]) -> Mistake:
+    """Return the mistake of a car that went on by `excess`, a distance or an angle, because nothing stopped it."""
+    return mistake("no_final_stop", spoilt, excess=excess, publisher=ScriptText(run.source).publisher_name)
+
+
 def swings(run: Run, spoilt: tuple[str, ...]) -> Mistake | None:
     """Recognise a listening script whose car only turned left and right in the end, each time too far."""
     track, since_ns = run.trajectory, run.outcome.duration_ns - _SWUNG_NS
-    heard = any(each.kind == "subscription" for each in run.outcome.endpoints)
-    if run.outcome.status is not RunStatus.INTERRUPTED or not heard:
+    if run.outcome.status is not RunStatus.INTERRUPTED or not run.outcome.hears:
         return None
     last = track.t_ns >= since_ns
     turns = [one.w_radps for one in track.commands if one.t_ns >= since_ns and is_motion(one) and one.w_radps]
@@ -566,9 +566,8 @@ def _in_loop(run: Run, script: ScriptText) -> Mistake | None:
     """Recognise a loop that was still waiting when the run ended, and whether callbacks could have ended it."""
     if (begins := _loop_at_end(run, script)) is None or (closer := loop_in_callback(run)) is not None:
         return None if begins is None else closer
-    heard = any(each.kind == "subscription" for each in run.outcome.endpoints)
     in_thread = script.lines_with(r"\btarget ?= ?[\w.]*spin|\bExecutor\(")
-    deaf = heard and not script.spins(begins) and not in_thread
+    deaf = run.outcome.hears and not script.spins(begins) and not in_thread
     return mistake("waits_without_spin" if deaf else "waits_in_loop", line=begins)
 
 
@@ -585,10 +584,9 @@ def loop_in_callback(run: Run) -> Mistake | None:
     script = ScriptText(run.source)
     if (begins := _loop_at_end(run, script)) is None:
         return None
-    heard = any(each.kind == "subscription" for each in run.outcome.endpoints)
-    called_back = _runs_in_callback(script, script.function_around(begins))
+    called_back = run.outcome.hears and _runs_in_callback(script, script.function_around(begins))
     in_parallel = script.lines_with(r"\bMultiThreadedExecutor\(|\bThread\(")
-    return mistake("loop_in_callback", line=begins) if heard and called_back and not in_parallel else None
+    return mistake("loop_in_callback", line=begins) if called_back and not in_parallel else None
 
 
 _ZERO = r" ?-?[0.]+ ?(;|$)"

@@ -183,3 +183,8 @@ class RunOutcome(Record):
     def blame(self) -> Blame:
         """Whose fault the end of the run is."""
         return self.status.blame
+
+    @property
+    def hears(self) -> bool:
+        """Whether the script subscribed to anything."""
+        return any(endpoint.kind == "subscription" for endpoint in self.endpoints)

@@ -4,7 +4,7 @@ import re
 from collections import Counter
 from typing import Final
 
-from grader.checks.causes.searched import Searched, is_repeated, itself
+from grader.checks.causes.searched import LOGS, SHOWS, Searched, is_repeated, itself
 from grader.checks.measure import Mistake, mistake
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
@@ -44,7 +44,7 @@ _FEW_TICKS: Final = 10
 
 def _only_logs(line: int, name: str, script: ScriptText) -> bool:
     """Whether what a count leads to is only shown: nothing moves or stops because of it."""
-    shown = rf"(?:.*\.(?:info|debug|warn|warning)|print)\(|{re.escape(name)} ?= ?0$"
+    shown = rf"(?:.*{LOGS}|print\()|{re.escape(name)} ?= ?0$"
     body = script.body(line)
     return bool(body) and all(re.match(shown, text) for _, text in body)
 
@@ -150,7 +150,7 @@ def _only_shown(text: str, script: ScriptText) -> bool:
     used = [script.written(at) for at, code in enumerate(script.lines, start=1) if code.strip()]
     used = [one for one in used if re.search(itself(assigned[1]), one) and one.strip() != text.strip()]
     used = [one for one in used if not re.match(rf"[ \t]*{assigned[1]} *=(?!=)", one)]
-    return all(re.search(r"\bprint\(|\.(info|debug|warn|warning)\(", one) for one in used)
+    return all(re.search(SHOWS, one) for one in used)
 
 
 def always_true(seen: Searched) -> Mistake | None:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
-from grader.checks.causes.searched import CLOCK, Searched, itself
+from grader.checks.causes.searched import CLOCK, SHOWS, Searched, itself
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import not_called
 from grader.messages.arithmetic import value_of
@@ -429,8 +429,7 @@ def _kept(script: ScriptText) -> Iterator[tuple[str, int, re.Match[str]]]:
 
 def _used_in(lines: list[str], name: str) -> bool:
     """Whether lines compute with a plain name, so that it was meant as a variable of its own."""
-    shown = r"\bprint\(|\.(info|debug|warn|warning)\("
-    return any(re.search(itself(name), text) and not re.search(shown, text) for text in lines)
+    return any(re.search(itself(name), text) and not re.search(SHOWS, text) for text in lines)
 
 
 def _only_in_init(name: str, script: ScriptText) -> bool:

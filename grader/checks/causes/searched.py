@@ -26,6 +26,10 @@ class Searched(NamedTuple):
 
 CLOCK: Final = r"(?:time\.(?:time|monotonic|perf_counter)\(\)|(?:[\w.]+\(\)\.)?now\(\)(?:\.nanoseconds)?)"
 
+LOGS: Final = r"\.(?:info|debug|warn|warning)\("
+SHOWS: Final = rf"\bprint\(|{LOGS}"
+"""A line that logs, and one that logs or prints: what it uses is only shown."""
+
 
 def is_repeated(line: int, script: ScriptText) -> bool:
     """Whether a line stands in a loop of its function."""

@@ -175,12 +175,8 @@ def _replayable_runs(assignment: Assignment, solution: GradingResult) -> list[Ru
         )
         for run in solution.report.runs
     ]
-    return [run for run in runs if not _listens(run) and replayable(assignment, run)]
-
-
-def _listens(run: Run) -> bool:
-    """Whether the script may have steered by what it heard: an error in its commands would have been corrected."""
-    return any(each.kind == "subscription" for each in run.outcome.endpoints)
+    # a script that hears something may steer by it: an error in its commands would have been corrected
+    return [run for run in runs if not run.outcome.hears and replayable(assignment, run)]
 
 
 def _lax(assignment: Assignment, runs: list[Run]) -> Iterator[Text]:

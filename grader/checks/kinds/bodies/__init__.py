@@ -68,8 +68,12 @@ class _Counted:
     @property
     def present(self) -> Floats:
         """Return the object's rows of the time when it was there."""
-        present: Floats = self.object[np.isfinite(self.object[:, 0])]
-        return present
+        return _present(self.object)
+
+
+def _present(rows: Floats) -> Floats:
+    present: Floats = rows[np.isfinite(rows[:, 0])]
+    return present
 
 
 def examine(assignment: Assignment, run: Run) -> Findings:
@@ -115,7 +119,7 @@ def _physics(counted: _Counted) -> dict[str, Measure]:
 
 
 def _object(counted: _Counted) -> dict[str, Measure]:
-    placed = counted.replayed.object[np.isfinite(counted.replayed.object[:, 0])]
+    placed = _present(counted.replayed.object)
     start = {"start_m": Measure(float(placed[0, 2]))} if len(placed) else {}
     rows = counted.present
     if len(rows) < 2:

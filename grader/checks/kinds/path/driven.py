@@ -187,7 +187,8 @@ def figure_in(drive: Drive, wanted: WantedPath, start: StartPose) -> Figure | No
     """Return the wanted path laid on what was driven, or None where hardly anything was."""
     path = drive.path
     along = np.maximum.accumulate(path.along_m)
-    if float(along[-1]) < LEAST_M:
+    total_m = float(along[-1])
+    if total_m < LEAST_M:
         return None
     points = path.x_m + 1j * path.y_m
     found: Figure | None = None
@@ -197,11 +198,11 @@ def figure_in(drive: Drive, wanted: WantedPath, start: StartPose) -> Figure | No
     least_m = 0.0 if wanted.any_scale or not ways else least_share * ways[0].length_m
     likely: list[Figure] = []  # longer parts come first
     ends = _ends_of_laps(points, along, least_m) if closed else _ends_of_pieces(path, along, least_m)
-    for end_m in (float(along[-1]), *ends):
+    for end_m in (total_m, *ends):
         tried = _tried(points, along, end_m, ways, allowed)  # of equal ones the plainest comes first
         likely += sorted(tried, key=lambda each: round(each.residual, 3))[:LIKELY]
     for one in _refined(likely, allowed, THIN):
-        if not closed and one.end_m < float(along[-1]) and one.residual > COVERED_SHARE:
+        if not closed and one.end_m < total_m and one.residual > COVERED_SHARE:
             continue  # hardly the whole path: with what follows it is one that was driven badly
         if found is None or one.residual < (found.residual - NEARLY_SHARE) / LONGER_SHARE:
             found = one

@@ -24,7 +24,7 @@ from grader.checks.kinds.path.driven import (
 )
 from grader.checks.kinds.path.wanted import MIN_CORNER_RAD, Stretch, corner_rad, track_of, tracks
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import command_mistakes, only_turned, with_ends
+from grader.checks.mistakes import command_mistakes, no_final_stop, only_turned, with_ends
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment, WantedPath
 from grader.contracts.scoring import Run
@@ -295,9 +295,8 @@ def _pieces(seen: _Seen) -> Iterator[Mistake]:
         if seen.loses("length_error_pct", 100.0 * error):
             excess_m = each.length_m - scale * each.wanted.length_m
             if each is seen.stretches[-1] and excess_m > 0.0 and coasts(seen.run, seen.drive, excess_m):
-                publisher = ScriptText(seen.run.source).publisher or "publisher"
                 spoilt = ("length_error_pct", *_WHOLE_MEASURES)
-                yield mistake("no_final_stop", spoilt, excess=number(excess_m, "m"), publisher=publisher)
+                yield no_final_stop(seen.run, number(excess_m, "m"), spoilt)
                 return
             yield mistake(
                 "path_length",
@@ -379,7 +378,7 @@ def _ending(seen: _Seen) -> Iterator[Mistake]:
     """Say what was driven after the path."""
     if seen.figure.repeated:
         return
-    publisher = ScriptText(seen.run.source).publisher or "publisher"
+    publisher = ScriptText(seen.run.source).publisher_name
     if seen.drive.moving_at_end:
         yield mistake("never_stops", ("settled",), publisher=publisher)
     elif seen.figure.overrun:

@@ -103,10 +103,10 @@ def corner_rad(before: Stretch, after: Stretch) -> float:
     return math.remainder(after.begins_rad - before.ends_rad, math.tau)
 
 
-def sampled(points: Points, count: int = SAMPLES) -> Points:
-    """Return `count` points along a line of points at equal distances."""
+def sampled(points: Points) -> Points:
+    """Return `SAMPLES` points along a line of points at equal distances."""
     along: Floats = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(points)))))
-    at = np.linspace(0.0, float(along[-1]), count)
+    at = np.linspace(0.0, float(along[-1]), SAMPLES)
     return np.interp(at, along, points.real) + 1j * np.interp(at, along, points.imag)
 
 

@@ -197,7 +197,7 @@ def _ending(
 ) -> Iterator[Mistake]:
     """Say what was wrong after the car had visited all goals."""
     if drive.moving_at_end:
-        publisher = ScriptText(run.source).publisher or "publisher"
+        publisher = ScriptText(run.source).publisher_name
         yield mistake("place_never_stops", ("settled", *_END_MEASURES), publisher=publisher)
         return
     off_m = _final_distance_m(way, visits[-1])

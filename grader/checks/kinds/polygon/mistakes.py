@@ -13,8 +13,8 @@ from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import (
     command_mistakes,
     defined_twice,
-    hears,
     loop_in_callback,
+    no_final_stop,
     noted,
     only_turned,
     swings,
@@ -43,6 +43,7 @@ MOSTLY_ROUND_SHARE = (
     0.25  # from here on, the arcs explain wrong angles and lengths, so they are mentioned first
 )
 _LENGTHS = ("side_spread_pct", "side_error_pct")
+_COASTED = ("settled", "gap_pct", *_LENGTHS)
 _TURNS = ("corner_deg", "sides", "gap_pct", "opposite_corners")
 _DRIVES = ("distance_m", *_LENGTHS, "gap_pct")
 _EQUAL_DRIVES = ("distance_m", "side_error_pct")
@@ -74,7 +75,7 @@ class _Seen:
     @property
     def steers(self) -> bool:
         """Whether the script computes or compares with the heading that it hears."""
-        return hears(self.run) and bool(ScriptText(self.run.source).lines_with(_BY_HEADING))
+        return self.run.outcome.hears and bool(ScriptText(self.run.source).lines_with(_BY_HEADING))
 
     @property
     def ideal_deg(self) -> float:
@@ -285,7 +286,7 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
         (abs(turn.angle_rad) for turn in seen.driven.segments.turns if turn is not None), default=0.0
     )
     unfinished = seen.driven.figure is None or len(seen.driven.figure.sides_m) < seen.sides
-    by_pose = hears(seen.run) and bool(ScriptText(seen.run.source).lines_with(r"\.theta\b"))
+    by_pose = seen.run.outcome.hears and bool(ScriptText(seen.run.source).lines_with(r"\.theta\b"))
     if fastest >= (_FAST_BY_POSE_RADPS if by_pose else FAST_TURN_RADPS):
         yield mistake("degrees_as_radians", _SHAPE, rate=number(fastest, ""), ideal=_degree(seen.ideal_deg))
     elif math.degrees(widest) > 1.25 * FULL_TURN_DEG and unfinished and not _circling(seen):
@@ -398,7 +399,7 @@ def _is_arc(command: Command) -> bool:
 def _long_way(seen: _Seen, values: Mapping[str, object]) -> Mistake:
     """Recognise corners that go the long way round: by a wrong difference of angles, or for too long."""
     turned_deg = seen.driven.turned_deg
-    by_pose = hears(seen.run) and bool(ScriptText(seen.run.source).lines_with(r"\btheta\b"))
+    by_pose = seen.run.outcome.hears and bool(ScriptText(seen.run.source).lines_with(r"\btheta\b"))
     if by_pose or not seen.driven.long_way.all():
         return mistake("long_way", ("opposite_corners",), turned=listed(turned_deg, "deg"), **values)
     turned = listed(np.abs(turned_deg), "deg")
@@ -535,7 +536,7 @@ def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     odd = int(np.argmax(np.abs(apart)))
     over_m = float(apart[odd])
     if odd == len(sides) - 1 and over_m > 0.0 and coasts(seen.run, seen.driven.drive, over_m):
-        yield _no_final_stop(seen, number(over_m, "m"))
+        yield no_final_stop(seen.run, number(over_m, "m"), _COASTED)
         return
     others = np.delete(sides, odd)
     if seen.loses("side_spread_pct", 100.0 * float(np.ptp(others)) / float(np.mean(others))):
@@ -601,17 +602,10 @@ def _ending(seen: _Seen) -> Iterator[Mistake]:
     elif seen.driven.turned_on and (turn := seen.driven.segments.turns[-1]) is not None:
         excess_deg = abs(math.degrees(turn.angle_rad)) - seen.ideal_deg
         if excess_deg > 0.0 and coasts(seen.run, seen.driven.drive, math.radians(excess_deg), turning=True):
-            yield _no_final_stop(seen, _degree(excess_deg))
+            yield no_final_stop(seen.run, _degree(excess_deg), _COASTED)
             return
         turned = _degree(seen.driven.sense * math.degrees(turn.angle_rad))
         yield mistake("turned_on", ("settled",), turned=turned, ideal=_degree(seen.ideal_deg))
-
-
-def _no_final_stop(seen: _Seen, excess: str) -> Mistake:
-    spoilt = ("settled", "gap_pct", *_LENGTHS)
-    return mistake(
-        "no_final_stop", spoilt, excess=excess, publisher=ScriptText(seen.run.source).publisher_name
-    )
 
 
 def _degree(value: float) -> str:

@@ -41,7 +41,7 @@ def _touched(run: Run) -> Iterator[Mistake]:
         ended_ns = run.outcome.duration_ns
         if run.outcome.status is RunStatus.FINISHED and contact.start_ns > ended_ns:
             yield mistake("room_ran_on", _TOUCH, ended=number(ended_ns / 1e9, "s"), **values)
-        elif not any(one.kind == "subscription" for one in run.outcome.endpoints):
+        elif not run.outcome.hears:
             yield mistake("room_blind", _TOUCH, **values)
         elif (silent_ns := _silent_since(run, contact)) is not None:
             yield mistake("room_no_stop", _TOUCH, since=number(silent_ns / 1e9, "s"), **values)
