@@ -187,9 +187,8 @@ def _not_done(error: OSError) -> int:
     if error.filename is None:
         if error.errno not in _UNWRITTEN:
             raise error
-        os.dup2(
-            os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno()
-        )  # Python would fail again when it flushes
+        # Python would fail again when it flushes.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if isinstance(error, BrokenPipeError):  # the reader has closed the pipe, as `head` does
             return EXIT_BROKEN_PIPE
         told = Text(zh=f"写不出结果：{told.zh}", en=f"the output cannot be written: {told.en}")

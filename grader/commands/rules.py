@@ -75,14 +75,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Do it; rules that make no sense are raised as CourseError before anything is changed."""
-    action = {"show": _show, "set": _set, "extend": _extend}[arguments.action]
     with opened(arguments) as storage:
         course = chosen_course(storage, arguments.course)
         if arguments.action == "extend" and storage.courses.member(course, arguments.student) is None:
             raise unknown_members(course, arguments.student)
-        if arguments.action != "show":
-            arguments.of_course = _assignment(storage.database, course, arguments.assignment)
-        action(StoredRules(storage.database), Signature(utc_now(), course, actor()), arguments)
+        stored, signed = StoredRules(storage.database), Signature(utc_now(), course, actor())
+        if arguments.action == "show":
+            _show(stored.of(course))
+            return 0
+        assignment = _assignment(storage.database, course, arguments.assignment)
+        if arguments.action == "set":
+            _set(stored, signed, assignment, arguments)
+        else:
+            _extend(stored, signed, arguments)
     return 0
 
 
@@ -94,8 +99,7 @@ def _assignment(database: Database, course: str, assignment_id: str) -> Assignme
     return assignments_of(load(), database, utc_now).of(course).get(assignment_id)
 
 
-def _show(stored: StoredRules, signed: Signature, _: argparse.Namespace) -> None:
-    known = stored.of(signed.course)
+def _show(known: CourseRules) -> None:
     document = {assignment: to_document(rules) for assignment, rules in sorted(known.by_assignment.items())}
     for (assignment, student), extension in sorted(known.extensions.items(), key=lambda item: item[0]):
         if extension != NO_EXTENSION:
@@ -108,8 +112,10 @@ def _local(extension: Extension, zone: ZoneInfo) -> Extension:
     return extension if extension.due is None else replace(extension, due=extension.due.astimezone(zone))
 
 
-def _set(stored: StoredRules, signed: Signature, arguments: argparse.Namespace) -> None:
-    items = [item.id for item in arguments.of_course.items]
+def _set(
+    stored: StoredRules, signed: Signature, assignment: Assignment, arguments: argparse.Namespace
+) -> None:
+    items = [item.id for item in assignment.items]
     known = stored.of(signed.course)
     before = known.of(arguments.assignment)
     rules = _read(_changed(before, arguments.rules), known.zone)
