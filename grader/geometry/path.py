@@ -81,8 +81,8 @@ def driven_path(x_m: Floats, y_m: Floats, heading_rad: Floats, jumps: Sequence[i
 def without_overshoots(path: Path) -> Path:
     """Return the path with each way back from too far taken for a correction, however long.
 
-    A car went too far that backs up along a straight for less than `OVERSHOOT_SHARE` of it and then goes on as
-    before: turning, or ahead.
+    A car that backs up along a straight for less than `OVERSHOOT_SHARE` of it, and then turns or drives ahead, had
+    gone too far.
     """
     found = _turning_points(path.signed_m, _reversal_m(path.extent_m))
     kept: list[int] = []

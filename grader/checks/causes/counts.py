@@ -57,7 +57,7 @@ def _counted_each_tick(name: str, script: ScriptText) -> bool:
         if any(re.search(_MEASURED, head) for head in conditions):
             continue
         if any(re.search(r"[<>]", head) and not re.search(itself(name), head) for head in conditions):
-            continue  # raised when something else has come somewhere, such as the time of a side
+            continue  # raised when something else passes a limit, such as the time of a side
         if not others or not re.search(rf"(?<![\w.])({others})\b", " ".join(conditions)):
             return True
     return False
@@ -143,7 +143,7 @@ def grows(seen: Searched) -> Mistake | None:
 
 
 def _only_shown(text: str, script: ScriptText) -> bool:
-    """Whether a line assigns a name that nothing but messages on the screen use."""
+    """Whether a line assigns a name that only lines which log or print use."""
     assigned = re.match(r"[ \t]*(\w+) ?=(?!=)", text)
     if assigned is None:
         return False

@@ -364,7 +364,7 @@ _ASKED: Final = r"\bself\.(\w+) is None\b|\bnot self\.(\w+)(?!\()\b"
 
 
 def _dead(script: ScriptText) -> dict[str, bool]:
-    """Return the functions that nothing runs, and whether another one of them calls it."""
+    """Return the functions that nothing runs, each with whether another of them calls it."""
     users: dict[str, set[str]] = {found[1]: set() for _, found in script.matches(r"^[ \t]*def (\w+)")}
     names = set(users)  # and `users` is in the order of the script
     for at, line in enumerate(script.lines, start=1):

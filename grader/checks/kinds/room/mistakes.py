@@ -52,7 +52,7 @@ def _touched(run: Run) -> Iterator[Mistake]:
 
 
 def _silent_since(run: Run, contact: Contact) -> int | None:
-    """Return when a script, which went on, sent its last command before the robot touched something: a motion."""
+    """Return when the last command before a contact was sent, if it was a motion and long before; else None."""
     before = [each for each in run.trajectory.commands if each.t_ns <= contact.start_ns]
     if len(before) < _MANY_COMMANDS or not is_motion(before[-1]):
         return None
