@@ -164,12 +164,21 @@ def _await_start(client: httpx.Client, server: subprocess.Popen[bytes]) -> None:
 
 
 def hand_in(client: httpx.Client, upload: DemoUpload) -> str:
-    """Upload one file; return where its submission is found."""
-    response = client.post(
-        "/api/v1/submissions",
-        data={"student": upload.student, "assignment": upload.assignment},
-        files={"file": (upload.path.name, handed_in(upload.path), "text/x-python")},
-    )
+    """Upload one file, as soon as the service takes it; return where its submission is found.
+
+    One student may have a number of submissions open at a time: where grading is slower than uploading, the
+    service answers 429 and says when to come again.
+    """
+    deadline = time.monotonic() + _GRADING_S
+    while True:
+        response = client.post(
+            "/api/v1/submissions",
+            data={"student": upload.student, "assignment": upload.assignment},
+            files={"file": (upload.path.name, handed_in(upload.path), "text/x-python")},
+        )
+        if response.status_code != httpx.codes.TOO_MANY_REQUESTS or time.monotonic() > deadline:
+            break
+        time.sleep(int(response.headers["Retry-After"]))
     if response.status_code != httpx.codes.ACCEPTED:
         raise InfrastructureError(f"{upload.path.name} was refused: {response.text}")
     return str(response.headers["Location"])
