@@ -85,7 +85,7 @@ def _mistakes(run: Run, list_field: str) -> tuple[Mistake, ...]:
 
 
 def _empty(run: Run, list_field: str) -> Iterator[Mistake]:
-    if list_field and any(not (result.values or {}).get(list_field) for result in run.calls):
+    if list_field and any(not listed_entries(result.values, list_field) for result in run.calls):
         yield mistake("empty_answer", ("entries",), field=list_field)
 
 

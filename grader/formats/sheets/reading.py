@@ -167,8 +167,8 @@ def _csv_rows(text: str, separator: str) -> tuple[ListedRow, ...]:
     rows = []
     line = 1
     try:
-        for cells in reader:
-            row = ListedRow(number=reader.line_num, cells=tuple(map(_csv_text, cells)))
+        for number, cells in enumerate(reader, 1):
+            row = ListedRow(number=number, cells=tuple(map(_csv_text, cells)))
             if any(row.cells):
                 rows.append(row)
             line = reader.line_num + 1

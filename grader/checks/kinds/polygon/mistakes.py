@@ -244,7 +244,10 @@ def _commanded_turns(seen: _Seen, until_ns: int) -> list[float]:
         turning = _turns(command) and abs(command.v_mps) <= MOVING_MPS
         if turning:
             angle = math.degrees(abs(command.w_radps)) * (end_ns - command.t_ns) / 1e9
-            turned[-1:] = [turned[-1] + angle] if going else [*turned[-1:], angle]
+            if going:
+                turned[-1] += angle
+            else:
+                turned.append(angle)
         going = turning
     return turned
 
