@@ -98,9 +98,8 @@ class TurtleWorld(SimulatedWorld):
         self._present = {GRADED: graded}
         self._others: dict[str, SpawnedTurtle] = {}
         self._nameless: set[str] = set()
-        self._numbered = (
-            1  # the last number given to a turtle spawned without a name; turtlesim gives none twice
-        )
+        # The last number given to a turtle spawned without a name; turtlesim gives none twice.
+        self._numbered = 1
         self._parameters = Parameters(distro)
         self._pending: deque[tuple[str, Request]] = deque()
         self._now_ns = 0

@@ -16,9 +16,8 @@ from sqlalchemy import text
 
 from grader.store.database import Database
 
-_AGAIN_S = (
-    5.0  # well within a lease: if the server's clock is set, leases must not end before all have noticed
-)
+# Well within a lease: if the server's clock is set, leases must not end before all have noticed.
+_AGAIN_S = 5.0
 _SLOWEST_S = 0.5  # the instant of a slower answer is less exact than the one that is known already
 _NOW = text("SELECT clock_timestamp()")
 _log = logging.getLogger(__name__)

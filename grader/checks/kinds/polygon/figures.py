@@ -97,9 +97,8 @@ SAME_DEG = 4.0  # corners this close to the value of a known mistake count as th
 OTHER_GAP_SHARE = 0.1  # of the perimeter: a figure that ends this near to its start was meant as it is
 UNFINISHED_SHARE = 0.8  # a last side below this was not driven to its end: then its length costs everything
 EQUAL_RATIO = 1.2  # of the longest to the shortest side: halfway to the rectangle of 3 m by 2 m
-ALIKE_PCT = (
-    12.0  # of difference between opposite sides: with more, the figure is no rectangle with a short side
-)
+# Opposite sides that differ by more belong to no rectangle with a short side.
+ALIKE_PCT = 12.0
 LIKE_DEG = 1.0  # a last turn that is worse than the worst corner by no more than this was meant as a corner
 # Of a corner: a smaller change of direction after the last side is nearer to none than to a corner. It is how the
 # car came to rest, or how a script that steers came to its last goal.

@@ -34,14 +34,12 @@ from grader.messages.script import ScriptText
 
 ONE_RADIAN_DEG = math.degrees(1.0)
 NEAR_DEG = 6.0  # corners this close to the wanted ones show that this figure was meant
-RADIAN_OFF_DEG = (
-    2.0  # a turn by 1 rad by mistake is exact: 54° is something else, such as one tick of 10 Hz too many
-)
+# A turn by 1 rad by mistake is exact: 54° is something else, such as one tick of 10 Hz too many.
+RADIAN_OFF_DEG = 2.0
 _SEEN_M = 0.1
 _SLOW_M = 1.5  # a car that has driven less by the horizon may still be on its first side
-MOSTLY_ROUND_SHARE = (
-    0.25  # from here on, the arcs explain wrong angles and lengths, so they are mentioned first
-)
+# From this share of arcs on, they explain wrong angles and lengths, so they are mentioned first.
+MOSTLY_ROUND_SHARE = 0.25
 _LENGTHS = ("side_spread_pct", "side_error_pct")
 _COASTED = ("settled", "gap_pct", *_LENGTHS)
 _TURNS = ("corner_deg", "sides", "gap_pct", "opposite_corners")
@@ -361,9 +359,8 @@ def _drives_blindly(seen: _Seen) -> bool:
     return bool(blind) and wrong and not seen.rigid
 
 
-_SLIP_DEG = (
-    12.0  # what a car that slips adds to the mean corner of a script that steers by its heading, at most
-)
+# The most that slipping adds to the mean corner of a script that steers by its heading.
+_SLIP_DEG = 12.0
 
 
 def _is_beyond_slip(seen: _Seen, figure: PolygonFigure) -> bool:
