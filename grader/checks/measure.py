@@ -116,7 +116,7 @@ class Kind(Record):
     measures: Mapping[str, MeasureKind]
     options: Options = field(default_factory=dict)
     optional: Options = field(default_factory=dict)
-    consult: Callable[[Assignment], tuple[tuple[str, Text], ...]] = lambda assignment: ()
+    consult: Callable[[Assignment], Iterable[tuple[str, Text]]] = lambda assignment: ()
 
 
 class Check(Kind):

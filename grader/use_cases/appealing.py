@@ -163,11 +163,7 @@ def pending(services: Services, caller: Caller) -> Pending | None:
 def queue(
     services: Services, caller: Caller, wanted: AppealsWanted, *, offset: int, limit: int
 ) -> AppealPage:
-    """Return at most `limit` appeals of the caller's class.
-
-    Raises:
-        RefusedError: the caller may not see the class.
-    """
+    """Return at most `limit` appeals of the caller's class. For staff."""
     require_staff(caller)
     wanted = replace(wanted, students=caller.students)
     return AppealPage(
@@ -178,11 +174,7 @@ def queue(
 
 
 def waiting(services: Services, caller: Caller) -> int:
-    """Return how many appeals of the caller's class wait for an answer.
-
-    Raises:
-        RefusedError: the caller may not see the class.
-    """
+    """Return how many appeals of the caller's class wait for an answer. For staff."""
     require_staff(caller)
     return services.appeals.count(caller.course, AppealsWanted(students=caller.students))
 

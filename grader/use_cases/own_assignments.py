@@ -25,11 +25,7 @@ _TAKEN = Text(
 
 
 def own_assignments(services: Services, caller: Caller) -> tuple[OwnAssignment, ...]:
-    """Return what was uploaded to the caller's course; nothing without courses.
-
-    Raises:
-        RefusedError: the caller may not see the class.
-    """
+    """Return what was uploaded to the caller's course; nothing without courses. For staff."""
     require_staff(caller)
     if caller.course is None:
         return ()
@@ -40,8 +36,7 @@ def own_assignments(services: Services, caller: Caller) -> tuple[OwnAssignment, 
 def own_troubles(services: Services, caller: Caller) -> dict[str, Text]:
     """Return by id what is wrong with assignments of the caller's course: that the last upload was refused, too.
 
-    Raises:
-        RefusedError: the caller may not see the class.
+    For staff.
     """
     told = dict(services.assignments.of(caller.course).troubles())
     for one in own_assignments(services, caller):

@@ -4,14 +4,14 @@ from typing import Annotated
 
 from fastapi import APIRouter, Response, status
 from fastapi.responses import StreamingResponse
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep, StaffDep
 from grader.service.routes.people import CourseView, PersonId
 from grader.service.routes.problems import responses
 from grader.store.course_life import MOST_DAYS_MOVED, MOST_DAYS_OLD, NewCourse
 from grader.use_cases import course_export, course_life
-from grader.use_cases.bodies import Whole
+from grader.use_cases.bodies import Body, Whole
 
 router = APIRouter(prefix="/api/v1", tags=["course"])
 _PRIVATE = {"Cache-Control": "no-store", "Vary": "Authorization"}
@@ -19,10 +19,8 @@ _READING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "invalid_request")
 _CHANGING = (*_READING, "malformed_body", "too_large")
 
 
-class NewCourseBody(BaseModel):
+class NewCourseBody(Body):
     """A course that begins with the rules of the caller's."""
-
-    model_config = ConfigDict(extra="forbid")
 
     id: str = Field(max_length=64, examples=["ros2-2027"])
     title: str = Field(default="", max_length=200, description="Empty: the id.", examples=["ROS 2 入门"])
@@ -39,10 +37,8 @@ class NewCourseView(BaseModel):
     token: str = Field(examples=["grader_..."])
 
 
-class ArchiveBody(BaseModel):
+class ArchiveBody(Body):
     """Whether the course can only be read."""
-
-    model_config = ConfigDict(extra="forbid")
 
     archived: bool
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
@@ -57,10 +53,8 @@ class SpaceView(BaseModel):
     trajectories_bytes: int = Field(examples=[80_000_000])
 
 
-class OldWorkBody(BaseModel):
+class OldWorkBody(Body):
     """Which submissions shall be erased."""
-
-    model_config = ConfigDict(extra="forbid")
 
     older_than_days: Annotated[Whole, Field(ge=1, le=MOST_DAYS_OLD)] = Field(examples=[400])
     dry_run: bool = Field(default=False, description="Only tell what would be erased.")
@@ -73,10 +67,8 @@ class OldWorkView(SpaceView):
     dry_run: bool = Field(description="Nothing was erased.")
 
 
-class ForgetBody(BaseModel):
+class ForgetBody(Body):
     """Why somebody is forgotten."""
-
-    model_config = ConfigDict(extra="forbid")
 
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
 

@@ -10,6 +10,7 @@ from grader.contracts.notice import MailWishes, NewWebhook, NoticeKind, Outlet, 
 from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep
 from grader.service.routes.problems import responses
 from grader.use_cases import notices
+from grader.use_cases.bodies import Body
 
 router = APIRouter(prefix="/api/v1/course/notices", tags=["course"])
 _PRIVATE = {"Cache-Control": "no-store", "Vary": "Authorization"}
@@ -19,10 +20,10 @@ Group = Annotated[Literal[Outlet.CLASS, Outlet.STAFF], Path(description="Whose g
 AnyChannel = Annotated[Outlet, Path(description="A group chat, or the caller's own e-mail address.")]
 
 
-class WebhookBody(BaseModel):
+class WebhookBody(Body):
     """The bot of a group chat."""
 
-    model_config = ConfigDict(extra="forbid", hide_input_in_errors=True)
+    model_config = ConfigDict(hide_input_in_errors=True)
 
     vendor: Vendor = Field(examples=["feishu"])
     address: str = Field(
@@ -47,10 +48,8 @@ class WebhookView(BaseModel):
     changed_at: datetime
 
 
-class MailBody(BaseModel):
+class MailBody(Body):
     """What is e-mailed."""
-
-    model_config = ConfigDict(extra="forbid")
 
     due: bool = Field(description="A day before, to students who have handed nothing in.")
     graded: bool = Field(description="To students, what counts of theirs.")

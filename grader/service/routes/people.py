@@ -4,7 +4,7 @@ from datetime import datetime
 from typing import Annotated, Any
 
 from fastapi import APIRouter, File, Path, Query, Response, UploadFile, status
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from grader.contracts.assignment import Distro
 from grader.contracts.identity import Role, RosterEntry
@@ -20,7 +20,7 @@ from grader.service.requests.dependencies import (
 from grader.service.requests.middleware import MOST_BYTES
 from grader.service.routes.problems import responses
 from grader.use_cases import people, signing_in
-from grader.use_cases.bodies import Whole
+from grader.use_cases.bodies import Body, Whole
 from grader.use_cases.people import changes, members, myself
 
 router = APIRouter(prefix="/api/v1", tags=["people"])
@@ -43,10 +43,8 @@ class CourseView(BaseModel):
     archived_at: datetime | None = Field(description="Since when it can only be read; null: it is taught.")
 
 
-class CourseBody(BaseModel):
+class CourseBody(Body):
     """What a course shall be like, and why."""
-
-    model_config = ConfigDict(extra="forbid")
 
     distro: Distro = Field(
         description="Release of ROS 2 of its scripts; an assignment that names one keeps its own."
@@ -75,10 +73,8 @@ class MemberView(BaseModel):
     )
 
 
-class MemberBody(BaseModel):
+class MemberBody(Body):
     """What somebody shall be in the course. What is left out stays as it is."""
-
-    model_config = ConfigDict(extra="forbid")
 
     name: str = Field(default="", max_length=200, description="Empty: stays.", examples=["李雷"])
     role: Role | None = Field(default=None, description="A new member is a student unless this says more.")
@@ -111,10 +107,8 @@ class ImportView(BaseModel):
     dry_run: bool = Field(description="Nothing was changed.")
 
 
-class TokenBody(BaseModel):
+class TokenBody(Body):
     """How long a new token works."""
-
-    model_config = ConfigDict(extra="forbid")
 
     days: Annotated[Whole, Field(ge=1, le=3_660)] = 200
 

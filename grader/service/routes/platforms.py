@@ -4,13 +4,14 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Response, status
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from grader.contracts.identity import Seen
 from grader.contracts.platform import NewPlatform
 from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep
 from grader.service.routes.problems import responses
 from grader.use_cases import platform_people, platforms
+from grader.use_cases.bodies import Body
 
 router = APIRouter(prefix="/api/v1/course/platforms", tags=["course"])
 _PRIVATE = {"Cache-Control": "no-store", "Vary": "Authorization"}
@@ -19,10 +20,8 @@ _CHANGING = (*_READING, "course_archived", "malformed_body", "too_large", "platf
 PlatformId = Annotated[str, Path(max_length=16, description="Id of a platform.", examples=["1f0c9a7be2d4"])]
 
 
-class PlatformBody(BaseModel):
+class PlatformBody(Body):
     """What a platform shows of the tool that it made of this service."""
-
-    model_config = ConfigDict(extra="forbid")
 
     title: str = Field(max_length=200, examples=["Moodle"])
     issuer: str = Field(max_length=255, description="Platform ID.", examples=["https://moodle.example.edu"])

@@ -161,6 +161,10 @@ class Executor:
             self.wake()
         if not self._work_tracker.wait(timeout_sec):
             return False
+        self._forget()
+        return True
+
+    def _forget(self) -> None:
         self._nodes = {}
         self._busy_watches.clear()
         if self._guard is not None:
@@ -169,7 +173,6 @@ class Executor:
         self._cb_iter = None
         self._last_args = None
         self._last_kwargs = None
-        return True
 
     def add_node(self, node: Node) -> bool:
         """Serve a node from now on; False when it is served already."""

@@ -2,11 +2,12 @@
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
 from grader.checks.drive import Drive, drive_of
+from grader.checks.fit import Misfit, unmet
 from grader.checks.kinds.path.driven import (
     DrivenStretch,
     Figure,
@@ -196,7 +197,7 @@ _NO_ARCS = Text(zh="路径里没有 arc：删掉这一项", en="the path has no 
 _NO_CORNERS = Text(zh="路径里没有转角：删掉这一项", en="the path has no corner; remove this item")
 
 
-def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
+def _consult(assignment: Assignment) -> Iterable[Misfit]:
     if assignment.path is None:
         return (("path", _NO_PATH),)
     if assignment.path.by_solution and not assignment.path.trace:
@@ -204,16 +205,13 @@ def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
     track = track_of(assignment.path)
     if track is None:
         return (("path.pieces", _NOTHING_DRIVEN),)
-    found = []
     kinds = {each.kind for each in track.stretches}
-    for i, item in enumerate(assignment.items):
-        if item.measure == "length_error_pct" and "line" not in kinds:
-            found.append((f"items.{i}.measure", _NO_LINES))
-        if item.measure in ("radius_error_pct", "round_pct") and "arc" not in kinds:
-            found.append((f"items.{i}.measure", _NO_ARCS))
-        if item.measure == "corner_error_deg" and not track.has_corners:
-            found.append((f"items.{i}.measure", _NO_CORNERS))
-    return tuple(found)
+    return unmet(
+        assignment,
+        (("length_error_pct",), "line" in kinds, _NO_LINES),
+        (("radius_error_pct", "round_pct"), "arc" in kinds, _NO_ARCS),
+        (("corner_error_deg",), track.has_corners, _NO_CORNERS),
+    )
 
 
 CHECK = Check(kind="path", measures=MEASURES, consult=_consult, examine=examine, sketch=sketch)
