@@ -129,7 +129,7 @@ class HeldToTheEnd:
 
 
 class HeadAsGet:
-    """ASGI middleware that has a HEAD answered like a GET, whose body the server leaves out (RFC 9110, section 9.3.2).
+    """ASGI middleware that has HEAD answered as GET; the server leaves the body out (RFC 9110, section 9.3.2).
 
     It must be around everything else: what is told of the request by the router is written into the scope.
     """
