@@ -27,7 +27,7 @@ _MAX_MEMBERS = 200
 _MAX_ANSWER_BYTES = 64 * 1024 * 1024
 _ZIP, _OLE = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
 _MARKUP, _PDF = b"<", b"%PDF"
-"""What registries also call .xls: a web page, or Excel's XML of 2003. Spreadsheet programs save either as .xlsx."""
+"""What registries call .xls, too: a web page, or Excel's XML of 2003. Spreadsheets save either as .xlsx."""
 
 _SEPARATORS = (",", "\t", ";", "，")
 _EXACT_BELOW = 10**15  # a spreadsheet keeps 15 digits of a number
