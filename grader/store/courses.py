@@ -340,7 +340,7 @@ def _check_alike(entries: Sequence[RosterEntry], known: Mapping[str, Member]) ->
             f"{new} differs from the member {old} only in {_differ(new, old).en}" for new, old in clashes
         )
         zh = "\n".join(f"{new} 和已有的成员 {old} {_differ(new, old).zh}" for new, old in clashes)
-        raise CourseError(f"nothing was imported:\n{en}", f"没有导入任何人：\n{zh}", "id")
+        raise CourseError(f"nobody was added or changed:\n{en}", f"没有添加或修改任何人：\n{zh}", "id")
 
 
 def _folded(person: str) -> str:
