@@ -1,5 +1,6 @@
 """Reading tables of other programs as rows of text: workbooks (.xlsx, .xls, .ods), CSV as spreadsheets save it."""
 
+import codecs
 import csv
 import io
 import re
@@ -25,9 +26,13 @@ _MAX_UNPACKED_BYTES = 64 * 1024 * 1024
 _MAX_MEMBERS = 200
 _MAX_ANSWER_BYTES = 64 * 1024 * 1024
 _ZIP, _OLE = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
+_MARKUP, _PDF = b"<", b"%PDF"
+"""What registries call .xls, too: a web page, or Excel's XML of 2003. Spreadsheets save either as .xlsx."""
+
 _SEPARATORS = (",", "\t", ";", "，")
 _EXACT_BELOW = 10**15  # a spreadsheet keeps 15 digits of a number
 _FLOATED = re.compile(r"([0-9]{4,15})\.0")
+_KEPT_AS_TEXT = re.compile(r'="([^"]*)"')  # a formula, by which programs save leading zeros from Excel
 
 
 class ListedRow(Record):
@@ -77,6 +82,8 @@ def read_table(content: bytes, is_header: Callable[[Sequence[str]], bool]) -> Li
             f"the file has more than {MAX_FILE_BYTES // 1024**2} MiB",
             f"文件超过 {MAX_FILE_BYTES // 1024**2} MiB",
         )
+    if content.removeprefix(codecs.BOM_UTF8).lstrip().startswith((_MARKUP, _PDF)):
+        raise _refused(DAMAGED)
     if content.startswith((_ZIP, _OLE)):
         tables: Iterable[ListedTable] = (_of_sheet(one) for one in _workbook(content) if one.visible)
     else:
@@ -183,6 +190,8 @@ def _csv_rows(text: str, separator: str) -> tuple[ListedRow, ...]:
 
 def _csv_text(cell: str) -> str:
     text = cell.strip().removeprefix("'")
+    if kept := _KEPT_AS_TEXT.fullmatch(text):
+        return kept[1].strip()
     floated = _FLOATED.fullmatch(text)  # a whole number, written by a program that keeps it as a float
     return floated[1] if floated else text
 
