@@ -664,7 +664,7 @@ class SingleThreadedExecutor(Executor):
         )
 
     def _skip_to_pose(self, watch: Watch, deadline_ns: int | None) -> tuple[int, ...]:
-        """Wait for the next pose; return who got it: nobody, and nothing was done, if anything else comes first."""
+        """Wait for the next pose; return who got it: nobody, with nothing done, if anything else comes first."""
         due_ns = kernel.horizon_ns if watch.deadline_ns is None else watch.deadline_ns
         if deadline_ns is not None and deadline_ns < due_ns:
             due_ns = deadline_ns
