@@ -40,6 +40,11 @@ def _never() -> bool:
     return False
 
 
+def _members_of(node: Node) -> tuple[Any, ...]:
+    """Return what a node consists of: iterators, unless `node` is a class or has methods of these names."""
+    return node.subscriptions, node.timers, node.clients, node.services, node.guards, node.waitables
+
+
 def _is_done(future: Any) -> bool:
     """Ask a future, which may be somebody else's; asking ours costs no time here."""
     return bool(future._done if isinstance(future, Future) else future.done())
@@ -177,7 +182,8 @@ class Executor:
             return False
         self._nodes = {**self._nodes, node: None}
         node.executor = self
-        iter(node.subscriptions)  # of a class instead of a node it is a property, as the first wait finds
+        for members in _members_of(node):  # as upstream's first wait asks for them
+            iter(members)
         self.wake()
         return True
 
