@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections import deque
 
+from rclpy import _distro
 from rclpy._forwarding import passed_on
 from rclpy._kernel import kernel
+from rclpy._link import link
 from rclpy._rcl.errors import GUARD_CONTEXT, WAIT_CONTEXT, RCLError
 from rclpy._rcl.handles import changes
 from rclpy._rcl.watch import CLIENT, GUARD, SERVICE, SUBSCRIPTION, TIMER, Watch
@@ -109,8 +111,8 @@ class _WorkTracker:
     def wait(self, timeout_sec: float | None = None) -> bool:
         """Block until no other thread runs one; False when the timeout (None or negative: never) came first.
 
-        The caller's own callback does not count: `rclpy.shutdown()` in a callback ends the spin
-        (ros2/rclpy#944, mended in Humble).
+        The caller's own callback does not count, as on Jazzy. Humble waits for it, too, and so for ever
+        (ros2/rclpy#944, #1646); the student is told.
         """
         me = kernel.running
 
@@ -118,6 +120,10 @@ class _WorkTracker:
             return all(thread is me for thread in self.running)
 
         if idle():
+            if self.running and _distro.chosen == _distro.HUMBLE and (timeout_sec is None or timeout_sec < 0):
+                from rclpy._patches.tracebacks import line_now
+
+                link.note("shutdown_in_callback", str(line_now()))
             return True
         deadline_ns = None
         if timeout_sec is not None and timeout_sec >= 0:
