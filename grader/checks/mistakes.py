@@ -475,7 +475,13 @@ def ended_at_once(run: Run) -> Mistake | None:
     spins = script.lines_with(r"\bspin\w*\(")
     if (lines := _exits(script, run.outcome)) and spins and lines[0] < spins[0]:
         return mistake("exited_early", line=lines[0])
+    if spins and (caught := script.caught) is not None and not script.lines_with(_ENDS_ITSELF):
+        return mistake("error_hidden", line=caught)
     return None
+
+
+_ENDS_ITSELF = r"\bSystemExit\b|\bexit\(|\bspin_(once|until)|^[ \t]+if\b.*\bshutdown\("
+"""What ends a program that has a `spin` on purpose, or whose end is no sign of an error."""
 
 
 def _exits(script: ScriptText, outcome: RunOutcome) -> list[int]:

@@ -176,6 +176,19 @@ def none_before_spin(error: StudentError, written: str, script: ScriptText) -> C
     return ("none_before_spin", {"name": kept[0]}) if kept else None
 
 
+def set_without_global(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Find the function that assigns a variable of its own instead of the module's, which stays None."""
+    for name in re.findall(r"(?<![\w.])(\w+)\.\w", written):
+        outer = script.lines_with(rf"^{name} ?= ?None$")
+        for line in script.lines_with(rf"^[ \t]+{name} ?=(?!=)") if outer else []:
+            function = script.function_around(line)
+            made = script.definition(function)
+            told = [] if made is None else script.block(made.line)
+            if made is not None and not any(re.search(rf"\bglobal\b.*\b{name}\b", one) for one in told):
+                return "kept_global", {"name": name, "callback": function, "begins": made.line}
+    return None
+
+
 def constructor(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Find what keeps the node's name from Node: a misspelt ``__init__``, or empty brackets."""
     if re.search(r"\bsuper\(\)\.__init__\( ?\)", written):
@@ -229,7 +242,7 @@ def dash(error: StudentError, written: str, script: ScriptText) -> Closer:
 
 def overwritten(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Find the number that has taken the name of the method that was called."""
-    for name in re.findall(r"\bself\.(\w+)\(", written):
+    for name in re.findall(r"\b\w+\.(\w+)\(", written):
         made = script.definition(name)
         given = script.lines_with(rf"\bself\.{re.escape(name)} ?=(?!=)")
         if made is not None and given:
@@ -330,6 +343,8 @@ def class_for_self(error: StudentError, written: str, script: ScriptText) -> Clo
         return None
     if made and script.is_decorated(made.line) and "@staticmethod" in script.lines[made.line - 2]:
         return "static_with_self", {"line": made.line - 1, "name": found[2]}
+    if made and found[2] == "main":
+        return "function_inside", {"name": "main", "begins": made.line}
     used = script.lines_with(rf"\b{found[1]}\.{found[2]}\b")
     line = error.line if error.line in used else next(iter(used), None)
     if line is None or script.object_at(line) != "self":
@@ -468,7 +483,7 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "ros_1_habit": (rate_of_ros_1,),
     "self_outside": (class_body,),
     "shell_line": (only_shell,),
-    "still_none": (none_in_init, none_before_spin),
+    "still_none": (none_in_init, none_before_spin, set_without_global),
     "text_for_number": (text_plus_number,),
     "time_and_number": (time_to_sleep,),
     "unknown_field": (message_replaced,),

@@ -30,9 +30,11 @@ _SIGNS: Final = (
     (_LINE + r"\d+[.:|)]?[ \t]+(?!(and|else|for|if|in|is|not|or)\b)[A-Za-z_#@\"']", "line_numbers"),
     (_LINE + rf"(\./|{_SHELL}[ \t]+(?!(and|else|for|if|in|is|not|or)\b)[^\s=(,])", "shell_line"),
     (r"SyntaxError: Missing parentheses in call to 'print'", "print_statement"),
+    (r"SyntaxError: multiple exception types must be parenthesized", "except_comma"),
+    (_LINE + r"<(\?xml|!DOCTYPE|html|launch|package|robot)\b", "markup_file"),
     (_LINE + r"(\}\s*)?(else[ \t]+if|elseif|elsif)\b", "else_if"),
     (
-        _LINE + r"(//|/\*|\}|(for|while|if)[ \t]*\([^)\n]*;|[^\"'#\n]*(\w(::|->)\w|=[ \t]*new[ \t]+\w|"
+        _LINE + r"(//|/\*|\}|(int|void)[ \t]+main[ \t]*\(|(for|while|if)[ \t]*\([^)\n]*;|[^\"'#\n]*(\w(::|->)\w|=[ \t]*new[ \t]+\w|"
         r"\)[ \t]*\{[ \t]*\n))",
         "c_syntax",
     ),
@@ -162,6 +164,7 @@ _SIGNS: Final = (
     (r"AttributeError: 'str' object has no attribute 'executor'", "spin_what"),
     (r"TypeError: spin_until_future_complete\(\) missing .*'future'", "future_missing"),
     (r"TypeError: spin(_once)?\(\) got an unexpected keyword argument 'time", "spin_timeout"),
+    (r"AttributeError: '(int|float)' object has no attribute '(add|remove)_node'", "spin_timeout"),
     (r"TypeError: \w*Executor\.spin\w*\(\) takes 1 positional", "executor_spin"),
     (
         r"TypeError: 'str' object cannot be interpreted as an integer" + _AT + r".*\bsleep\([ \t]*['\"]",
@@ -209,6 +212,8 @@ _SIGNS: Final = (
         "launch_no_executable",
     ),
     (r"TypeError: Node\.__init__\(\) missing", "no_super_init"),
+    (r"TypeError: create_node\(\) missing .*'node_name'", "no_node_name"),
+    (r"TypeError: init\(\) takes 0 positional.*" + _AT + r".*\brclpy\.init\(", "init_arguments"),
     (r"TypeError: Node\.__init__\(\) (takes 2 positional|got an unexpected keyword)", "node_name_only"),
     (
         r"AttributeError: '\w+' object has no attribute '(_(clock|default_callback_group|logger|parameters|"
@@ -243,6 +248,7 @@ _SIGNS: Final = (
     ),
     (r"InvalidPythonLaunchFileError: .* returns None, no LaunchDescription", "launch_returns_nothing"),
     (r"TypeError: '(int|float)' object is not iterable", "not_iterable"),
+    (r"TypeError: '(int|float)' object is not subscriptable", "number_index"),
     (r"TypeError: Expected .*, got <class '[\w.]*\.Metaclass_\w+'>", "class_for_object"),
     (
         r"TypeError: (?!(Node|Client|Publisher|ActionClient|Executor|Rate|Clock)\.)(\w+\.)?\w+\(\) "
@@ -303,6 +309,8 @@ _SIGNS: Final = (
         "list_empty",
     ),
     (r"IndexError: (array|list|string|tuple) index out of range", "index_range"),
+    (r"error: Cannot load (URDF|SDF|MJCF) file", "urdf_not_found"),
+    (r"error: Not connected to physics server", "bullet_not_connected"),
     (r"error: (\(25, |setupterm:)", "no_terminal"),  # of termios and curses
     (r"TclError: ", "no_display"),
     (r"FileNotFoundError: ", "missing_file"),
@@ -483,7 +491,13 @@ def _statement(error: StudentError, script: ScriptText) -> Closer:
 def _pasted(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at a foreign character: prose around code that was copied from a web page has many."""
     fences = script.lines_with(r"^[ \t]*```")
-    return ("pasted_mark", {"line": fences[0]}) if fences else None
+    if fences:
+        return "pasted_mark", {"line": fences[0]}
+    return ("prose", {}) if _PROSE.fullmatch(script_line(error)) else None
+
+
+_PROSE: Final = re.compile(r"(?=(?:[^\u4e00-\u9fff]*[\u4e00-\u9fff]){4})[\w\u3000-\u303f\uff01-\uff1f /.+-]+")
+"""A line of words and their punctuation, without the brackets, quotes and signs of code."""
 
 
 def _float(error: StudentError, script: ScriptText) -> Closer:
@@ -612,6 +626,10 @@ def _parameters(error: StudentError, script: ScriptText) -> Closer:
     made = script.definition(name)
     if made is not None and script.hands_over(error.line or 0, name):
         return "callback_called", {}
+    called = re.match(r"(\w+)\.\w+\(\) missing", error.message)
+    if called is not None and script.class_line(called[1]) and f"{called[0].split('(')[0]}(" in script_line(error):
+        node = script.object_at(error.line or 0)  # else its object would have been given as self
+        return "missing_object", {"name": name, "object": node, "call": "(...)"} if node != "self" else None
     owner = re.match(r"(\w+)\.__init__\(\)", error.message)
     if made is not None and made.takes_self and owner is not None and f"{owner[1]}(" in script_line(error):
         return "init_mismatch", {"name": owner[1], "begins": made.line}
@@ -781,6 +799,9 @@ def _of_object(owner: str, name: str, error: StudentError, script: ScriptText) -
     is_node = owner in ("Node", script.node_class)
     if name in ("spin", "spin_once") and is_node:
         return "spin_of_rclpy", {"name": name}
+    if is_node and name in _NODE_OF_ROS_1:
+        node = script.object_at(error.line or 0)
+        return "ros_1_habit", {"name": f"{node}.{name}", "instead": f"{node}.{_NODE_OF_ROS_1[name]}"}
     if owner in ("Duration", "Time") and name in _DURATION_OF_ROS_1:
         return "ros_1_habit", {"name": f".{name}", "instead": _DURATION_OF_ROS_1[name]}
     closer = _own_attribute(owner, name, script)
@@ -788,6 +809,16 @@ def _of_object(owner: str, name: str, error: StudentError, script: ScriptText) -
         return "misspelt", {"suggestion": _MEANT_OF_NODE[name]}
     return closer or _of_an_object(name, script_line(error), script)
 
+
+_NODE_OF_ROS_1: Final = {
+    "advertise": "create_publisher(Twist, '/turtle1/cmd_vel', 10)",
+    "subscribe": "create_subscription(Pose, '/turtle1/pose', callback, 10)",
+    "get_param": "declare_parameter('side', 2.0).value",
+    "loginfo": "get_logger().info('...')",
+    "logwarn": "get_logger().warning('...')",
+    "logerr": "get_logger().error('...')",
+}
+"""What a node had in ROS 1, or what ``rospy`` had, each with what a node of ROS 2 has."""
 
 _MEANT_OF_NODE: Final = {
     "create_sub": "create_subscription",
@@ -936,6 +967,21 @@ def _base_class(error: StudentError, script: ScriptText) -> Closer:
     return ("no_base_class", {"line": above[-1]}) if above else None
 
 
+def _urdf(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at a model that PyBullet does not find: it may not know where its own ones are."""
+    told = [line for line in script.lines_with(r"\bsetAdditionalSearchPath\(") if line < (error.line or 0)]
+    return None if told or not script.has_code else ("urdf_path_missing", {})
+
+
+def _service(error: StudentError, script: ScriptText) -> Closer:
+    """Find the service's callback that returns nothing."""
+    for _, name in script.callbacks("service"):
+        made = script.definition(name)
+        if made is not None and not any(re.search(r"\breturn\b", text) for text in script.block(made.line)):
+            return "returns_no_response", {"name": name, "begins": made.line}
+    return None
+
+
 def _args(error: StudentError, script: ScriptText) -> Closer:
     """Find the argument of a thread's function that lacks the comma of a tuple."""
     for line, found in script.matches(r"\btarget ?= ?.*\bargs ?= ?(?:\( ?([\w.]+) ?\)|([\w.]+) ?[,)])"):
@@ -976,6 +1022,8 @@ _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
     "int_in_float": _float,
     "no_input": _asked_again,
     "comma_of_args": _args,
+    "no_response": _service,
+    "urdf_not_found": _urdf,
     "not_initialized": _made_late,
     "syntax_error": _statement,
     "text_for_number": _text,
@@ -1000,6 +1048,6 @@ def script_line(error: StudentError) -> str:
 
 
 def _first_line(message: str) -> str:
-    """Return the first line of an exception's message, without a trailing colon or the path of a module."""
-    line = message.strip().partition("\n")[0].rstrip(":")
+    """Return the first line of an exception's message, without the mark at its end or the path of a module."""
+    line = message.strip().partition("\n")[0].rstrip(":.")
     return _MODULE_PATH.sub("", line)[:_LONGEST]

@@ -367,10 +367,19 @@ class ScriptText:
     @property
     def swallowed(self) -> int | None:
         """The line of the first ``except`` that passes over an error without a word."""
+        return self._hiding(r"pass$|continue$")
+
+    @property
+    def caught(self) -> int | None:
+        """The line of the first ``except`` that passes over an error, or only prints or logs it."""
+        return self._hiding(r"pass$|continue$|print\(|.*\bget_logger\(\)\.\w+\(")
+
+    def _hiding(self, body: str) -> int | None:
+        """Return the line of the first ``except`` for any error that begins with a statement like `body`."""
         for number in self.lines_with(r"^[ \t]*except\b[^:]*:"):
             rest = self.lines[number - 1].partition(":")[2].strip()
             behind = rest or "".join(self.lines[number : number + 1]).strip()
-            hides = behind in {"pass", "continue"} and _HIDES.search(self.lines[number - 1])
+            hides = re.match(body, behind) and _HIDES.search(self.lines[number - 1])
             if hides and not self._only_cleans_up(number):
                 return number
         return None
