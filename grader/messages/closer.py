@@ -335,6 +335,17 @@ def handler_order(error: StudentError, written: str, script: ScriptText) -> Clos
     return "handler_order", {"line": made.line, "name": name, "right": right}
 
 
+def called_on_class(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a method that is called on the class by its name, outside of the class: no object is given."""
+    found = re.match(r"(\w+)\.(\w+)\(\) missing ", error.message)
+    node = script.object_at(error.line or 0)
+    if found is None or node == "self" or not script.class_line(found[1]):
+        return None
+    if f"{found[1]}.{found[2]}(" not in written or found[2] == "main":
+        return None
+    return "missing_object", {"name": found[2], "object": node, "call": "(...)"}
+
+
 def class_for_self(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Recognise a method that gets no object, as it is taken from the class or marked as static."""
     found = re.match(r"(\w+)\.(\w+)\(\) missing \d+ required", error.message)
@@ -462,8 +473,8 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "assigned_later": (missing_global,),
     "bad_name": (backslash,),
     "callback_called": (called_here,),
-    "class_for_object": (class_for_self,),
-    "call_mismatch": (main_needs_args, bare_class, signature),
+    "class_for_object": (called_on_class, class_for_self),
+    "call_mismatch": (main_needs_args, called_on_class, bare_class, signature),
     "foreign_character": (dash,),
     "index_range": (list_too_short,),
     "crashed": (signature,),

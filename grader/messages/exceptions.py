@@ -34,8 +34,8 @@ _SIGNS: Final = (
     (_LINE + r"<(\?xml|!DOCTYPE|html|launch|package|robot)\b", "markup_file"),
     (_LINE + r"(\}\s*)?(else[ \t]+if|elseif|elsif)\b", "else_if"),
     (
-        _LINE + r"(//|/\*|\}|(int|void)[ \t]+main[ \t]*\(|(for|while|if)[ \t]*\([^)\n]*;|[^\"'#\n]*(\w(::|->)\w|=[ \t]*new[ \t]+\w|"
-        r"\)[ \t]*\{[ \t]*\n))",
+        _LINE + r"(//|/\*|\}|(int|void)[ \t]+main[ \t]*\(|(for|while|if)[ \t]*\([^)\n]*;|"
+        r"[^\"'#\n]*(\w(::|->)\w|=[ \t]*new[ \t]+\w|\)[ \t]*\{[ \t]*\n))",
         "c_syntax",
     ),
     (_LINE + r"[^\"'#\n]*\d[ \t]*(m/s|rad/s|rad|m|s|cm|米|秒|度|弧度)(?!\w)", "unit_in_code"),
@@ -626,10 +626,6 @@ def _parameters(error: StudentError, script: ScriptText) -> Closer:
     made = script.definition(name)
     if made is not None and script.hands_over(error.line or 0, name):
         return "callback_called", {}
-    called = re.match(r"(\w+)\.\w+\(\) missing", error.message)
-    if called is not None and script.class_line(called[1]) and f"{called[0].split('(')[0]}(" in script_line(error):
-        node = script.object_at(error.line or 0)  # else its object would have been given as self
-        return "missing_object", {"name": name, "object": node, "call": "(...)"} if node != "self" else None
     owner = re.match(r"(\w+)\.__init__\(\)", error.message)
     if made is not None and made.takes_self and owner is not None and f"{owner[1]}(" in script_line(error):
         return "init_mismatch", {"name": owner[1], "begins": made.line}

@@ -71,6 +71,13 @@ def waits_for_past(seen: Searched) -> Mistake | None:
     for line in seen.script.lines_with(passed):
         if any("publish(" in text for text in seen.script.block(line)):
             return mistake("waits_for_past", line=line)
+    for _, found in seen.script.matches(rf"^[ \t]*([\w.]+) ?= ?{CLOCK} ?\+ ?[\w.]"):
+        for line in seen.script.lines_with(rf"\bwhile\b.*{CLOCK} ?>=? ?{re.escape(found[1])}(?![\w.])"):
+            return mistake("waits_for_past", line=line)
+    for line, found in seen.script.matches(rf"^[ \t]*([\w.]+) ?= ?({CLOCK}) ?- ?[\w.]+$"):
+        if seen.script.lines_with(rf"\bwhile\b.*{CLOCK} ?<=? ?{re.escape(found[1])}(?![\w.])"):
+            written = found[0].strip()
+            return mistake("ends_in_past", line=line, written=written, right=written.replace("-", "+"))
     return None
 
 

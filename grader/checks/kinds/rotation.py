@@ -15,6 +15,7 @@ from grader.contracts.scoring import Run
 from grader.geometry.path import Path, segment
 from grader.messages import say
 from grader.messages.quantity import number
+from grader.messages.script import ScriptText
 
 MAX_STARTS = 200  # samples at which a part of the path may begin: to try all costs the square of their number
 PLACE_M = 0.2  # a turn that stays within this distance of where it began counts in full
@@ -142,6 +143,9 @@ def _short_turn(turned: float, drive: Drive, run: Run) -> Iterator[Mistake]:
         return
     held = commanded_at_end(run)
     slow = drive.cut_short or (held is not None and held.w_radps != 0.0)
+    if not slow and run.outcome.hears and ScriptText(run.source).lines_with(r"\.theta\b"):
+        yield mistake("turn_too_short_by_pose", ("turned_deg",), turned=angle)
+        return
     codes = {} if slow else {math.degrees(1.0): ("turned_one_radian", 2.0), 180.0: ("half_turn", SAME_DEG)}
     for angle_deg, (code, within_deg) in codes.items():
         if abs(turned - angle_deg) <= within_deg:

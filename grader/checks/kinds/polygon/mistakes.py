@@ -148,6 +148,10 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
             closer = loop_in_callback(seen.run) or defined_twice(seen.run)
             if closer is None and contacts and _goes_on(seen, contacts[0].start_ns):
                 return  # `_wall` says what by pose never ended
+            if closer is None and _drives_to_the_end(seen):
+                closer = mistake(
+                    "side_never_ends", _SHAPE, time=number(seen.run.outcome.duration_ns / 1e9, "s")
+                )
             yield closer or mistake("no_turns", _SHAPE, ideal=_degree(seen.ideal_deg), sides=seen.sides)
         return
     drives = _straight_drives([command for command in commands if command.t_ns < turning[0]])
@@ -158,6 +162,19 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
         wall = say("detail.wall_hit") if hit else EMPTY
         ideal = _degree(seen.ideal_deg)
         yield mistake("turns_behind_loop", _SHAPE, count=drives, wall=wall, ideal=ideal, sides=seen.sides)
+
+
+_TURN_WRITTEN = r"\.angular\.z ?=(?!=)(?! ?-?[0.]+ ?(;|$))"
+
+
+def _drives_to_the_end(seen: _Seen) -> bool:
+    """Whether one drive was commanded from the beginning to the end of the run, by a script that has a turn."""
+    commands, outcome = seen.run.trajectory.commands, seen.run.outcome
+    lasts = bool(commands) and is_motion(commands[-1]) and _straight_drives(list(commands)) == 1
+    on_time = outcome.status is RunStatus.INTERRUPTED and any(
+        until_ns >= outcome.duration_ns for _, until_ns in list(with_ends(seen.run.trajectory))[-1:]
+    )
+    return lasts and on_time and bool(ScriptText(seen.run.source).lines_with(_TURN_WRITTEN))
 
 
 def _on_first_side(seen: _Seen) -> bool:
