@@ -104,6 +104,7 @@ def _killed(outcome: RunOutcome) -> Mistake:
 TWIST = "geometry_msgs/msg/Twist"
 _USAGE = 2  # argparse's exit code
 _POSE = "turtlesim/msg/Pose"
+_BY_HEADING = r"\b(theta|yaw|heading)\)? ?[-+<>]|[-+<>]=? ?(abs\()?[\w.]*\b(theta|yaw|heading)\b"
 _OWN_TOPICS = ("/rosout", "/parameter_events")  # every node publishes these
 _OF_ROBOTS = ("/odom", "/tf", "/scan", "/imu", "/joint_states", "/camera/image_raw")
 _SAME_M, _SAME_RAD = 0.01, 0.01
@@ -490,9 +491,16 @@ def ended_at_once(run: Run) -> Mistake | None:
     spins = script.lines_with(r"\bspin\w*\(")
     if (lines := _exits(script, run.outcome)) and spins and lines[0] < spins[0]:
         return mistake("exited_early", line=lines[0])
-    if spins and (caught := script.caught) is not None and not script.lines_with(_ENDS_ITSELF):
+    ends_itself = script.lines_with(_ENDS_ITSELF) or _ends_in_callback(script)
+    if spins and (caught := script.caught) is not None and not ends_itself:
         return mistake("error_hidden", line=caught)
     return None
+
+
+def _ends_in_callback(script: ScriptText) -> list[int]:
+    """Return the lines of callbacks that shut down."""
+    callbacks = {name for kind in ("timer", "subscription") for _, name in script.callbacks(kind)}
+    return [line for line in script.lines_with(r"\bshutdown\(") if script.function_around(line) in callbacks]
 
 
 _ENDS_ITSELF = r"\bSystemExit\b|\bexit\(|\bspin_(once|until)|^[ \t]+if\b.*\bshutdown\("
@@ -707,6 +715,11 @@ def with_ends(trajectory: Trajectory) -> Iterator[tuple[Command, int]]:
     nexts = [command.t_ns for command in trajectory.commands[1:]]
     for command, next_ns in zip(trajectory.commands, [*nexts, _FOR_EVER_NS], strict=False):
         yield command, min(next_ns, command.t_ns + COMMAND_LIFE_NS)
+
+
+def steers(run: Run) -> bool:
+    """Whether the script computes or compares with the heading that it hears."""
+    return run.outcome.hears and bool(ScriptText(run.source).lines_with(_BY_HEADING))
 
 
 def share_backwards(run: Run) -> float:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
-from grader.checks.causes import counts, flow, given, numbers, steering, times
+from grader.checks.causes import counts, flow, given, numbers, steering, ticks, times
 from grader.checks.causes.searched import Searched
 from grader.checks.measure import Findings, Mistake
 from grader.contracts.assignment import Assignment
@@ -86,9 +86,9 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_NO_MOTION | {"wall_hit_in_arc", "path_no_arc", "path_count", "path_unfinished"}, flow.other_axis),
     (_COUNTED, counts.set_to_plus),
     (_COUNTED | _BY_POSE | {"curved"}, flow.state_never_set),
-    (_COUNTED, flow.compared_only),
-    (_STUCK | _TURNED_LONG | {"place_never_stops"}, counts.sleeps_in_callback),
-    (_STUCK | _TURNED_LONG, counts.ticks_too_long),
+    (_STUCK | _NO_MOTION | {"turned_instead", "endless_turn", "never_stops"}, flow.compared_only),
+    (_STUCK | _TURNED_LONG | {"place_never_stops"}, ticks.sleeps_in_callback),
+    (_STUCK | {"endless_turn"}, ticks.ticks_too_long),
     (_BY_POSE | _COUNT | {"wall_hit"}, steering.equals_exactly),
     (_BY_POSE | _CORNERS | _COUNT | {"endless_turn", "degrees_as_radians"}, steering.degrees_added),
     (_NO_MOTION | _LOST | {"never_stops", "wall_hit", "side_goes_on", "endless_turn"}, flow.deaf_loop),
@@ -124,8 +124,8 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("turns_too_short", "one_corner_off")), steering.wide_tolerance),
     (_CORNERS - {"one_radian"}, times.wrong_time),
     (frozenset(("turns_too_short", "one_corner_off", "turn_too_short", "too_short")), numbers.ticks_cut),
-    (_SHORT | {"no_turns", "too_brief", "turned_instead"}, counts.count_not_reset),
-    (_SHORT, counts.counts_ticks),
+    (_SHORT | {"no_turns", "too_brief", "turned_instead"}, ticks.count_not_reset),
+    (_SHORT, ticks.counts_ticks),
     (_COUNT | {"too_slow"}, times.sleeps_on),
     (_COUNT, flow.removes_in_loop),
     (_COUNT, flow.leaves_loop),

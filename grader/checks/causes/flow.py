@@ -242,7 +242,12 @@ def log_behind_spin(seen: Searched) -> Mistake | None:
 
 
 def uncalled(seen: Searched) -> Mistake | None:
-    """Find a function that the script never calls."""
+    """Find a function that is named and not called; where no motion came, one that is called nowhere else."""
+    named = seen.script.uncalled
+    loud = {"log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on"}
+    if named is not None and seen.mistake.code not in loud:
+        called = rf"(?<!def )\b{re.escape(named.name.rpartition('.')[2])}\("
+        return None if seen.script.lines_with(called) else not_called(seen.run)
     return not_called(seen.run)
 
 

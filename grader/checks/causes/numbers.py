@@ -56,7 +56,10 @@ def negative_time(seen: Searched) -> Mistake | None:
             return mistake("negative_time", line=line, name=found[1], value=number(value, "s"))
     for line, found in seen.script.matches(rf"^(?![ \t]*def\b).*?(\w+)\({_INNER}\)"):
         made = seen.script.definition(found[1])
-        for place, written in enumerate(seen.script.arguments(line, found[1]) if made else []):
+        given = seen.script.arguments(line, found[1]) if made else []
+        if len(given) > 1 and all(value_of(one, seen.script) in (0.0, None) for one in given[:-1]):
+            continue  # a pause
+        for place, written in enumerate(given):
             value = value_of(written, seen.script)
             if made and value is not None and value < 0.0 and _is_time(made.line, place, seen.script):
                 return mistake("negative_time", line=line, name=written, value=number(value, "s"))

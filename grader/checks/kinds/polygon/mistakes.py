@@ -17,6 +17,7 @@ from grader.checks.mistakes import (
     no_final_stop,
     noted,
     only_turned,
+    steers,
     swings,
     with_ends,
 )
@@ -51,9 +52,6 @@ _EQUAL_RATIO = 1.02  # of the longest to the shortest drive: a third of what cos
 _SHAPE = ("sides", "corner_deg", *_LENGTHS, "gap_pct", "curved_pct", "opposite_corners", "settled")
 
 
-_BY_HEADING = r"\b(theta|yaw|heading)\)? ?[-+<>]|[-+<>]=? ?(abs\()?[\w.]*\b(theta|yaw|heading)\b"
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class _Seen:
     """What a recogniser looks at."""
@@ -75,7 +73,7 @@ class _Seen:
     @property
     def steers(self) -> bool:
         """Whether the script computes or compares with the heading that it hears."""
-        return self.run.outcome.hears and bool(ScriptText(self.run.source).lines_with(_BY_HEADING))
+        return steers(self.run)
 
     @property
     def ideal_deg(self) -> float:
