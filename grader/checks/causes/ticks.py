@@ -27,7 +27,7 @@ class _Limit(NamedTuple):
 
     line: int
     name: str
-    count: float
+    ticks: float
 
 
 def _timer(script: ScriptText) -> _Timer | None:
@@ -55,10 +55,10 @@ def counts_ticks(seen: Searched) -> Mistake | None:
     if timer is None or timer.period_s >= 1.0:
         return None
     for limit in _limits(timer, seen.script):
-        took_s = limit.count * timer.period_s
-        early = took_s <= _EARLY_S or limit.count <= _FEW_TICKS
+        took_s = limit.ticks * timer.period_s
+        early = took_s <= _EARLY_S or limit.ticks <= _FEW_TICKS
         if early and not _only_logs(limit, seen.script) and _meant_seconds(limit, timer, seen):
-            values = {"name": limit.name, "count": f"{limit.count:g}", "took": number(took_s, "s")}
+            values = {"name": limit.name, "count": f"{limit.ticks:g}", "took": number(took_s, "s")}
             period = number(timer.period_s, "s", 4)
             return mistake("counts_ticks", line=limit.line, period=period, **values)
     return None
@@ -75,9 +75,9 @@ def _meant_seconds(limit: _Limit, timer: _Timer, seen: Searched) -> bool:
     motions = [one for one in motions_of(seen.run.trajectory) if (one[0].w_radps if turns else one[0].v_mps)]
     if not motions or item is None or item.low is None:
         return True
-    off_ns = limit.count * timer.period_s * 1e9, _TICKS_OFF * timer.period_s * 1e9
+    off_ns = limit.ticks * timer.period_s * 1e9, _TICKS_OFF * timer.period_s * 1e9
     lasted = [first for first, lasted_ns in motions if abs(lasted_ns - off_ns[0]) <= off_ns[1]]
-    amounts = [abs(math.degrees(one.w_radps) if turns else one.v_mps) * limit.count for one in lasted]
+    amounts = [abs(math.degrees(one.w_radps) if turns else one.v_mps) * limit.ticks for one in lasted]
     most = math.inf if item.high is None else _ABOUT * item.high
     return any(item.low / _ABOUT <= amount <= most for amount in amounts)
 
@@ -102,10 +102,10 @@ def ticks_too_long(seen: Searched) -> Mistake | None:
         return None
     longest_ns = max((lasted_ns for _, lasted_ns in motions_of(seen.run.trajectory)), default=0)
     for limit in _limits(timer, seen.script):
-        took_ns = limit.count * timer.period_s * 1e9
+        took_ns = limit.ticks * timer.period_s * 1e9
         lasted = abs(took_ns - longest_ns) <= _TICKS_OFF * timer.period_s * 1e9
         if took_ns > seen.run.outcome.duration_ns or (lasted and took_ns >= _LONG_NS):
-            values = {"count": f"{limit.count:g}", "took": number(took_ns / 1e9, "s")}
+            values = {"count": f"{limit.ticks:g}", "took": number(took_ns / 1e9, "s")}
             period = number(timer.period_s, "s", 4)
             return mistake("ticks_too_long", line=limit.line, name=limit.name, period=period, **values)
     return None
@@ -150,7 +150,7 @@ def count_not_reset(seen: Searched) -> Mistake | None:
         same = [other for other in limits if other.name == limit.name]
         zeroed = [other for other in same if _sets(rf"{re.escape(limit.name)} ?=", other, seen.script)]
         ended = any(
-            abs(lasted_ns / 1e9 - limit.count * timer.period_s) <= _TICKS_OFF * timer.period_s
+            abs(lasted_ns / 1e9 - limit.ticks * timer.period_s) <= _TICKS_OFF * timer.period_s
             for _, lasted_ns in motions_of(seen.run.trajectory)
         )
         goes_on = _sets(r"self\.\w+ ?=(?!=)", limit, seen.script) and limit not in zeroed
