@@ -33,11 +33,15 @@ _SIGNS: Final = (
     (r"SyntaxError: multiple exception types must be parenthesized", "except_comma"),
     (_LINE + r"<(\?xml|!DOCTYPE|html|launch|package|robot)\b", "markup_file"),
     (_LINE + r"(\}\s*)?(else[ \t]+if|elseif|elsif)\b", "else_if"),
+    (_LINE + r"else[ \t]+[^:\n]+:", "else_condition"),
+    (r"SyntaxError: invalid syntax\n.*\n +(?P<word>else|elif)\b.*:", "else_alone"),
+    (_LINE + r"(%\w|!\w|(In|Out) ?\[\d*\] ?:)", "pasted_mark"),
     (
         _LINE + r"(//|/\*|\}|(int|void)[ \t]+main[ \t]*\(|(for|while|if)[ \t]*\([^)\n]*;|"
         r"[^\"'#\n]*(\w(::|->)\w|=[ \t]*new[ \t]+\w|\)[ \t]*\{[ \t]*\n))",
         "c_syntax",
     ),
+    (r"SyntaxError: invalid decimal literal" + r".*\n.*\n.*\d\.\d*f\b", "c_syntax"),
     (_LINE + r"[^\"'#\n]*\d[ \t]*(m/s|rad/s|rad|m|s|cm|米|秒|度|弧度)(?!\w)", "unit_in_code"),
     (_LINE + r"(.*\W)?(?P<name>[A-Za-z_][\w.]*)(\+\+|--)[ \t]*[;)]?[ \t]*(#.*)?\n", "increment"),
     (r"SyntaxError: .*Maybe you meant '==' .*\n.*\n +(if|elif|while)\b", "single_equals"),
@@ -225,7 +229,7 @@ _SIGNS: Final = (
     (r"(Attribute|Type)Error: 'property' object ", "class_for_object"),
     (r"TypeError: \w+\.\w+\(\) missing 1 required positional argument: 'self'", "class_for_object"),
     (
-        r"TypeError: 'Vector3' object (does not support item assignment|is not subscriptable)",
+        r"TypeError: '(Vector3|Twist)' object (does not support item assignment|is not subscriptable)",
         "vector_index",
     ),
     (
@@ -478,6 +482,8 @@ _STATEMENTS: Final = (
 
 def _statement(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at a line that Python does not take: its first word may be a misspelt one of Python's."""
+    if (above := _without_comma(error, script)) is not None:
+        return "missing_comma", {"line": above}
     found = re.match(r"([A-Za-z]+)(?=[ \t]+[A-Za-z_(\"']|[ \t]*:)", script_line(error))
     if found is None or found[1] in _STATEMENTS:
         return None
@@ -486,6 +492,16 @@ def _statement(error: StudentError, script: ScriptText) -> Closer:
     alike = [known for known in _STATEMENTS if known[0] == name[0].lower()]
     near = same or difflib.get_close_matches(name.lower(), alike, 1, _NEAR)
     return ("misspelt_keyword", {"name": name, "suggestion": near[0]}) if near else None
+
+
+def _without_comma(error: StudentError, script: ScriptText) -> int | None:
+    """Return the line of an argument that another one follows, each on a line of its own, without a comma."""
+    above = (error.line or 0) - 1
+    if not 0 < above < len(script.lines):
+        return None
+    before, behind = script.lines[above - 1].strip(), script.lines[above].strip()
+    is_argument = re.fullmatch(r"[\w.]+|\"\"", before) and before not in _STATEMENTS
+    return above if is_argument and re.match(r"([\w.]+|\"\") ?,", behind) else None
 
 
 def _pasted(error: StudentError, script: ScriptText) -> Closer:
@@ -613,7 +629,9 @@ def _not_started(error: StudentError, script: ScriptText) -> Closer:
 
 def _function(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at a function used as a value: a method may have taken the place of one of Node's own."""
-    if re.search(r"\btime\.\w+", script_line(error)) and script.lines_with(r"from time import\b.*\btime\b"):
+    if re.search(r"\btime\.\w+", script_line(error)) and script.lines_with(
+        r"from time import\b.*(\btime\b|\*)"
+    ):
         return "time_is_function", {}
     taken = script.methods(_NODE_PROPERTIES)
     return ("name_taken", {"name": taken[0]}) if taken and "super()" in script_line(error) else None
@@ -763,7 +781,7 @@ def _is_node(name: str, written: str) -> bool:
 def _attribute(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at an unknown attribute."""
     found = re.match(r"'(\w+)' object has no attribute '(\w+)'", error.message)
-    closer = _of_module(error) if found is None else _of_object(found[1], found[2], error, script)
+    closer = _of_module(error, script) if found is None else _of_object(found[1], found[2], error, script)
     if closer is not None:
         return closer
     suggestion = suggested(error)
@@ -775,12 +793,19 @@ def _attribute(error: StudentError, script: ScriptText) -> Closer:
     return None if own or not script.has_code else ("unknown_in_library", {})
 
 
-def _of_module(error: StudentError) -> Closer:
+def _of_module(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at what a module has not."""
+    if error.message == "type object 'Time' has no attribute 'now'":
+        return "ros_1_habit", {
+            "name": "Time.now()",
+            "instead": f"{script.object_at(error.line or 0)}.get_clock().now()",
+        }
     found = re.match(r"module '(\w+)' has no attribute '(\w+)'", error.message)
     if found is None:
         return None
     module, name = found.groups()
+    if (module, name) == ("time", "now"):
+        return "misspelt", {"suggestion": "time.time()"}
     if module == "rclpy" and name in _OF_ROS_1:
         return "ros_1_habit", {"name": f"rclpy.{name}", "instead": _OF_ROS_1[name]}
     if module == "rclpy" and _IMPORTS.get(name, "").startswith("from rclpy."):

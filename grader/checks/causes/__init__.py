@@ -45,12 +45,28 @@ _NO_MOTION: Final = frozenset(
         "no_drive_by_pose",
     )
 )
+_STUCK: Final = frozenset(("side_never_ends",))
 _SILENT: Final = frozenset(("never_published", "publish_not_reached", "nothing_ran", "only_printed"))
 _SHORT_TURN: Final = frozenset(("turn_too_short", "turned_one_radian", "half_turn", "turn_too_slow"))
 _SHORT: Final = _SHORT_TURN | {"too_short", "turns_too_short", "one_radian"}
 _COUNT: Final = frozenset(("sides_missing", "sides_missing_by_timer", "path_count", "path_unfinished"))
 _LENGTHS: Final = frozenset(("wrong_lengths", "unequal_sides"))
 _CORNERS: Final = frozenset(("turns_too_short", "turns_too_far", "one_corner_off", "one_radian"))
+_LASTS: Final = frozenset(
+    ("endless_turn", "wall_hit", "piece_never_ends", "turned_instead", "turned_too", "never_stops")
+)
+_TIMED: Final = (
+    _STUCK
+    | _NO_MOTION
+    | _SHORT
+    | _COUNT
+    | _CORNERS
+    | _LENGTHS
+    | _LASTS
+    | {"too_brief", "stopped_at_once", "stop_in_loop"}
+)
+"""Mistakes that a motion of the wrong length may cause."""
+
 _LOST: Final = frozenset(
     (
         "place_away",
@@ -66,7 +82,6 @@ _LOST: Final = frozenset(
 )
 
 _WRONG_WAY: Final = frozenset(("place_away", "place_lost", "place_circled", "place_missed", "place_wall"))
-_STUCK: Final = frozenset(("side_never_ends",))
 _COUNTED: Final = (
     _STUCK | _NO_MOTION | _COUNT | _LOST | {"endless_turn", "never_stops", "turned_instead", "wall_hit"}
 )
@@ -97,6 +112,9 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_NO_MOTION | _LOST | _SILENT | _WAITS, flow.thread_runs_here),
     (_NO_MOTION | _SILENT | {"never_spun", "stalled"}, flow.thread_not_started),
     (_NO_MOTION | _SILENT, flow.never_filled),
+    (_TIMED, times.nanoseconds_unit),
+    (_STUCK | _NO_MOTION | _LASTS, times.start_anew),
+    (_NO_MOTION | {"published_once", "too_brief", "stopped_at_once"}, times.publish_behind_loop),
     (_NO_MOTION | _SHORT, numbers.floor_is_zero),
     (_NO_MOTION | _SHORT, numbers.int_is_zero),
     (_NO_MOTION | _COUNT, numbers.negative_time),
@@ -157,6 +175,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("never_published", "publish_not_reached")), flow.long_period),
     (frozenset(("publisher_not_reached",)), flow.class_not_made),
     (frozenset(("publish_not_reached",)), flow.returns_before),
+    (frozenset(("publish_not_reached",)), flow.lambda_names),
     (_WAITS, flow.waits_for_two),
     (_KEPT_BUSY, flow.loop_for_spin),
     (frozenset(("cpu_limit",)), flow.timer_in_timer),

@@ -310,6 +310,14 @@ def returns_before(seen: Searched) -> Mistake | None:
     return None
 
 
+def lambda_names(seen: Searched) -> Mistake | None:
+    """Find a lambda for a callback that names the function and does not call it."""
+    for line, found in seen.script.matches(r"\bcreate_\w+\(.*\blambda\b[^:]*: ?((?:\w+\.)?(\w+)) ?[,)]"):
+        if seen.script.definition(found[2]) is not None:
+            return mistake("not_called", line=line, name=found[1], call=f"{found[1]}()")
+    return None
+
+
 def waits_for_two(seen: Searched) -> Mistake | None:
     """Find a wait for more subscribers than there are."""
     lines = seen.script.lines_with(

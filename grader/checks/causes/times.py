@@ -81,6 +81,54 @@ def waits_for_past(seen: Searched) -> Mistake | None:
     return None
 
 
+def nanoseconds_unit(seen: Searched) -> Mistake | None:
+    """Find nanoseconds that are compared with seconds, or with seconds times something else than 1e9."""
+    for line, found in seen.script.matches(rf"\.nanoseconds\)* ?[<>]=? ?({_TIMES_OR_NAME})\)* ?:"):
+        name, factor = found[1].partition("*")[0].strip(), found[1].partition("*")[2].strip()
+        value = value_of(found[1], seen.script)
+        right = f"{name} * 1e9"
+        if factor and value_of(factor, seen.script) not in (1e9, None):
+            return mistake("nanoseconds_unit", line=line, written=found[1], right=right)
+        if not factor and not re.search(r"(?i)ns|nano", name) and _is_seconds(value, name, seen.script):
+            return mistake("nanoseconds_unit", line=line, written=found[1], right=right)
+    return None
+
+
+_TIMES_OR_NAME: Final = r"[\w.]+(?: ?\* ?(?:1e\d+|1\d{3,12}))?"
+_FEW_NS: Final = 1e6  # a millisecond: what is compared with less is meant as seconds
+_TO_NS: Final = r"(?i)\b1e9|10 ?\*\* ?9|1_?000_?000_?000|nanosec|\bns\b"
+
+
+def _is_seconds(value: float | None, name: str, script: ScriptText) -> bool:
+    """Whether a name has few, or no line that could make nanoseconds of it."""
+    if value is not None:
+        return 0.0 < value < _FEW_NS
+    made = script.lines_with(rf"{itself(name)} ?=(?!=)|^(?!.*\bdef\b).*\w\(.")
+    return not any(re.search(_TO_NS, script.lines[at - 1].partition(".nanoseconds")[0]) for at in made)
+
+
+def start_anew(seen: Searched) -> Mistake | None:
+    """Find a loop that takes its own start time anew in each round, so that no time ever passes."""
+    for loop in seen.script.lines_with(rf"^[ \t]*while\b.*{CLOCK}"):
+        for line, text in seen.script.body(loop):
+            taken = re.match(rf"([\w.]+) ?= ?[\w.()]*{CLOCK}\S*$", text)
+            if taken and re.search(rf"- ?{itself(taken[1])}", seen.script.lines[loop - 1]):
+                return mistake("start_anew", line=line, name=taken[1], loop=loop)
+    return None
+
+
+def publish_behind_loop(seen: Searched) -> Mistake | None:
+    """Find a loop that only lets the time of a motion pass, and a publish behind it that belongs into it."""
+    for loop in seen.script.lines_with(rf"^[ \t]*while\b.*{CLOCK}"):
+        body = seen.script.body(loop)
+        waits = bool(body) and all(re.match(r"(time\.)?sleep\(|pass$", text) for _, text in body)
+        behind = loop + len(seen.script.block(loop))
+        text = seen.script.lines[behind - 1] if behind <= len(seen.script.lines) else ""
+        if waits and re.match(r"[ \t]*[\w.]+\.publish\( ?\w+ ?\)$", text):
+            return mistake("publish_behind_loop", line=behind, loop=loop)
+    return None
+
+
 def wrong_time(seen: Searched) -> Mistake | None:
     """Find a turn that is passed the time of the drive; and whether the drive is passed that of the turn."""
     turned = _given(seen.script, r"(?i)turn|rotate|spin|zhuan", _DRIVE_TIME)
