@@ -183,10 +183,33 @@ def set_without_global(error: StudentError, written: str, script: ScriptText) ->
         for line in script.lines_with(rf"^[ \t]+{name} ?=(?!=)") if outer else []:
             function = script.function_around(line)
             made = script.definition(function)
-            told = [] if made is None else script.block(made.line)
-            if made is not None and not any(re.search(rf"\bglobal\b.*\b{name}\b", one) for one in told):
+            if made is None:
+                continue
+            if not any(re.search(rf"\bglobal\b.*\b{name}\b", one) for one in script.block(made.line)):
                 return "kept_global", {"name": name, "callback": function, "begins": made.line}
+            if not script.calls(function):
+                return "never_called", {"name": function, "begins": made.line}
     return None
+
+
+def future_not_done(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise the result of a future that is taken before the answer has come."""
+    found = re.search(r"(?<![\w.])([\w.]{1,60})\.result\( ?\)\.", written)
+    return ("future_not_done", {"name": found[1]}) if found else None
+
+
+def copied(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Find the copy of a function that still has the name of the first one, where another name is called."""
+    found = re.search(r"name '(\w+)' is not defined|has no attribute '(\w+)'", error.message)
+    name = (found[1] or found[2]) if found else ""
+    begins: dict[str, list[int]] = {}
+    for number, made in script.matches(r"^[ \t]*def (\w+)"):
+        begins.setdefault(made[1], []).append(number)
+    twice = [(one, lines) for one, lines in begins.items() if len(lines) == 2 and one != "__init__"]
+    if not name or not re.search(rf"\b{name}\(", written) or len(twice) != 1:
+        return None
+    function, (first, second) = twice[0]
+    return "copied", {"name": name, "function": function, "first": first, "second": second}
 
 
 def constructor(error: StudentError, written: str, script: ScriptText) -> Closer:
@@ -494,11 +517,12 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "ros_1_habit": (rate_of_ros_1,),
     "self_outside": (class_body,),
     "shell_line": (only_shell,),
-    "still_none": (none_in_init, none_before_spin, set_without_global),
+    "still_none": (future_not_done, none_in_init, none_before_spin, set_without_global),
     "text_for_number": (text_plus_number,),
     "time_and_number": (time_to_sleep,),
     "unknown_field": (message_replaced,),
-    "unknown_name": (parameter_called,),
+    "unknown_attribute": (copied,),
+    "unknown_name": (parameter_called, copied),
     "unknown_part": (handler_order, wanted_field),
     "wrong_parameters": (main_needs_args, signature),
 }

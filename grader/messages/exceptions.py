@@ -727,6 +727,8 @@ def _own_name(error: StudentError, script: ScriptText) -> Closer:
         return closer
     if script.node_class and name not in _OTHER_LANGUAGES and _is_node(name, written):
         return "node_not_made", {"name": name, "owner": script.node_class}
+    if script.publisher and re.search(rf"\b{name}\.publish\(", written):
+        return "misspelt", {"suggestion": script.publisher}
     return _nearest_own(name, line, script, _name(error))
 
 
@@ -995,12 +997,13 @@ def _urdf(error: StudentError, script: ScriptText) -> Closer:
 
 
 def _service(error: StudentError, script: ScriptText) -> Closer:
-    """Find the service's callback that returns nothing."""
+    """Find the service's callback that returns nothing, or the request that lacks its parentheses."""
     for _, name in script.callbacks("service"):
         made = script.definition(name)
         if made is not None and not any(re.search(r"\breturn\b", text) for text in script.block(made.line)):
             return "returns_no_response", {"name": name, "begins": made.line}
-    return None
+    bare = script.lines_with(r"= ?\w+\.Request$")
+    return ("class_for_object", {"line": bare[0]}) if bare else None
 
 
 def _args(error: StudentError, script: ScriptText) -> Closer:

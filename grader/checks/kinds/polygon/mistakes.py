@@ -91,7 +91,8 @@ def polygon_mistakes(
     seen = _Seen(assignment, run, wanted, driven)
     if noted(run.outcome, "lateral_command") is None:  # or a figure was meant to be driven sideways
         yield from _never_turned(seen)
-    yield from list(_degrees(seen)) or only_turned(run, ("distance_m", *_SHAPE))
+    turned = list(only_turned(run, ("distance_m", *_SHAPE)))
+    yield from turned if _never_drives(run) else list(_degrees(seen)) or turned
     yield from _kept_driving(seen)
     yield from _kept_turning(seen)
     yield from command_mistakes(run, assignment.world, turns=_TURNS, drives=_spoilt_by_short_drives(run))
@@ -107,6 +108,13 @@ def polygon_mistakes(
     yield from _shape(seen)
     if not cut:
         yield from _ending(seen)
+
+
+def _never_drives(run: Run) -> bool:
+    """Whether the script's text has no linear speed that is not 0."""
+    written = r"\.linear\.x ?[-+]?=(?!=)(?! ?-?[0.]+ ?(;|$))|\blinear ?=(?!=)|\bVector3\("
+    script = ScriptText(run.source)
+    return script.has_code and script.is_short and not script.lines_with(written)
 
 
 def _drives_m(run: Run) -> list[float]:
@@ -270,8 +278,18 @@ def _wall(seen: _Seen) -> Iterator[Mistake]:
     contacts = seen.run.trajectory.contacts
     if contacts and contacts[0].start_ns <= int(seen.driven.drive.t_ns[end]):
         wall = contacts[0]
+        if (drives := _drives_since_turn(seen, wall.start_ns)) > 1:
+            yield mistake("turns_end", _SHAPE, count=drives, ideal=_degree(seen.ideal_deg), sides=seen.sides)
+            return
         code = "side_goes_on" if _goes_on(seen, wall.start_ns) else "wall_hit"
         yield mistake(code, _SHAPE, time=number(wall.start_ns / 1e9, "s"), wall=say(f"wall.{wall.wall}"))
+
+
+def _drives_since_turn(seen: _Seen, hit_ns: int) -> int:
+    """Return how many drives began between the last turn before a wall was hit, and that."""
+    commands = [command for command in seen.run.trajectory.commands if command.t_ns <= hit_ns]
+    last = max((at for at, command in enumerate(commands) if _turns(command)), default=-1)
+    return _straight_drives(commands[last + 1 :])
 
 
 def _goes_on(seen: _Seen, hit_ns: int) -> bool:
