@@ -71,7 +71,9 @@ class Watch:
         self._first: Place | None = None  # the timer of `deadline_ns`
         self._timed = False  # whether a waitable may become ready without one
         self._calm = False  # whether none of those was ready at the last look
-        self._quiet = False  # whether, after that, only messages and timers in the heap can have made any ready
+        self._quiet = (
+            False  # whether, after that, only messages and timers in the heap can have made any ready
+        )
         self._by_link: dict[int, tuple[Any, Place]] = {}  # subscriptions, as in `_others`
         self._ready: list[Place] = []
         self._ready_waitables: list[tuple[Any, Node]] = []
