@@ -132,7 +132,7 @@ def _misfits(found: _Found) -> Iterator[tuple[str, Text]]:
 
 
 def _line(path: Path, field: str) -> int:
-    """Return the line of a definition on which a field of that name stands first."""
+    """Return the number of the first line of a definition that declares the field; 1 if none does."""
     wanted = re.compile(rf"\s*\S+\s+{field}\b")
     lines = path.read_text("utf-8").splitlines()
     return next((number for number, line in enumerate(lines, 1) if wanted.match(line)), 1)
@@ -179,7 +179,7 @@ def _size(name: str, known: Mapping[str, Fields], sizes: dict[str, int]) -> _Mis
     if _least_bytes(name, known, sizes) <= MAX_MESSAGE_BYTES or max(below, default=0) > MAX_MESSAGE_BYTES:
         return None
     return max(fields, key=lambda field: _field_bytes(fields[field], known, sizes)), Text(
-        zh=f"一条消息至少要 {MAX_MESSAGE_BYTES} 字节以上：把定长数组改短，或改成变长数组 []",
+        zh=f"一条消息超过 {MAX_MESSAGE_BYTES} 字节：把定长数组改短，或改成变长数组 []",
         en=f"a message takes more than {MAX_MESSAGE_BYTES} bytes at least; shorten its arrays or write []",
     )
 

@@ -1,9 +1,9 @@
 """The command line: which commands there are, and what their failures look like.
 
-A command is a module in `grader.commands` with `configure(parser)` and `run(arguments) -> int`; an `EPILOG` ends its
-help. Only the chosen one is imported, so that `grader check` does not pay for the web framework. Exit codes: 0 for
-full marks, or a command that did its work; 1 for a lower score, or something found wrong; 2 when the command could
-not be done.
+A command is a module in `grader.commands` with `configure(parser)` and `run(arguments) -> int`; an `EPILOG` ends
+its help. Only the chosen one is imported, so that `grader check` does not pay for the web framework. Exit codes: 0
+for full marks, or a command that did its work; 1 for a lower score, or something found wrong; 2 when the command
+could not be done.
 """
 
 import argparse

@@ -12,7 +12,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Role, Seen, sections_of
 from grader.contracts.judgement import JudgedItem
 from grader.service.web import access
-from grader.service.web.access import ServicesDep, StaffDep, SubmissionId, Visitor, VisitorDep, require_staff
+from grader.service.web.access import KnownDep, ServicesDep, StaffDep, SubmissionId, Visitor, require_staff
 from grader.service.web.forms import require_own_form
 from grader.service.web.judging import AT_FIELDS, typed_points
 from grader.service.web.pages import language_of, page
@@ -51,13 +51,12 @@ class AnswerForm(BaseModel):
 @of_submission.post("", dependencies=[Depends(require_own_form)])
 def ask(
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     item: Annotated[str, Form(max_length=128)] = "",
     reason: Annotated[str, Form(max_length=20_000)] = "",
 ) -> Response:
     """Keep what a student asks about an item, and lead back to it."""
-    access.require_known(visitor)
     appealing.ask(services, visitor.caller, submission_id, item, reason)
     return _back(submission_id, item)
 
@@ -65,12 +64,11 @@ def ask(
 @of_submission.post("/withdraw", dependencies=[Depends(require_own_form)])
 def take_back(
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     item: Annotated[str, Form(max_length=128)] = "",
 ) -> Response:
     """Take an open appeal back."""
-    access.require_known(visitor)
     appealing.take_back(services, visitor.caller, submission_id, item)
     return _back(submission_id, item)
 

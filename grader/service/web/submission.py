@@ -28,7 +28,7 @@ from grader.service.requests.answers import plot
 from grader.service.requests.compression import trajectory_answer
 from grader.service.routes.events import LastEventId, events, owner_of, watched
 from grader.service.web import access
-from grader.service.web.access import COSTLY, DRAWN, ServicesDep, SubmissionId, Visitor, VisitorDep
+from grader.service.web.access import COSTLY, DRAWN, KnownDep, ServicesDep, SubmissionId, Visitor
 from grader.service.web.comparison import DiffLine, changes
 from grader.service.web.forms import require_own_form
 from grader.service.web.pages import language_of, page
@@ -68,14 +68,13 @@ class Changed:
 def read(  # noqa: PLR0913
     request: Request,
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     case: Case = None,
     *,
     same: bool = False,
 ) -> Response:
     """Show where a submission stands, and its grading once there is one. `same`: the file was sent again."""
-    access.require_known(visitor)
     found = submissions.read(services, visitor.caller, submission_id)
     submission = found.submission
     access.require_own(visitor, submission)
@@ -110,20 +109,19 @@ def read(  # noqa: PLR0913
 @router.post("/comments", dependencies=[Depends(require_own_form)])
 def write_comment(
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     text: Annotated[str, Form(max_length=20_000)] = "",
     line: Annotated[str, Form(max_length=20)] = "",
 ) -> Response:
     """Keep what staff or the student write about a submission, and lead back to it."""
-    access.require_known(visitor)
     number = None if not line.strip() else int(line) if line.strip().isdecimal() else 0  # there is no line 0
     added = commenting.add_comment(services, visitor.caller, submission_id, text, number)
     return RedirectResponse(f"/submissions/{submission_id}#comment-{added.number}", status_code=303)
 
 
 @router.get("/source")
-def download_source(services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId) -> Response:
+def download_source(services: ServicesDep, visitor: KnownDep, submission_id: SubmissionId) -> Response:
     """Send the file as it was handed in, to be kept: a browser must not show what a student wrote."""
     submission = access.require_sight(services, visitor, submission_id)
     headers = {
@@ -136,7 +134,7 @@ def download_source(services: ServicesDep, visitor: VisitorDep, submission_id: S
 
 @router.get("/state.json")
 def read_state(
-    request: Request, services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId
+    request: Request, services: ServicesDep, visitor: KnownDep, submission_id: SubmissionId
 ) -> Response:
     """Say where a submission stands: what the progress display asks for again and again."""
     submission = access.require_sight(services, visitor, submission_id)
@@ -154,7 +152,7 @@ def read_state(
 async def _watched(
     request: Request,
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     last_event_id: LastEventId = None,
 ) -> AsyncIterator[SubjectWatch]:
@@ -186,7 +184,7 @@ async def follow(
 @router.get("/trajectory.json", dependencies=[COSTLY])
 def read_trajectory(
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     case: Case = None,
     accept_encoding: Annotated[str | None, Header()] = None,
@@ -201,7 +199,7 @@ def read_trajectory(
 def read_sketch(
     request: Request,
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     case: Case = None,
 ) -> Response:
@@ -219,7 +217,7 @@ def read_sketch(
 
 @router.get("/recording.mcap", dependencies=[COSTLY])
 def read_bag(
-    services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId, case: Case = None
+    services: ServicesDep, visitor: KnownDep, submission_id: SubmissionId, case: Case = None
 ) -> Response:
     """Return one run as a ROS bag, to be saved."""
     access.require_sight(services, visitor, submission_id)
@@ -230,7 +228,7 @@ def read_bag(
 
 @router.get("/film.png", dependencies=[COSTLY])
 def read_film(
-    services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId, case: Case = None
+    services: ServicesDep, visitor: KnownDep, submission_id: SubmissionId, case: Case = None
 ) -> Response:
     """Return the pictures of a PyBullet world as one that moves."""
     access.require_sight(services, visitor, submission_id)
@@ -243,7 +241,7 @@ def read_film(
 async def read_plot(
     request: Request,
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     case: Case = None,
 ) -> Response:

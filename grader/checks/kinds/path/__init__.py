@@ -145,7 +145,9 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
         corners=_sketched_corners(assignment, figure, stretches),
         ideal_m=tuple(_point(point) for point in figure.wanted.tolist()),
         ideal_closed=False,
-        labels=tuple(_radius(assignment, each, scale) for each in stretches if not math.isnan(each.radius_m)),
+        labels=tuple(
+            _radius_label(assignment, each, scale) for each in stretches if not math.isnan(each.radius_m)
+        ),
         end_ns=end_ns(figure, drive),
     )
 
@@ -167,7 +169,7 @@ def _sketched_corners(
     return tuple(found)
 
 
-def _radius(assignment: Assignment, one: DrivenStretch, scale: float) -> SketchLabel:
+def _radius_label(assignment: Assignment, one: DrivenStretch, scale: float) -> SketchLabel:
     ok = fits(assignment, "radius_error_pct", _error_pct(one.radius_m, scale * one.wanted.radius_m))
     text = Text(zh=f"r = {number(one.radius_m, 'm')}", en=f"r = {number(one.radius_m, 'm')}")
     return SketchLabel(at_m=_point(one.centre), text=text, ok=ok)

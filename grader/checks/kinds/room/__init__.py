@@ -8,7 +8,7 @@ import numpy as np
 from grader.checks.drive import MOVING_MPS, Drive, drive_of
 from grader.checks.fit import Misfit, is_number, unmet
 from grader.checks.kinds.room.mistakes import room_mistakes
-from grader.checks.kinds.room.way import POINT_M, SIDES, Band, band_of, points_of
+from grader.checks.kinds.room.way import POINT_M, SIDES, WallFollowing, points_of, wall_following
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
 from grader.checks.mistakes import driving_mistakes
 from grader.checks.surroundings import clearance
@@ -43,7 +43,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     drive, room = drive_of(run), assignment.world.room
     if drive is None or room is None:
         return Findings(mistakes=driving_mistakes(run, room_mistakes(assignment, run, None, {})))
-    trajectory, band = run.trajectory, band_of(assignment, room, drive)
+    trajectory, band = run.trajectory, wall_following(assignment, room, drive)
     measures = {
         "distance_m": Measure(float(np.max(drive.path.along_m))),
         "contacts": Measure(float(len(trajectory.contacts))),
@@ -89,7 +89,7 @@ def _covered(room: Room, drive: Drive) -> float:
     return float(np.sum(been & free)) / max(int(np.sum(free)), 1)
 
 
-def _band(band: Band | None) -> dict[str, Measure]:
+def _band(band: WallFollowing | None) -> dict[str, Measure]:
     """Measure which share of the way ran along a wall as it should, and how far the robot got on it."""
     if band is None:
         return {}
