@@ -2,6 +2,7 @@
 
 import secrets
 from collections.abc import Callable
+from dataclasses import asdict
 from datetime import datetime, timedelta
 
 from sqlalchemy import delete, select, update
@@ -56,7 +57,7 @@ class Platforms:
             id=secrets.token_hex(_ID_BYTES),
             course=course,
             created_at=signed.at,
-            **{name: getattr(new, name) for name in NewPlatform.__dataclass_fields__},
+            **asdict(new),
         )
         try:
             with self._database.writing() as session:
@@ -148,9 +149,7 @@ class Platforms:
             _hold(session, link.platform)
             row = session.get(PlatformLinkRow, (link.platform, link.resource))
             if row is None:
-                row = PlatformLinkRow(
-                    **{name: getattr(link, name) for name in PlatformLink.__dataclass_fields__}
-                )
+                row = PlatformLinkRow(**asdict(link))
                 session.add(row)
             else:
                 row.title = link.title or row.title
@@ -210,7 +209,7 @@ class Platforms:
             platform=platform,
             subject=subject,
             until=now + _PICKING,
-            **{name: getattr(picking, name) for name in Picking.__dataclass_fields__},
+            **asdict(picking),
         )
         with self._database.writing() as session:
             _hold(session, platform)

@@ -206,11 +206,9 @@ def read_sketch(
     """Return what the checks saw in the motion; an empty object when they cannot say."""
     _, stored = access.seen(services, visitor, submission_id)
     run = None if stored is None else judged(stored).run_of(case)
-    figure = (
-        None
-        if stored is None or run is None
-        else recordings.measured_figure(services, access.visitor_of(request).caller, stored, run)
-    )
+    if stored is None or run is None:
+        return JSONResponse({})
+    figure = recordings.measured_figure(services, visitor.caller, stored, run)
     document = {} if figure is None else figure_document(figure, language_of(request))
     return JSONResponse(document)
 
@@ -350,11 +348,8 @@ def _result(
     run = report.run_of(case)
     if run is None and case is not None:
         raise RefusedError("no_trajectory", field="case", allowed=list(stored.cases))
-    figure = (
-        None
-        if run is None
-        else recordings.measured_figure(services, access.visitor_of(request).caller, stored, run)
-    )
+    caller = access.visitor_of(request).caller
+    figure = None if run is None else recordings.measured_figure(services, caller, stored, run)
     names = {name: on_page(language, f"figure.{name}") for name in _FIGURE_WORDS}
     result = result_page(report, assignment, language)
     in_room = assignment is not None and assignment.world.kind == "robot"
