@@ -33,11 +33,12 @@ class MeasureKind(PositionalRecord):
 class Measure(PositionalRecord):
     """A measured value. NaN: could not be measured; ``why`` among the details may say what kept it from that.
 
-    `details` fill the ``seen`` sentence.
+    `details` fill the ``seen`` sentence. `share` of the value's credit counts; what lowers it is ``why``.
     """
 
     value: float
     details: Mapping[str, object] = field(default_factory=dict)
+    share: float = 1.0
 
 
 UNMEASURED = Measure(math.nan)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections import deque
 
+from rclpy import _distro
 from rclpy._forwarding import passed_on
 from rclpy._kernel import kernel
+from rclpy._link import link
 from rclpy._rcl.errors import GUARD_CONTEXT, WAIT_CONTEXT, RCLError
 from rclpy._rcl.handles import changes
 from rclpy._rcl.watch import CLIENT, GUARD, SERVICE, SUBSCRIPTION, TIMER, Watch
@@ -38,6 +40,11 @@ CPU_COUNT = 4
 
 def _never() -> bool:
     return False
+
+
+def _members_of(node: Node) -> tuple[Any, ...]:
+    """Return what a node consists of: iterators, unless `node` is a class or has methods of these names."""
+    return node.subscriptions, node.timers, node.clients, node.services, node.guards, node.waitables
 
 
 def _is_done(future: Any) -> bool:
@@ -104,8 +111,8 @@ class _WorkTracker:
     def wait(self, timeout_sec: float | None = None) -> bool:
         """Block until no other thread runs one; False when the timeout (None or negative: never) came first.
 
-        The caller's own callback does not count: `rclpy.shutdown()` in a callback ends the spin
-        (ros2/rclpy#944, mended in Humble).
+        The caller's own callback does not count, as on Jazzy. Humble waits for it, too, and so for ever
+        (ros2/rclpy#944, #1646); the student is told.
         """
         me = kernel.running
 
@@ -113,6 +120,10 @@ class _WorkTracker:
             return all(thread is me for thread in self.running)
 
         if idle():
+            if self.running and _distro.chosen == _distro.HUMBLE and (timeout_sec is None or timeout_sec < 0):
+                from rclpy._patches.tracebacks import line_now
+
+                link.note("shutdown_in_callback", str(line_now()))
             return True
         deadline_ns = None
         if timeout_sec is not None and timeout_sec >= 0:
@@ -180,7 +191,8 @@ class Executor:
             return False
         self._nodes = {**self._nodes, node: None}
         node.executor = self
-        iter(node.subscriptions)  # of a class instead of a node it is a property, as the first wait finds
+        for members in _members_of(node):  # as upstream's first wait asks for them
+            iter(members)
         self.wake()
         return True
 
@@ -664,7 +676,7 @@ class SingleThreadedExecutor(Executor):
         )
 
     def _skip_to_pose(self, watch: Watch, deadline_ns: int | None) -> tuple[int, ...]:
-        """Wait for the next pose; return who got it: nobody, and nothing was done, if anything else comes first."""
+        """Wait for the next pose; return who got it: nobody, with nothing done, if anything else comes first."""
         due_ns = kernel.horizon_ns if watch.deadline_ns is None else watch.deadline_ns
         if deadline_ns is not None and deadline_ns < due_ns:
             due_ns = deadline_ns

@@ -5,7 +5,7 @@ from __future__ import annotations
 from _weakref import ref
 
 from rclpy._forwarding import passed_on
-from rclpy._interfaces.messages import class_of
+from rclpy._interfaces.messages import class_of, interface_class
 from rclpy._interfaces.own import LazyType
 from rclpy._rcl.endpoints import PublisherHandle, SubscriptionHandle
 from rclpy._rcl.errors import NodeNameNonExistentError as NodeNameNonExistentError
@@ -135,7 +135,8 @@ class Node:
         self.__node = self._rcl_create_handle(
             node_name, namespace or "", cli_args, use_global_arguments, enable_rosout
         )
-        self._logger = get_logger(self.__node.logger_name())
+        with self.handle:  # a script's own method of that name fails here, as at home
+            self._logger = get_logger(self.__node.logger_name())
         self._parameter_event_publisher: Publisher | None = self._rcl_create_event_publisher()
         self._parameter_overrides = self.__node.get_parameters(Parameter)
         self._parameter_overrides.update({p.name: p for p in parameter_overrides or ()})
@@ -192,8 +193,13 @@ class Node:
         return handle
 
     def _rcl_create_event_publisher(self) -> Publisher:
-        kind = LazyType("rcl_interfaces/msg/ParameterEvent")
         qos = qos_profile_parameter_events
+        if type(self).create_publisher is not Node.create_publisher:
+            # A script has a method of that name, which upstream calls here.
+            from rclpy._interfaces.own import ParameterEvent
+
+            return self.create_publisher(ParameterEvent, "/parameter_events", qos)
+        kind = LazyType("rcl_interfaces/msg/ParameterEvent")
         impl = PublisherHandle(self.__node, kind, "/parameter_events", qos.get_c_qos_profile())
         return self._rcl_add_publisher(
             Publisher, impl, (kind, "/parameter_events", qos), None, self.default_callback_group
@@ -459,6 +465,15 @@ class Node:
         """Offer a service: `callback` gets request and response and returns the response."""
         check_is_valid_srv_type(srv_type)
         return self._rcl_add_service(srv_type, srv_name, callback, qos_profile, callback_group)
+
+    def _rcl_add_own_service(
+        self, kind: LazyType, name: str, callback: Callable[[Any, Any], Any], qos: QoSProfile
+    ) -> None:
+        """Offer a service of the library's own: by a script's `create_service`, where it has one, as upstream."""
+        if type(self).create_service is Node.create_service:
+            self._rcl_add_service(kind, name, callback, qos, None)
+        else:
+            self.create_service(interface_class(kind.full_name), name, callback, qos_profile=qos)
 
     def _rcl_add_service(
         self,

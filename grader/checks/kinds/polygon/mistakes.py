@@ -25,6 +25,7 @@ from grader.checks.mistakes import (
     no_final_stop,
     noted,
     only_turned,
+    steers,
     swings,
     with_ends,
 )
@@ -57,9 +58,6 @@ _EQUAL_RATIO = 1.02  # of the longest to the shortest drive: a third of what cos
 _SHAPE = ("sides", "corner_deg", *_LENGTHS, "gap_pct", "curved_pct", "opposite_corners", "settled")
 
 
-_BY_HEADING = r"\b(theta|yaw|heading)\)? ?[-+<>]|[-+<>]=? ?(abs\()?[\w.]*\b(theta|yaw|heading)\b"
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class _Seen:
     """What a recogniser looks at."""
@@ -81,7 +79,7 @@ class _Seen:
     @property
     def steers(self) -> bool:
         """Whether the script computes or compares with the heading that it hears."""
-        return self.run.outcome.hears and bool(ScriptText(self.run.source).lines_with(_BY_HEADING))
+        return steers(self.run)
 
     @property
     def ideal_deg(self) -> float:
@@ -99,7 +97,8 @@ def polygon_mistakes(
     seen = _Seen(assignment, run, wanted, driven)
     if noted(run.outcome, "lateral_command") is None:  # or a figure was meant to be driven sideways
         yield from _never_turned(seen)
-    yield from list(_degrees(seen)) or only_turned(run, ("distance_m", *_SHAPE))
+    turned = list(only_turned(run, ("distance_m", *_SHAPE)))
+    yield from turned if _never_drives(run) else list(_degrees(seen)) or turned
     yield from _kept_driving(seen)
     yield from _kept_turning(seen)
     yield from command_mistakes(run, assignment.world, turns=_TURNS, drives=_spoilt_by_short_drives(run))
@@ -115,6 +114,13 @@ def polygon_mistakes(
     yield from _shape(seen)
     if not cut:
         yield from _ending(seen)
+
+
+def _never_drives(run: Run) -> bool:
+    """Whether the script's text has no linear speed that is not 0."""
+    written = r"\.linear\.x ?[-+]?=(?!=)(?! ?-?[0.]+ ?(;|$))|\blinear ?=(?!=)|\bVector3\("
+    script = ScriptText(run.source)
+    return script.has_code and script.is_short and not script.lines_with(written)
 
 
 def _drives_m(run: Run) -> list[float]:
@@ -154,6 +160,10 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
             closer = loop_in_callback(seen.run) or defined_twice(seen.run)
             if closer is None and contacts and _goes_on(seen, contacts[0].start_ns):
                 return  # `_wall` says what by pose never ended
+            if closer is None and _drives_to_the_end(seen):
+                closer = mistake(
+                    "side_never_ends", _SHAPE, time=number(seen.run.outcome.duration_ns / 1e9, "s")
+                )
             yield closer or mistake("no_turns", _SHAPE, ideal=_degree(seen.ideal_deg), sides=seen.sides)
         return
     drives = _straight_drives([command for command in commands if command.t_ns < turning[0]])
@@ -166,6 +176,19 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
         wall = say("detail.wall_hit") if hit else EMPTY
         ideal = _degree(seen.ideal_deg)
         yield mistake("turns_behind_loop", _SHAPE, count=drives, wall=wall, ideal=ideal, sides=seen.sides)
+
+
+_TURN_WRITTEN = r"\.angular\.z ?=(?!=)(?! ?-?[0.]+ ?(;|$))"
+
+
+def _drives_to_the_end(seen: _Seen) -> bool:
+    """Whether one drive was commanded from the beginning to the end of the run, by a script that has a turn."""
+    commands, outcome = seen.run.trajectory.commands, seen.run.outcome
+    lasts = bool(commands) and is_motion(commands[-1]) and _straight_drives(list(commands)) == 1
+    on_time = outcome.status is RunStatus.INTERRUPTED and any(
+        until_ns >= outcome.duration_ns for _, until_ns in list(with_ends(seen.run.trajectory))[-1:]
+    )
+    return lasts and on_time and bool(ScriptText(seen.run.source).lines_with(_TURN_WRITTEN))
 
 
 def _on_first_side(seen: _Seen) -> bool:
@@ -263,8 +286,18 @@ def _wall(seen: _Seen) -> Iterator[Mistake]:
     contacts = seen.run.trajectory.contacts
     if contacts and contacts[0].start_ns <= int(seen.driven.drive.t_ns[end]):
         wall = contacts[0]
+        if (drives := _drives_since_turn(seen, wall.start_ns)) > 1:
+            yield mistake("turns_end", _SHAPE, count=drives, ideal=_degree(seen.ideal_deg), sides=seen.sides)
+            return
         code = "side_goes_on" if _goes_on(seen, wall.start_ns) else "wall_hit"
         yield mistake(code, _SHAPE, time=number(wall.start_ns / 1e9, "s"), wall=say(f"wall.{wall.wall}"))
+
+
+def _drives_since_turn(seen: _Seen, hit_ns: int) -> int:
+    """Return how many drives began between the last turn before a wall was hit, and that."""
+    commands = [command for command in seen.run.trajectory.commands if command.t_ns <= hit_ns]
+    last = max((at for at, command in enumerate(commands) if _turns(command)), default=-1)
+    return _straight_drives(commands[last + 1 :])
 
 
 def _goes_on(seen: _Seen, hit_ns: int) -> bool:

@@ -1,5 +1,6 @@
 """Mistakes of a drive in a room, recognised from what was touched and where the robot ended."""
 
+import itertools
 from collections.abc import Iterator, Mapping
 
 from grader.checks.drive import Drive, is_motion
@@ -64,11 +65,12 @@ _MANY_COMMANDS = 3  # a script that publishes once has another fault
 
 
 def _drove_on(run: Run, contact: Contact) -> bool:
-    """Whether the robot got a single command from its first motion until it had touched something."""
+    """Whether the robot was never told to slow down or to turn until it had touched something."""
     until_ns = contact.start_ns + _REACTION_NS
     commands = [each for each in run.trajectory.commands if each.t_ns <= until_ns]
     moving = next((i for i, each in enumerate(commands) if is_motion(each)), len(commands))
-    return len({(each.v_mps, each.w_radps) for each in commands[moving:]}) == 1
+    rates, speeds = {each.w_radps for each in commands[moving:]}, [each.v_mps for each in commands[moving:]]
+    return len(rates) == 1 and all(one <= other for one, other in itertools.pairwise(speeds))
 
 
 def _ended(assignment: Assignment, drive: Drive, measures: Mapping[str, Measure]) -> Iterator[Mistake]:

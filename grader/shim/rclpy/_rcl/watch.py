@@ -89,15 +89,7 @@ class Watch:
                 self._add_timer(timer.handle, (number, TIMER, place, timer, node))
         for kind in (SUBSCRIPTION, CLIENT, SERVICE):
             for place, entity in enumerate(members[kind][known[kind] :], known[kind]):
-                handle = entity.handle
-                if kind != CLIENT and handle.link_id:
-                    self.open = True
-                if self._counts(entity):
-                    found = handle.backlog, (number, kind, place, entity, node)
-                    self._backlogs.append(handle.backlog)
-                    self._others.append(found)
-                    if kind == SUBSCRIPTION:
-                        self._by_link[handle.link_id] = found
+                self._add_other(entity, (number, kind, place, entity, node))
         if len(members[GUARD]) > known[GUARD]:
             counted = [guard for guard in members[GUARD] if self._counts(guard)]
             self._backlogs.extend(guard.handle.backlog for guard in counted)
@@ -107,21 +99,34 @@ class Watch:
                 self._add_waitable(waitable, node)
         self._known = [len(each) for each in members]
 
+    def _add_other(self, entity: Any, where: Place) -> None:
+        counts, handle = self._counts(entity), entity.handle
+        if where[1] != CLIENT and handle.link_id:
+            self.open = True
+        if not counts:
+            return
+        found = handle.backlog, where
+        self._backlogs.append(handle.backlog)
+        self._others.append(found)
+        if where[1] == SUBSCRIPTION:
+            self._by_link[handle.link_id] = found
+
     def _take_in(self) -> bool:
         """Count what the only node has got since. False: something else has changed; throw the watch away."""
         if len(self._nodes) != 1 or changes.count - self._seen != changes.additions - self._seen_additions:
             return False
         node = self._nodes[0]
-        if len(node._guards) != self._known[GUARD]:
+        if len(_members(node)[GUARD]) != self._known[GUARD]:
             return False
         self._seen, self._seen_additions = changes.count, changes.additions
         self._add_node(0, node)
         return self.lasting
 
     def _counts(self, entity: Any) -> bool:
+        free = self._can_execute(entity)  # first: of what is no entity, upstream misses what this looks at
         if self.lasting and type(entity.callback_group) not in _PLAIN_GROUPS:
             self.lasting = False
-        return self._can_execute(entity) and not entity.handle.doomed
+        return free and not entity.handle.doomed
 
     def _add_timer(self, handle: Any, place: Place | None) -> None:
         self._reset.append(handle.backlog)
@@ -309,8 +314,16 @@ def _order(place: Place) -> tuple[int, int, int]:
 
 
 def _members(node: Node) -> tuple[list[Any], ...]:
-    """Return what a node consists of, by kind."""
-    return node._timers, node._subscriptions, node._guards, node._clients, node._services, node._rcl_waitables
+    """Return what a node consists of, by kind. A script may keep a dict of its own under one of the names."""
+    members: tuple[Any, ...] = (
+        node._timers,
+        node._subscriptions,
+        node._guards,
+        node._clients,
+        node._services,
+        node._rcl_waitables,
+    )
+    return tuple(each if type(each) is list else list(each) for each in members)
 
 
 def _free(entity: Any) -> bool:
