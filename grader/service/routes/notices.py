@@ -7,13 +7,13 @@ from fastapi import APIRouter, Path, Response, status
 from pydantic import BaseModel, ConfigDict, Field
 
 from grader.contracts.notice import MailWishes, NewWebhook, NoticeKind, Outlet, Vendor
+from grader.service.requests.answers import PRIVATE
 from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep
 from grader.service.routes.problems import responses
 from grader.use_cases import notices
 from grader.use_cases.bodies import Body
 
 router = APIRouter(prefix="/api/v1/course/notices", tags=["course"])
-_PRIVATE = {"Cache-Control": "no-store", "Vary": "Authorization"}
 _READING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "invalid_request")
 _CHANGING = (*_READING, "course_archived", "malformed_body", "too_large")
 Group = Annotated[Literal[Outlet.CLASS, Outlet.STAFF], Path(description="Whose group chat it is.")]
@@ -83,7 +83,7 @@ class NoticesView(BaseModel):
 @router.get("", summary="What the course tells by itself", responses=responses(*_READING))
 def read_notices(services: ServicesDep, caller: InstructorDep, response: Response) -> NoticesView:
     """Return where notices go and how the latest fared."""
-    response.headers.update(_PRIVATE)
+    response.headers.update(PRIVATE)
     found = notices.setup_of(services, caller)
     return NoticesView(
         webhooks=[WebhookView.model_validate(one, from_attributes=True) for one in found.webhooks.values()],

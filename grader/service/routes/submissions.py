@@ -434,7 +434,7 @@ def read_report(services: ServicesDep, caller: CallerDep, submission_id: Submiss
 def read_source(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> Response:
     """Return what the student uploaded: a script, the answer to a question, or a package as a zip."""
     submission, source = submissions.read_source(services, caller, submission_id)
-    headers = {"ETag": f'"{submission.sha256}"', "Cache-Control": "private, no-cache"}
+    headers = {"ETag": f'"{submission.sha256}"'}
     kind = "application/zip" if is_package(source) else "text/plain; charset=utf-8"
     return Response(source, media_type=kind, headers=headers)
 
