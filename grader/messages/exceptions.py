@@ -727,8 +727,6 @@ def _own_name(error: StudentError, script: ScriptText) -> Closer:
         return closer
     if script.node_class and name not in _OTHER_LANGUAGES and _is_node(name, written):
         return "node_not_made", {"name": name, "owner": script.node_class}
-    if script.publisher and re.search(rf"\b{name}\.publish\(", written):
-        return "misspelt", {"suggestion": script.publisher}
     return _nearest_own(name, line, script, _name(error))
 
 
@@ -750,6 +748,10 @@ def _nearest_own(name: str, line: int, script: ScriptText, otherwise: Closer) ->
         return otherwise
     if not script.is_short or len(name) > LONGEST_NAME:
         return otherwise
+    if script.publisher and re.search(
+        rf"(?<![\w.]){name}\.publish\(", "".join(script.lines[line - 1 : line])
+    ):
+        return "misspelt", {"suggestion": script.publisher}
     if name in script.defined_names:
         begins = script.lines_with(rf"^(def|class) {name}\b")[-1]
         return ("defined_below", {"name": name, "begins": begins}) if begins > line else None
