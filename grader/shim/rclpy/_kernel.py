@@ -720,3 +720,6 @@ _allocate_lock = _thread.allocate_lock
 _get_ident = _thread.get_ident
 
 kernel = Kernel()
+
+charge = kernel.charge
+"""What is called most: Python 3.11 looks up methods of imported objects anew at each call, but not functions."""

@@ -455,3 +455,5 @@ class Link:
 
 
 link = Link(kernel)
+
+publish = link.publish

@@ -586,16 +586,19 @@ class SingleThreadedExecutor(Executor):
         watch, nodes = self._watch, self._nodes
         if watch is None or not watch.holds(self.can_execute, list(nodes)):
             return
-        while (
-            self._watch is watch
-            and self._nodes is nodes
-            and self._cb_iter is None
-            and not self._tasks
-            and not self._is_shutdown
-            and not changes.executing
-            and context.valid
-            and watch.unchanged()
-        ):
+        while True:
+            # not as the loop's condition: Python 3.11 specialises no loop whose end jumps back on a condition
+            if (
+                self._watch is not watch
+                or self._nodes is not nodes
+                or self._cb_iter is not None
+                or self._tasks
+                or self._is_shutdown
+                or changes.executing
+                or not context.valid
+                or not watch.unchanged()
+            ):
+                return
             self._watch = None
             try:
                 place = self._next_lone(watch, None)
