@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 
 from rclpy._forwarding import passed_on
-from rclpy._kernel import kernel
+from rclpy._kernel import kernel, skip_to_pose
 from rclpy._rcl.errors import GUARD_CONTEXT, WAIT_CONTEXT, RCLError
 from rclpy._rcl.handles import changes
 from rclpy._rcl.watch import CLIENT, GUARD, SERVICE, SUBSCRIPTION, TIMER, Watch
@@ -634,14 +634,13 @@ class SingleThreadedExecutor(Executor):
         """
         self._woken.clear()
         settled = False
-        place = watch.lone_timer()
+        place = None if watch.deadline_ns is None else watch.lone_timer()
         if place is None or not self._skip_to_tick(watch, deadline_ns):
-            if self._skip_to_pose(watch, deadline_ns):
-                place = watch.lone_message()
-            else:
-                self._block(watch, deadline_ns)
-                place = None
+            heard = self._skip_to_pose(watch, deadline_ns)
+            place = watch.lone_message(heard) if heard else None
             if place is None:
+                if not heard or not watch.ready():
+                    self._block(watch, deadline_ns)
                 watch.settle()
                 settled = True
                 place = watch.lone()
@@ -664,14 +663,14 @@ class SingleThreadedExecutor(Executor):
             due_ns, late_ns
         )
 
-    def _skip_to_pose(self, watch: Watch, deadline_ns: int | None) -> bool:
-        """Wait for the next pose; False, and nothing was done, if something is ready or may come before it."""
+    def _skip_to_pose(self, watch: Watch, deadline_ns: int | None) -> tuple[int, ...]:
+        """Wait for the next pose; return who got it. Nobody: nothing was done, as anything else comes first."""
         due_ns = kernel.horizon_ns if watch.deadline_ns is None else watch.deadline_ns
         if deadline_ns is not None and deadline_ns < due_ns:
             due_ns = deadline_ns
             if due_ns <= kernel.now_ns:
-                return False
-        return not watch.ready() and kernel.skip_to_pose(due_ns) and watch.ready()
+                return ()
+        return () if watch.ready() else skip_to_pose(due_ns)
 
     def _spin_once_impl(self, timeout_sec: float | TimeoutObject | None = None) -> None:
         handler: Task | _Call | None = None

@@ -71,6 +71,7 @@ class Watch:
         self._first: Place | None = None  # the timer of `deadline_ns`
         self._timed = False  # whether a waitable may become ready without one
         self._calm = False  # whether none of those was ready at the last look
+        self._quiet = False  # whether only timers of the heap and messages can have become ready since
         self._ready: list[Place] = []
         self._ready_waitables: list[tuple[Any, Node]] = []
         for number, node in enumerate(nodes):
@@ -80,6 +81,7 @@ class Watch:
 
     def _add_node(self, number: int, node: Node) -> None:
         """Count those of the node's entities that are not counted yet."""
+        self._quiet = False
         known, members = self._known, _members(node)
         for place, timer in enumerate(members[TIMER][known[TIMER] :], known[TIMER]):
             if self._counts(timer):
@@ -163,7 +165,8 @@ class Watch:
         """Whether the next wait for these nodes counts the same entities; if so, it is ready for that wait."""
         if not self.lasting or (changes.count != self._seen and not self._take_in()):
             return False
-        self._find_deadline()
+        if self._heap:
+            self._find_deadline()
         return True
 
     def _find_deadline(self) -> None:
@@ -209,20 +212,19 @@ class Watch:
                 return None
         return self._first
 
-    def lone_message(self) -> Place | None:
-        """Return the subscription that has something, if only messages can have come, and only for that one.
+    def lone_message(self, heard: tuple[int, ...]) -> Place | None:
+        """Return the subscription that has got a message, if nothing else can be ready.
 
         None: call `settle` and `lone` instead.
+
+        Args:
+            heard: all that got it. Nothing was ready before, no timer is due, and nothing of the script has run.
         """
-        heap = self._heap
-        if self._guards or self._reset or self._checked or not self._calm or changes.count != self._seen:
-            return None
-        if (heap and heap[0][0] <= kernel.now_ns) or any(self._events):
-            return None
-        filled = [place for backlog, place in self._others if backlog]
-        if len(filled) != 1 or filled[0][1] != SUBSCRIPTION or not _free(filled[0][3]):
-            return None
-        return filled[0]
+        if len(heard) == 1 and self._quiet and changes.count == self._seen:
+            for backlog, place in self._others:
+                if backlog:
+                    return place
+        return None
 
     @property
     def idle(self) -> bool:
@@ -262,6 +264,7 @@ class Watch:
                 if (waitable._poll() if waits is None else _is_ready(waitable, waits))
             ]
             self._calm = not self._ready_waitables and not self._timed
+        self._quiet = self._calm and self.lasting and not (self._guards or self._checked)
 
     def _due_timers(self) -> list[Place]:
         now_ns = kernel.now_ns
