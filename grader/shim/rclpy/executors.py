@@ -7,6 +7,7 @@ from collections import deque
 from rclpy import _distro
 from rclpy._forwarding import passed_on
 from rclpy._kernel import kernel, skip_to_pose
+from rclpy._link import link
 from rclpy._rcl.errors import GUARD_CONTEXT, WAIT_CONTEXT, RCLError
 from rclpy._rcl.handles import changes
 from rclpy._rcl.watch import CLIENT, GUARD, SERVICE, SUBSCRIPTION, TIMER, Watch

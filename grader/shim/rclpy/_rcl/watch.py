@@ -88,7 +88,12 @@ class Watch:
                 self._add_timer(timer.handle, (number, TIMER, place, timer, node))
         for kind in (SUBSCRIPTION, CLIENT, SERVICE):
             for place, entity in enumerate(members[kind][known[kind] :], known[kind]):
-                self._add_other(entity, (number, kind, place, entity, node))
+                counts, handle = self._counts(entity), entity.handle
+                if kind != CLIENT and handle.link_id:
+                    self.open = True
+                if counts:
+                    self._backlogs.append(handle.backlog)
+                    self._others.append((handle.backlog, (number, kind, place, entity, node)))
         if len(members[GUARD]) > known[GUARD]:
             counted = [guard for guard in members[GUARD] if self._counts(guard)]
             self._backlogs.extend(guard.handle.backlog for guard in counted)
@@ -97,18 +102,6 @@ class Watch:
             if self._can_execute(waitable):
                 self._add_waitable(waitable, node)
         self._known = [len(each) for each in members]
-
-    def _add_other(self, entity: Any, where: Place) -> None:
-        counts, handle = self._counts(entity), entity.handle
-        if where[1] != CLIENT and handle.link_id:
-            self.open = True
-        if not counts:
-            return
-        found = handle.backlog, where
-        self._backlogs.append(handle.backlog)
-        self._others.append(found)
-        if where[1] == SUBSCRIPTION:
-            self._by_link[handle.link_id] = found
 
     def _take_in(self) -> bool:
         """Count what the only node has got since. False: something else has changed; throw the watch away."""
