@@ -56,6 +56,9 @@ SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's exte
 # Of the distance travelled along a side: so much may be driven beside its line (`Straight.strayed_m`) before it
 # counts as less than one side, and from the second on it counts as none.
 STRAYED_SHARE, LOST_SHARE = 0.1, 0.5
+# Of a side from corner to corner: with less than the first driven straight it counts as less than one side, with
+# the second as none, because the figure is nearly a circle.
+LEVEL_SHARE, ROUND_SHARE = 0.5, 0.25
 MAX_APPROACH_STRAIGHTS = 3  # to one of its sides, perhaps round something, and along that to a corner
 
 
@@ -379,6 +382,7 @@ def _figure(
     sides = [chord(path, *one) for one in itertools.pairwise(vertices)]
     driven_m = float(path.along_m[end] - path.along_m[spans[0][0]])
     strayed_m = sum(straight.strayed_m for straight in straights)
+    bows = tuple(_bow(each, path.extent_m, side_m) for each, side_m in zip(straights, sides, strict=True))
     curved_m = strayed_m + _curved_m(straights, [*segments.turns[first + 1 : stop], closing])
     if extent.joined:
         sides = [sides[0] + sides[-1], *sides[1:-1]]
@@ -396,7 +400,7 @@ def _figure(
         gap_m=chord(path, start, rest),
         curved_share=min(curved_m / driven_m, 1.0) if driven_m > 0.0 else 0.0,
         strayed_share=min(strayed_m / driven_m, 1.0) if driven_m > 0.0 else 0.0,
-        bows=tuple(_bow(straight, path.extent_m) for straight in straights),
+        bows=bows,
         repeated=extent.repeated,
         overrun=extent.overrun,
         apart=extent.apart,
@@ -464,8 +468,8 @@ def _bent_m(straight: Straight) -> float:
     return straight.length_m * min(max(straight.bend_rad / MIN_TURN_RAD - 1.0, 0.0), 1.0)
 
 
-def _bow(straight: Straight, extent_m: float) -> float:
-    """Return how far a side is from being one: 1 if it bends as much as a turn, or if it is mostly detours.
+def _bow(straight: Straight, extent_m: float, side_m: float) -> float:
+    """Return how far a side is from being one: 1 if it bends as much as a turn, or is mostly detours or corners.
 
     A bend counts from half of that on.
     """
@@ -473,7 +477,9 @@ def _bow(straight: Straight, extent_m: float) -> float:
     bent = 2.0 * straight.bend_rad / most_rad - 1.0
     strayed = straight.strayed_m / straight.length_m if straight.length_m > 0.0 else 0.0
     astray = (strayed - STRAYED_SHARE) / (LOST_SHARE - STRAYED_SHARE)
-    return min(max(bent, astray, 0.0), 1.0)
+    level = straight.length_m / side_m if side_m > 0.0 else 1.0
+    rounded = (LEVEL_SHARE - level) / (LEVEL_SHARE - ROUND_SHARE)
+    return min(max(bent, astray, rounded, 0.0), 1.0)
 
 
 def _last_turn(path: Path, turn: Turn, angle_rad: float) -> float:

@@ -236,6 +236,10 @@ def test_a_third_side_counts_as_far_as_it_was_driven() -> None:
     assert earned == sorted(earned)
     assert earned[0] == 5
     assert earned[-1] == 77.5
+    said = item(
+        graded("square", drive(polygon_legs(4, lengths_m=[2.0, 2.0, 0.8], laps=0.75))), "sides"
+    ).message
+    assert said.en.startswith("Straight sides driven: 2.5 (lengths: 2 m, 2 m, 0.8 m). The last one counts")
     assert max(other - one for one, other in itertools.pairwise(earned)) < 22
 
 
@@ -281,3 +285,16 @@ def test_another_figure_does_not_earn_much_more_for_corners_that_are_off(
     earned = [score(graded(name, drive(oblong(*lengths, 90.0 + 0.5 * i)))) for i in range(12)]
     assert max(earned) < 60
     assert max(abs(one - other) for one, other in itertools.pairwise(earned)) < 4
+
+
+@pytest.mark.parametrize("sides", POLYGONS)
+def test_the_rounder_the_corners_the_nearer_is_the_figure_to_a_circle(sides: int) -> None:
+    arc: Leg = (math.tau / sides, 1.0, 1.0)
+    earned = []
+    for i in range(1, 25):
+        legs = [(0.1 * i, 1.0, 0.0), arc] * sides
+        earned.append(score(graded(POLYGONS[sides], drive(legs))))
+    assert earned == sorted(earned)
+    assert earned[0] == 5
+    assert earned[19] >= 70
+    assert max(other - one for one, other in itertools.pairwise(earned)) < 32  # 65 points for one decimetre
