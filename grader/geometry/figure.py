@@ -58,7 +58,7 @@ SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's exte
 STRAYED_SHARE, LOST_SHARE = 0.1, 0.5
 # Of a side from corner to corner: with less than the first driven straight it counts as less than one side, with
 # the second as none, because the figure is nearly a circle.
-LEVEL_SHARE, ROUND_SHARE = 0.5, 0.25
+LEVEL_SHARE, ROUND_SHARE = 0.45, 0.27
 MAX_APPROACH_STRAIGHTS = 3  # to one of its sides, perhaps round something, and along that to a corner
 
 
@@ -201,7 +201,8 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
     again = _repeats(lengths, corners, lap, cut_short=cut_short)
     if not again and (begun := _approached_halves(path, segments, corners, lengths)) is not None:
         return _Extent(begun, total - begun, joined=True)
-    first, count = (None if again else _closed(path, segments, corners, lengths, sides)) or (0, lap)
+    plain = again or lap == sides == total
+    first, count = (None if plain else _closed(path, segments, corners, lengths, sides)) or (0, lap)
     if first + count == total:
         return _Extent(first, count)
     retraced = _retraced(path, segments, first, count, cut_short=cut_short)
@@ -228,7 +229,7 @@ def _lap(path: Path, segments: Segments, corners: list[float], sides: int, *, cu
     """
     total = len(segments.straights)
     lap = _comes_round(corners) or total
-    if lap == sides or not 2 < sides < total or not _alike(corners[:sides]):
+    if lap == sides or not 2 < sides <= total or not _alike(corners[:sides]):
         return lap
     mean = abs(sum(map(bare, corners[: sides - 1]))) / (sides - 1)
     if abs(sides * mean - FULL_TURN_RAD) > LAP_TOLERANCE * mean:

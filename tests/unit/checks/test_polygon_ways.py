@@ -202,6 +202,17 @@ def test_corners_that_are_off_cost_no_more_in_several_laps(
             assert score(for_ever) == score(again), corner_deg
 
 
+@pytest.mark.parametrize("corner_deg", [48.4, 49.3, 50.3])
+def test_as_many_sides_as_are_wanted_are_no_approach_to_another_figure(corner_deg: float) -> None:
+    """Eight sides with corners of 49 degrees: the last seven nearly close a heptagon."""
+    legs = polygon_legs(
+        8, 1.0, corners_deg=[corner_deg - 0.4, corner_deg, corner_deg + 1.1, *[corner_deg] * 5]
+    )
+    scoring = graded("octagon", drive(legs))
+    assert item(scoring, "sides").earned == 15
+    assert score(scoring) > 84
+
+
 def test_the_laps_of_another_figure_are_another_figure() -> None:
     assert score(graded("octagon", drive(polygon_legs(7, 1.0) * 2))) == score(
         graded("octagon", drive(polygon_legs(7, 1.0)))
