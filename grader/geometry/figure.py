@@ -69,7 +69,7 @@ class PolygonFigure(PositionalRecord):
         vertices: sample indices: start of the first side, each corner, end of the last side.
         sides_m: length of each side, from vertex to vertex.
         corners_rad: signed change of direction at the end of each side. The last side has one only where the
-            figure needs it: it is repeated, or does not come round without it.
+            figure needs it: it is repeated, or does not come round without it, and that turn is like the others.
         last_turn_rad: the turn after the last side where it is no corner, without whole turns on the spot;
             0 if there was none.
         last_turned_rad: that turn with them.
@@ -414,7 +414,8 @@ def _shaping(corners: list[float], extent: _Extent, *, turned: bool) -> tuple[li
     if not turned or extent.joined:
         return inner, 0.0
     about = extent.retraced and _turned_between(corners)
-    if (extent.repeated and not about) or _comes_round(inner) != extent.count:
+    needed = _comes_round(inner) != extent.count and (not inner or _alike(corners))
+    if (extent.repeated and not about) or needed:
         return corners, 0.0
     return inner, corners[-1]
 

@@ -309,3 +309,13 @@ def test_the_rounder_the_corners_the_nearer_is_the_figure_to_a_circle(sides: int
     assert earned[0] == 5
     assert earned[19] >= 70
     assert max(other - one for one, other in itertools.pairwise(earned)) < 32  # 65 points for one decimetre
+
+
+@pytest.mark.parametrize("sides", POLYGONS)
+def test_a_side_that_is_left_out_between_its_turns_is_one_side_missing(sides: int) -> None:
+    """Two turns follow the last side that was driven, as if there were one between them."""
+    turn: Leg = (math.tau / sides, 0.0, 1.0)
+    scoring = graded(POLYGONS[sides], drive([*polygon_legs(sides, laps=(sides - 1) / sides), turn]))
+    assert item(scoring, "angles").earned == 25
+    assert score(scoring) == 72.5
+    assert scoring.mistakes[0] == "sides_missing"
