@@ -172,6 +172,10 @@ class Executor:
             self.wake()
         if not self._work_tracker.wait(timeout_sec):
             return False
+        self._forget()
+        return True
+
+    def _forget(self) -> None:
         self._nodes = {}
         self._busy_watches.clear()
         if self._guard is not None:
@@ -180,7 +184,6 @@ class Executor:
         self._cb_iter = None
         self._last_args = None
         self._last_kwargs = None
-        return True
 
     def add_node(self, node: Node) -> bool:
         """Serve a node from now on; False when it is served already."""
@@ -645,12 +648,11 @@ class SingleThreadedExecutor(Executor):
         settled = False
         place = watch.lone_timer()
         if place is None or not self._skip_to_tick(watch, deadline_ns):
-            if self._skip_to_pose(watch, deadline_ns):
-                place = watch.lone_message()
-            else:
-                self._block(watch, deadline_ns)
-                place = None
+            heard = self._skip_to_pose(watch, deadline_ns)
+            place = watch.lone_message(heard) if heard else None
             if place is None:
+                if not heard or not watch.ready():
+                    self._block(watch, deadline_ns)
                 watch.settle()
                 settled = True
                 place = watch.lone()
@@ -673,14 +675,14 @@ class SingleThreadedExecutor(Executor):
             due_ns, late_ns
         )
 
-    def _skip_to_pose(self, watch: Watch, deadline_ns: int | None) -> bool:
-        """Wait for the next pose; False, and nothing was done, if something is ready or may come before it."""
+    def _skip_to_pose(self, watch: Watch, deadline_ns: int | None) -> tuple[int, ...]:
+        """Wait for the next pose; return who got it: nobody, with nothing done, if anything else comes first."""
         due_ns = kernel.horizon_ns if watch.deadline_ns is None else watch.deadline_ns
         if deadline_ns is not None and deadline_ns < due_ns:
             due_ns = deadline_ns
             if due_ns <= kernel.now_ns:
-                return False
-        return not watch.ready() and kernel.skip_to_pose(due_ns) and watch.ready()
+                return ()
+        return () if watch.ready() else kernel.skip_to_pose(due_ns)
 
     def _spin_once_impl(self, timeout_sec: float | TimeoutObject | None = None) -> None:
         handler: Task | _Call | None = None
