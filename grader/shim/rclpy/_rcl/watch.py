@@ -190,8 +190,10 @@ class Watch:
 
     def ready(self) -> bool:
         """Whether something can be served; cheap, asked by the kernel whenever it looks for a thread to run."""
-        if any(self._backlogs) or (self._reset and any(self._reset)):
-            return True
+        if changes.count != self._seen or any(self._backlogs) or (self._reset and any(self._reset)):
+            return True  # a change during the wait: another thread may have reset a timer, which wakes as at home
+        if self._guards and any(guard._executor_triggered for guards, _ in self._guards for guard in guards):
+            return True  # the last wait found it, and what else that wait found was given up before its turn came
         return bool(self._checked) and any(handle.is_timer_ready() for handle, _ in self._checked)
 
     def is_plain(self, callback: Any) -> bool:
