@@ -16,7 +16,7 @@ from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment, Distro
 from grader.contracts.grading import GradingResult
-from grader.contracts.record import from_json, to_plain
+from grader.contracts.record import canonical, from_json, to_plain
 from grader.contracts.report import Measurements
 from grader.contracts.submission import Claim, StoredReport
 from grader.store.database import Database
@@ -64,14 +64,7 @@ def grading_values(
 
 def assignment_values(assignment: Assignment) -> Values:
     """Return the row of an assignment as it is graded."""
-    content = json.dumps(
-        assignment,
-        default=to_plain,
-        ensure_ascii=False,
-        sort_keys=True,
-        separators=(",", ":"),
-        allow_nan=False,
-    ).encode()
+    content = canonical(assignment)
     return {"sha256": hashlib.sha256(content).hexdigest(), "content": content}
 
 
