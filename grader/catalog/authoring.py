@@ -42,8 +42,7 @@ def create(catalog: Catalog, name: str, like: Path | None = None) -> Path:
     try:
         _copy(_SKELETON if like is None else like, folder, name, order)
     except OSError as error:
-        told = trouble(error)
-        raise AssignmentError(f"{folder}: {told.en}", f"{folder}：{told.zh}") from error
+        raise AssignmentError.about(folder, trouble(error)) from error
     return folder
 
 

@@ -58,8 +58,7 @@ def database_url(folder: Path | None, *, create: bool = True) -> str | None:
         if create:
             folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        told = trouble(error)
-        raise SettingsError(f"--data {folder}: {told.en}", f"--data {folder}：{told.zh}") from error
+        raise SettingsError.about(f"--data {folder}", trouble(error)) from error
     return f"sqlite:///{(folder / DATABASE_FILE).resolve()}"
 
 

@@ -167,8 +167,7 @@ def record_reference(catalog: Catalog, assignment_id: str, grader: Grader) -> No
     try:
         record(solution.parent, trace)
     except OSError as error:
-        told = trouble(error)
-        raise AssignmentError(f"{solution.parent}: {told.en}", f"{solution.parent}：{told.zh}") from error
+        raise AssignmentError.about(solution.parent, trouble(error)) from error
 
 
 def _table(language: Language, *headings: Text) -> Table:
