@@ -79,9 +79,7 @@ def refuse_missing(database: Database) -> None:
 def opened(arguments: argparse.Namespace, *, create: bool = False) -> Iterator[OpenedStore]:
     """Open the database, also while a service works with it.
 
-    Args:
-        arguments: `data` says where it is.
-        create: make it when it is not there.
+    `arguments.data` says where it is; `create`: make it when it is not there.
 
     Raises:
         SettingsError: it is not there, or does not fit this version. InfrastructureError: it cannot be opened.

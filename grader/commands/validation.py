@@ -48,11 +48,7 @@ def validate(
 
     On a terminal, standard error shows the progress.
 
-    Args:
-        catalog: where the assignments are.
-        assignment_ids: those to look at.
-        language: of what is printed.
-        details: print the solution's margins and the rubric's sensitivity as well.
+    `details`: print the solution's margins and the rubric's sensitivity as well.
     """
     table = _table(language, EMPTY, _ASSIGNMENT, _SCRIPT, _SCORE, _PROBLEM)
     examinations: dict[str, Examination] = {}

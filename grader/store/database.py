@@ -92,9 +92,7 @@ class Database:
     def __init__(self, url: str, connections: int = _CONNECTIONS) -> None:
         """Prepare; nothing is opened yet.
 
-        Args:
-            url: address of the database.
-            connections: most of this process to a PostgreSQL server; threads beyond that wait for one.
+        `connections`: most of this process to a PostgreSQL server; threads beyond that wait for one.
 
         Raises:
             SettingsError: the driver that `url` needs is not installed.

@@ -167,10 +167,7 @@ class Submissions:
     ) -> Submission | None:
         """Return the newest submission to the same assignment by the class's next student, in order of id.
 
-        Args:
-            submission: somebody's.
-            students: only of these; None: of the whole class.
-            after: False: the student before instead.
+        `students`: only of these. `after` False: of the student before instead.
         """
         student, received_at = col(SubmissionRow.student), col(SubmissionRow.received_at)
         towards = student > submission.student if after else student < submission.student

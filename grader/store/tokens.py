@@ -141,13 +141,8 @@ def new_session(  # noqa: PLR0913, PLR0917
 ) -> str:
     """Add a session of a member, in place of those that are over; return its secret.
 
-    Args:
-        session: the transaction.
-        course: where it is one.
-        person: whose it is.
-        opened_by: id of the token, or of the identity, that it ends with.
-        now: when it begins.
-        until: its latest end; None: half a day later.
+    It ends with the token, or the identity, of the id `opened_by`, and at the latest `until`; None: half a day
+    later.
     """
     secret, latest = secrets.token_urlsafe(_SECRET_BYTES), now + SESSION_LIFE
     session.execute(
