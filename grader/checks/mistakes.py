@@ -127,7 +127,7 @@ def command_mistakes(
         return (missing,)
     if (found := _unfit_commands(run, world)) is not None:
         return found
-    if (longest_ns := _longest_motion_ns(run.trajectory)) < _TOO_BRIEF_NS:
+    if (longest_ns := _longest_motion_ns(run.trajectory)) < TOO_BRIEF_NS:
         if _motions(run.trajectory) > _MANY_MOTIONS:
             return (mistake("stop_in_loop", times=_motions(run.trajectory)),)
         return (mistake("too_brief", longest=number(longest_ns / 1e6, "ms")),)
@@ -682,7 +682,7 @@ def _other_message(script: ScriptText, filled: int, publishes: list[int]) -> Mis
     return mistake("other_message", line=publishes[0], published=name, filled=other, given=filled)
 
 
-_TOO_BRIEF_NS = 50_000_000  # three updates of turtlesim
+TOO_BRIEF_NS = 50_000_000  # three updates of turtlesim
 
 
 _MANY_MOTIONS = 40  # more than the sides and corners of any figure, driven twice

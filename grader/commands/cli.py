@@ -17,7 +17,7 @@ from types import ModuleType
 from typing import NoReturn
 
 from grader import __version__
-from grader.commands.options import told_value
+from grader.commands.options import default_language, told_value
 from grader.contracts.errors import GraderError
 from grader.contracts.text import Language, Text, trouble
 
@@ -123,7 +123,7 @@ def _language(argv: Sequence[str]) -> Language:
     """Return the language that the arguments ask for, before they are parsed."""
     own = argv[: argv.index("--")] if "--" in argv else argv
     found = _LANGUAGE.findall("\0".join(own))
-    return found[-1] if found else "zh"
+    return found[-1] if found else default_language()
 
 
 def _parse(parser: Parser, argv: list[str], passes_on: str) -> argparse.Namespace:
@@ -157,7 +157,10 @@ def run(argv: Sequence[str]) -> int:
     """Run one command and return the process's exit code. Bad input is reported in one line, with no traceback."""
     if sys.stdout is None:  # closed by the shell: `>&-`
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - open until the process ends
-    Parser.language = _language(argv)
+    try:
+        Parser.language = _language(argv)
+    except GraderError as error:
+        return _told(error)
     parser = Parser(
         prog="grader",
         description="Auto-grader for introductory ROS 2 (rclpy) motion exercises / ROS 2 运动练习自动评分",
@@ -182,14 +185,18 @@ def run(argv: Sequence[str]) -> int:
         sys.stdout.flush()
         return code
     except GraderError as error:
-        from grader.render.escape import visible
-
-        sys.stderr.write(f"grader: {visible(error.told(Parser.language))}\n")
-        return EXIT_NOT_DONE
+        return _told(error)
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
     except OSError as error:
         return _not_done(error)
+
+
+def _told(error: GraderError) -> int:
+    from grader.render.escape import visible
+
+    sys.stderr.write(f"grader: {visible(error.told(Parser.language))}\n")
+    return EXIT_NOT_DONE
 
 
 def _overview() -> str:

@@ -277,7 +277,7 @@ _SIGNS: Final = (
         r"'[<>]=?' not supported .*'str'|must be real number, not str)",
         "text_for_number",
     ),
-    (r"TypeError: \n", "no_response"),  # what a service's server raises at home, without a word
+    (r"TypeError: \n", "no_request"),  # what a service's server raises at home, without a word
     (r"AttributeError: 'NoneType' object has no attribute ", "still_none"),
     (
         r"AttributeError: property '(?P<name>clients|context|default_callback_group|guards|handle|publishers|"
@@ -745,8 +745,6 @@ def _own_name(error: StudentError, script: ScriptText) -> Closer:
         return closer
     if script.node_class and name not in _OTHER_LANGUAGES and _is_node(name, written):
         return "node_not_made", {"name": name, "owner": script.node_class}
-    if script.publisher and re.search(rf"\b{name}\.publish\(", written):
-        return "misspelt", {"suggestion": script.publisher}
     return _nearest_own(name, line, script, _name(error))
 
 
@@ -768,6 +766,10 @@ def _nearest_own(name: str, line: int, script: ScriptText, otherwise: Closer) ->
         return otherwise
     if not script.is_short or len(name) > LONGEST_NAME:
         return otherwise
+    if script.publisher and re.search(
+        rf"(?<![\w.]){name}\.publish\(", "".join(script.lines[line - 1 : line])
+    ):
+        return "misspelt", {"suggestion": script.publisher}
     if name in script.defined_names:
         begins = script.lines_with(rf"^(def|class) {name}\b")[-1]
         return ("defined_below", {"name": name, "begins": begins}) if begins > line else None
@@ -966,6 +968,7 @@ def _module(error: StudentError, script: ScriptText) -> Closer:
         return "library_not_here", {"name": root}
     near = [known for known in _MODULES if sorted(known) == sorted(name.lower())]
     near = near or difflib.get_close_matches(name, _MODULES, 1, 0.8)
+    near = near or [one for one in _MODULES if one.partition(".")[0] == f"{root}_msgs"][:1]
     known = near and near[0].partition(".")[0] != name  # the package itself is not there
     return ("misspelt", {"suggestion": near[0]}) if known else None
 
@@ -1015,11 +1018,17 @@ def _urdf(error: StudentError, script: ScriptText) -> Closer:
 
 
 def _service(error: StudentError, script: ScriptText) -> Closer:
-    """Find the service's callback that returns nothing, or the request that lacks its parentheses."""
+    """Find the service's callback that does not return its response, or the request that lacks its parentheses."""
     for _, name in script.callbacks("service"):
         made = script.definition(name)
-        if made is not None and not any(re.search(r"\breturn\b", text) for text in script.block(made.line)):
-            return "returns_no_response", {"name": name, "begins": made.line}
+        given = (
+            re.search(r"(\w+) ?\) ?(?:->.*)?:$", script.lines[made.line - 1]) if made is not None else None
+        )
+        if made is None or given is None:
+            continue
+        returned = re.findall(r"^[ \t]*return[ \t]+(\w+)$", "\n".join(script.block(made.line)), re.MULTILINE)
+        if not any(one == given[1] or script.lines_with(rf"\b{one} ?=.*Response\(") for one in returned):
+            return "no_response", {"name": name, "begins": made.line, "response": given[1]}
     bare = script.lines_with(r"= ?\w+\.Request$")
     return ("class_for_object", {"line": bare[0]}) if bare else None
 
@@ -1064,7 +1073,7 @@ _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
     "int_in_float": _float,
     "no_input": _asked_again,
     "comma_of_args": _args,
-    "no_response": _service,
+    "no_request": _service,
     "urdf_not_found": _urdf,
     "not_initialized": _made_late,
     "syntax_error": _statement,

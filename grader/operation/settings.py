@@ -80,7 +80,9 @@ class Settings(BaseSettings):
         default="", description="Address that e-mail comes from, such as `grader@example.edu`."
     )
     default_language: Language = Field(
-        default="zh", description="Language of answers when a request asks for neither zh nor en."
+        default="zh",
+        description="Language of answers when a request asks for neither zh nor en, "
+        "and of commands without `--lang`.",
     )
     assignments: str = Field(
         default="",

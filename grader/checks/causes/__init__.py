@@ -63,7 +63,7 @@ _TIMED: Final = (
     | _CORNERS
     | _LENGTHS
     | _LASTS
-    | {"too_brief", "stopped_at_once", "stop_in_loop"}
+    | {"too_brief", "drives_too_brief", "stopped_at_once", "stop_in_loop"}
 )
 """Mistakes that a motion of the wrong length may cause."""
 
@@ -113,6 +113,9 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_NO_MOTION | _SILENT | {"never_spun", "stalled"}, flow.thread_not_started),
     (_NO_MOTION | _SILENT, flow.never_filled),
     (_TIMED, times.nanoseconds_unit),
+    (_TIMED, times.not_seconds),
+    (_TIMED, times.start_anew_each_tick),
+    (_SHORT | _COUNT | {"no_turns", "unequal_sides", "one_corner_off", "drives_too_brief"}, times.start_kept),
     (_STUCK | _NO_MOTION | _LASTS, times.start_anew),
     (_STUCK | _LASTS, times.reversed_time),
     (frozenset(("turns_too_far",)), times.no_stop_between),
@@ -145,6 +148,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_CORNERS - {"one_radian"}, times.wrong_time),
     (frozenset(("turns_too_short", "one_corner_off", "turn_too_short", "too_short")), numbers.ticks_cut),
     (_SHORT | {"no_turns", "too_brief", "turned_instead"}, ticks.count_not_reset),
+    (_SHORT | _COUNT | {"unequal_sides", "drives_too_brief", "turned_instead"}, ticks.sum_not_reset),
     (_SHORT, ticks.counts_ticks),
     (_COUNT | {"too_slow"}, times.sleeps_on),
     (_COUNT, flow.removes_in_loop),

@@ -159,6 +159,21 @@ def count_not_reset(seen: Searched) -> Mistake | None:
     return None
 
 
+def sum_not_reset(seen: Searched) -> Mistake | None:
+    """Find a sum of time or way that ends one motion after the other, and that nothing ever sets back to 0."""
+    timer = _timer(seen.script)
+    block = seen.script.block(timer.begins) if timer is not None else []
+    for line, text in enumerate(block, start=timer.begins if timer is not None else 0):
+        found = re.match(r"[ \t]*(?:if|elif) (self\.(\w+)) ?>=? ?[\w.]+ ?:$", text)
+        if found is None or not seen.script.lines_with(rf"{re.escape(found[1])} ?\+=(?! ?1$)"):
+            continue
+        given = seen.script.lines_with(rf"{re.escape(found[1])} ?(?:[-%] ?)?=(?!=)")
+        goes_on = any(re.match(r"[ \t]*self\.\w+ ?\+?=(?!=)", one) for one in seen.script.block(line)[1:])
+        if goes_on and all(seen.script.function_around(at) == "__init__" for at in given):
+            return mistake("count_not_reset", line=line, name=found[1])
+    return None
+
+
 def _sets(assignment: str, limit: _Limit, script: ScriptText) -> bool:
     """Whether the block of a condition has such an assignment."""
     return any(re.match(rf"[ \t]*{assignment}", text) for text in script.block(limit.line)[1:])

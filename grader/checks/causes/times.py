@@ -103,6 +103,74 @@ def nanoseconds_unit(seen: Searched) -> Mistake | None:
     return None
 
 
+def not_seconds(seen: Searched) -> Mistake | None:
+    """Find nanoseconds, or what is left of them by a wrong divisor, that are compared with a few seconds later."""
+    taken = r"^[ \t]*([\w.]+) ?= ?(.*\.nanoseconds\)*)(?: ?/ ?([\w.]+))?$"
+    for line, found in seen.script.matches(taken):
+        name, divisor = found[1], value_of(found[3], seen.script) if found[3] else 1.0
+        if divisor is None or not 1.0 <= divisor < _TO_SECONDS:
+            continue
+        compared = seen.script.matches(rf"\b(?:if|elif|while)\b.*{itself(name)} ?[<>]=? ?([\w.]+)")
+        limits = [value_of(one[1], seen.script) for _, one in compared]
+        if any(limit is not None and 0.0 < limit < _FEW_SECONDS for limit in limits):
+            return mistake("not_seconds", line=line, name=name, right=f"{name} = {found[2]} / 1e9")
+    return None
+
+
+_TO_SECONDS: Final = 0.99e9
+_FEW_SECONDS: Final = 60.0
+
+
+def start_kept(seen: Searched) -> Mistake | None:
+    """Find a branch that ends a motion at a time and keeps its start time, which another branch takes anew."""
+    for _, callback in seen.script.callbacks("timer")[:1]:
+        made = seen.script.definition(callback)
+        block = seen.script.block(made.line) if made is not None else []
+        kept, anew = [], {}
+        for line, text in enumerate(block, start=made.line if made is not None else 0):
+            ends = re.match(r"[ \t]*(?:if|elif) [^:]*>=? ?[\w.]+( ?[/*] ?[\w.]+)? ?:$", text)
+            inside = "\n".join(seen.script.block(line)[1:]) if ends is not None else ""
+            taken = re.search(rf"^[ \t]*(self\.\w+) ?= ?[\w.()]*{CLOCK}.*$", inside, re.MULTILINE)
+            if taken is not None:
+                anew[taken[1]] = taken[0].strip()
+            elif re.search(r"^[ \t]*self\.\w+ ?=(?!=)", inside, re.MULTILINE) and _passed(text, block):
+                kept.append(line)
+        if len(anew) == 1 and len(kept) == 1:
+            name, again = anew.popitem()
+            return mistake("start_kept", line=kept[0], name=name, again=again)
+    return None
+
+
+def _passed(condition: str, block: list[str]) -> bool:
+    """Whether a condition compares the time that has passed, itself or by a variable of the function."""
+    names = re.findall(r"[\w.]+", condition.partition(">")[0])
+    passed = rf"- ?self\.\w+|{CLOCK}"
+    return bool(re.search(passed, condition)) or any(
+        re.match(rf"[ \t]*{re.escape(name)} ?=(?!=).*(?:{passed})", text) for name in names for text in block
+    )
+
+
+def start_anew_each_tick(seen: Searched) -> Mistake | None:
+    """Find a callback that takes the start time anew each time it is called, so that hardly any time passes."""
+    for kind in ("timer", "subscription"):
+        for _, callback in seen.script.callbacks(kind):
+            made = seen.script.definition(callback)
+            block = "\n".join(seen.script.block(made.line)) if made is not None else ""
+            for line, text in seen.script.body(made.line) if made is not None else []:
+                taken = re.match(rf"(self\.\w+) ?= ?[\w.()]*{CLOCK}\S*$", text)
+                since = (
+                    re.search(rf"^[ \t]*(\w+) ?= ?.*{CLOCK}.*- ?{itself(taken[1])}", block, re.MULTILINE)
+                    if taken
+                    else None
+                )
+                if (
+                    taken and since and not re.search(rf"[+*] ?=? ?{itself(since[1])}", block)
+                ):  # no step of time
+                    values = {"name": taken[1], "callback": callback}
+                    return mistake("start_anew_each_tick", line=line, **values)
+    return None
+
+
 _TIMES_OR_NAME: Final = r"[\w.]+(?: ?\* ?(?:1e\d+|1\d{3,12}))?"
 _FEW_NS: Final = 1e6  # a millisecond: what is compared with less is meant as seconds
 _TO_NS: Final = r"(?i)\b1e9|10 ?\*\* ?9|1_?000_?000_?000|nanosec|\bns\b"

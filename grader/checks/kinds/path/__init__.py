@@ -25,7 +25,7 @@ from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchLabel, SketchSide
 from grader.contracts.scoring import Run
-from grader.contracts.text import Text
+from grader.contracts.text import EMPTY, Text
 from grader.messages import say
 from grader.messages.quantity import number
 
@@ -52,9 +52,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     measures = {"distance_m": Measure(float(np.max(drive.path.along_m))), "settled": _settled(drive, figure)}
     stretches = [] if figure is None else driven_stretches(figure, drive)
     if figure is not None:
-        measures |= _of_the_whole(figure) | _of_the_pieces(figure, stretches)
-        if figure.overrun and not drive.cut_short:
-            measures["gap_pct"] = Measure(math.nan, {"why": say("path.goes_on")})
+        measures |= _of_the_whole(figure, _drove_on_m(drive, figure)) | _of_the_pieces(figure, stretches)
     return Findings(measures, driving_mistakes(run, path_mistakes(assignment, run, drive, figure, stretches)))
 
 
@@ -64,11 +62,19 @@ def _settled(drive: Drive, figure: Figure | None) -> Measure:
     return Measure(0.0 if drive.moving_at_end or (figure is not None and figure.overrun) else 1.0)
 
 
-def _of_the_whole(figure: Figure) -> dict[str, Measure]:
+def _drove_on_m(drive: Drive, figure: Figure) -> float:
+    """Return how far the car drove on after the path, before it came to rest by itself."""
+    if not figure.overrun or drive.cut_short:
+        return 0.0
+    return float(np.max(drive.path.along_m)) - figure.end_m
+
+
+def _of_the_whole(figure: Figure, on_m: float) -> dict[str, Measure]:
     size, length = figure.size_m, figure.track.length_m * figure.placed.scale
     away, nearest = max(figure.apart_m, figure.strayed_m), figure.distances_m
     mean = float(np.mean(nearest))
     gap = abs((figure.driven[-1] - figure.driven[0]) - (figure.wanted[-1] - figure.wanted[0]))
+    after = say("path.drove_on", length=number(on_m, "m")) if on_m > 0.0 else EMPTY
     if size <= 0.0 or length <= 0.0:
         return {}
     return {
@@ -76,7 +82,8 @@ def _of_the_whole(figure: Figure) -> dict[str, Measure]:
         "mean_off_pct": Measure(100.0 * mean / size, {"away": number(mean, "m"), "size": number(size, "m")}),
         "covered_pct": Measure(100.0 * figure.covered_share),
         "gap_pct": Measure(
-            100.0 * gap / length, {"gap": number(float(gap), "m"), "length": number(length, "m")}
+            100.0 * max(float(gap), on_m) / length,
+            {"gap": number(float(gap), "m"), "length": number(length, "m"), "after": after},
         ),
     }
 

@@ -28,7 +28,6 @@ from grader.contracts.text import EMPTY, Text
 from grader.messages import say
 from grader.messages.quantity import number
 
-NEARLY_COUNTS = 0.5  # of a goal: one that was nearly reached, in `reached_pct`
 JOLT_S = 0.1  # within which a change of speed is one jolt
 _CIRCLE_POINTS = 36
 MEASURES = {
@@ -71,12 +70,13 @@ def _of_the_goals(wanted: WantedPlaces, way: Way, seen: list[Visit]) -> dict[str
     missed = [visit for visit in seen if visit.done_s is None]
     last = wanted.visit[-1].region
     off_m = math.hypot(float(way.x_m[-1]) - last.x_m, float(way.y_m[-1]) - last.y_m)
-    nearly = nearly_reached(wanted, way, seen) if missed else 0
-    more = say("places.nearly", count=nearly) if nearly else EMPTY
+    nearly = [share for share in nearly_reached(wanted, way, seen) if share] if missed else []
+    worth = math.fsum(nearly)
+    more = say("places.nearly", count=len(nearly), worth=number(worth, "1")) if nearly else EMPTY
     found = {
         "reached": Measure(float(len(done)), {"goals": len(seen)}),
         "reached_pct": Measure(
-            100.0 * (len(done) + NEARLY_COUNTS * nearly) / len(seen),
+            100.0 * (len(done) + worth) / len(seen),
             {"goals": len(seen), "reached": len(done), "nearly": more},
         ),
         "missed_m": Measure(max((visit.outside_m for visit in missed), default=0.0)),

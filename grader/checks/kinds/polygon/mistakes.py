@@ -19,6 +19,7 @@ from grader.checks.drive import (
 from grader.checks.kinds.polygon.figures import FULL_TURN_DEG, SAME_DEG, DrivenPolygon, WantedPolygon
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import (
+    TOO_BRIEF_NS,
     command_mistakes,
     defined_twice,
     loop_in_callback,
@@ -102,6 +103,7 @@ def polygon_mistakes(
     yield from _kept_driving(seen)
     yield from _kept_turning(seen)
     yield from command_mistakes(run, assignment.world, turns=_TURNS, drives=_spoilt_by_short_drives(run))
+    yield from _brief_drives(seen)
     yield from _little_turns(seen)
     yield from _wall(seen)
     cut = _cut_at_the_end(seen)
@@ -171,7 +173,8 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
     if drives <= 1 and not hit:
         return
     turns = _stretches([_turns(command) for command in commands])
-    at_last = hit and turns == 1 and seen.run.outcome.status is RunStatus.FINISHED
+    over = seen.run.outcome.status is RunStatus.FINISHED or _turns(moves[-1])
+    at_last = hit and turns == 1 and over
     if at_last or (drives > 1 and (hit or turns == 1)):
         wall = say("detail.wall_hit") if hit else EMPTY
         ideal = _degree(seen.ideal_deg)
@@ -244,11 +247,25 @@ def _turns(command: Command) -> bool:
 _FAR_OFF_DEG = 15.0  # turns this much too short lead the car away from the wanted figure
 
 
+def _brief_drives(seen: _Seen) -> Iterator[Mistake]:
+    """Recognise drives that all end as soon as they have begun."""
+    drives = itertools.groupby(
+        with_ends(seen.run.trajectory), lambda commanded: abs(commanded[0].v_mps) > MOVING_MPS
+    )
+    lasted_ns = [sum(until - one.t_ns for one, until in drive) for drives_on, drive in drives if drives_on]
+    if lasted_ns and max(lasted_ns) < TOO_BRIEF_NS:
+        yield mistake("drives_too_brief", _SHAPE, longest=number(max(lasted_ns) / 1e6, "ms"))
+
+
 def _little_turns(seen: _Seen) -> Iterator[Mistake]:
-    """Recognise turns that are all far too short, before the car meets a wall: they lead it there."""
-    contacts = seen.run.trajectory.contacts
-    turned = _commanded_turns(seen, contacts[0].start_ns) if contacts else []
-    if len(turned) < 2 or max(turned) - min(turned) > SAME_DEG or max(turned) > seen.ideal_deg - _FAR_OFF_DEG:
+    """Recognise turns that are all far too short, before the car meets a wall: they lead it there, or round."""
+    contacts, figure = seen.run.trajectory.contacts, seen.driven.figure
+    until_ns = contacts[0].start_ns if contacts else seen.run.outcome.duration_ns
+    round_by_corners = seen.rigid and (figure is None or figure.curved_share > MOSTLY_ROUND_SHARE)
+    looks = contacts or (round_by_corners and not any(map(_is_arc, seen.run.trajectory.commands)))
+    turned = _commanded_turns(seen, until_ns) if looks else []
+    most_deg = seen.ideal_deg - _FAR_OFF_DEG if contacts else seen.ideal_deg / 2.0
+    if len(turned) < 2 or max(turned) - min(turned) > SAME_DEG or max(turned) > most_deg:
         return
     ideal, mean = seen.ideal_deg, float(np.mean(turned))
     yield mistake(

@@ -31,9 +31,12 @@ def room_mistakes(
     """Yield what probably went wrong in a room."""
     yield from robot_mistakes(run, assignment.world)
     if drive is not None:
+        strayed = list(_strayed(assignment, measures, band))
+        beside_line = strayed if "line_pct" in measures else []  # the line leads past the walls
+        yield from beside_line
         yield from _touched(run)
         yield from _ended(assignment, drive, measures)
-        yield from _strayed(assignment, measures, band)
+        yield from () if beside_line else strayed
 
 
 def _touched(run: Run) -> Iterator[Mistake]:

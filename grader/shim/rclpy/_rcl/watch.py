@@ -71,7 +71,9 @@ class Watch:
         self._first: Place | None = None  # the timer of `deadline_ns`
         self._timed = False  # whether a waitable may become ready without one
         self._calm = False  # whether none of those was ready at the last look
-        self._quiet = False  # whether, after that, only messages and timers in the heap can have made any ready
+        self._quiet = (
+            False  # whether, after that, only messages and timers in the heap can have made any ready
+        )
         self._by_link: dict[int, tuple[Any, Place]] = {}  # subscriptions, as in `_others`
         self._ready: list[Place] = []
         self._ready_waitables: list[tuple[Any, Node]] = []
@@ -244,7 +246,13 @@ class Watch:
         if len(self._ready) != 1 or self._ready_waitables:
             return None
         place = self._ready[0]
-        return place if place[1] in (TIMER, SUBSCRIPTION) and _free(place[3]) else None
+        _, kind, _, entity, node = place
+        plain = kind in (TIMER, SUBSCRIPTION) and self._is_there(kind, entity, node)
+        return place if plain and _free(entity) else None
+
+    def _is_there(self, kind: int, entity: Any, node: Node) -> bool:
+        """Whether the node still has the entity: a callback, or another thread during the wait, may destroy it."""
+        return changes.count == self._seen or entity in _members(node)[kind]
 
     def settle(self) -> None:
         """Note what is ready now, consuming triggers."""
@@ -264,7 +272,6 @@ class Watch:
         if len(ready) > 1:
             ready.sort(key=_order)
         self._ready = ready
-        self._settled = changes.count
         if not self._calm or any(self._events):
             self._ready_waitables = [
                 (waitable, node)
@@ -296,16 +303,18 @@ class Watch:
         Each is looked at again when its turn comes: a callback may have cancelled or destroyed it.
         """
         for waitable, node in self._ready_waitables:
-            if _free(waitable):
+            if self._is_there(WAITABLE, waitable, node) and _free(waitable):
                 yield WAITABLE, waitable, node
         for _, kind, _, entity, node in self._ready:
             if kind == GUARD:
                 for guard in tuple(node._guards):  # callbacks create and destroy some
                     if guard._executor_triggered and _free(guard):
                         yield GUARD, guard, node
-            elif changes.count != self._settled and entity not in _members(node)[kind]:
-                continue
-            elif (kind != TIMER or entity.handle.is_timer_ready()) and _free(entity):
+            elif (
+                self._is_there(kind, entity, node)
+                and (kind != TIMER or entity.handle.is_timer_ready())
+                and _free(entity)
+            ):
                 yield kind, entity, node
 
 
