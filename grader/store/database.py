@@ -178,6 +178,13 @@ class Database:
             yield session
 
 
+class StorePart:
+    """A part of the store, by its subject: reads and writes one database."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+
 def one_at_a_time(session: Session, *what: str | None) -> None:
     """Wait until no other transaction that named the same `what` is under way.
 

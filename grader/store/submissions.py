@@ -15,9 +15,8 @@ from grader.contracts.submission import (
     SubmissionState,
 )
 from grader.store.audit import Signature, record
-from grader.store.clock import Clock
+from grader.store.clock import TimedPart
 from grader.store.courses import in_class
-from grader.store.database import Database
 from grader.store.gradings import standing_grading, stored_report
 from grader.store.intake import attempts_of, refusal_of, take_in
 from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow, TrajectoryRow, as_contract
@@ -25,12 +24,8 @@ from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow, T
 _OPEN_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
 
 
-class Submissions:
+class Submissions(TimedPart):
     """Uploads and what became of them; safe to share between threads."""
-
-    def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
 
     def add(self, upload: NewSubmission) -> Submission:
         """Store an upload and queue it, in one transaction: once this returns, it is not lost.
