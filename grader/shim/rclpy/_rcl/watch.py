@@ -228,8 +228,7 @@ class Watch:
 
         None: call `settle` and `lone` instead.
 
-        Args:
-            heard: all that got it. Nothing was ready before, no timer is due, and nothing of the script has run.
+        `heard` are all that got it. Nothing was ready before, no timer is due, and nothing of the script has run.
         """
         if len(heard) != 1 or not self._quiet or changes.count != self._seen:
             return None
