@@ -155,11 +155,7 @@ class JudgementError(GraderError):
 
 
 class AppealError(GraderError):
-    """An appeal cannot be made, withdrawn or answered.
-
-    Attributes:
-        code: ``exists``, ``unknown`` or ``decided``.
-    """
+    """An appeal cannot be made, withdrawn or answered. `code`: ``exists``, ``unknown`` or ``decided``."""
 
     def __init__(self, code: str, message: str) -> None:
         super().__init__(message)
