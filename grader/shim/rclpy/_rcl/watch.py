@@ -71,10 +71,7 @@ class Watch:
         self._first: Place | None = None  # the timer of `deadline_ns`
         self._timed = False  # whether a waitable may become ready without one
         self._calm = False  # whether none of those was ready at the last look
-        self._quiet = (
-            False  # whether, after that, only messages and timers in the heap can have made any ready
-        )
-        self._by_link: dict[int, tuple[Any, Place]] = {}  # subscriptions, as in `_others`
+        self._quiet = False  # whether only timers of the heap and messages can have become ready since
         self._ready: list[Place] = []
         self._ready_waitables: list[tuple[Any, Node]] = []
         for number, node in enumerate(nodes):
@@ -230,10 +227,11 @@ class Watch:
 
         `heard` are all that got it. Nothing was ready before, no timer is due, and nothing of the script has run.
         """
-        if len(heard) != 1 or not self._quiet or changes.count != self._seen:
-            return None
-        found = self._by_link.get(heard[0])
-        return found[1] if found is not None and found[0] else None
+        if len(heard) == 1 and self._quiet and changes.count == self._seen:
+            for backlog, place in self._others:
+                if backlog:
+                    return place
+        return None
 
     @property
     def idle(self) -> bool:
