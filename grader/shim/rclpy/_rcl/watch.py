@@ -220,8 +220,7 @@ class Watch:
 
         None: call `settle` and `lone` instead.
 
-        Args:
-            heard: all that got it. Nothing was ready before, no timer is due, and nothing of the script has run.
+        `heard` are all that got it. Nothing was ready before, no timer is due, and nothing of the script has run.
         """
         if len(heard) == 1 and self._quiet and changes.count == self._seen:
             for backlog, place in self._others:
