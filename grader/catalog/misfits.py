@@ -31,7 +31,7 @@ _FIXES: Mapping[str, Text] = {
     "int_from_float": _WHOLE,
     "list_type": _LIST,
     "tuple_type": _LIST,
-    "dict_type": Text(zh="这里要写字段，例如 {side: 2.0}", en="write fields here, such as {side: 2.0}"),
+    "dict_type": Text(zh="这里要写字段，例如 {sides: 4}", en="write fields here, such as {sides: 4}"),
     "string_type": Text(zh="要写文字：给数字加上引号", en="write a text: put quotes around a number"),
 }
 _TOO_FEW: Final = Text(zh="列表太短：这里还要一个值", en="the list is too short; add a value here")

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from grader.checks.drive import MOVING_MPS, is_motion
+from grader.checks.drive import MOVING_MPS, is_motion, moves_of
 from grader.checks.listening import waits_in_vain
 from grader.checks.measure import Measure, Mistake, mistake
 from grader.contracts.assignment import ROBOT_TOPICS, World
@@ -127,7 +127,7 @@ def command_mistakes(
     outcome, topic = run.outcome, world.cmd_vel_topic
     if _teleports(run.trajectory):
         return (mistake("teleported", topic=topic),)
-    if not any(map(is_motion, run.trajectory.commands)) and (missing := _unpublished(run, world)) is not None:
+    if not moves_of(run.trajectory) and (missing := _unpublished(run, world)) is not None:
         return (missing,)
     if (found := _unfit_commands(run, world)) is not None:
         return found
@@ -142,7 +142,7 @@ def only_turned(run: Run, spoilt: tuple[str, ...]) -> Iterator[Mistake]:
     """Recognise a car that was told to turn, and never to drive."""
     if noted(run.outcome, "lateral_command") is not None:
         return  # it was told to drive, but sideways
-    moves = [command for command in run.trajectory.commands if is_motion(command)]
+    moves = moves_of(run.trajectory)
     if moves and not any(abs(command.v_mps) > MOVING_MPS for command in moves):
         # the theta of a script that hears nothing belongs to a teleport
         by_pose = run.outcome.hears and ScriptText(run.source).lines_with(r"\.theta\b|\borientation\b")
@@ -159,7 +159,7 @@ def robot_mistakes(run: Run, world: World) -> tuple[Mistake, ...]:
         own = {one.name for one in outcome.endpoints if one.kind == "publisher"}
         heard = [one for one in outcome.endpoints if one.kind == "subscription"]
         unheard = (one.name for one in heard if one.name not in own | usual.keys() | {topic})
-        moved = any(is_motion(command) for command in run.trajectory.commands)
+        moved = bool(moves_of(run.trajectory))
         unknown = next((name for name in unheard if not moved or _is_misspelt(name, usual)), None)
         if unknown is not None:
             return (mistake("robot_silent", topic=unknown, topics=", ".join(usual)),)
@@ -757,14 +757,13 @@ def _timeouts(
     The last of several different motions is left out: no later command shows how long it was meant to last, and
     after it the car stands still, as it should.
     """
-    commands = trajectory.commands
-    moves = [i for i, command in enumerate(commands) if is_motion(command)]
-    only = all(commands[i][1:] == commands[moves[0]][1:] for i in moves)
+    commands, moves = trajectory.commands, moves_of(trajectory)
+    only = all(command[1:] == moves[0][1:] for command in moves)
     ends = [command.t_ns for command in commands[1:]] + [outcome.duration_ns if only else 0]
     cut = [
-        (ends[i] - commands[i].t_ns, commands[i])
-        for i in moves
-        if ends[i] - commands[i].t_ns > COMMAND_LIFE_NS + _TIMEOUT_SLACK_NS
+        (end_ns - command.t_ns, command)
+        for command, end_ns in zip(commands, ends, strict=False)
+        if end_ns - command.t_ns > COMMAND_LIFE_NS + _TIMEOUT_SLACK_NS and is_motion(command)
     ]
     if not cut:
         return ()

@@ -134,7 +134,7 @@ _SIGNS: Final = (
         "fields_by_position",
     ),
     (r"TypeError: .*unexpected keyword argument 'queue_size'", "queue_size_of_ros_1"),
-    (r"TypeError: .*qos_profile", "missing_qos"),
+    (r"TypeError: (?!.*unexpected keyword).*qos_profile", "missing_qos"),
     (
         r"TypeError: Expected QoSProfile or int, but received <class '(str|float|bool|list|tuple)'>",
         "qos_number",
@@ -399,6 +399,13 @@ _NODE_LISTS: Final = ("clients", "guards", "publishers", "services", "subscripti
 _NODE_PROPERTIES: Final = tuple(sorted((*_NODE_LISTS, "context", "default_callback_group", "handle")))
 """Attributes of Node that break it if a method of the student's class takes their name."""
 
+_NODE_METHODS: Final = (
+    "create_client", "create_publisher", "create_service", "create_subscription", "create_timer",
+    "declare_parameter", "declare_parameters", "get_clock", "get_logger", "get_parameter", "has_parameter",
+    "set_parameters",
+)  # fmt: skip
+"""Methods of Node that it calls itself, or that a method of the student's class means to call by its own name."""
+
 
 def suggested(error: StudentError) -> str | None:
     """Return the name that Python suggests instead of an unknown one; None if it suggests none."""
@@ -602,6 +609,8 @@ def _keyword(error: StudentError, script: ScriptText) -> Closer:
     found = re.match(r"(?:[\w.]*?(\w+)\.)?(\w+)\(\) .*'(\w+)'", error.message)
     made = script.definition(found[2]) if found else None
     owner = None if found is None or not found[1] else script.class_line(found[1])
+    if found is not None and _is_of_node(found[1], found[2], script):
+        return "name_taken", {"name": found[2]}
     if found is None or made is None or (found[1] and owner is None):
         return "crashed", {}
     return "keyword_of_own", {"name": found[2], "given": found[3], "begins": made.line}
@@ -634,7 +643,14 @@ def _function(error: StudentError, script: ScriptText) -> Closer:
     ):
         return "time_is_function", {}
     taken = script.methods(_NODE_PROPERTIES)
-    return ("name_taken", {"name": taken[0]}) if taken and "super()" in script_line(error) else None
+    looked_at = r"super\(\)|\bspin|\badd_node\(" if "not iterable" in error.message else r"super\(\)"
+    return ("name_taken", {"name": taken[0]}) if taken and re.search(looked_at, script_line(error)) else None
+
+
+def _is_of_node(owner: str | None, name: str, script: ScriptText) -> bool:
+    """Whether a class of the script, a node it seems, has a method under the name of one of Node's."""
+    made = script.definition(name) if owner and name in _NODE_METHODS else None
+    return made is not None and made.takes_self and not script.class_without_base(owner or "")
 
 
 def _parameters(error: StudentError, script: ScriptText) -> Closer:
@@ -644,6 +660,8 @@ def _parameters(error: StudentError, script: ScriptText) -> Closer:
     made = script.definition(name)
     if made is not None and script.hands_over(error.line or 0, name):
         return "callback_called", {}
+    if _is_of_node(error.message.rpartition("()")[0].rpartition(".")[0], name, script):
+        return "name_taken", {"name": name}
     owner = re.match(r"(\w+)\.__init__\(\)", error.message)
     if made is not None and made.takes_self and owner is not None and f"{owner[1]}(" in script_line(error):
         return "init_mismatch", {"name": owner[1], "begins": made.line}

@@ -204,9 +204,10 @@ def add_course(session: Session, new: Course, actor: str, copy_of: str | None = 
         created_at=new.created_at,
         distro=new.distro,
     )
-    one_at_a_time(session, "course", row.id)
-    if session.get(CourseRow, row.id) is not None:
-        raise CourseError(f"there is a course {row.id} already", f"已经有课程 {row.id}", "id")
+    one_at_a_time(session, "course", row.id.casefold())
+    for known in session.execute(select(col(CourseRow.id))).scalars():
+        if known.casefold() == row.id.casefold():
+            raise CourseError(f"there is a course {known} already", f"已经有课程 {known}", "id")
     session.add(row)
     session.flush()
     after = {"title": row.title, "time_zone": row.time_zone, "distro": row.distro}
@@ -339,7 +340,7 @@ def _check_alike(entries: Sequence[RosterEntry], known: Mapping[str, Member]) ->
             f"{new} differs from the member {old} only in {_differ(new, old).en}" for new, old in clashes
         )
         zh = "\n".join(f"{new} 和已有的成员 {old} {_differ(new, old).zh}" for new, old in clashes)
-        raise CourseError(f"nothing was imported:\n{en}", f"没有导入任何人：\n{zh}", "id")
+        raise CourseError(f"nobody was added or changed:\n{en}", f"没有添加或修改任何人：\n{zh}", "id")
 
 
 def _folded(person: str) -> str:

@@ -11,9 +11,8 @@ from grader.messages.quantity import exact, number
 from grader.messages.script import ScriptText
 
 _CONDITION: Final = r"\b(?:if|elif|while)\b.*?"
-_ANGLE: Final = (
-    r"[\w.]{0,40}(?:err|diff|delta|angle|theta|yaw)\w{0,40}"  # bounded: a hostile name takes long else
-)
+# The name is bounded: searching a hostile one would take long.
+_ANGLE: Final = r"[\w.]{0,40}(?:err|diff|delta|angle|theta|yaw)\w{0,40}"
 _MEASURED: Final = (
     r"(?<![\w.])([\w.]{0,40}(?:dist|err|angle|theta|yaw|diff|delta|pose\.[xy])\w{0,40}|d)(?![\w.])"
 )

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
-from grader.checks.drive import FAST_TURN_RADPS, Drive, commanded_at_end, drive_of, fastest_radps, is_motion
+from grader.checks.drive import FAST_TURN_RADPS, Drive, commanded_at_end, drive_of, fastest_radps, moves_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Mistake, mistake
 from grader.checks.mistakes import command_mistakes, driving_mistakes, steers, unheard
 from grader.checks.scoring import fits
@@ -115,7 +115,7 @@ def rotation_mistakes(
         yield _strayed(turned, drift, drive, ("drift_m",) if short else ("drift_m", "turned_deg"))
     if not _goals(run):
         yield from command_mistakes(run, assignment.world, turns=("turned_deg",), drives=())
-    if short and _goals(run) and not any(map(is_motion, run.trajectory.commands)):
+    if short and _goals(run) and not moves_of(run.trajectory):
         code = "rotation_aborted" if run.outcome.command_count else "rotation_absolute"
         yield mistake(code, ("turned_deg",), turned=number(turned, "deg"))
     elif short and turned > MIN_TURN_DEG:

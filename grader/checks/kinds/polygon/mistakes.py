@@ -7,7 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grader.checks.drive import FAST_TURN_RADPS, MOVING_MPS, MOVING_RADPS, coasts, fastest_radps, is_motion
+from grader.checks.drive import (
+    FAST_TURN_RADPS,
+    MOVING_MPS,
+    MOVING_RADPS,
+    coasts,
+    fastest_radps,
+    is_motion,
+    moves_of,
+)
 from grader.checks.kinds.polygon.figures import FULL_TURN_DEG, SAME_DEG, DrivenPolygon, WantedPolygon
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import (
@@ -36,14 +44,12 @@ from grader.messages.script import ScriptText
 
 ONE_RADIAN_DEG = math.degrees(1.0)
 NEAR_DEG = 6.0  # corners this close to the wanted ones show that this figure was meant
-RADIAN_OFF_DEG = (
-    2.0  # a turn by 1 rad by mistake is exact: 54° is something else, such as one tick of 10 Hz too many
-)
+# A turn by 1 rad by mistake is exact: 54° is something else, such as one tick of 10 Hz too many.
+RADIAN_OFF_DEG = 2.0
 _SEEN_M = 0.1
 _SLOW_M = 1.5  # a car that has driven less by the horizon may still be on its first side
-MOSTLY_ROUND_SHARE = (
-    0.25  # from here on, the arcs explain wrong angles and lengths, so they are mentioned first
-)
+# From this share of arcs on, they explain wrong angles and lengths, so they are mentioned first.
+MOSTLY_ROUND_SHARE = 0.25
 _LENGTHS = ("side_spread_pct", "side_error_pct")
 _COASTED = ("settled", "gap_pct", *_LENGTHS)
 _TURNS = ("corner_deg", "sides", "gap_pct", "opposite_corners")
@@ -144,7 +150,7 @@ def _spoilt_by_short_drives(run: Run) -> tuple[str, ...]:
 def _never_turned(seen: _Seen) -> Iterator[Mistake]:
     """Recognise sides driven one behind the other, whatever came later: without a turn no figure can come."""
     commands = seen.run.trajectory.commands
-    moves = [command for command in commands if is_motion(command)]
+    moves = moves_of(seen.run.trajectory)
     if not moves or seen.driven.drive.path.along_m[-1] < _SEEN_M or seen.run.trajectory.jumps:
         return
     turning = [command.t_ns for command in moves if abs(command.w_radps) > MOVING_RADPS]
@@ -164,6 +170,8 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
         return
     drives = _straight_drives([command for command in commands if command.t_ns < turning[0]])
     hit = bool(contacts) and contacts[0].start_ns <= turning[0]
+    if drives <= 1 and not hit:
+        return
     turns = _stretches([_turns(command) for command in commands])
     over = seen.run.outcome.status is RunStatus.FINISHED or _turns(moves[-1])
     at_last = hit and turns == 1 and over
@@ -204,12 +212,9 @@ def _stretches(flags: list[bool]) -> int:
 
 def _kept_driving(seen: _Seen) -> Iterator[Mistake]:
     """Recognise a linear speed that was set for the sides and never taken back for the turns."""
-    turns = [command for command in seen.run.trajectory.commands if abs(command.w_radps) > MOVING_RADPS]
-    sides = {
-        command.v_mps
-        for command in seen.run.trajectory.commands
-        if not _turns(command) and is_motion(command)
-    }
+    moves = moves_of(seen.run.trajectory)
+    turns = [command for command in moves if _turns(command)]
+    sides = {command.v_mps for command in moves if not _turns(command)}
     if len(turns) > 1 and len(sides) == 1 and all(command.v_mps in sides for command in turns):
         rates = {command.w_radps for command in turns}
         if len(rates) == 1:
@@ -225,7 +230,7 @@ def _kept_turning(seen: _Seen) -> Iterator[Mistake]:
     """Recognise a turn rate that stayed set while the sides were driven; the turns themselves are on the spot."""
     figure = seen.driven.figure
     end_ns = math.inf if figure is None else int(seen.driven.drive.t_ns[figure.end])
-    commands = [command for command in seen.run.trajectory.commands if command.t_ns <= end_ns]
+    commands = [command for command in moves_of(seen.run.trajectory) if command.t_ns <= end_ns]
     on_the_spot = any(_turns(command) and not command.v_mps for command in commands)
     sides = [command for command in commands if abs(command.v_mps) > MOVING_MPS]
     rates = {command.w_radps for command in sides} - {0.0}
@@ -284,7 +289,10 @@ def _commanded_turns(seen: _Seen, until_ns: int) -> list[float]:
         turning = _turns(command) and abs(command.v_mps) <= MOVING_MPS
         if turning:
             angle = math.degrees(abs(command.w_radps)) * (end_ns - command.t_ns) / 1e9
-            turned[-1:] = [turned[-1] + angle] if going else [*turned[-1:], angle]
+            if going:
+                turned[-1] += angle
+            else:
+                turned.append(angle)
         going = turning
     return turned
 
@@ -354,7 +362,7 @@ _FAST_BY_POSE_RADPS = 40.0
 def _drove_once(seen: _Seen) -> bool:
     """Whether the script commanded one drive, or further ones of a jolt each, and turned on the spot."""
     far = [length_m for length_m in _drives_m(seen.run) if length_m > _SEEN_M]
-    return len(far) == 1 and not any(map(_is_arc, seen.run.trajectory.commands))
+    return len(far) == 1 and not any(map(_is_arc, moves_of(seen.run.trajectory)))
 
 
 def _circling(seen: _Seen) -> bool:
@@ -390,7 +398,7 @@ def _is_one_side(seen: _Seen) -> bool:
     """Whether the car, correcting its heading on the way, drove one side and then stood still."""
     drive, headings = seen.driven.drive, seen.driven.drive.path.heading_rad
     straight = float(np.ptp(headings)) < _CORNER_RAD and float(drive.path.along_m[-1]) > _SEEN_M
-    turned = any(map(_turns, seen.run.trajectory.commands))
+    turned = any(map(_turns, moves_of(seen.run.trajectory)))
     return straight and turned and not drive.cut_short and not seen.run.trajectory.contacts
 
 
@@ -403,14 +411,13 @@ def _too_few(run: Run) -> str:
 
 def _drives_blindly(seen: _Seen) -> bool:
     """Whether the corners fail on a car that slips, and no command ever corrects the heading on the way."""
-    blind = seen.run.trajectory.commands and not any(map(_is_arc, seen.run.trajectory.commands))
+    blind = seen.run.trajectory.commands and not any(map(_is_arc, moves_of(seen.run.trajectory)))
     wrong = any(seen.loses("corner_deg", corner) for corner in seen.driven.corners_deg.tolist())
     return bool(blind) and wrong and not seen.rigid
 
 
-_SLIP_DEG = (
-    12.0  # what a car that slips adds to the mean corner of a script that steers by its heading, at most
-)
+# The most that slipping adds to the mean corner of a script that steers by its heading.
+_SLIP_DEG = 12.0
 
 
 def _is_beyond_slip(seen: _Seen, figure: PolygonFigure) -> bool:
@@ -424,7 +431,7 @@ def _arcs(seen: _Seen, figure: PolygonFigure) -> Mistake:
     """Say how much was driven in arcs, either because that was commanded or because the car slips."""
     if _is_astray(figure):
         return _astray(seen, figure)
-    code = "arcs" if any(map(_is_arc, seen.run.trajectory.commands)) else "slipped"
+    code = "arcs" if any(map(_is_arc, moves_of(seen.run.trajectory))) else "slipped"
     spoilt = _SHAPE if figure.curved_share > MOSTLY_ROUND_SHARE else ("curved_pct", *_LENGTHS, "gap_pct")
     return mistake(code, spoilt, share=number(100.0 * figure.curved_share, "%"))
 
@@ -505,7 +512,7 @@ def _turn_advice(seen: _Seen, by_time: str) -> Text:
 
 def _both_ways(seen: _Seen) -> bool:
     """Whether the script turned left and right; else a corner to the other side is a turn of more than half."""
-    rates = [command.w_radps for command in seen.run.trajectory.commands if _turns(command)]
+    rates = [command.w_radps for command in moves_of(seen.run.trajectory) if _turns(command)]
     return not rates or min(rates) < 0.0 < max(rates)
 
 

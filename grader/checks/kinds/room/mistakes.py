@@ -4,7 +4,7 @@ import itertools
 from collections.abc import Iterator, Mapping
 
 from grader.checks.drive import Drive, is_motion
-from grader.checks.kinds.room.way import Band
+from grader.checks.kinds.room.way import WallFollowing
 from grader.checks.measure import UNMEASURED, Measure, Mistake, mistake
 from grader.checks.mistakes import robot_mistakes
 from grader.checks.scoring import fits
@@ -26,7 +26,7 @@ def room_mistakes(
     run: Run,
     drive: Drive | None,
     measures: Mapping[str, Measure],
-    band: Band | None = None,
+    band: WallFollowing | None = None,
 ) -> Iterator[Mistake]:
     """Yield what probably went wrong in a room."""
     yield from robot_mistakes(run, assignment.world)
@@ -88,7 +88,9 @@ def _ended(assignment: Assignment, drive: Drive, measures: Mapping[str, Measure]
     yield mistake("room_too_early" if too_far else "room_too_late", ("ahead_m",), ahead=number(ahead, "m"))
 
 
-def _strayed(assignment: Assignment, measures: Mapping[str, Measure], band: Band | None) -> Iterator[Mistake]:
+def _strayed(
+    assignment: Assignment, measures: Mapping[str, Measure], band: WallFollowing | None
+) -> Iterator[Mistake]:
     kept = measures.get("band_pct")
     if band is not None and kept is not None and fits(assignment, "band_pct", kept.value) is False:
         spoilt = ("band_pct", "band_m")
