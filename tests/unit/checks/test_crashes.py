@@ -239,6 +239,21 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
         ),
         (error("AttributeError", "'int' object has no attribute 'remove_node'"), "spin_timeout", ("17",)),
         (error("TypeError", "'float' object is not subscriptable"), "number_index", ("(1.2, 0.6)",)),
+        (
+            error("TypeError", "float() argument must be a string or a real number, not 'list'"),
+            "list_for_number",
+            ("float(input())",),
+        ),
+        (
+            error("TypeError", "'int' object is not iterable", "    for i in 4:"),
+            "not_iterable",
+            ("range(4)",),
+        ),
+        (
+            error("TypeError", "'int' object is not iterable", "    x.declare_parameters('a', 2)"),
+            "crashed",
+            ("17",),
+        ),
         (error("TypeError", "'Twist' object is not subscriptable"), "vector_index", ("msg.linear.x",)),
         (error("error", "Cannot load URDF file."), "urdf_not_found", ("plane.urdf",)),
         (error("error", "Not connected to physics server."), "bullet_not_connected", ("p.connect(p.GUI)",)),

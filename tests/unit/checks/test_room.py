@@ -190,3 +190,11 @@ def test_who_never_slows_down_is_told_that_the_ranges_made_no_difference(
         run, outcome=replace(run.outcome, endpoints=(*run.outcome.endpoints, scan), command_count=3)
     )
     assert examine(task("ahead_m"), run).mistakes[0].code == code
+
+
+def test_who_only_turns_is_told_to_drive() -> None:
+    run = straight(0.0)
+    turning = (Command(t_ns=10**9, v_mps=0.0, w_radps=0.2),)
+    run = replace(run, trajectory=replace(run.trajectory, commands=turning))
+    run = replace(run, outcome=replace(run.outcome, command_count=1))
+    assert examine(task("ahead_m"), run).mistakes[0].code == "no_drive"
