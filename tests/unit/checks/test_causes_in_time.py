@@ -124,6 +124,7 @@ def test_a_start_time_of_the_module_is_that_of_each_motion() -> None:
         ("t", "node.go(2.0 * 1e9)", "no_turns"),
         ("t_ns", "node.go(2.0)", "no_turns"),
         ("2e9", "", "no_turns"),
+        ("end", "def f():\n    end = node.now().nanoseconds + int(t * 1e9)", "no_turns"),
     ],
 )
 def test_nanoseconds_are_compared_with_nanoseconds(limit: str, call: str, wanted: str) -> None:
