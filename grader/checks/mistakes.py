@@ -494,9 +494,11 @@ def ended_at_once(run: Run) -> Mistake | None:
 
 
 def _ends_in_callback(script: ScriptText) -> list[int]:
-    """Return the lines of callbacks that shut down."""
+    """Return the lines that shut down in callbacks, and in functions that they call."""
     callbacks = {name for kind in ("timer", "subscription") for _, name in script.callbacks(kind)}
-    return [line for line in script.lines_with(r"\bshutdown\(") if script.function_around(line) in callbacks]
+    begins = script.reached_from(made.line for name in callbacks if (made := script.definition(name)))
+    inside = {line for first in begins for line in range(first, first + len(script.block(first)))}
+    return [line for line in script.lines_with(r"\bshutdown\(") if line in inside]
 
 
 _ENDS_ITSELF = r"\bSystemExit\b|\bexit\(|\bspin_(once|until)|^[ \t]+if\b.*\bshutdown\("

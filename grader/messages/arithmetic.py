@@ -11,7 +11,7 @@ from typing import Final
 
 from grader.messages.script import ScriptText
 
-_TOKENS: Final = re.compile(r" ?(//|[-+*/()]|\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+|[A-Za-z_][\w.]*)")
+_TOKENS: Final = re.compile(r" ?(//|[-+*/()]|\d[\d_]*\.?\d*(?:[eE][-+]?\d+)?|\.\d+|[A-Za-z_][\w.]*)")
 _LONGEST: Final = 120
 _DEEPEST: Final = 6
 _CONSTANTS: Final = {"math.pi": math.pi, "pi": math.pi, "np.pi": math.pi, "math.tau": math.tau}

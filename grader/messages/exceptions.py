@@ -527,8 +527,10 @@ def _pasted(error: StudentError, script: ScriptText) -> Closer:
     return ("prose", {}) if _PROSE.fullmatch(script_line(error)) else None
 
 
-_PROSE: Final = re.compile(r"(?=(?:[^\u4e00-\u9fff]*[\u4e00-\u9fff]){4})[\w\u3000-\u303f\uff01-\uff1f /.+-]+")
-"""A line of words and their punctuation, without the brackets, quotes and signs of code."""
+_PROSE: Final = re.compile(
+    r"(?=(?:[^\u4e00-\u9fff]*[\u4e00-\u9fff]){4})[\w\u3000-\u303f（），！：；？ /.+-]+"
+)
+"""A line of words and their punctuation, without the quotes and signs of code, wide ones such as ＝ included."""
 
 
 def _float(error: StudentError, script: ScriptText) -> Closer:

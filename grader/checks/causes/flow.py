@@ -502,11 +502,14 @@ _VALUE: Final = r"\"\"|True|False|\d+"
 
 def compared_only(seen: Searched) -> Mistake | None:
     """Find a line that compares a state with what it should be set to, and does nothing with the result."""
-    for line, found in seen.script.matches(rf"^[ \t]*([\w.]+) ?== ?({_VALUE}|None|[\w.]+)$"):
+    compared = list(seen.script.matches(rf"^[ \t]*([\w.]+) ?== ?({_VALUE}|None|[\w.]+)$"))
+    heads = [found[1] for _, found in seen.script.matches(r"\b(?:if|elif|while)\b(.*)")] if compared else []
+    asked = set(re.findall(r"[\w.]+", " ".join(heads)))
+    for line, found in compared:
         before = "".join(seen.script.lines[line - 2 : line - 1]).rstrip()
         if before.endswith(("(", "[", ",", "\\", "=", "and", "or", "not")):
             continue  # the rest of a longer expression
-        if seen.script.lines_with(rf"\b(if|elif|while)\b.*{itself(found[1])}"):
+        if found[1] in asked:
             right = seen.script.written(line).partition("#")[0].strip().replace("==", "=", 1)
             return mistake("compares_for_assigns", line=line, right=right)
     return None

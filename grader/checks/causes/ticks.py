@@ -1,12 +1,13 @@
 """Ticks of a timer: what they count, and how long that takes."""
 
+import itertools
 import math
 import re
 from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 from grader.checks.causes.counts import counted_each_tick
-from grader.checks.causes.searched import LOGS, Searched
+from grader.checks.causes.searched import LOGS, Searched, itself
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import motions_of
 from grader.messages.arithmetic import value_of
@@ -141,7 +142,10 @@ def _drives_in_loop(timer: _Timer, script: ScriptText) -> bool:
 
 
 def count_not_reset(seen: Searched) -> Mistake | None:
-    """Find a branch that ends a motion at a count and leaves the count, which another branch sets to 0."""
+    """Find a branch that ends a motion at a count and leaves the count, which another branch sets to 0.
+
+    If that one comes at a higher count, both may be meant as instants on one scale.
+    """
     timer = _timer(seen.script)
     if timer is None:
         return None
@@ -154,7 +158,7 @@ def count_not_reset(seen: Searched) -> Mistake | None:
             for _, lasted_ns in motions_of(seen.run.trajectory)
         )
         goes_on = _sets(r"self\.\w+ ?=(?!=)", limit, seen.script) and limit not in zeroed
-        if ended and goes_on and zeroed:
+        if ended and goes_on and zeroed and all(other.ticks <= limit.ticks for other in zeroed):
             return mistake("count_not_reset", line=limit.line, name=limit.name)
     return None
 
@@ -164,14 +168,27 @@ def sum_not_reset(seen: Searched) -> Mistake | None:
     timer = _timer(seen.script)
     block = seen.script.block(timer.begins) if timer is not None else []
     for line, text in enumerate(block, start=timer.begins if timer is not None else 0):
-        found = re.match(r"[ \t]*(?:if|elif) (self\.(\w+)) ?>=? ?[\w.]+ ?:$", text)
+        found = re.match(r"[ \t]*(?:if|elif) (self\.(\w+)) ?>=? ?([\w.]+) ?:$", text)
         if found is None or not seen.script.lines_with(rf"{re.escape(found[1])} ?\+=(?! ?1$)"):
+            continue
+        if seen.script.lines_with(rf"{itself(found[3])} ?[-+]=") or _is_schedule(
+            found[1], block, seen.script
+        ):
             continue
         given = seen.script.lines_with(rf"{re.escape(found[1])} ?(?:[-%] ?)?=(?!=)")
         goes_on = any(re.match(r"[ \t]*self\.\w+ ?\+?=(?!=)", one) for one in seen.script.block(line)[1:])
         if goes_on and all(seen.script.function_around(at) == "__init__" for at in given):
             return mistake("count_not_reset", line=line, name=found[1])
     return None
+
+
+def _is_schedule(name: str, block: list[str], script: ScriptText) -> bool:
+    """Whether a sum is compared with three or more numbers that rise, or fall: instants, and not durations."""
+    found = [re.match(rf"[ \t]*(?:if|elif) {re.escape(name)} ?>=? ?([\w.]+) ?:$", text) for text in block]
+    values = [value_of(one[1], script) for one in found if one is not None]
+    known = [value for value in values if value is not None]
+    in_order = [one < other for one, other in itertools.pairwise(known)]
+    return len(known) == len(values) > 2 and len(set(in_order)) == 1
 
 
 def _sets(assignment: str, limit: _Limit, script: ScriptText) -> bool:

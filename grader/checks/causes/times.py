@@ -49,8 +49,9 @@ def start_once(seen: Searched) -> Mistake | None:
         waits = seen.script.lines_with(rf"\bwhile\b.*{itself(owner + name)}")
         waits = [at for at in waits if len(re.findall(CLOCK, seen.script.lines[at - 1])) < 2]
         waits = waits if owner else [at for at in waits if not _assigns(name, at, seen.script)]
+        again = waits if owner else [at for at in waits if _runs_again(at, seen.script)]
         around = "__init__" if owner else ""
-        if once and seen.script.function_around(line) == around and len(waits) > bool(owner):
+        if once and seen.script.function_around(line) == around and len(again) > bool(owner):
             return mistake("start_once", line=line, name=owner + name, again=found.string.strip())
     return None
 
@@ -59,6 +60,12 @@ def _assigns(name: str, at: int, script: ScriptText) -> bool:
     """Whether the function around a line assigns a name, or there is no function."""
     made = script.definition(script.function_around(at))
     return made is None or any(re.match(rf"[ \t]*{name} ?=(?!=)", text) for text in script.block(made.line))
+
+
+def _runs_again(at: int, script: ScriptText) -> bool:
+    """Whether the function around a line is called several times, or nowhere in sight."""
+    calls = script.lines_with(rf"(?<!def )\b{re.escape(script.function_around(at))}\(")
+    return len(calls) != 1 or is_repeated(calls[0], script)
 
 
 def since_1970(seen: Searched) -> Mistake | None:
@@ -126,27 +133,28 @@ def start_kept(seen: Searched) -> Mistake | None:
     for _, callback in seen.script.callbacks("timer")[:1]:
         made = seen.script.definition(callback)
         block = seen.script.block(made.line) if made is not None else []
-        kept, anew = [], {}
+        kept, anew = [], dict[str, str]()
         for line, text in enumerate(block, start=made.line if made is not None else 0):
             ends = re.match(r"[ \t]*(?:if|elif) [^:]*>=? ?[\w.]+( ?[/*] ?[\w.]+)? ?:$", text)
             inside = "\n".join(seen.script.block(line)[1:]) if ends is not None else ""
             taken = re.search(rf"^[ \t]*(self\.\w+) ?= ?[\w.()]*{CLOCK}.*$", inside, re.MULTILINE)
             if taken is not None:
                 anew[taken[1]] = taken[0].strip()
-            elif re.search(r"^[ \t]*self\.\w+ ?=(?!=)", inside, re.MULTILINE) and _passed(text, block):
-                kept.append(line)
-        if len(anew) == 1 and len(kept) == 1:
-            name, again = anew.popitem()
-            return mistake("start_kept", line=kept[0], name=name, again=again)
+            elif re.search(r"^[ \t]*self\.\w+ ?=(?!=)", inside, re.MULTILINE):
+                kept.append((line, text))
+        name, again = anew.popitem() if len(anew) == 1 else ("", "")
+        late = [line for line, text in kept if name and _passed(text, name, block)]
+        if len(late) == 1:
+            return mistake("start_kept", line=late[0], name=name, again=again)
     return None
 
 
-def _passed(condition: str, block: list[str]) -> bool:
-    """Whether a condition compares the time that has passed, itself or by a variable of the function."""
+def _passed(condition: str, start: str, block: list[str]) -> bool:
+    """Whether a condition compares the time since `start`, itself or by a variable of the function."""
     names = re.findall(r"[\w.]+", condition.partition(">")[0])
-    passed = rf"- ?self\.\w+|{CLOCK}"
+    passed = rf"- ?{itself(start)}"
     return bool(re.search(passed, condition)) or any(
-        re.match(rf"[ \t]*{re.escape(name)} ?=(?!=).*(?:{passed})", text) for name in names for text in block
+        re.match(rf"[ \t]*{re.escape(name)} ?=(?!=).*{passed}", text) for name in names for text in block
     )
 
 
@@ -163,12 +171,17 @@ def start_anew_each_tick(seen: Searched) -> Mistake | None:
                     if taken
                     else None
                 )
-                if (
-                    taken and since and not re.search(rf"[+*] ?=? ?{itself(since[1])}", block)
-                ):  # no step of time
+                if taken and since and _is_compared(since[1], block):
                     values = {"name": taken[1], "callback": callback}
                     return mistake("start_anew_each_tick", line=line, **values)
     return None
+
+
+def _is_compared(name: str, block: str) -> bool:
+    """Whether a time is compared with a duration. A step of time is computed with, or compared with 0 at most."""
+    time = itself(name)
+    compared = rf"{time} ?[<>]=? ?(?!0?\.?0*(?![\w.]))|[\w.)\]] ?[<>]=? ?{time}"
+    return bool(re.search(compared, block)) and not re.search(rf"[-+*/] ?=? ?{time}|{time} ?[*/]", block)
 
 
 _TIMES_OR_NAME: Final = r"[\w.]+(?: ?\* ?(?:1e\d+|1\d{3,12}))?"

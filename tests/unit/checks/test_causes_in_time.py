@@ -111,6 +111,9 @@ def test_a_start_time_of_the_module_is_that_of_each_motion() -> None:
     )
     assert cause("no_turns", waits.format(own="m = Twist()")) == "start_once"
     assert cause("no_turns", waits.format(own="start = time.time()")) == "no_turns"
+    called = waits.format(own="m = Twist()") + "go(2.0)\n"
+    assert cause("no_turns", called) == "no_turns"  # one loop, which may be the whole drive
+    assert cause("no_turns", called + "go(1.0)\n") == "start_once"
 
 
 @pytest.mark.parametrize(
@@ -124,6 +127,7 @@ def test_a_start_time_of_the_module_is_that_of_each_motion() -> None:
         ("t", "node.go(2.0 * 1e9)", "no_turns"),
         ("t_ns", "node.go(2.0)", "no_turns"),
         ("2e9", "", "no_turns"),
+        ("2_000_000_000", "", "no_turns"),
         ("end", "def f():\n    end = node.now().nanoseconds + int(t * 1e9)", "no_turns"),
     ],
 )
@@ -141,6 +145,8 @@ def test_nanoseconds_are_compared_with_nanoseconds(limit: str, call: str, wanted
         ("turns_too_short", " / 1e9", "pass", ANEW, "turns_too_short"),
         ("side_never_ends", " / 1e9", ANEW, ANEW, "start_anew_each_tick"),
         ("side_never_ends", " / 1e9", f"self.way += now\n        {ANEW}", ANEW, "side_never_ends"),
+        ("side_never_ends", " / 1e9", f"self.left -= now\n        {ANEW}", ANEW, "side_never_ends"),
+        ("side_never_ends", " / 1e9", f"d = (err - self.err) / now\n        {ANEW}", ANEW, "side_never_ends"),
     ],
 )
 def test_the_time_that_has_passed(code: str, divided: str, always: str, first: str, wanted: str) -> None:
@@ -203,6 +209,7 @@ def _cause(code: str, source: str, motion: Trajectory, corner_deg: float = 60.0,
     ("code", "changes", "wanted"),
     [
         ("turns_too_short", {"kept": "pass"}, "count_not_reset"),
+        ("turns_too_short", {"kept": "pass", "count": "160"}, "turns_too_short"),  # 60 ticks after the 100
         ("turns_too_short", {"kept": "pass", "period": "0.05"}, "turns_too_short"),  # no motion lasted for 5 s
         ("turns_too_short", {}, "turns_too_short"),  # 50 ticks of 0.02 s, not 50 s
         ("turns_too_short", {"count": "2", "period": "0.5"}, "counts_ticks"),
@@ -229,6 +236,28 @@ def test_a_sum_that_is_never_set_back_is_told_and_no_number_of_sides() -> None:
     assert cause("sides_missing", source.format(step="1", back="")) == "sides_missing"
     back = "            self.t = 0.0\n"
     assert cause("sides_missing", source.format(step="0.02", back=back)) == "sides_missing"
+    moved = "            self.limit += 2.0\n"
+    source = source.replace("limit", "self.limit")
+    assert cause("sides_missing", source.format(step="0.02", back=moved)) == "sides_missing"
+
+
+def test_instants_on_one_scale_are_no_sums_to_be_set_back() -> None:
+    begin = (
+        "class A(Node):\n    def __init__(self):\n        self.t = 0.0\n"
+        "        self.create_timer(0.02, self.tick)\n    def tick(self):\n        self.t += 0.02\n"
+    )
+    branches = [f"        if self.t >= {at}:\n            self.step = {at}\n" for at in (2.0, 3.57, 5.57)]
+    assert cause("unequal_sides", begin + "".join(branches)) == "unequal_sides"
+    assert cause("unequal_sides", begin + "".join(branches[:2])) == "count_not_reset"
+
+
+def test_the_clock_of_the_whole_run_is_not_that_of_a_motion() -> None:
+    source = ELAPSED.format(divided=" / 1e9", always="pass", first=ANEW)
+    guard = "        if time.time() - self.begun >= 40.0:\n            self.done = True\n"
+    assert (
+        cause("turns_too_short", source.replace("        if self.driving", f"{guard}        if self.driving"))
+        == "turns_too_short"
+    )
 
 
 @pytest.mark.parametrize(("corner_deg", "wanted"), [(101.0, "no_stop_between"), (120.0, "turns_too_far")])

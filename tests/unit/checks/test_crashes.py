@@ -319,7 +319,13 @@ def test_lines_that_python_does_not_take(line: str, code: str) -> None:
 
 @pytest.mark.parametrize(
     ("line", "code"),
-    [("好的，下面是代码：", "prose"), ("x = 1，2", "foreign_character"), ("print（x）", "foreign_character")],
+    [
+        ("好的，下面是代码：", "prose"),
+        ("请先看一看（这一步很重要）。", "prose"),
+        ("x = 1，2", "foreign_character"),
+        ("print（x）", "foreign_character"),
+        ("前进的距离＝二", "foreign_character"),
+    ],
 )
 def test_a_sentence_is_told_from_code_with_a_foreign_character(line: str, code: str) -> None:
     message = "invalid character '，' (U+FF0C)"

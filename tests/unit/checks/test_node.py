@@ -56,6 +56,7 @@ def test_a_crash_is_named_with_its_line() -> None:
     assert item(scoring, "alive").earned == 0
 
 
+TICKED = "create_timer(1.0, tick)\ndef tick():\n    log()\n    bye()\n"
 CAUGHT = (
     "rclpy.init()\ntry:\n    node = Hello()\n    rclpy.spin(node)\nexcept Exception as e:\n    {told}\n{more}"
 )
@@ -68,6 +69,8 @@ CAUGHT = (
         ("pass", "", "error_hidden"),
         ("raise", "", "not_spinning"),
         ("pass", "def stop():\n    raise SystemExit\n", "not_spinning"),
+        ("pass", "def bye():\n    rclpy.shutdown()\n", "error_hidden"),
+        ("pass", f"{TICKED}def bye():\n    rclpy.shutdown()\n", "not_spinning"),
     ],
 )
 def test_an_error_that_an_except_caught_is_told_before_the_early_end(
