@@ -210,6 +210,8 @@ def copied(error: StudentError, written: str, script: ScriptText) -> Closer:
     if not name or not re.search(rf"\b{name}\(", written) or len(twice) != 1:
         return None
     function, (first, second) = twice[0]
+    if script.owner_of(first) != script.owner_of(second):
+        return None  # methods of two classes
     return "copied", {"name": name, "function": function, "first": first, "second": second}
 
 

@@ -118,7 +118,7 @@ def leaves_loop(seen: Searched) -> Mistake | None:
 def branch_without_publish(seen: Searched) -> Mistake | None:
     """Find a branch of a timer's callback that fills a new message, behind which no publish can be reached."""
     script = seen.script
-    for _, callback in script.callbacks("timer"):
+    for callback in {name: None for _, name in script.callbacks("timer")}:
         made = script.definition(callback)
         block = script.block(made.line) if made is not None else []
         for line, text in enumerate(block, start=made.line if made is not None else 0):

@@ -70,9 +70,12 @@ def _is_time(begins: int, place: int, script: ScriptText) -> bool:
     """Whether a function waits for as long as the argument at that place says."""
     inside = script.lines[begins - 1].partition("(")[2].removeprefix("self").lstrip(" ,").partition(")")[0]
     names = [part.partition("=")[0].partition(":")[0].strip() for part in inside.split(",")]
-    name = itself(names[place]) if place < len(names) and names[place] else None
-    limit = rf"{CLOCK}.*{name}|{name}.*{CLOCK}|\bwhile\b.*{name}|\brange\(.*{name}"
-    return name is not None and any(re.search(limit, text) for text in script.block(begins)[1:])
+    name = rf"(?<!abs\(){itself(names[place])}" if place < len(names) and names[place] else None
+    limit = rf"{CLOCK}.*{name}|{name}.*{CLOCK}|\bwhile\b.*[<>]=? ?{name}|\brange\(.*{name}"
+    block = script.block(begins)[1:]
+    if name is None or any(re.search(rf"{name} ?[-*]?=(?!=)", text) for text in block):
+        return False  # it may be made positive
+    return any(re.search(limit, text) for text in block)
 
 
 def ticks_cut(seen: Searched) -> Mistake | None:

@@ -47,7 +47,7 @@ def start_once(seen: Searched) -> Mistake | None:
         owner, name = found[1] or "", found[2]
         once = not owner or seen.script.assigned(name) is not None
         waits = seen.script.lines_with(rf"\bwhile\b.*{itself(owner + name)}")
-        waits = [at for at in waits if len(re.findall(CLOCK, seen.script.lines[at - 1])) < 2]
+        waits = [at for at in waits if not _guards(seen.script.lines[at - 1])]
         waits = waits if owner else [at for at in waits if not _assigns(name, at, seen.script)]
         again = waits if owner else [at for at in waits if _runs_again(at, seen.script)]
         around = "__init__" if owner else ""
@@ -60,6 +60,12 @@ def _assigns(name: str, at: int, script: ScriptText) -> bool:
     """Whether the function around a line assigns a name, or there is no function."""
     made = script.definition(script.function_around(at))
     return made is None or any(re.match(rf"[ \t]*{name} ?=(?!=)", text) for text in script.block(made.line))
+
+
+def _guards(condition: str) -> bool:
+    """Whether a condition has another one beside the time: that may be a limit of the whole run."""
+    alone = re.sub(r"\brclpy\.ok\( ?\)( and\b)?|\band rclpy\.ok\( ?\)", "", condition)
+    return len(re.findall(CLOCK, condition)) > 1 or re.search(r"\band\b", alone) is not None
 
 
 def _runs_again(at: int, script: ScriptText) -> bool:
@@ -161,7 +167,7 @@ def _passed(condition: str, start: str, block: list[str]) -> bool:
 def start_anew_each_tick(seen: Searched) -> Mistake | None:
     """Find a callback that takes the start time anew each time it is called, so that hardly any time passes."""
     for kind in ("timer", "subscription"):
-        for _, callback in seen.script.callbacks(kind):
+        for callback in {name: None for _, name in seen.script.callbacks(kind)}:
             made = seen.script.definition(callback)
             block = "\n".join(seen.script.block(made.line)) if made is not None else ""
             for line, text in seen.script.body(made.line) if made is not None else []:

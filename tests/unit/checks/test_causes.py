@@ -339,6 +339,19 @@ def test_a_script_of_long_lines_is_not_searched() -> None:
     assert time.process_time() - begun_s < 2.0
 
 
+MANY_TIMERS = "class A(Node):\n    def __init__(self):\n" + "        create_timer(1, tick)\n" * 400
+MANY_TIMERS += "    def tick(self):\n" + "        m.angular.z = x\n        m = Twist()\n" * 200
+
+
+@pytest.mark.parametrize(
+    "source", ["a == 1\n" * 800 + ("if " * 160 + "\n") * 80, MANY_TIMERS], ids=["comparisons", "timers"]
+)
+def test_many_lines_of_one_kind_are_soon_searched(source: str) -> None:
+    begun_s = time.process_time()
+    assert cause("no_turns", source) == "no_turns"
+    assert time.process_time() - begun_s < 5.0
+
+
 @pytest.mark.parametrize(
     "source",
     [

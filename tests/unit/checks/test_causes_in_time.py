@@ -41,6 +41,7 @@ BRANCH = (
 GIVEN = (
     "def left(self, deg):\n    self.go(1.0, {how})\ndef go(self, w, t):\n    end = time.time() + t\n{call}\n"
 )
+AMOUNT = "def left(a):\n    go\n    done = 0.0\n    while done < {limit}:\n        done += 0.1\nleft(-1.57)\n"
 HEADING = "err = {first} - {second}\nif abs(err) > 0.1:\n    msg.angular.z = {rate}\n"
 TURN = "def left(self):\n    self.pub.publish(m)\ndef forward(self):\n    self.pub.publish(m)\nforward()\n{call}\n"
 
@@ -67,6 +68,10 @@ TURN = "def left(self):\n    self.pub.publish(m)\ndef forward(self):\n    self.p
         ("no_turns", TURN.format(call="left()\nforward"), "no_turns"),  # which is called elsewhere
         ("no_turns", GIVEN.format(how="math.radians(deg)", call="left(-90)"), "negative_time"),
         ("no_turns", GIVEN.format(how="abs(math.radians(deg))", call="left(-90)"), "no_turns"),
+        ("no_turns", AMOUNT.format(limit="a"), "negative_time"),
+        ("no_turns", AMOUNT.format(limit="abs(a)"), "no_turns"),
+        ("no_turns", AMOUNT.format(limit="1.0 and a"), "no_turns"),
+        ("no_turns", AMOUNT.format(limit="a").replace("go", "a = -a", 1), "no_turns"),
         ("no_turns", GIVEN.format(how="deg // 180 * math.pi", call="left(90)"), "floor_is_zero"),
         ("no_turns", GIVEN.format(how="deg // 180 * math.pi", call="left(90)\nleft(270)"), "no_turns"),
         ("turns_too_short", GIVEN.format(how="math.radians(deg)", call="left(1.5708)"), "radians_twice"),
@@ -82,6 +87,12 @@ def test_states_calls_and_values_that_are_given(code: str, source: str, wanted: 
 
 
 PASSED = "time.time() - start < t"
+ONCE = (
+    "class A(Node):\n    def __init__(self):\n        self.start = time.time()\n    def go(self, t):\n"
+    "        while time.time() - self.start < t{also}:\n            pub.publish(m)\n"
+    "    def turn(self, t):\n        while rclpy.ok() and time.time() - self.start < t{also}:\n"
+    "            pub.publish(m)\n"
+)
 
 
 @pytest.mark.parametrize(
@@ -114,6 +125,14 @@ def test_a_start_time_of_the_module_is_that_of_each_motion() -> None:
     called = waits.format(own="m = Twist()") + "go(2.0)\n"
     assert cause("no_turns", called) == "no_turns"  # one loop, which may be the whole drive
     assert cause("no_turns", called + "go(1.0)\n") == "start_once"
+
+
+@pytest.mark.parametrize(
+    ("also", "wanted"),
+    [("", "start_once"), (" and rclpy.ok()", "start_once"), (" and n < 4", "sides_missing")],
+)
+def test_a_limit_beside_another_condition_may_be_that_of_the_whole_run(also: str, wanted: str) -> None:
+    assert cause("sides_missing", ONCE.format(also=also)) == wanted
 
 
 @pytest.mark.parametrize(

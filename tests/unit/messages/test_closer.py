@@ -317,3 +317,9 @@ def test_what_is_told_of_a_line_that_python_rejects(problem: str, line: str, cod
 )
 def test_an_exception_that_is_named_like_a_message_is_just_a_crash(kind: str, message: str) -> None:
     assert told(kind, message, "raise it", 1)[0] == "crashed"
+
+
+@pytest.mark.parametrize(("between", "wanted"), [("", "copied"), ("class B:\n", "unknown_attribute")])
+def test_two_functions_of_one_name_are_a_copy_only_in_one_class(between: str, wanted: str) -> None:
+    source = f"class A:\n    def run(self):\n        self.turn()\n{between}    def run(self):\n        pass\n"
+    assert told("AttributeError", "'A' object has no attribute 'turn'", source, 3)[0] == wanted
