@@ -501,7 +501,10 @@ def _ends_in_callback(script: ScriptText) -> list[int]:
     return [line for line in script.lines_with(r"\bshutdown\(") if line in inside]
 
 
-_ENDS_ITSELF = r"\bSystemExit\b|\bexit\(|\bspin_(once|until)|^[ \t]+if\b.*\bshutdown\("
+_ENDS_ITSELF = (
+    r"\bSystemExit\b|\bexit\(|\bspin_(once|until)|^[ \t]+if\b.*\bshutdown\(|"
+    r"\b(create_timer|Timer)\(.*\bshutdown\b"
+)
 """What ends a program that has a `spin` on purpose, or whose end is no sign of an error."""
 
 
@@ -687,6 +690,8 @@ def _other_message(script: ScriptText, filled: int, publishes: list[int]) -> Mis
     made = script.lines_with(rf"(?<![\w.]){re.escape(name)} ?=(?!=)")
     if not made or not all(re.search(r"= ?Twist\( ?\)$", script.lines[at - 1]) for at in made):
         return None
+    if script.lines_with(rf"(?<!publish)\((?:[^()]*,)? ?{re.escape(name)} ?[,)]"):
+        return None  # a function may fill it
     other = script.lines[filled - 1].strip().partition(".linear")[0].partition(".angular")[0]
     return mistake("other_message", line=publishes[0], published=name, filled=other, given=filled)
 

@@ -171,15 +171,18 @@ def sum_not_reset(seen: Searched) -> Mistake | None:
         found = re.match(r"[ \t]*(?:if|elif) (self\.(\w+)) ?>=? ?([\w.]+) ?:$", text)
         if found is None or not seen.script.lines_with(rf"{re.escape(found[1])} ?\+=(?! ?1$)"):
             continue
-        if seen.script.lines_with(rf"{itself(found[3])} ?[-+]=") or _is_schedule(
-            found[1], block, seen.script
-        ):
+        if _runs_on(found[1], found[3], seen.script) or _is_schedule(found[1], block, seen.script):
             continue
         given = seen.script.lines_with(rf"{re.escape(found[1])} ?(?:[-%] ?)?=(?!=)")
         goes_on = any(re.match(r"[ \t]*self\.\w+ ?\+?=(?!=)", one) for one in seen.script.block(line)[1:])
         if goes_on and all(seen.script.function_around(at) == "__init__" for at in given):
             return mistake("count_not_reset", line=line, name=found[1])
     return None
+
+
+def _runs_on(name: str, limit: str, script: ScriptText) -> bool:
+    """Whether a sum is meant to grow on: its limit grows, too, or what it was before is taken off."""
+    return bool(script.lines_with(rf"{itself(limit)} ?[-+]=|{itself(name)} ?-(?!=)"))
 
 
 def _is_schedule(name: str, block: list[str], script: ScriptText) -> bool:

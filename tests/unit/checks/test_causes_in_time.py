@@ -255,6 +255,8 @@ def test_a_sum_that_is_never_set_back_is_told_and_no_number_of_sides() -> None:
     assert cause("sides_missing", source.format(step="1", back="")) == "sides_missing"
     back = "            self.t = 0.0\n"
     assert cause("sides_missing", source.format(step="0.02", back=back)) == "sides_missing"
+    since = "        way = self.t - self.begin\n"
+    assert cause("sides_missing", source.format(step="0.02", back=since)) == "sides_missing"
     moved = "            self.limit += 2.0\n"
     source = source.replace("limit", "self.limit")
     assert cause("sides_missing", source.format(step="0.02", back=moved)) == "sides_missing"

@@ -194,6 +194,18 @@ def test_zero_and_infinite_commands() -> None:
     assert graded("square", AT_REST, nonfinite_commands=3).mistakes == ("nonfinite_commands",)
 
 
+OTHER = "m = Twist()\nm.linear.x = 1.0\ncmd = Twist()\n{between}pub.publish(cmd)\n"
+
+
+@pytest.mark.parametrize(
+    ("between", "code"),
+    [("", "other_message"), ("print(1, m)\n", "other_message"), ("fill(cmd, 1.0)\n", "only_stops")],
+)
+def test_a_message_that_a_function_gets_may_be_filled_there(between: str, code: str) -> None:
+    run = replace(run_of(AT_REST), source=OTHER.format(between=between))
+    assert evaluate(assignment("square"), [run]).mistakes == (code,)
+
+
 def test_no_mistake_is_claimed_when_all_is_right() -> None:
     """A crash after the figure was complete costs nothing; the summary mentions it."""
     trajectory = drive(polygon_legs(4))

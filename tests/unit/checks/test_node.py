@@ -71,6 +71,7 @@ CAUGHT = (
         ("pass", "def stop():\n    raise SystemExit\n", "not_spinning"),
         ("pass", "def bye():\n    rclpy.shutdown()\n", "error_hidden"),
         ("pass", f"{TICKED}def bye():\n    rclpy.shutdown()\n", "not_spinning"),
+        ("pass", "create_timer(1.0, lambda: rclpy.shutdown())\n", "not_spinning"),
     ],
 )
 def test_an_error_that_an_except_caught_is_told_before_the_early_end(

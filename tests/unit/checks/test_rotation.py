@@ -2,11 +2,12 @@
 
 import math
 import random
+from dataclasses import replace
 
 import pytest
 
-from grader.checks import sketch
-from grader.contracts.outcome import Note, RunStatus
+from grader.checks import evaluate, sketch
+from grader.contracts.outcome import Endpoint, Note, RunStatus
 from grader.contracts.rubric import ItemStatus
 from tests.unit.checks.shipped import assignment, graded, item, score
 from tests.unit.checks.trajectories import drive, polygon_legs, run_of
@@ -32,6 +33,26 @@ def test_too_short_a_turn(turn_s: float, mistake: str) -> None:
     scoring = graded("spin", drive([(turn_s, 0.0, 1.0)]))
     assert item(scoring, "turn").status is not ItemStatus.PASSED
     assert scoring.mistakes == (mistake,)
+
+
+FOLDED = "d = math.atan2(math.sin(d), math.cos(d))\nself.turned {adds} d\nif self.turned < 5.0:\n    turn()\n"
+
+
+@pytest.mark.parametrize(
+    ("source", "mistake"),
+    [
+        ("if pose.theta < 3.0:\n    turn()\n", "turn_too_short_by_pose"),
+        (FOLDED.format(adds="=") + "if pose.theta > 1:\n    turn()\n", "turn_too_short_by_pose"),
+        (
+            FOLDED.format(adds="+=") + "if pose.theta > 1:\n    turn()\n",
+            "turn_too_short",
+        ),  # it adds up already
+    ],
+)
+def test_a_turn_by_the_heading_that_is_too_short(source: str, mistake: str) -> None:
+    pose = Endpoint(kind="subscription", name="/turtle1/pose", type="turtlesim/msg/Pose", node="/mover")
+    run = replace(run_of(drive([(5.0, 0.0, 1.0)]), endpoints=(pose,)), source=source)
+    assert evaluate(assignment("spin"), [run]).mistakes == (mistake,)
 
 
 def test_too_slow_a_turn() -> None:
