@@ -210,8 +210,8 @@ def copied(error: StudentError, written: str, script: ScriptText) -> Closer:
     if not name or not re.search(rf"\b{name}\(", written) or len(twice) != 1:
         return None
     function, (first, second) = twice[0]
-    if script.owner_of(first) != script.owner_of(second):
-        return None  # methods of two classes
+    if script.owner_of(first) != script.owner_of(second) or script.is_decorated(second):
+        return None  # methods of two classes, or a property's
     return "copied", {"name": name, "function": function, "first": first, "second": second}
 
 
@@ -275,6 +275,8 @@ def overwritten(error: StudentError, written: str, script: ScriptText) -> Closer
             return "method_overwritten", {"name": name, "given": given[0], "begins": made.line}
     for name in re.findall(r"(?<![\w.])([a-z]+)\(", written):
         given = script.lines_with(rf"^[ \t]*{name} ?=(?!=)") if hasattr(builtins, name) else []
+        here = ("", script.function_around(error.line or 0))
+        given = [line for line in given if script.function_around(line) in here]
         if given:
             return "builtin_overwritten", {"name": name, "given": given[0]}
     return None

@@ -978,7 +978,8 @@ def _module(error: StudentError, script: ScriptText) -> Closer:
         return "library_not_here", {"name": root}
     near = [known for known in _MODULES if sorted(known) == sorted(name.lower())]
     near = near or difflib.get_close_matches(name, _MODULES, 1, 0.8)
-    near = near or [one for one in _MODULES if one.partition(".")[0] == f"{root}_msgs"][:1]
+    if re.search(r"\.msg\b|\bimport[ \t]+[A-Z]", script_line(error)):  # else it may be the author's own file
+        near = near or [one for one in _MODULES if one.partition(".")[0] == f"{root}_msgs"][:1]
     known = near and near[0].partition(".")[0] != name  # the package itself is not there
     return ("misspelt", {"suggestion": near[0]}) if known else None
 
@@ -1031,13 +1032,14 @@ def _service(error: StudentError, script: ScriptText) -> Closer:
     """Find the service's callback that does not return its response, or the request that lacks its parentheses."""
     for _, name in script.callbacks("service"):
         made = script.definition(name)
-        given = (
-            re.search(r"(\w+) ?\) ?(?:->.*)?:$", script.lines[made.line - 1]) if made is not None else None
-        )
+        head = script.lines[made.line - 1] if made is not None else ""
+        given = re.search(r"\(\s*(?:self ?, ?)?\w+[^,()]*, ?(\w+)", head)
         if made is None or given is None:
             continue
-        returned = re.findall(r"^[ \t]*return[ \t]+(\w+)$", "\n".join(script.block(made.line)), re.MULTILINE)
-        if not any(one == given[1] or script.lines_with(rf"\b{one} ?=.*Response\(") for one in returned):
+        returned = re.findall(r"^[ \t]*return[ \t]+(\S.*)$", "\n".join(script.block(made.line)), re.MULTILINE)
+        responses = rf"{given[1]}$|.*Response\("
+        made_here = {one[1] for _, one in script.matches(r"(?<![\w.])(\w+) ?=(?!=).*Response\(")}
+        if not any(re.match(responses, one) or one in made_here for one in returned):
             return "no_response", {"name": name, "begins": made.line, "response": given[1]}
     bare = script.lines_with(r"= ?\w+\.Request$")
     return ("class_for_object", {"line": bare[0]}) if bare else None

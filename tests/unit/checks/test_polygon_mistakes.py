@@ -168,6 +168,14 @@ def test_a_corner_within_a_wider_band_is_no_mistake() -> None:
     assert scoring.mistakes == ("unequal_sides",)
 
 
+def test_sides_that_are_driven_to_and_fro_have_no_corners() -> None:
+    turn = (2.0 * math.pi / 3.0, 0.0, 1.0)
+    to_and_fro = [(2.0, 1.0, 0.0), turn, (2.0, -1.0, 0.0), turn, (2.0, 1.0, 0.0), turn]
+    assert graded("triangle", drive(to_and_fro)).mistakes[0] == "path_backwards"
+    in_reverse = [(each[0], -each[1], each[2]) for each in polygon_legs(3)]
+    assert score(graded("triangle", drive(in_reverse))) == 100
+
+
 BY_POSE = (
     "def tick(self):\n    d, h = pose.x - x0, pose.theta\n    if d < 2.0:\n        go()\n"
     "node.create_timer(0.1, node.tick)\n"

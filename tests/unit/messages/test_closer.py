@@ -323,3 +323,46 @@ def test_an_exception_that_is_named_like_a_message_is_just_a_crash(kind: str, me
 def test_two_functions_of_one_name_are_a_copy_only_in_one_class(between: str, wanted: str) -> None:
     source = f"class A:\n    def run(self):\n        self.turn()\n{between}    def run(self):\n        pass\n"
     assert told("AttributeError", "'A' object has no attribute 'turn'", source, 3)[0] == wanted
+
+
+def test_a_property_and_its_setter_are_no_copy() -> None:
+    source = (
+        "class A:\n    def run(self):\n        self.turn()\n    @property\n    def v(self):\n        pass\n"
+        "    @v.setter\n    def v(self, v):\n        pass\n"
+    )
+    assert told("AttributeError", "'A' object has no attribute 'turn'", source, 3)[0] == "unknown_attribute"
+
+
+SERVICE = (
+    "create_service(Trigger, 'go', on_go)\ndef on_go({given}):\n    {end}\nr = Trigger.Request\nspin()\n"
+)
+ANNOTATED = "request: Trigger.Request, response: Trigger.Response"
+
+
+@pytest.mark.parametrize(
+    ("given", "end", "wanted"),
+    [
+        ("request, response", "response.success = True", "no_response"),
+        (ANNOTATED, "return True", "no_response"),
+        (ANNOTATED, "return response", "class_for_object"),
+        ("self, request, response", "return response", "class_for_object"),
+        ("request, response", "return Trigger.Response(success=True)", "class_for_object"),
+    ],
+)
+def test_a_service_that_fails_lacks_its_response_or_its_request(given: str, end: str, wanted: str) -> None:
+    code, text = told("TypeError", "", SERVICE.format(given=given, end=end), 5)
+    assert code == wanted
+    assert wanted != "no_response" or "return response" in text
+
+
+def test_a_name_of_pythons_own_is_taken_only_where_it_is_seen() -> None:
+    source = "def a():\n    max = 3\ndef b():\n    return x(3) + max(1, 2)\n"
+    assert told("TypeError", "'int' object is not callable", source, 4)[0] == "not_callable"
+    outer = source.replace("    max", "max").replace("def a():\n", "")
+    assert told("TypeError", "'int' object is not callable", outer, 3)[0] == "builtin_overwritten"
+
+
+def test_a_short_name_is_a_package_of_messages_only_where_messages_are_imported() -> None:
+    message = "No module named 'sensor'"
+    assert told("ModuleNotFoundError", message, "import sensor", 1)[0] == "missing_module"
+    assert told("ModuleNotFoundError", message, "from sensor.msg import LaserScan", 1)[0] == "misspelt"

@@ -26,6 +26,7 @@ from grader.checks.mistakes import (
     no_final_stop,
     noted,
     only_turned,
+    share_backwards,
     steers,
     swings,
     with_ends,
@@ -43,6 +44,7 @@ from grader.messages.quantity import listed, number
 from grader.messages.script import ScriptText
 
 ONE_RADIAN_DEG = math.degrees(1.0)
+TO_AND_FRO = 0.1  # of the way: so much in either direction is no figure that was driven in reverse gear
 NEAR_DEG = 6.0  # corners this close to the wanted ones show that this figure was meant
 # A turn by 1 rad by mistake is exact: 54° is something else, such as one tick of 10 Hz too many.
 RADIAN_OFF_DEG = 2.0
@@ -384,6 +386,8 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
         yield _arcs(seen, figure)
     elif _is_astray(figure) and max(figure.bows) > 0.0:
         yield _astray(seen, figure)
+    if _drives_to_and_fro(seen):
+        yield mistake("path_backwards", _SHAPE)
     wrong = (_angles(seen, figure), _count(seen, figure))
     for mistakes in (
         wrong if seen.rigid else reversed(wrong)
@@ -461,6 +465,12 @@ def _long_way(seen: _Seen, values: Mapping[str, object]) -> Mistake:
         return mistake("long_way", ("opposite_corners",), turned=listed(turned_deg, "deg"), **values)
     turned = listed(np.abs(turned_deg), "deg")
     return mistake("long_way_by_time", ("opposite_corners",), turned=turned, **values)
+
+
+def _drives_to_and_fro(seen: _Seen) -> bool:
+    """Whether corners are wrong, and some sides were driven backwards: then a change of direction is no turn."""
+    wrong = any(seen.loses("corner_deg", corner) for corner in seen.driven.corners_deg.tolist())
+    return wrong and TO_AND_FRO < share_backwards(seen.run) < 1.0 - TO_AND_FRO
 
 
 def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
