@@ -8,6 +8,7 @@ command that did its work; 1 for a lower score, or something found wrong; 2 when
 import argparse
 import errno
 import importlib
+import io
 import os
 import re
 import sys
@@ -147,6 +148,8 @@ def run(argv: Sequence[str]) -> int:
     """Run one command and return the process's exit code. Bad input is reported in one line, with no traceback."""
     if sys.stdout is None:  # closed by the shell: `>&-`
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - open until the process ends
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # the encoding of a terminal may lack a sign, as GBK does ✓
     Parser.language = _language(argv)
     parser = Parser(
         prog="grader",
