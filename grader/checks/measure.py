@@ -33,11 +33,12 @@ class MeasureKind(PositionalRecord):
 class Measure(PositionalRecord):
     """A measured value. NaN: could not be measured; ``why`` among the details may say what kept it from that.
 
-    `details` fill the ``seen`` sentence.
+    `details` fill the ``seen`` sentence. `share` of the value's credit counts; what lowers it is ``why``.
     """
 
     value: float
     details: Mapping[str, object] = field(default_factory=dict)
+    share: float = 1.0
 
 
 UNMEASURED = Measure(math.nan)
@@ -116,7 +117,7 @@ class Kind(Record):
     measures: Mapping[str, MeasureKind]
     options: Options = field(default_factory=dict)
     optional: Options = field(default_factory=dict)
-    consult: Callable[[Assignment], tuple[tuple[str, Text], ...]] = lambda assignment: ()
+    consult: Callable[[Assignment], Iterable[tuple[str, Text]]] = lambda assignment: ()
 
 
 class Check(Kind):

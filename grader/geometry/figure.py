@@ -38,9 +38,15 @@ MERGE_TOLERANCE = 0.2  # by how much the two halves of a side begun in its middl
 # corner off would be taken for a side.
 NEARLY_CLOSED_SHARE = 0.16
 
+BETTER_SHARE = 0.02  # of the perimeter: by so much a later figure must close better than one before it
+
 # By how much the corners of a figure with equal corners may differ. At 7.5°, the first of several laps that do
 # not quite close would be taken for an approach.
 ALIKE_RAD = math.radians(15.0)
+
+# Of a corner: by how much the corners of the wanted number of sides may miss a full turn. One corner off, it is
+# exactly the next number of sides.
+LAP_TOLERANCE = 0.9
 
 REPEAT_TOLERANCE = 0.15  # by how much a side of a later lap may differ: on a slipping car laps drift apart
 # A turn between two laps that is off by more was no attempt at the corner: the next lap lies elsewhere, and the
@@ -179,7 +185,7 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
     """
     total = len(segments.straights)
     lengths = [chord(path, *span(path, segments, i)) for i in range(total)]
-    lap = _comes_round(corners) or total
+    lap = _lap(path, segments, corners, sides, cut_short=cut_short)
     if _halves(lengths, corners, lap):
         return _Extent(0, total, joined=True)
     if _begins_inside(path, segments, lengths, lap) and _repeats(
@@ -190,6 +196,8 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
     ):
         return _Extent(1, lap, inside=True, repeated=True)
     again = _repeats(lengths, corners, lap, cut_short=cut_short)
+    if not again and (begun := _approached_halves(path, segments, corners, lengths)) is not None:
+        return _Extent(begun, total - begun, joined=True)
     first, count = (None if again else _closed(path, segments, corners, lengths, sides)) or (0, lap)
     if first + count == total:
         return _Extent(first, count)
@@ -207,6 +215,25 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
         overrun=not repeated or apart,
         apart=apart,
     )
+
+
+def _lap(path: Path, segments: Segments, corners: list[float], sides: int, *, cut_short: bool) -> int:
+    """Return after how many straights the direction has come round; all of them if it has not.
+
+    Where corners are a few degrees off, laps of the wanted number of sides come round a side too early or late.
+    They are taken for what was meant if the path consists of them, or if the other number closes no figure.
+    """
+    total = len(segments.straights)
+    lap = _comes_round(corners) or total
+    if lap == sides or not 2 < sides < total or not _alike(corners[:sides]):
+        return lap
+    mean = abs(sum(map(bare, corners[: sides - 1]))) / (sides - 1)
+    if abs(sides * mean - FULL_TURN_RAD) > LAP_TOLERANCE * mean:
+        return lap
+    begin, end = span(path, segments, 0)[0], span(path, segments, lap - 1)[1]
+    closed = chord(path, begin, end) <= CLOSED_SHARE * float(path.along_m[end] - path.along_m[begin])
+    consists = not cut_short and total % sides == 0 < total % lap
+    return sides if consists or not closed else lap
 
 
 def _begins_inside(path: Path, segments: Segments, lengths: list[float], lap: int) -> bool:
@@ -227,9 +254,9 @@ def _completed(lengths: list[float], lap: int) -> float:
 
 
 def _retraced(path: Path, segments: Segments, first: int, count: int, *, cut_short: bool) -> bool:
-    """Whether what follows the figure lies on its sides, in either sense, for a lap or until it was cut short."""
+    """Whether what follows the figure lies on its sides, in either sense: whole laps, unless it was cut short."""
     later = [span(path, segments, i) for i in range(first + count, len(segments.straights))]
-    if len(later) < count and not cut_short:
+    if len(later) % count and not cut_short:
         return False
     corners = [span(path, segments, i)[0] for i in range(first, first + count)]
     near_m = REPEAT_TOLERANCE * min(
@@ -286,21 +313,37 @@ def _closed(
 ) -> tuple[int, int] | None:
     """Return first straight and number of straights of the first figure of equal corners that closes, or None.
 
-    What is driven before it is an approach. Where no figure closes, one that nearly does is taken if it has the
-    wanted number of sides.
+    What is driven before it is an approach. A later one is taken only if it closes clearly better. Where no figure
+    closes, one that nearly does is taken if it has the wanted number of sides.
     """
-    nearly = None
+    closed = nearly = None
+    least = least_nearly = math.inf
     for first in range(min(MAX_APPROACH_STRAIGHTS + 1, len(lengths))):
         count = _comes_round(corners[first:])
         if count is None or count < 3 or not _alike(corners[first : first + count - 1]):
             continue
         start, end = span(path, segments, first)[0], span(path, segments, first + count - 1)[1]
         gap = chord(path, start, end) / sum(lengths[first : first + count])
-        if gap <= CLOSED_SHARE:
-            return first, count
-        if nearly is None and count == sides and gap <= NEARLY_CLOSED_SHARE:
-            nearly = first, count
-    return nearly
+        if gap <= min(CLOSED_SHARE, least - BETTER_SHARE):
+            closed, least = (first, count), gap
+        elif count == sides and gap <= min(NEARLY_CLOSED_SHARE, least_nearly - BETTER_SHARE):
+            nearly, least_nearly = (first, count), gap
+    return closed or nearly
+
+
+def _approached_halves(
+    path: Path, segments: Segments, corners: list[float], lengths: list[float]
+) -> int | None:
+    """Return the straight at which, after an approach, a figure begins in the middle of a side; None: nowhere."""
+    for first in range(1, min(MAX_APPROACH_STRAIGHTS + 1, len(lengths))):
+        rest_m, inner = lengths[first:], corners[first:]
+        lap = _comes_round(inner)
+        if lap is None or not _halves(rest_m, inner, lap) or not _alike(inner):
+            continue
+        ends = span(path, segments, first)[0], span(path, segments, len(lengths) - 1)[1]
+        if chord(path, *ends) <= CLOSED_SHARE * sum(rest_m):
+            return first
+    return None
 
 
 def _halves(lengths: list[float], corners: list[float], lap: int) -> bool:
@@ -439,12 +482,12 @@ def _last_turn(path: Path, turn: Turn, angle_rad: float) -> float:
 
 
 def _repeats(lengths: list[float], corners: list[float], count: int, *, cut_short: bool) -> bool:
-    """Whether the first `count` sides are followed by another whole lap, or by a part of one that was cut short.
+    """Whether the first `count` sides are followed by whole laps, the last of which may have been cut short.
 
     A part that the script itself ended was no lap: the car drove on after the figure.
     """
     sides, later = lengths[:count], lengths[count:]
-    if not later or (len(later) < count and not cut_short):
+    if not later or (len(later) % count and not cut_short):
         return False
     before = list(itertools.islice(itertools.cycle(sides), len(later)))
     whole = len(later) - 1 if cut_short else len(later)

@@ -67,9 +67,8 @@ _WIDE_TURN_RAD: Final = 0.5  # Bullet loses a body that turns by more than a qua
 _BEHIND_UPDATES: Final = 8  # taken along at each update, the body costs a grading a quarter of its time
 _QUICK_RADPS: Final = _WIDE_TURN_RAD / (_BEHIND_UPDATES * UPDATE_S)
 _QUICK_MPS: Final = 5.0  # wheels that are faster tilt the body, the more the longer an engine step is
-_ASTRAY: Final = (
-    0.05  # m and rad: the body stays within 1e-8; at 100 rad/s its wheels, as gyroscopes, tilt it by 5e-3
-)
+# In m and rad. The body stays within 1e-8; at 100 rad/s its wheels, as gyroscopes, tilt it by 5e-3.
+_ASTRAY: Final = 0.05
 
 
 class Watcher(Protocol):

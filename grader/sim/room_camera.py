@@ -17,9 +17,8 @@ HEIGHT: Final = 60
 
 CAMERA_X_M: Final = 0.076
 CAMERA_Z_M: Final = 0.103
-ACROSS_RAD: Final = (
-    2.0  # wide, as the Burger's camera in Gazebo; a plane picture cannot be as wide as its 3.18
-)
+# The Burger's camera in Gazebo sees 3.18 rad, which no plane picture can.
+ACROSS_RAD: Final = 2.0
 _NEAR_M, _FAR_M = 0.03, 20.0
 _STRIPE_M: Final = 0.002  # how high a line's picture lies over the floor's
 _FLOOR: Final = (0.78, 0.77, 0.74, 1.0)

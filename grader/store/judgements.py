@@ -92,10 +92,6 @@ class Judgements:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    def judge(self, submission_id: str, given: Given, seen: Seen | None, signed: Signature) -> None:
-        """Add one judgement, as `judge_all` does."""
-        self.judge_all(submission_id, [(given, seen)], signed)
-
     def judge_all(
         self, submission_id: str, wanted: Sequence[tuple[Given, Seen | None]], signed: Signature
     ) -> None:

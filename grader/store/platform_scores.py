@@ -10,7 +10,7 @@ from sqlalchemy import select, update
 from sqlmodel import col
 
 from grader.contracts.platform import Platform, PlatformLink, PlatformScore, provider_of
-from grader.store.clock import Clock
+from grader.store.clock import Clock, longer_pause
 from grader.store.database import Database, one_at_a_time
 from grader.store.tables import (
     IdentityRow,
@@ -23,7 +23,7 @@ from grader.store.tables import (
 PATIENCE = timedelta(minutes=1)
 """As long as one process may take for one score before another sends it, too."""
 
-_FIRST_PAUSE_S, _LONGEST_PAUSE_S = 30.0, 3600.0
+_FIRST_PAUSE_S = 30.0
 _LONGEST_TROUBLE = 500
 
 
@@ -111,8 +111,7 @@ class PlatformScores:
 
     def failed(self, link: PlatformLink, person: str, tries: int, trouble: str) -> None:
         """Note that it did not, for the `tries`-th time in a row: the pause until the next try doubles."""
-        pause_s = min(_FIRST_PAUSE_S * 2.0 ** min(tries - 1, 10), _LONGEST_PAUSE_S)
-        later = self._clock() + timedelta(seconds=pause_s)
+        later = self._clock() + longer_pause(_FIRST_PAUSE_S, tries)
         self._note(link, person, not_before=later, tries=tries, trouble=trouble[:_LONGEST_TROUBLE])
 
     def _note(self, link: PlatformLink, person: str, **values: object) -> None:

@@ -22,9 +22,8 @@ from grader.store.occupancy import OccupiedError, alone, in_use
 
 _log = logging.getLogger(__name__)
 _LOOK_S = 0.2
-_LEAVING_S = (
-    2.0  # a PostgreSQL server may take so long to notice that a connection was closed, even one of ours
-)
+# A PostgreSQL server may take so long to notice that a connection was closed, even one of ours.
+_LEAVING_S = 2.0
 _MIGRATIONS = Path(__file__).parent / "migrations"
 
 

@@ -72,7 +72,7 @@ class Tokens:
 
     def close_session(self, secret: str) -> None:
         """End a session, if there is such a one."""
-        own = (col(TokenRow.sha256) == _digest(secret), col(TokenRow.opened_by).is_not(None))
+        own = (col(TokenRow.sha256) == digest_of(secret), col(TokenRow.opened_by).is_not(None))
         with self._database.writing() as session:
             session.execute(delete(TokenRow).where(*own))
 
@@ -166,7 +166,7 @@ def new_session(  # noqa: PLR0913, PLR0917
 def _open(secret: str, now: datetime) -> tuple[ColumnElement[bool], ...]:
     """Return what is true of the row that a secret opens."""
     return (
-        col(TokenRow.sha256) == _digest(secret),
+        col(TokenRow.sha256) == digest_of(secret),
         col(TokenRow.revoked_at).is_(None),
         col(TokenRow.expires_at) > now,
     )
@@ -177,7 +177,7 @@ def _row(  # noqa: PLR0913, PLR0917
 ) -> TokenRow:
     return TokenRow(
         id=secrets.token_hex(_ID_BYTES),
-        sha256=_digest(secret),
+        sha256=digest_of(secret),
         course=course,
         person=person,
         created_at=now,
@@ -186,5 +186,6 @@ def _row(  # noqa: PLR0913, PLR0917
     )
 
 
-def _digest(secret: str) -> str:
-    return hashlib.sha256(secret.encode()).hexdigest()
+def digest_of(secret: str) -> str:
+    """Return what is kept of a secret; of one that a browser made up, too, which may be no text at all."""
+    return hashlib.sha256(secret.encode(errors="replace")).hexdigest()

@@ -207,6 +207,8 @@ SCRIPTS = (
     _script("parameter named time", "square", "hidden_module", ("def turn(self, duration)", "def turn(self, time)"), ("↻ 旋转...')\n", "↻ 旋转...')\n        duration = time\n"), words="time"),
     _script("variable named Twist", "straight", "name_hides_class", ("        msg = Twist()", "        Twist = Twist()\n        msg = Twist"), words="msg = Twist()"),
     _script("argument forgotten", "square", "call_mismatch", ("self.turn(self.TURN_TIME)", "self.turn()"), words="turn"),
+    _script("method named create_publisher", "straight", "name_taken", ("    def __init__(self):\n", "    def create_publisher(self):\n        return Node.create_publisher(self, Twist, '/turtle1/cmd_vel', 10)\n\n    def __init__(self):\n"), words="create_publisher"),
+    _script("method named timers", "straight", "name_taken", ("    def __init__(self):\n", "    def timers(self):\n        pass\n\n    def __init__(self):\n"), words="timers"),
     _script("method named handle", "hello", "name_taken", ("    def __init__(self):\n", "    def handle(self):\n        pass\n\n    def __init__(self):\n"), words="handle"),
     _script("rate of ROS 1", "square", "rate_of_ros_1", ("        msg = Twist()\n        msg.linear.x = float", "        rate = rclpy.Rate(10)\n        msg = Twist()\n        msg.linear.x = float"), words="rclpy.Rate"),
     _script("raw_input", "square_input", "other_language", ("float(input(", "float(raw_input("), words="input()"),

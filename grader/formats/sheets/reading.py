@@ -65,15 +65,16 @@ class _Sheet(Record):
 def read_table(content: bytes, is_header: Callable[[Sequence[str]], bool]) -> ListedTable:
     """Return the table of a file: of a workbook, the first sheet one of whose first rows is a header.
 
-    Hidden sheets are passed over. Rows without any text are left out. CSV may be separated by commas (also
-    full-width ones), semicolons or tabs, in UTF-8, UTF-16 or GBK. Cells have no space around them.
+    If none is, the first table is returned, and the caller says what is missing. Hidden sheets are passed over.
+    Rows without any text are left out. CSV may be separated by commas (also full-width ones), semicolons or tabs,
+    in UTF-8, UTF-16 or GBK. Cells have no space around them.
 
     Args:
         content: the file.
         is_header: whether a row names the columns that are needed.
 
     Raises:
-        CourseError: no table can be read, or it has no header, which the message then says.
+        CourseError: no table can be read.
         InfrastructureError: the host had no time or memory for reading it.
     """
     if len(content) > MAX_FILE_BYTES:
@@ -106,7 +107,7 @@ def _of_sheet(sheet: _Sheet) -> ListedTable:
 
 
 def _text(cell: str | float) -> str:
-    """Return a cell as a spreadsheet shows it; a number that it cannot hold exactly as a shortened one."""
+    """Return a cell as a spreadsheet shows it: of 16 digits or more it has lost the last, so they are left out."""
     if isinstance(cell, str):
         return cell.strip().removeprefix("'")
     if cell == int(cell) and abs(cell) < _EXACT_BELOW:
@@ -174,8 +175,8 @@ def _csv_rows(text: str, separator: str) -> tuple[ListedRow, ...]:
     rows = []
     line = 1
     try:
-        for cells in reader:
-            row = ListedRow(number=reader.line_num, cells=tuple(map(_csv_text, cells)))
+        for number, cells in enumerate(reader, 1):
+            row = ListedRow(number=number, cells=tuple(map(_csv_text, cells)))
             if any(row.cells):
                 rows.append(row)
             line = reader.line_num + 1

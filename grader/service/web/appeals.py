@@ -21,7 +21,7 @@ from grader.store.appeals import AppealsWanted
 from grader.use_cases import appealing, judging
 from grader.use_cases.appealing import AppealAnswer
 from grader.use_cases.assignments import item_title, published
-from grader.use_cases.people import members, named
+from grader.use_cases.people import members, named, names
 from grader.use_cases.services import Services
 
 HOME = "/class/appeals"
@@ -174,9 +174,7 @@ def _one(  # noqa: PLR0913, PLR0917
         assignment=assignment,
         title=item_title(assignment, form.item, language_of(request)),
         appeal=found[form.item],
-        name=named(
-            {one.id: one.name for one in members(services, visitor.caller, Role.STUDENT)}, submission.student
-        ),
+        name=named(names(services, visitor.caller), submission.student),
         item=_judged(services, visitor, submission.id, form.item),
         corrects=judging.may_correct(services, visitor.caller, submission.assignment),
         form=form,

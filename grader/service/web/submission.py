@@ -24,6 +24,7 @@ from grader.contracts.report import report_from
 from grader.contracts.submission import StoredReport, Submission
 from grader.formats.packages.bundle import line_in_text, text_of
 from grader.messages import on_page
+from grader.service.requests.answers import plot
 from grader.service.requests.compression import trajectory_answer
 from grader.service.routes.events import LastEventId, events, owner_of, watched
 from grader.service.web import access
@@ -126,7 +127,6 @@ def download_source(services: ServicesDep, visitor: KnownDep, submission_id: Sub
     headers = {
         "Content-Disposition": f"attachment; filename*=UTF-8''{quote(submission.file_name, safe='')}",
         "X-Content-Type-Options": "nosniff",
-        "Cache-Control": "private, no-cache",
     }
     content = services.submissions.source(submission.id) or b""
     return Response(content, media_type="application/octet-stream", headers=headers)
@@ -206,13 +206,11 @@ def read_sketch(
     """Return what the checks saw in the motion; an empty object when they cannot say."""
     _, stored = access.seen(services, visitor, submission_id)
     run = None if stored is None else judged(stored).run_of(case)
-    figure = (
-        None
-        if stored is None or run is None
-        else recordings.measured_figure(services, access.visitor_of(request).caller, stored, run)
-    )
+    if stored is None or run is None:
+        return JSONResponse({})
+    figure = recordings.measured_figure(services, visitor.caller, stored, run)
     document = {} if figure is None else figure_document(figure, language_of(request))
-    return JSONResponse(document, headers={"Cache-Control": "private, no-cache"})
+    return JSONResponse(document)
 
 
 @router.get("/recording.mcap", dependencies=[COSTLY])
@@ -222,10 +220,7 @@ def read_bag(
     """Return one run as a ROS bag, to be saved."""
     access.require_sight(services, visitor, submission_id)
     bag = recordings.bag(services, visitor.caller, submission_id, case)
-    headers = {
-        "Content-Disposition": f'attachment; filename="{bag.name}"',
-        "Cache-Control": "private, no-cache",
-    }
+    headers = {"Content-Disposition": f'attachment; filename="{bag.name}"'}
     return Response(bag.content, media_type="application/octet-stream", headers=headers)
 
 
@@ -236,7 +231,7 @@ def read_film(
     """Return the pictures of a PyBullet world as one that moves."""
     access.require_sight(services, visitor, submission_id)
     drawn = recordings.film(services, visitor.caller, submission_id, case)
-    headers = {"ETag": f'"{drawn.tag}"', "Cache-Control": "private, no-cache"}
+    headers = {"ETag": f'"{drawn.tag}"'}
     return Response(drawn.content, media_type="image/png", headers=headers)
 
 
@@ -250,15 +245,7 @@ async def read_plot(
 ) -> Response:
     """Return the picture of one run, for browsers without scripts and for comparing."""
     await run_in_threadpool(access.require_sight, services, visitor, submission_id)
-    language = language_of(request)
-    drawn = await recordings.picture(services, visitor.caller, submission_id, case, language, "png")
-    headers = {
-        "ETag": f'"{drawn.tag}"',
-        "Content-Language": language,
-        "Vary": "Accept-Language",
-        "Cache-Control": "private, no-cache",
-    }
-    return Response(drawn.content, media_type="image/png", headers=headers)
+    return await plot(services, visitor.caller, submission_id, case, language_of(request), "png")
 
 
 def _corrections(
@@ -361,11 +348,8 @@ def _result(
     run = report.run_of(case)
     if run is None and case is not None:
         raise RefusedError("no_trajectory", field="case", allowed=list(stored.cases))
-    figure = (
-        None
-        if run is None
-        else recordings.measured_figure(services, access.visitor_of(request).caller, stored, run)
-    )
+    caller = access.visitor_of(request).caller
+    figure = None if run is None else recordings.measured_figure(services, caller, stored, run)
     names = {name: on_page(language, f"figure.{name}") for name in _FIGURE_WORDS}
     result = result_page(report, assignment, language)
     in_room = assignment is not None and assignment.world.kind == "robot"

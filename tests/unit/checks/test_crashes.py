@@ -126,7 +126,7 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
             "with_init",
             ("with rclpy.init()", "Humble"),
         ),
-        (error("TypeError", ""), "no_response", ("return response",)),
+        (error("TypeError", ""), "no_request", ("return response",)),
         (
             error("TypeError", "RcutilsLogger.info() takes 2 positional arguments but 3 were given"),
             "log_not_text",
