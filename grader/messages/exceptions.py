@@ -224,7 +224,11 @@ _SIGNS: Final = (
         r"parameter_overrides|publishers|rate_group|Node__\w+))'(?!.*" + _AT + r".*\.\1\b)",
         "no_super_init",
     ),
-    (r"Invalid(Node|Topic|Service)NameException: |InvalidNamespaceException: ", "bad_name"),
+    (
+        r"Invalid(Node|Topic|Service)NameException: |InvalidNamespaceException: |"
+        r"ValueError: Failed to create action (client: failed to get goal service|\w+ due to invalid topic) name",
+        "bad_name",
+    ),
     (r"TypeError: 'NoneType' object is not callable", "callback_called"),
     (r"(Attribute|Type)Error: 'property' object ", "class_for_object"),
     (r"TypeError: \w+\.\w+\(\) missing 1 required positional argument: 'self'", "class_for_object"),
@@ -251,7 +255,11 @@ _SIGNS: Final = (
         "unknown_package",
     ),
     (r"InvalidPythonLaunchFileError: .* returns None, no LaunchDescription", "launch_returns_nothing"),
-    (r"TypeError: '(int|float)' object is not iterable", "not_iterable"),
+    (
+        r"TypeError: '(int|float)' object is not iterable(?!.*" + _AT + r"(?!.*\b(for|list|tuple|sum)\b))",
+        "not_iterable",
+    ),
+    (r"TypeError: float\(\) argument must be .* not 'list'", "list_for_number"),
     (r"TypeError: '(int|float)' object is not subscriptable", "number_index"),
     (r"TypeError: Expected .*, got <class '[\w.]*\.Metaclass_\w+'>", "class_for_object"),
     (
