@@ -25,7 +25,13 @@ class SpecModel(BaseModel):
 
 
 def _has_truth(value: object) -> bool:
-    return any(map(_has_truth, value)) if isinstance(value, list) else isinstance(value, bool)
+    """Whether true or false stands at any depth. Each list is looked at once: aliases make millions of a few."""
+    found, seen = [value], set[int]()
+    for one in found:  # grows on the way
+        if isinstance(one, list) and id(one) not in seen:
+            seen.add(id(one))
+            found += one
+    return any(isinstance(one, bool) for one in found)
 
 
 def _leaves(annotation: Any) -> set[Any]:
