@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,9 +47,7 @@ def fastest_radps(run: Run) -> float:
 def drive_of(run: Run, *, until_contact: bool = False) -> Drive | None:
     """Return the motion of `run`, or None when the trajectory is empty or not finite.
 
-    Args:
-        run: the run to look at.
-        until_contact: leave out what came after the car first touched a wall.
+    `until_contact`: without what came after the car first touched a wall.
     """
     trajectory = run.trajectory
     count = _counted(trajectory, until_contact=until_contact)
@@ -75,6 +74,12 @@ def commanded_at_end(run: Run) -> Command | None:
 def is_motion(command: Command) -> bool:
     """Whether the command asks for a motion worth the name."""
     return abs(command.v_mps) > MOVING_MPS or abs(command.w_radps) > MOVING_RADPS
+
+
+@lru_cache(maxsize=8)  # a grading has few runs, and most looks for mistakes ask for these commands
+def moves_of(trajectory: Trajectory) -> tuple[Command, ...]:
+    """Return the commands that ask for a motion; a script that steers by the pose sends as many others."""
+    return tuple(filter(is_motion, trajectory.commands))
 
 
 def coasts(run: Run, drive: Drive, excess: float, *, turning: bool = False) -> bool:
@@ -141,5 +146,5 @@ def _last_driven_ns(trajectory: Trajectory) -> int:
     A script that keeps publishing zero until the horizon counts as at rest.
     """
     moving = _is_moving(trajectory)
-    commanded = (command.t_ns for command in reversed(trajectory.commands) if is_motion(command))
-    return max(int(t_ns) for t_ns in (*trajectory.t_ns[moving][-1:], next(commanded, 0)))
+    commanded = [command.t_ns for command in moves_of(trajectory)[-1:]]
+    return max(int(t_ns) for t_ns in (*trajectory.t_ns[moving][-1:], *commanded, 0))

@@ -72,8 +72,10 @@ def _slow_timer(run: Run, script: ScriptText) -> Iterator[tuple[str, str]]:
 
 def _faster(run: Run, script: ScriptText) -> Iterator[tuple[str, str]]:
     """Recognise a speed that grows with every message, and never stops growing."""
+    lines = script.lines_with(r"\.linear\.x ?[-+]=|\.linear\.x ?= ?[\w.]*\.linear\.x ?[-+]")
+    if not lines:
+        return
     speeds = [abs(one.v_mps) for one in run.trajectory.commands]
     grows = len(speeds) > 20 and all(one < other for one, other in itertools.pairwise(speeds))
-    lines = script.lines_with(r"\.linear\.x ?[-+]=|\.linear\.x ?= ?[\w.]*\.linear\.x ?[-+]")
-    if grows and lines and speeds[-1] > _TOO_FAST_MPS:
+    if grows and speeds[-1] > _TOO_FAST_MPS:
         yield "faster", f"{lines[0]}|{speeds[-1]:.1f}"

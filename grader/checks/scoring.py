@@ -182,11 +182,7 @@ def score_items(
 ) -> list[RubricItem]:
     """Score every item on one run.
 
-    Args:
-        check: the kind of check that made the findings.
-        specs: the rubric.
-        findings: what was seen in the run.
-        portion: which of several runs it was.
+    `portion`: which of several runs it was.
     """
     credits = _credits(specs, findings)
     titles = {spec.id: spec.title for spec in specs}

@@ -104,10 +104,7 @@ def encode_trajectory(trajectory: Trajectory) -> bytes:
         "jumps": list(trajectory.jumps),
         "contacts": [asdict(contact) for contact in trajectory.contacts],
         **_pictures(trajectory),
-        "commands": [
-            [t_ns, round(v_mps, DECIMALS), round(w_radps, DECIMALS)]
-            for t_ns, v_mps, w_radps in trajectory.commands
-        ],
+        "commands": _rounded_commands(trajectory.commands),
     }
     return json.dumps(document, separators=(",", ":"), allow_nan=False).encode()
 
@@ -139,6 +136,19 @@ def decode_commands(data: bytes) -> tuple[Command, ...]:
 def _pictures(trajectory: Trajectory) -> dict[str, object]:
     pictures = [[each.t_ns, b64encode(each.png).decode("ascii")] for each in trajectory.pictures]
     return {"pictures": pictures} if pictures else {}
+
+
+def _rounded_commands(commands: tuple[Command, ...]) -> list[tuple[int, float, float]]:
+    """Return the commands, their speeds rounded. Those of a command and its repetitions are the same objects."""
+    rows = []
+    v_before = w_before = None
+    v = w = 0.0
+    for t_ns, v_mps, w_radps in commands:
+        if v_mps is not v_before or w_radps is not w_before:
+            v_before, w_before = v_mps, w_radps
+            v, w = round(v_mps, DECIMALS), round(w_radps, DECIMALS)
+        rows.append((t_ns, v, w))
+    return rows
 
 
 def _rounded(column: Floats) -> list[float]:

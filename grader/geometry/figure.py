@@ -131,14 +131,10 @@ class _Extent(PositionalRecord):
 
 
 def measure_polygon(path: Path, segments: Segments, *, sides: int, cut_short: bool) -> PolygonFigure | None:
-    """Measure the first figure, or return None when there is not one straight.
+    """Measure the first figure of `sides` sides, or return None when there is not one straight.
 
-    Args:
-        path: the driven path.
-        segments: its straights and turns.
-        sides: how many sides are wanted.
-        cut_short: the car was still under way when the recording ended, so that the last segment says
-            nothing about its intended size.
+    `cut_short`: the car was still under way when the recording ended, so that the last segment says nothing about
+    its intended size.
     """
     if not segments.straights:
         return None

@@ -1,7 +1,7 @@
 """Records an episode: the car's motion, and the script's output. Bounded, whatever the script does."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Final
 
 import numpy as np
@@ -53,12 +53,15 @@ class Recorder:
         self._t_ns = t_ns + 1
         self._samples.append((self._t_ns, *pose, v_mps, w_radps))
 
-    def command(self, update: int, command: Command) -> None:
-        """Add a command that `update` takes; it replaces an earlier one for the same update."""
-        if update == self._command_update:
-            self._commands.pop()
-        self._command_update = update
-        self._commands.append(command)
+    def command(self, came: Iterable[tuple[int, int]], v_mps: float, w_radps: float) -> None:
+        """Add a command for each update that takes it and time at which it came; the last of an update counts."""
+        commands, before = self._commands, self._command_update
+        for update, t_ns in came:
+            if update == before:
+                commands.pop()
+            before = update
+            commands.append(Command(t_ns, v_mps, w_radps))
+        self._command_update = before
 
     def contact(self, start_ns: int, end_ns: int, wall: str) -> None:
         """Note that `wall` held the car from `start_ns` to `end_ns`. Calls come in order of time."""
@@ -198,8 +201,7 @@ class ReceivedCommands:
             self.first_ns = came[0][1]
         self.last_ns = came[-1][1]
         told = (_recorded(ahead), _recorded(turn)) if finite else (v, w)
-        for update, t_ns in came:
-            self._recorder.command(update, Command(t_ns, *told))
+        self._recorder.command(came, *told)
 
 
 def _recorded(asked: float) -> float:

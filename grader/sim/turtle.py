@@ -13,6 +13,9 @@ from grader.sim.recorder import ReceivedCommands, Recorder
 
 _NEVER: Final = 1 << 62
 _LIFE_UPDATES: Final = COMMAND_LIFE_NS // UPDATE_NS
+_LIFE_NS: Final = (_LIFE_UPDATES + 1) * UPDATE_NS - 1
+"""From the update that takes a command until it is dropped. An instant on an update itself would be too late: a
+command is taken by the update after it."""
 _LAG_NS: Final = 100_000_000
 """How far the car may lag behind while commands only repeat the present one. Driving in larger pieces costs less;
 0.1 s is small enough for the car to drive while the script computes, instead of after it."""
@@ -99,24 +102,22 @@ class Turtle:
         A sideways component is only counted: turtlesim 1.4 slides sideways, a car on two wheels cannot.
         """
         v, w, finite = clamp_command(linear_x, angular_z)
-        came = [(next_update(t_ns), t_ns) for t_ns in times_ns]
+        came = [(t_ns // UPDATE_NS + 1, t_ns) for t_ns in times_ns]  # `next_update`, inlined
         self.commands.take(came, (linear_x, linear_y, angular_z), (v, w, finite))
-        car = self._car
+        car, order, moves = self._car, (v, w), bool(v or w)
         for update, t_ns in came:
-            if (v, w) != car.commanded or t_ns >= self._drop_ns or t_ns - car.now_ns >= _LAG_NS:
+            if order != car.commanded or t_ns >= self._drop_ns or t_ns - car.now_ns >= _LAG_NS:
                 self.advance(t_ns)
             if self.alive:
-                self._obey(update, v, w)
+                if order != car.commanded:
+                    car.command(v, w)
+                self._drop_ns = update * UPDATE_NS + _LIFE_NS if moves else _NEVER
 
     def drive(self, v_mps: float, w_radps: float) -> None:
         """Set the velocity from the next update on, as a rotation goal does."""
-        self._obey(next_update(self._car.now_ns), v_mps, w_radps)
-
-    def _obey(self, update: int, v_mps: float, w_radps: float) -> None:
         self._car.command(v_mps, w_radps)
-        # An instant on the update itself would be too late: a command is taken by the update after it.
-        dropped_by = update + _LIFE_UPDATES + 1
-        self._drop_ns = dropped_by * UPDATE_NS - 1 if v_mps or w_radps else _NEVER
+        update_ns = next_update(self._car.now_ns) * UPDATE_NS
+        self._drop_ns = update_ns + _LIFE_NS if v_mps or w_radps else _NEVER
 
     def teleport(self, pose: PlanarPose) -> None:
         """Move to `pose` without driving there; the velocity is kept."""

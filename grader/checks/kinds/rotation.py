@@ -5,9 +5,9 @@ from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
-from grader.checks.drive import FAST_TURN_RADPS, Drive, commanded_at_end, drive_of, fastest_radps, is_motion
+from grader.checks.drive import FAST_TURN_RADPS, Drive, commanded_at_end, drive_of, fastest_radps, moves_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Mistake, mistake
-from grader.checks.mistakes import command_mistakes, driving_mistakes, unheard
+from grader.checks.mistakes import command_mistakes, driving_mistakes, steers, unheard
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel
@@ -115,7 +115,7 @@ def rotation_mistakes(
         yield _strayed(turned, drift, drive, ("drift_m",) if short else ("drift_m", "turned_deg"))
     if not _goals(run):
         yield from command_mistakes(run, assignment.world, turns=("turned_deg",), drives=())
-    if short and _goals(run) and not any(map(is_motion, run.trajectory.commands)):
+    if short and _goals(run) and not moves_of(run.trajectory):
         code = "rotation_aborted" if run.outcome.command_count else "rotation_absolute"
         yield mistake(code, ("turned_deg",), turned=number(turned, "deg"))
     elif short and turned > MIN_TURN_DEG:
@@ -142,6 +142,9 @@ def _short_turn(turned: float, drive: Drive, run: Run) -> Iterator[Mistake]:
         return
     held = commanded_at_end(run)
     slow = drive.cut_short or (held is not None and held.w_radps != 0.0)
+    if not slow and steers(run):
+        yield mistake("turn_too_short_by_pose", ("turned_deg",), turned=angle)
+        return
     codes = {} if slow else {math.degrees(1.0): ("turned_one_radian", 2.0), 180.0: ("half_turn", SAME_DEG)}
     for angle_deg, (code, within_deg) in codes.items():
         if abs(turned - angle_deg) <= within_deg:

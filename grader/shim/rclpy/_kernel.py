@@ -29,13 +29,10 @@ if TYPE_CHECKING:
 
         coupled: bool
         quiet_ns: int
+        reckons: bool
 
-        @property
-        def reckons(self) -> bool:
-            """Whether a pose is due at `quiet_ns`, and nobody has to be asked for it."""
-
-        def deliver_pose(self) -> None:
-            """Deliver the pose that is due at `quiet_ns`, if the world `reckons`."""
+        def deliver_pose(self) -> tuple[int, ...]:
+            """Deliver the pose that is due at `quiet_ns`, if the world `reckons`; return who got it."""
 
         def advance(self, target_ns: int, together_ns: int) -> int:
             """Run the world to the first event up to `target_ns`, deliver it, return the instant reached.
@@ -239,6 +236,9 @@ class Kernel:
         self._preempt_ns = FOREVER_NS
         self._slices = False
         self._slice_end_ns = 0
+        # What `replan` found: the first signal, and the world if time only depends on it and the one thread.
+        self._bound_ns = FOREVER_NS
+        self._lone_world: World | None = None
 
     # Interface for the rest of the shim ------------------------------------------------------------
 
@@ -281,8 +281,7 @@ class Kernel:
         always be some microseconds short, and every phase of the script one period too long; at home chance
         decides. If each tick is later than the last, a whole number of periods is never short.
 
-        Args:
-            most_ns: bound at which the lateness starts again from 0; 0: never late.
+        At `most_ns` the lateness starts again from 0; 0: never late.
         """
         if most_ns:
             self.now_ns += self._spent_ns % most_ns
@@ -366,22 +365,22 @@ class Kernel:
             self._preempt_ns = min(self._limit_ns, self._alarm_ns, self._slice_end_ns)
         return True
 
-    def skip_to_pose(self, before_ns: int) -> bool:
+    def skip_to_pose(self, before_ns: int) -> tuple[int, ...]:
         """Jump to the next pose that is computed here (`_reckoning`), if nothing else can happen before it.
 
         Returns:
-            Whether it jumped; if not, nothing was done, and the caller must `wait`. It does not if no pose is
-            computed here, if the next one is due at `before_ns` or later, or if another thread, a signal or an
-            alarm may come first.
+            The subscriptions that got it. Nobody: it did not jump, nothing was done, and the caller must `wait`.
+            It does not if no pose is computed here, if the next one is due at `before_ns` or later, or if another
+            thread, a signal or an alarm may come first.
         """
-        world = self._coupled()
-        if world is None or len(self.threads) != 1 or self._signals or not world.reckons:
-            return False
+        world = self._lone_world
+        if world is None or not world.reckons:
+            return ()
         pose_ns = world.quiet_ns
-        limit_ns = min(self._limit_ns, self._alarm_ns)
+        limit_ns = self._bound_ns
         if not self.now_ns < pose_ns < before_ns or pose_ns >= limit_ns:
-            return False
-        world.deliver_pose()
+            return ()
+        heard = world.deliver_pose()
         self.now_ns = pose_ns
         self._count()
         self._spins = SPINS_PER_SLICE
@@ -390,7 +389,7 @@ class Kernel:
         self._slices = True
         self._quiet_until_ns = quiet_ns if quiet_ns < limit_ns else limit_ns
         self._preempt_ns = end_ns if end_ns < limit_ns else limit_ns
-        return True
+        return heard
 
     def on_interrupt(self, callback: Callable[[], None]) -> None:
         """Have `callback` run at each Ctrl+C, before KeyboardInterrupt."""
@@ -477,7 +476,9 @@ class Kernel:
         limit_ns = min(self._limit_ns, self._alarm_ns)
         if self._signals:
             limit_ns = 0  # the next charge must come to `_pause`, which delivers them
+        self._bound_ns = limit_ns
         world = self._coupled()
+        self._lone_world = world if len(self.threads) == 1 else None
         self._slices = True
         if len(self.threads) > 1:
             self._quiet_until_ns = 0  # every sleep goes through the scheduler
@@ -720,3 +721,6 @@ _allocate_lock = _thread.allocate_lock
 _get_ident = _thread.get_ident
 
 kernel = Kernel()
+
+charge, skip_to_pose = kernel.charge, kernel.skip_to_pose
+"""What is called most: Python 3.11 looks up methods of imported objects anew at each call, but not functions."""

@@ -87,6 +87,7 @@ class Link:
         quiet_ns: nothing can become due before this instant, unless the script subscribes, offers or requests
             something.
         connected: whether there is a world at all.
+        reckons: whether a pose is due at `quiet_ns`, and nobody has to be asked for it.
         on_change: called with what the world has got, or lost: the names as in `world`, and ``gone``.
         before_exit: called before EXIT is sent.
     """
@@ -96,6 +97,7 @@ class Link:
         self.coupled = False
         self.quiet_ns = 0
         self.connected = False
+        self.reckons = False
         self.on_change: Callable[[dict[str, Any]], None] = lambda change: None
         self.before_exit: Callable[[], None] = lambda: None
         self._kernel = clock
@@ -122,11 +124,6 @@ class Link:
         self._requests: set[tuple[int, int]] = set()
         self._names: dict[str, set[tuple[str, str]]] = {}
         self._living: dict[int, tuple[str, tuple[str, str]]] = {}
-
-    @property
-    def reckons(self) -> bool:
-        """Whether a pose is due at `quiet_ns`, and nobody has to be asked for it."""
-        return self._reckoning is not None
 
     def connect_world(self, world: dict[str, Any]) -> None:
         """Take `world`, what START says of the simulator, as the other end of the channel."""
@@ -310,6 +307,7 @@ class Link:
         now_ns, self.quiet_ns, events, car = _wire.read_events(self._receive())
         if car is not None:
             self._reckoning = Reckoning(*car)
+            self.reckons = True
             self._listeners = self._reckoning.subscriptions
         for event in events:
             if event.what == _wire.TO_GRAPH:
@@ -323,8 +321,12 @@ class Link:
                 deliver(event.sequence, event.t_ns, event.cdr)
         return now_ns
 
-    def deliver_pose(self) -> None:
-        """Deliver the next pose, which is due at `quiet_ns`; only while the link `reckons`."""
+    def deliver_pose(self) -> tuple[int, ...]:
+        """Deliver the next pose, which is due at `quiet_ns`; only while the link `reckons`.
+
+        Returns:
+            The subscriptions that got it.
+        """
         reckoning = self._reckoning
         assert reckoning is not None
         if self._reckoned:
@@ -333,8 +335,8 @@ class Link:
             t_ns, cdr = reckoning.next_ns, reckoning.update()
         self.quiet_ns = self._reckoned[0][0] if self._reckoned else reckoning.next_ns
         for ident in self._listeners:
-            if ident in self._deliver:
-                self._deliver[ident](0, t_ns, cdr)
+            self._deliver[ident](0, t_ns, cdr)
+        return self._listeners
 
     def _advance_alone(self, target_ns: int, together_ns: int) -> int:
         """Do what ADVANCE asks of the episode, while nothing but poses can become due."""
@@ -376,6 +378,7 @@ class Link:
         if self._reckoning is not None:
             self._reckon(self._kernel.now_ns)
             self._reckoning = None
+            self.reckons = False
 
     def exit(self, end: _wire.Exit) -> None:
         """Send EXIT, the last frame of a run."""
@@ -455,3 +458,5 @@ class Link:
 
 
 link = Link(kernel)
+
+publish = link.publish

@@ -62,7 +62,6 @@ class MutuallyExclusiveCallbackGroup(CallbackGroup):
         return self._active_entity is None
 
     def beginning_execution(self, entity: Any) -> bool:
-        assert ref(entity) in self.entities
         if self._active_entity is not None:
             return False
         self._active_entity = entity

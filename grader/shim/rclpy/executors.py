@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections import deque
 
+from rclpy import _distro
 from rclpy._forwarding import passed_on
-from rclpy._kernel import kernel
+from rclpy._kernel import kernel, skip_to_pose
+from rclpy._link import link
 from rclpy._rcl.errors import GUARD_CONTEXT, WAIT_CONTEXT, RCLError
 from rclpy._rcl.handles import changes
 from rclpy._rcl.watch import CLIENT, GUARD, SERVICE, SUBSCRIPTION, TIMER, Watch
@@ -38,6 +40,11 @@ CPU_COUNT = 4
 
 def _never() -> bool:
     return False
+
+
+def _members_of(node: Node) -> tuple[Any, ...]:
+    """Return what a node consists of: iterators, unless `node` is a class or has methods of these names."""
+    return node.subscriptions, node.timers, node.clients, node.services, node.guards, node.waitables
 
 
 def _is_done(future: Any) -> bool:
@@ -104,8 +111,8 @@ class _WorkTracker:
     def wait(self, timeout_sec: float | None = None) -> bool:
         """Block until no other thread runs one; False when the timeout (None or negative: never) came first.
 
-        The caller's own callback does not count: `rclpy.shutdown()` in a callback ends the spin
-        (ros2/rclpy#944, mended in Humble).
+        The caller's own callback does not count, as on Jazzy. Humble waits for it, too, and so for ever
+        (ros2/rclpy#944, #1646); the student is told.
         """
         me = kernel.running
 
@@ -113,6 +120,10 @@ class _WorkTracker:
             return all(thread is me for thread in self.running)
 
         if idle():
+            if self.running and _distro.chosen == _distro.HUMBLE and (timeout_sec is None or timeout_sec < 0):
+                from rclpy._patches.tracebacks import line_now
+
+                link.note("shutdown_in_callback", str(line_now()))
             return True
         deadline_ns = None
         if timeout_sec is not None and timeout_sec >= 0:
@@ -161,6 +172,10 @@ class Executor:
             self.wake()
         if not self._work_tracker.wait(timeout_sec):
             return False
+        self._forget()
+        return True
+
+    def _forget(self) -> None:
         self._nodes = {}
         self._busy_watches.clear()
         if self._guard is not None:
@@ -169,7 +184,6 @@ class Executor:
         self._cb_iter = None
         self._last_args = None
         self._last_kwargs = None
-        return True
 
     def add_node(self, node: Node) -> bool:
         """Serve a node from now on; False when it is served already."""
@@ -177,7 +191,8 @@ class Executor:
             return False
         self._nodes = {**self._nodes, node: None}
         node.executor = self
-        iter(node.subscriptions)  # of a class instead of a node it is a property, as the first wait finds
+        for members in _members_of(node):  # as upstream's first wait asks for them
+            iter(members)
         self.wake()
         return True
 
@@ -586,16 +601,19 @@ class SingleThreadedExecutor(Executor):
         watch, nodes = self._watch, self._nodes
         if watch is None or not watch.holds(self.can_execute, list(nodes)):
             return
-        while (
-            self._watch is watch
-            and self._nodes is nodes
-            and self._cb_iter is None
-            and not self._tasks
-            and not self._is_shutdown
-            and not changes.executing
-            and context.valid
-            and watch.unchanged()
-        ):
+        while True:
+            # not as the loop's condition: Python 3.11 specialises no loop whose end jumps back on a condition
+            if (
+                self._watch is not watch
+                or self._nodes is not nodes
+                or self._cb_iter is not None
+                or self._tasks
+                or self._is_shutdown
+                or changes.executing
+                or not context.valid
+                or not watch.unchanged()
+            ):
+                return
             self._watch = None
             try:
                 place = self._next_lone(watch, None)
@@ -631,14 +649,13 @@ class SingleThreadedExecutor(Executor):
         """
         self._woken.clear()
         settled = False
-        place = watch.lone_timer()
+        place = None if watch.deadline_ns is None else watch.lone_timer()
         if place is None or not self._skip_to_tick(watch, deadline_ns):
-            if self._skip_to_pose(watch, deadline_ns):
-                place = watch.lone_message()
-            else:
-                self._block(watch, deadline_ns)
-                place = None
+            heard = self._skip_to_pose(watch, deadline_ns)
+            place = watch.lone_message(heard) if heard else None
             if place is None:
+                if not heard or not watch.ready():
+                    self._block(watch, deadline_ns)
                 watch.settle()
                 settled = True
                 place = watch.lone()
@@ -661,14 +678,14 @@ class SingleThreadedExecutor(Executor):
             due_ns, late_ns
         )
 
-    def _skip_to_pose(self, watch: Watch, deadline_ns: int | None) -> bool:
-        """Wait for the next pose; False, and nothing was done, if something is ready or may come before it."""
+    def _skip_to_pose(self, watch: Watch, deadline_ns: int | None) -> tuple[int, ...]:
+        """Wait for the next pose; return who got it. Nobody: nothing was done, as anything else comes first."""
         due_ns = kernel.horizon_ns if watch.deadline_ns is None else watch.deadline_ns
         if deadline_ns is not None and deadline_ns < due_ns:
             due_ns = deadline_ns
             if due_ns <= kernel.now_ns:
-                return False
-        return not watch.ready() and kernel.skip_to_pose(due_ns) and watch.ready()
+                return ()
+        return () if watch.ready() else skip_to_pose(due_ns)
 
     def _spin_once_impl(self, timeout_sec: float | TimeoutObject | None = None) -> None:
         handler: Task | _Call | None = None

@@ -42,7 +42,7 @@ class _Unrecorded(Recorder):
     def jump(self, t_ns: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
         self._view.driven(pose)
 
-    def command(self, update: int, command: object) -> None:
+    def command(self, came: object, v_mps: float, w_radps: float) -> None:
         pass
 
     def contact(self, start_ns: int, end_ns: int, wall: str) -> None:

@@ -2,11 +2,12 @@
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
 from grader.checks.drive import Drive, drive_of
+from grader.checks.fit import Misfit, unmet
 from grader.checks.kinds.path.driven import (
     DrivenStretch,
     Figure,
@@ -151,7 +152,9 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
         corners=_sketched_corners(assignment, figure, stretches),
         ideal_m=tuple(_point(point) for point in figure.wanted.tolist()),
         ideal_closed=False,
-        labels=tuple(_radius(assignment, each, scale) for each in stretches if not math.isnan(each.radius_m)),
+        labels=tuple(
+            _radius_label(assignment, each, scale) for each in stretches if not math.isnan(each.radius_m)
+        ),
         end_ns=end_ns(figure, drive),
     )
 
@@ -173,7 +176,7 @@ def _sketched_corners(
     return tuple(found)
 
 
-def _radius(assignment: Assignment, one: DrivenStretch, scale: float) -> SketchLabel:
+def _radius_label(assignment: Assignment, one: DrivenStretch, scale: float) -> SketchLabel:
     ok = fits(assignment, "radius_error_pct", _error_pct(one.radius_m, scale * one.wanted.radius_m))
     text = Text(zh=f"r = {number(one.radius_m, 'm')}", en=f"r = {number(one.radius_m, 'm')}")
     return SketchLabel(at_m=_point(one.centre), text=text, ok=ok)
@@ -201,7 +204,7 @@ _NO_ARCS = Text(zh="路径里没有 arc：删掉这一项", en="the path has no 
 _NO_CORNERS = Text(zh="路径里没有转角：删掉这一项", en="the path has no corner; remove this item")
 
 
-def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
+def _consult(assignment: Assignment) -> Iterable[Misfit]:
     if assignment.path is None:
         return (("path", _NO_PATH),)
     if assignment.path.by_solution and not assignment.path.trace:
@@ -209,16 +212,13 @@ def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
     track = track_of(assignment.path)
     if track is None:
         return (("path.pieces", _NOTHING_DRIVEN),)
-    found = []
     kinds = {each.kind for each in track.stretches}
-    for i, item in enumerate(assignment.items):
-        if item.measure == "length_error_pct" and "line" not in kinds:
-            found.append((f"items.{i}.measure", _NO_LINES))
-        if item.measure in ("radius_error_pct", "round_pct") and "arc" not in kinds:
-            found.append((f"items.{i}.measure", _NO_ARCS))
-        if item.measure == "corner_error_deg" and not track.has_corners:
-            found.append((f"items.{i}.measure", _NO_CORNERS))
-    return tuple(found)
+    return unmet(
+        assignment,
+        (("length_error_pct",), "line" in kinds, _NO_LINES),
+        (("radius_error_pct", "round_pct"), "arc" in kinds, _NO_ARCS),
+        (("corner_error_deg",), track.has_corners, _NO_CORNERS),
+    )
 
 
 CHECK = Check(kind="path", measures=MEASURES, consult=_consult, examine=examine, sketch=sketch)

@@ -44,9 +44,8 @@ BACK_SHARE = 0.2  # of the drive's size: a car that comes nearer to its start th
 ON_IT_SHARE = 0.08  # of the figure's size: what stays this near to it after its end repeats it
 LONGER_SHARE = 1.1  # a shorter part replaces a longer one only if it fits better by this factor
 UNFINISHED_SHARE = 0.8  # of the wanted length: a shorter drive has left something out
-COVERED_SHARE = (
-    0.05  # of the size: a part of the wanted path that is further from the driven one was left out
-)
+# Share of the path's size: a part of the wanted path that is further from the driven one was left out.
+COVERED_SHARE = 0.05
 BEGUN_SHARE = 0.02  # of the size: a part that is nowhere further off is the first part of the path
 NEARLY_SHARE = 0.002  # of the size: residuals that differ by less count as equal
 LIKELY = 4  # ways of driving that are matched, those that fit best at equal distances

@@ -1,11 +1,12 @@
 """Check ``places``: go to places, in order or in any order, stay there, and keep away from others."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
 from grader.checks.drive import Drive, drive_of
+from grader.checks.fit import Misfit, unmet
 from grader.checks.kinds.places.mistakes import place_mistakes
 from grader.checks.kinds.places.visits import (
     Visit,
@@ -219,31 +220,29 @@ _AT_START = Text(
 )
 
 
-def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
+def _consult(assignment: Assignment) -> Iterable[Misfit]:
     if assignment.places is None:
         return (("places", _NO_PLACES),)
     return (*_wrong_items(assignment, assignment.places), *_wrong_goals(assignment))
 
 
-def _wrong_items(assignment: Assignment, wanted: WantedPlaces) -> Iterator[tuple[str, Text]]:
-    has_walls = assignment.world.window or assignment.world.room is not None
-    needs = {
-        "heading_error_deg": (wanted.end_heading_deg is not None, _NO_HEADING),
-        "entered": (bool(wanted.avoid), _NOTHING_TO_AVOID),
-        "contacts": (has_walls, _NO_WALLS),
-        "clearance_m": (has_walls or bool(wanted.avoid), _NOTHING_TO_AVOID),
-    }
+def _wrong_items(assignment: Assignment, wanted: WantedPlaces) -> Iterator[Misfit]:
     most = max(len(case.visit) or len(wanted.visit) for case in assignment.cases)
     for i, item in enumerate(assignment.items):
-        there, told = needs.get(item.measure, (True, _NO_PLACES))
-        if not there:
-            yield f"items.{i}.measure", told
         if item.measure == "reached" and (item.low or 0.0) > most:
             zh, en = f"只有 {most} 个目标：写 {most}", f"there are only {most} goals; write {most}"
             yield f"items.{i}.low", Text(zh=zh, en=en)
+    has_walls = assignment.world.window or assignment.world.room is not None
+    yield from unmet(
+        assignment,
+        (("heading_error_deg",), wanted.end_heading_deg is not None, _NO_HEADING),
+        (("entered",), bool(wanted.avoid), _NOTHING_TO_AVOID),
+        (("contacts",), has_walls, _NO_WALLS),
+        (("clearance_m",), has_walls or bool(wanted.avoid), _NOTHING_TO_AVOID),
+    )
 
 
-def _wrong_goals(assignment: Assignment) -> Iterator[tuple[str, Text]]:
+def _wrong_goals(assignment: Assignment) -> Iterator[Misfit]:
     for case_number, case in enumerate(assignment.cases):
         task = assignment.in_case(case.id)
         start = task.world.start

@@ -10,9 +10,8 @@ from grader.contracts.assignment import Region, WantedGoal, WantedPlaces
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats, Trajectory
 
-NEAR_M = (
-    0.02  # points of the way are no further apart, so that a small goal is not passed between two samples
-)
+# Points of the way are no further apart, so that a small goal is not passed between two samples.
+NEAR_M = 0.02
 MOST_PARTS = 8  # into which the way between two samples is divided for that
 SAME_M = 0.01  # jumps that are shorter, all together, do not count as being put elsewhere
 # The size of a goal: a car that comes within the first has nearly reached it, which counts half. From there on it

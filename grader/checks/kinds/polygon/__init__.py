@@ -2,12 +2,13 @@
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from grader.checks.drive import pushed_m
+from grader.checks.fit import Misfit, is_number
 from grader.checks.kinds.polygon.figures import DrivenPolygon, WantedPolygon, driven_polygon, wanted_polygon
 from grader.checks.kinds.polygon.mistakes import polygon_mistakes
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
@@ -271,20 +272,18 @@ def _problem_with_sides(value: Option) -> Text | None:
 
 
 def _problem_with_length(value: Option) -> Text | None:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.1 <= value <= 10.0:
+    if not is_number(value) or not 0.1 <= value <= 10.0:
         return Text(zh="要填 0.1 到 10 米的长度", en="must be a length from 0.1 to 10 m")
     return None
 
 
-def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
-    found = []
+def _consult(assignment: Assignment) -> Iterator[Misfit]:
     for case in assignment.cases:
         options = {**assignment.options, **case.options}
         if "other_side_m" in options and (options.get("sides") != 4 or "side_m" not in options):
-            found.append(("options.other_side_m", _ONLY_RECTANGLES))
+            yield "options.other_side_m", _ONLY_RECTANGLES
         if "side_m" not in options and assignment.item_on("side_error_pct") is not None:
-            found.append(("options.side_m", _NO_SIDE))
-    return tuple(found)
+            yield "options.side_m", _NO_SIDE
 
 
 CHECK = Check(

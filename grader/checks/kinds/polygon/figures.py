@@ -99,9 +99,8 @@ UNFINISHED_SHARE = 0.8  # a last side below this was not driven to its end: then
 EQUAL_RATIO = 1.2  # of the longest to the shortest side: halfway to the rectangle of 3 m by 2 m
 ALIKE_RATIO = 1.02  # up to here they are equal
 OBLONG_RATIO = 1.5  # from here on a rectangle is nothing of a square
-ALIKE_PCT = (
-    12.0  # of difference between opposite sides: with more, the figure is no rectangle with a short side
-)
+# Opposite sides that differ by more belong to no rectangle with a short side.
+ALIKE_PCT = 12.0
 LIKE_DEG = 1.0  # a last turn that is worse than the worst corner by no more than this was meant as a corner
 # Of a corner: a smaller change of direction after the last side is nearer to none than to a corner. It is how the
 # car came to rest, or how a script that steers came to its last goal.
