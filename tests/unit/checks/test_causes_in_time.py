@@ -249,7 +249,8 @@ def test_a_pause_without_a_stop_lengthens_the_turn_by_as_much(corner_deg: float,
 
 TIMERS = (
     "class A(Node):\n    def __init__(self):\n        self.create_timer(0.1, self.go)\n"
-    "        self.create_timer(2.0, self.turn)\n    def go(self):\n        m.linear.x = 1.0\n        pub.publish(m)\n"
+    "        self.create_timer(2.0, self.turn)\n    def go(self):\n        m.linear.x = 1.0\n"
+    "        pub.publish(m)\n"
     "    def turn(self):\n        {turned}\n"
 )
 
