@@ -116,11 +116,7 @@ def command_mistakes(
 ) -> tuple[Mistake, ...]:
     """Return why the car got no commands, or stopped obeying them.
 
-    Args:
-        run: the run to look at.
-        world: in which it drove.
-        turns: measures that a turn spoils when it ends too early.
-        drives: those that a drive spoils.
+    `turns` are the measures that a turn spoils when it ends too early, `drives` those that a drive spoils.
     """
     if world.kind == "robot":
         return robot_mistakes(run, world)

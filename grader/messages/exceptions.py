@@ -224,7 +224,11 @@ _SIGNS: Final = (
         r"parameter_overrides|publishers|rate_group|Node__\w+))'(?!.*" + _AT + r".*\.\1\b)",
         "no_super_init",
     ),
-    (r"Invalid(Node|Topic|Service)NameException: |InvalidNamespaceException: ", "bad_name"),
+    (
+        r"Invalid(Node|Topic|Service)NameException: |InvalidNamespaceException: |"
+        r"ValueError: Failed to create action (client: failed to get goal service|\w+ due to invalid topic) name",
+        "bad_name",
+    ),
     (r"TypeError: 'NoneType' object is not callable", "callback_called"),
     (r"(Attribute|Type)Error: 'property' object ", "class_for_object"),
     (r"TypeError: \w+\.\w+\(\) missing 1 required positional argument: 'self'", "class_for_object"),

@@ -452,3 +452,39 @@ time.sleep(0.5)
 """)
     assert run.notes == []
     assert run.stdout == "tick\n" * 6
+
+
+def test_a_cancelled_timer_that_another_thread_resets_wakes_the_waiting_executor(run_script):
+    run = run_script("""
+import rclpy, threading, time
+rclpy.init()
+node = rclpy.create_node("n")
+begun = time.monotonic()
+timer = node.create_timer(0.5, lambda: print(round(time.monotonic() - begun, 3)))
+timer.cancel()
+threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+time.sleep(1)
+timer.reset()
+time.sleep(0.7)
+""")
+    assert run.stdout == "1.5\n"
+
+
+def test_a_triggered_guard_condition_is_not_put_off_by_a_wait_with_another_timeout(run_script):
+    run = run_script("""
+import rclpy, time
+rclpy.init()
+node = rclpy.create_node("n")
+begun = time.monotonic()
+def tell(what):
+    return lambda: print(what, round(time.monotonic() - begun, 1))
+guard = node.create_guard_condition(tell("guard"))
+timers = [node.create_timer(0.1, tell("timer")), node.create_timer(0.1, tell("timer"))]
+time.sleep(0.15)
+guard.trigger()
+rclpy.spin_once(node, timeout_sec=1.0)
+for timer in timers:
+    timer.cancel()
+rclpy.spin_once(node, timeout_sec=2.0)
+""")
+    assert run.stdout.splitlines()[-1] == "guard 0.2"

@@ -84,6 +84,13 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
             "bad_name",
             ("must not",),
         ),
+        (
+            error(
+                "ValueError", "Failed to create action client due to invalid topic name 'a b' : topic name is"
+            ),
+            "bad_name",
+            ("17", "'a b'"),
+        ),
         (error("TypeError", "'NoneType' object is not callable"), "callback_called", ("create_timer",)),
         (error("TypeError", "'property' object is not iterable"), "class_for_object", ("Twist()",)),
         (error("AttributeError", "'property' object has no attribute 'x'"), "class_for_object", ("Twist()",)),
