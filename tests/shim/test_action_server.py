@@ -52,8 +52,8 @@ def test_goal_feedback_and_result(run_script):
     assert run_lines(run_script, source) == [
         "False",
         "True [('/fib', ['example_interfaces/action/Fibonacci'])]",
-        "0 [0]",
         "True",
+        "0 [0]",
         "1 [1]",
         "2 4 array('i', [7]) 4",
     ]
