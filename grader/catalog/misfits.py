@@ -334,9 +334,7 @@ def _no_fields(known: Sequence[str]) -> Text:
 def misfit(error: Mapping[str, Any], model: type[BaseModel]) -> tuple[tuple[int | str, ...], Text]:
     """Return the field that one of pydantic's `errors()` is about, and what is wrong with it.
 
-    Args:
-        error: the error.
-        model: of the whole file.
+    `model` is that of the whole file.
     """
     kind, context = error["type"], error.get("ctx", {})
     place = tuple(step for step in error["loc"] if not _BRANCH.fullmatch(str(step)))

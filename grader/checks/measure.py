@@ -85,11 +85,7 @@ def _follows(later: Mistake, cause: Mistake) -> bool:
 
 
 class Findings(PositionalRecord):
-    """What a check saw in one run. A measure that is absent could not be taken.
-
-    Attributes:
-        mistakes: most likely first.
-    """
+    """What a check saw in one run. A measure that is absent could not be taken. `mistakes`: most likely first."""
 
     measures: Mapping[str, Measure] = field(default_factory=dict)
     mistakes: tuple[Mistake, ...] = ()

@@ -116,11 +116,7 @@ def command_mistakes(
 ) -> tuple[Mistake, ...]:
     """Return why the car got no commands, or stopped obeying them.
 
-    Args:
-        run: the run to look at.
-        world: in which it drove.
-        turns: measures that a turn spoils when it ends too early.
-        drives: those that a drive spoils.
+    `turns` are the measures that a turn spoils when it ends too early, `drives` those that a drive spoils.
     """
     if world.kind == "robot":
         return robot_mistakes(run, world)
@@ -569,7 +565,14 @@ def _not_reached(run: Run, kind: str) -> Mistake | None:
     lines = script.lines_with(rf"\bcreate_publisher\(\s*{kind}")
     if not lines:
         return None
-    return not_called(run) or _in_loop(run, script) or mistake("publisher_not_reached", line=lines[0])
+    if (named := not_called(run)) is not None:
+        return named
+    made = script.definition(script.function_around(lines[0]))
+    before = range(made.line if made is not None else 0, lines[0])
+    ends = [*_exits(script, run.outcome), *script.lines_with(r"^[ \t]*raise SystemExit\b")]
+    if run.outcome.status is RunStatus.FINISHED and (early := sorted(set(ends) & set(before))):
+        return mistake("exited_early", line=early[0])
+    return _in_loop(run, script) or mistake("publisher_not_reached", line=lines[0])
 
 
 def _waits(run: Run) -> Mistake | None:

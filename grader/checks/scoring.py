@@ -182,11 +182,7 @@ def score_items(
 ) -> list[RubricItem]:
     """Score every item on one run.
 
-    Args:
-        check: the kind of check that made the findings.
-        specs: the rubric.
-        findings: what was seen in the run.
-        portion: which of several runs it was.
+    `portion`: which of several runs it was.
     """
     credits = _credits(specs, findings)
     titles = {spec.id: spec.title for spec in specs}
@@ -294,7 +290,8 @@ def _seen(check: Kind, spec: ItemSpec, measure: Measure) -> Text:
     if kind.form == "flag":
         answer = "yes" if measure.value >= 1.0 else "no"
         return say(f"{text_id(check, spec.measure)}.{answer}", **measure.details)
-    value = number_beside(measure.value, kind.unit, (spec.low, spec.high))
+    in_part = kind.form == "count" and not measure.value.is_integer()
+    value = number_beside(measure.value, "1" if in_part else kind.unit, (spec.low, spec.high))
     return say(f"{text_id(check, spec.measure)}.seen", value=value, **measure.details)
 
 

@@ -224,6 +224,6 @@ def _not_done(error: OSError) -> int:
             return EXIT_BROKEN_PIPE
         told = Text(zh=f"写不出结果：{told.zh}", en=f"the output cannot be written: {told.en}")
     else:
-        told = Text(zh=f"{error.filename}：{told.zh}", en=f"{error.filename}: {told.en}")
+        told = told.about(error.filename)
     sys.stderr.write(f"grader: {told.get(Parser.language)}\n")
     return EXIT_NOT_DONE

@@ -260,8 +260,7 @@ def _authorization(arguments: argparse.Namespace) -> dict[str, str]:
             token = _text_of(arguments.token_file.read_bytes())
         except (OSError, UnicodeDecodeError) as error:
             told = trouble(error) if isinstance(error, OSError) else _NO_TOKEN
-            name = f"--token-file {arguments.token_file}"
-            raise RefusedError("token", Text(zh=f"{name}：{told.zh}", en=f"{name}: {told.en}")) from error
+            raise RefusedError("token", told.about(f"--token-file {arguments.token_file}")) from error
     token = token.strip()
     if not token:
         return {}

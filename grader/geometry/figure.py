@@ -56,6 +56,9 @@ SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's exte
 # Of the distance travelled along a side: so much may be driven beside its line (`Straight.strayed_m`) before it
 # counts as less than one side, and from the second on it counts as none.
 STRAYED_SHARE, LOST_SHARE = 0.1, 0.5
+# Of a side from corner to corner: with less than the first driven straight it counts as less than one side, with
+# the second as none, because the figure is nearly a circle.
+LEVEL_SHARE, ROUND_SHARE = 0.45, 0.27
 MAX_APPROACH_STRAIGHTS = 3  # to one of its sides, perhaps round something, and along that to a corner
 
 
@@ -66,7 +69,7 @@ class PolygonFigure(PositionalRecord):
         vertices: sample indices: start of the first side, each corner, end of the last side.
         sides_m: length of each side, from vertex to vertex.
         corners_rad: signed change of direction at the end of each side. The last side has one only where the
-            figure needs it: it is repeated, or does not come round without it.
+            figure needs it: it is repeated, or does not come round without it, and that turn is like the others.
         last_turn_rad: the turn after the last side where it is no corner, without whole turns on the spot;
             0 if there was none.
         last_turned_rad: that turn with them.
@@ -128,14 +131,10 @@ class _Extent(PositionalRecord):
 
 
 def measure_polygon(path: Path, segments: Segments, *, sides: int, cut_short: bool) -> PolygonFigure | None:
-    """Measure the first figure, or return None when there is not one straight.
+    """Measure the first figure of `sides` sides, or return None when there is not one straight.
 
-    Args:
-        path: the driven path.
-        segments: its straights and turns.
-        sides: how many sides are wanted.
-        cut_short: the car was still under way when the recording ended, so that the last segment says
-            nothing about its intended size.
+    `cut_short`: the car was still under way when the recording ended, so that the last segment says nothing about
+    its intended size.
     """
     if not segments.straights:
         return None
@@ -198,7 +197,8 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
     again = _repeats(lengths, corners, lap, cut_short=cut_short)
     if not again and (begun := _approached_halves(path, segments, corners, lengths)) is not None:
         return _Extent(begun, total - begun, joined=True)
-    first, count = (None if again else _closed(path, segments, corners, lengths, sides)) or (0, lap)
+    plain = again or lap == sides == total
+    first, count = (None if plain else _closed(path, segments, corners, lengths, sides)) or (0, lap)
     if first + count == total:
         return _Extent(first, count)
     retraced = _retraced(path, segments, first, count, cut_short=cut_short)
@@ -225,7 +225,7 @@ def _lap(path: Path, segments: Segments, corners: list[float], sides: int, *, cu
     """
     total = len(segments.straights)
     lap = _comes_round(corners) or total
-    if lap == sides or not 2 < sides < total or not _alike(corners[:sides]):
+    if lap == sides or not 2 < sides <= total or not _alike(corners[:sides]):
         return lap
     mean = abs(sum(map(bare, corners[: sides - 1]))) / (sides - 1)
     if abs(sides * mean - FULL_TURN_RAD) > LAP_TOLERANCE * mean:
@@ -379,6 +379,7 @@ def _figure(
     sides = [chord(path, *one) for one in itertools.pairwise(vertices)]
     driven_m = float(path.along_m[end] - path.along_m[spans[0][0]])
     strayed_m = sum(straight.strayed_m for straight in straights)
+    bows = tuple(_bow(each, path.extent_m, side_m) for each, side_m in zip(straights, sides, strict=True))
     curved_m = strayed_m + _curved_m(straights, [*segments.turns[first + 1 : stop], closing])
     if extent.joined:
         sides = [sides[0] + sides[-1], *sides[1:-1]]
@@ -396,7 +397,7 @@ def _figure(
         gap_m=chord(path, start, rest),
         curved_share=min(curved_m / driven_m, 1.0) if driven_m > 0.0 else 0.0,
         strayed_share=min(strayed_m / driven_m, 1.0) if driven_m > 0.0 else 0.0,
-        bows=tuple(_bow(straight, path.extent_m) for straight in straights),
+        bows=bows,
         repeated=extent.repeated,
         overrun=extent.overrun,
         apart=extent.apart,
@@ -409,7 +410,8 @@ def _shaping(corners: list[float], extent: _Extent, *, turned: bool) -> tuple[li
     if not turned or extent.joined:
         return inner, 0.0
     about = extent.retraced and _turned_between(corners)
-    if (extent.repeated and not about) or _comes_round(inner) != extent.count:
+    needed = _comes_round(inner) != extent.count and (not inner or _alike(corners))
+    if (extent.repeated and not about) or needed:
         return corners, 0.0
     return inner, corners[-1]
 
@@ -464,8 +466,8 @@ def _bent_m(straight: Straight) -> float:
     return straight.length_m * min(max(straight.bend_rad / MIN_TURN_RAD - 1.0, 0.0), 1.0)
 
 
-def _bow(straight: Straight, extent_m: float) -> float:
-    """Return how far a side is from being one: 1 if it bends as much as a turn, or if it is mostly detours.
+def _bow(straight: Straight, extent_m: float, side_m: float) -> float:
+    """Return how far a side is from being one: 1 if it bends as much as a turn, or is mostly detours or corners.
 
     A bend counts from half of that on.
     """
@@ -473,7 +475,9 @@ def _bow(straight: Straight, extent_m: float) -> float:
     bent = 2.0 * straight.bend_rad / most_rad - 1.0
     strayed = straight.strayed_m / straight.length_m if straight.length_m > 0.0 else 0.0
     astray = (strayed - STRAYED_SHARE) / (LOST_SHARE - STRAYED_SHARE)
-    return min(max(bent, astray, 0.0), 1.0)
+    level = straight.length_m / side_m if side_m > 0.0 else 1.0
+    rounded = (LEVEL_SHARE - level) / (LEVEL_SHARE - ROUND_SHARE)
+    return min(max(bent, astray, rounded, 0.0), 1.0)
 
 
 def _last_turn(path: Path, turn: Turn, angle_rad: float) -> float:

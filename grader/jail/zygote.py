@@ -44,6 +44,8 @@ _BYTES_PER_SIZE = range(15, 480, 16)
 """Lengths of `bytes` that take one block of each size of Python's allocator: 48 to 512 bytes with their header.
 Larger blocks come from the C library."""
 
+_own_modules: list[str] = []
+
 Entry = Callable[[int], object]
 Json = dict[str, Any]
 """A message of the trusted supervisor, or one to it."""
@@ -143,6 +145,9 @@ def _prepare(config: Json) -> tuple[Layers, Entry]:
         readable: list[str] = config["readable"]
         ruleset = landlock.create_ruleset([*readable, *bounds.READABLE_DEVICES], bounds.WRITABLE_DEVICES)
         ruleset = fcntl.fcntl(ruleset, fcntl.F_DUPFD_CLOEXEC, _FIRST_FREE_FD)  # out of the channel's place
+    # A child takes them away: a script that lists or imports modules sees what it would see at home. It does not
+    # look for them, because a look at the names of all modules touches, and so copies, the pages they lie on.
+    _own_modules.extend(name for name in sys.modules if name.partition(".")[0] == "jail")
     # A collection in a child would touch, and so copy, every page of what all children share.
     gc.collect()
     gc.freeze()
@@ -210,8 +215,7 @@ def _become_student(layers: Layers, budget: Budget, entry: Entry, descriptors: l
         # Not reconfigure(): these objects were made for the zygote's null device.
         sys.stdout = sys.__stdout__ = _text_output(1, "strict")  # type: ignore[misc]
         sys.stderr = sys.__stderr__ = _text_output(2, "backslashreplace")  # type: ignore[misc]
-        # A script that lists or imports modules sees what it would see at home.
-        for name in [name for name in sys.modules if name == "jail" or name.startswith("jail.")]:
+        for name in _own_modules:
             del sys.modules[name]
         _kept = _take_up_gaps()
         result = entry(bounds.CHANNEL_FD)

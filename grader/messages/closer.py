@@ -4,6 +4,7 @@ Each function takes the exception, the line that raised it, and the script; it r
 its sentence ``mistake.<code>``, or None where the script does not show the cause for certain.
 """
 
+import builtins
 import difflib
 import re
 from collections.abc import Callable, Mapping
@@ -270,6 +271,10 @@ def overwritten(error: StudentError, written: str, script: ScriptText) -> Closer
         given = script.lines_with(rf"\bself\.{re.escape(name)} ?=(?!=)")
         if made is not None and given:
             return "method_overwritten", {"name": name, "given": given[0], "begins": made.line}
+    for name in re.findall(r"(?<![\w.])([a-z]+)\(", written):
+        given = script.lines_with(rf"^[ \t]*{name} ?=(?!=)") if hasattr(builtins, name) else []
+        if given:
+            return "builtin_overwritten", {"name": name, "given": given[0]}
     return None
 
 

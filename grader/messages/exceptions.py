@@ -255,7 +255,11 @@ _SIGNS: Final = (
         "unknown_package",
     ),
     (r"InvalidPythonLaunchFileError: .* returns None, no LaunchDescription", "launch_returns_nothing"),
-    (r"TypeError: '(int|float)' object is not iterable", "not_iterable"),
+    (
+        r"TypeError: '(int|float)' object is not iterable(?!.*" + _AT + r"(?!.*\b(for|list|tuple|sum)\b))",
+        "not_iterable",
+    ),
+    (r"TypeError: float\(\) argument must be .* not 'list'", "list_for_number"),
     (r"TypeError: '(int|float)' object is not subscriptable", "number_index"),
     (r"TypeError: Expected .*, got <class '[\w.]*\.Metaclass_\w+'>", "class_for_object"),
     (

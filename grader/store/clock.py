@@ -14,7 +14,7 @@ from datetime import UTC, datetime, timedelta
 
 from sqlalchemy import text
 
-from grader.store.database import Database
+from grader.store.database import Database, StorePart
 
 # Well within a lease: if the server's clock is set, leases must not end before all have noticed.
 _AGAIN_S = 5.0
@@ -81,6 +81,14 @@ class ServerClock:
             instant: datetime = session.execute(_NOW).scalar_one()
             took_s = self._elapsed_s() - before_s
         return (instant.astimezone(UTC), before_s + took_s / 2), took_s
+
+
+class TimedPart(StorePart):
+    """A part of the store that needs the current instant, too."""
+
+    def __init__(self, database: Database, clock: Clock) -> None:
+        super().__init__(database)
+        self._clock = clock
 
 
 @contextmanager

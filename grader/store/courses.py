@@ -261,9 +261,7 @@ def sections_of(session: Session, course: str) -> dict[str, list[str]]:
 def in_class(course: str | None, students: frozenset[str] | None = None) -> ColumnElement[bool]:
     """Return the condition that a submission is a student's of the class, and not one that staff tried out.
 
-    Args:
-        course: of the class; None: the class of a service without courses.
-        students: only theirs; None: everybody's.
+    `students`: only theirs. `course` None: the class of a service without courses.
     """
     if students is not None:
         return and_(in_class(course), col(SubmissionRow.student).in_(students))

@@ -92,9 +92,7 @@ class Database:
     def __init__(self, url: str, connections: int = _CONNECTIONS) -> None:
         """Prepare; nothing is opened yet.
 
-        Args:
-            url: address of the database.
-            connections: most of this process to a PostgreSQL server; threads beyond that wait for one.
+        `connections`: most of this process to a PostgreSQL server; threads beyond that wait for one.
 
         Raises:
             SettingsError: the driver that `url` needs is not installed.
@@ -178,6 +176,13 @@ class Database:
     def _transaction(self, engine: Engine) -> Iterator[Session]:
         with _explained(), Session(engine, expire_on_commit=False) as session, session.begin():
             yield session
+
+
+class StorePart:
+    """A part of the store, by its subject: reads and writes one database."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
 
 
 def one_at_a_time(session: Session, *what: str | None) -> None:

@@ -8,8 +8,8 @@ from sqlmodel import col
 
 from grader.contracts.identity import Identity, Role
 from grader.store.audit import Signature, record
-from grader.store.clock import Clock
-from grader.store.database import Database, one_at_a_time
+from grader.store.clock import TimedPart
+from grader.store.database import one_at_a_time
 from grader.store.tables import CourseRow, IdentityRow, MemberRow, RecognisedRow, TokenRow, as_contract
 from grader.store.tokens import digest_of, new_session
 
@@ -19,12 +19,8 @@ _PATIENCE = timedelta(minutes=10)
 _MOST_COURSES = 20
 
 
-class Identities:
+class Identities(TimedPart):
     """Binds names at providers to members; safe to share between threads."""
-
-    def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
 
     def of_subject(self, provider: str, subject: str) -> tuple[Identity, ...]:
         """Return the identities of a provider's `subject`: courses not archived first, then the newest."""

@@ -23,7 +23,7 @@ from grader.contracts.submission import Judgement
 from grader.store import appeals
 from grader.store.audit import Signature, record
 from grader.store.courses import in_class
-from grader.store.database import Database
+from grader.store.database import StorePart
 from grader.store.tables import GradedItemRow, GradingRow, JudgementRow, SubmissionRow, as_contract
 
 
@@ -86,11 +86,8 @@ class Neighbours:
     waiting: int
 
 
-class Judgements:
+class Judgements(StorePart):
     """Takes and shows judgements; every one is in the audit log. Safe to share between threads."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     def judge_all(
         self, submission_id: str, wanted: Sequence[tuple[Given, Seen | None]], signed: Signature

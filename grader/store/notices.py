@@ -27,8 +27,8 @@ from grader.contracts.notice import (
 )
 from grader.contracts.submission import SubmissionState
 from grader.store.audit import Signature, record
-from grader.store.clock import Clock, longer_pause
-from grader.store.database import Database, one_at_a_time
+from grader.store.clock import TimedPart, longer_pause
+from grader.store.database import one_at_a_time
 from grader.store.tables import (
     CourseRow,
     MailWishesRow,
@@ -51,12 +51,8 @@ _LONGEST_TROUBLE = 500
 _NO_WISHES = MailWishes()
 
 
-class Notices:
+class Notices(TimedPart):
     """Keeps notices; safe to share between threads and processes."""
-
-    def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
 
     def courses(self) -> tuple[str, ...]:
         """Return the courses that want notices and are taught."""

@@ -10,8 +10,8 @@ from sqlalchemy import select, update
 from sqlmodel import col
 
 from grader.contracts.platform import Platform, PlatformLink, PlatformScore, provider_of
-from grader.store.clock import Clock, longer_pause
-from grader.store.database import Database, one_at_a_time
+from grader.store.clock import TimedPart, longer_pause
+from grader.store.database import one_at_a_time
 from grader.store.tables import (
     IdentityRow,
     PlatformLinkRow,
@@ -27,12 +27,8 @@ _FIRST_PAUSE_S = 30.0
 _LONGEST_TROUBLE = 500
 
 
-class PlatformScores:
+class PlatformScores(TimedPart):
     """Keeps what was sent; safe to share between threads and processes."""
-
-    def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
 
     def targets(self) -> tuple[tuple[Platform, PlatformLink], ...]:
         """Return every activity whose platform takes scores and that leads to an assignment."""

@@ -12,8 +12,8 @@ from sqlmodel import Session, col
 from grader.contracts.errors import RefusedError
 from grader.contracts.platform import NewPlatform, OpenPicking, Picking, Platform, PlatformLink
 from grader.store.audit import Signature, record
-from grader.store.clock import Clock
-from grader.store.database import Database, one_at_a_time
+from grader.store.clock import TimedPart
+from grader.store.database import one_at_a_time
 from grader.store.tables import (
     IdentityRow,
     PlatformInvitationRow,
@@ -39,12 +39,8 @@ MOST_PLATFORMS = 10
 """Of one course."""
 
 
-class Platforms:
+class Platforms(TimedPart):
     """Keeps platforms; safe to share between threads."""
-
-    def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
 
     def add(self, new: NewPlatform, signed: Signature) -> Platform:
         """Add a platform, which may then send people to the course of `signed`.

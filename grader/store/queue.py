@@ -203,8 +203,7 @@ class Queue:
     def reconcile(self, *, all_running: bool = False) -> Reconciled:
         """Put claims past their lease back into the queue; give up those that were tried too often.
 
-        Args:
-            all_running: treat every claim as void. Only right when no worker lives (see `presence` of workers).
+        `all_running`: treat every claim as void. Only right when no worker lives (see `presence` of workers).
         """
         now = self._clock()
         lost = [] if all_running else [_lease_ended(now)]

@@ -35,10 +35,8 @@ def up_to_date(
 
     Existing tables are not changed while somebody works with them: that process may be of an older version.
 
-    Args:
-        database: nothing of it is open yet.
-        who: as in `occupancy.in_use`.
-        wait: if tables must be changed, wait until nobody works with them, instead of giving up.
+    Nothing of `database` is open yet. `wait`: if tables must be changed, wait until nobody works with them,
+    instead of giving up.
 
     Raises:
         SettingsError: as `migrate`; an OccupiedError if it does not `wait`.

@@ -8,7 +8,7 @@ from sqlalchemy import ColumnElement, and_, or_, select
 from sqlmodel import col
 
 from grader.contracts.identity import Role
-from grader.store.database import Database, in_lots
+from grader.store.database import StorePart, in_lots
 from grader.store.tables import MemberRow, SourceRow, SubmissionRow, TrajectoryRow
 
 _AT_ONCE = 50  # files, or recordings: some megabytes
@@ -25,11 +25,8 @@ class HandedIn:
     graded_attempt: int | None
 
 
-class Scripts:
+class Scripts(StorePart):
     """Reads files and recordings in parts that are soon done with; safe to share between threads."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     def of(self, submissions: Collection[str]) -> tuple[HandedIn, ...]:
         """Return those of `submissions` that exist, in order of student."""

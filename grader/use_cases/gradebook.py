@@ -91,13 +91,8 @@ def registry_workbook(  # noqa: PLR0913
 ) -> bytes:
     """Return what a registry takes: id, name, and one column of points, in order of id.
 
-    Args:
-        services: what use cases work with.
-        caller: who asks.
-        language: of the first two headers.
-        column: header of the third.
-        assignment: whose points; empty: the percentage of all points, where what was not handed in earns none.
-        section: only its students; empty: all.
+    `column` is the header of the points: those of `assignment`; empty: the percentage of all points, where what
+    was not handed in earns none. `section`: only its students; empty: all.
 
     Raises:
         RefusedError: the caller may not see the class, or there is no such assignment.

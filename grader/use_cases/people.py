@@ -64,12 +64,7 @@ def set_distro(services: Services, caller: Caller, distro: Distro, reason: str) 
 
 
 def plan_import(services: Services, caller: Caller, content: bytes) -> ImportPlan:
-    """Read a class list and return what importing it would do; nothing is changed.
-
-    Args:
-        services: what use cases work with.
-        caller: who asks.
-        content: a workbook or CSV, as `grader.formats.sheets.roster` reads them.
+    """Return what importing a list, as `grader.formats.sheets.roster` reads them, would do; nothing is changed.
 
     Raises:
         RefusedError: the caller is no instructor, there is no course, or the list cannot be read or imported.
@@ -91,15 +86,10 @@ def import_list(  # noqa: PLR0913
     remove: bool = False,
     seen: Seen | None = None,
 ) -> ImportPlan:
-    """Import a class list; return what that did.
+    """Import a class list as `plan_import` reads it; return what that did.
 
-    Args:
-        services: what use cases work with.
-        caller: who imports it.
-        content: as for `plan_import`.
-        skip: import the other rows if some are wrong.
-        remove: take students who are not in the list out of the course.
-        seen: the plan that the caller had looked at; None: whatever it is.
+    `skip`: import the other rows if some are wrong. `remove`: take students who are not in the list out of the
+    course. `seen`: the plan that the caller had looked at; None: whatever it is.
 
     Raises:
         RefusedError: as `plan_import`; rows are wrong and shall not be skipped; or the plan has changed.

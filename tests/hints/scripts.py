@@ -312,7 +312,7 @@ SCRIPTS = (
     _script("compared for assigned", "straight", "compares_for_assigns", ("msg.linear.x = 1.0", "msg.linear.x == 1.0"), words="=="),
     _script("stopped at once", "straight", "stopped_at_once", ("publish(msg)\n", "publish(msg)\n        self.cmd_vel_pub.publish(Twist())\n")),
     _script("negative duration", "square", "negative_time", ("self.SIDE_LENGTH / self.SPEED", "-2.0"), ("1.5708 / self", "-1.57 / self")),
-    _script("milliseconds for nanoseconds", "square", "too_brief", ("duration * 1e9", "duration * 1e6"), words="1e9"),
+    _script("milliseconds for nanoseconds", "square", "nanoseconds_unit", ("duration * 1e9", "duration * 1e6"), words="1e9"),
     _script("very slow turn", "spin", "turn_too_slow", ("TURN_SPEED = 1.0", "TURN_SPEED = 0.015")),
     _script("sides bent", "square", "kept_turning", ("        msg.linear.x = float(self.SPEED)\n        msg.angular.z = 0.0", "        msg.linear.x = float(self.SPEED)\n        msg.angular.z = 0.1"), words="angular.z|0.1"),
     _script("turned in the end only", "square", "turns_behind_loop", ("            self.turn(self.TURN_TIME)\n", "            if i == 3:\n                self.turn(self.TURN_TIME)\n"), ("self.SIDE_LENGTH = 2.0 ", "self.SIDE_LENGTH = 1.0 ")),

@@ -92,7 +92,7 @@ def grows(seen: Searched) -> Mistake | None:
         return None  # with a pose the counter gives the heading or place of the next side
     for loop, head in seen.script.matches(r"^[ \t]*for (\w+) in range\("):
         name = head[1]
-        grown = rf"\* ?(?:\( ?{name} ?[+-] ?\d ?\)|{name}\b)|(?<![\w.]){name} ?\*"
+        grown = rf"(?<!\*)\* ?(?!\*)(?:\( ?{name} ?[+-] ?\d ?\)|{name}\b)|(?<![\w.]){name} ?\*"
         for line, text in enumerate(seen.script.block(loop)[1:], start=loop + 1):
             found = re.search(grown, text)
             if (

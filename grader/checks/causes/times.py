@@ -180,8 +180,8 @@ def _is_seconds(value: float | None, name: str, script: ScriptText) -> bool:
     """Whether a name has few, or no line that could make nanoseconds of it."""
     if value is not None:
         return 0.0 < value < _FEW_NS
-    made = script.lines_with(rf"{itself(name)} ?=(?!=)|^(?!.*\bdef\b).*\w\(.")
-    return not any(re.search(_TO_NS, script.lines[at - 1].partition(".nanoseconds")[0]) for at in made)
+    made = script.lines_with(rf"{itself(name)} ?=(?!=)|^(?!.*\b(?:def|while|if)\b).*\w\(.")
+    return not any(re.search(_TO_NS, script.lines[at - 1]) for at in made)
 
 
 def start_anew(seen: Searched) -> Mistake | None:

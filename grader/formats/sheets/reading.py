@@ -69,9 +69,7 @@ def read_table(content: bytes, is_header: Callable[[Sequence[str]], bool]) -> Li
     Rows without any text are left out. CSV may be separated by commas (also full-width ones), semicolons or tabs,
     in UTF-8, UTF-16 or GBK. Cells have no space around them.
 
-    Args:
-        content: the file.
-        is_header: whether a row names the columns that are needed.
+    `is_header` says whether a row names the columns that are needed.
 
     Raises:
         CourseError: no table can be read.

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
         coupled: bool
         quiet_ns: int
-
         reckons: bool
 
         def deliver_pose(self) -> tuple[int, ...]:
@@ -282,8 +281,7 @@ class Kernel:
         always be some microseconds short, and every phase of the script one period too long; at home chance
         decides. If each tick is later than the last, a whole number of periods is never short.
 
-        Args:
-            most_ns: bound at which the lateness starts again from 0; 0: never late.
+        At `most_ns` the lateness starts again from 0; 0: never late.
         """
         if most_ns:
             self.now_ns += self._spent_ns % most_ns
@@ -371,8 +369,8 @@ class Kernel:
         """Jump to the next pose that is computed here (`_reckoning`), if nothing else can happen before it.
 
         Returns:
-            The subscriptions that got it. None: it did not jump, nothing was done, and the caller must `wait`. It
-            does not if no pose is computed here, if the next one is due at `before_ns` or later, or if another
+            The subscriptions that got it. Nobody: it did not jump, nothing was done, and the caller must `wait`.
+            It does not if no pose is computed here, if the next one is due at `before_ns` or later, or if another
             thread, a signal or an alarm may come first.
         """
         world = self._lone_world
@@ -723,3 +721,6 @@ _allocate_lock = _thread.allocate_lock
 _get_ident = _thread.get_ident
 
 kernel = Kernel()
+
+charge, skip_to_pose = kernel.charge, kernel.skip_to_pose
+"""What is called most: Python 3.11 looks up methods of imported objects anew at each call, but not functions."""

@@ -458,3 +458,5 @@ class Link:
 
 
 link = Link(kernel)
+
+publish = link.publish

@@ -16,6 +16,9 @@ UPDATE_S = 0.016
 LIFE_NS = 1_000_000_000
 """How long a command acts, counted from the update that takes it; the first update after that stops the car."""
 
+_DROPPED_AFTER_NS = (LIFE_NS // UPDATE_NS + 2) * UPDATE_NS - 1
+"""When a command is dropped, from the update before the one that takes it: not at an update, but just before."""
+
 MOST = 100.0
 """The car clamps the components of a command to this, in m/s and rad/s."""
 
@@ -103,8 +106,7 @@ class Reckoning:
             v, w = self._asked = _bounded(cdr)
             self._taken = cdr
         self._order((v, w))
-        update = t_ns // UPDATE_NS + 1
-        self._drop_ns = (update + LIFE_NS // UPDATE_NS + 1) * UPDATE_NS - 1 if v or w else NEVER_NS
+        self._drop_ns = t_ns // UPDATE_NS * UPDATE_NS + _DROPPED_AFTER_NS if v or w else NEVER_NS
 
     def _order(self, command: tuple[float, float]) -> None:
         if command != self._commanded:

@@ -6,7 +6,7 @@ from collections import deque
 
 from rclpy import _distro
 from rclpy._forwarding import passed_on
-from rclpy._kernel import kernel
+from rclpy._kernel import kernel, skip_to_pose
 from rclpy._link import link
 from rclpy._rcl.errors import GUARD_CONTEXT, WAIT_CONTEXT, RCLError
 from rclpy._rcl.handles import changes
@@ -599,16 +599,19 @@ class SingleThreadedExecutor(Executor):
         watch, nodes = self._watch, self._nodes
         if watch is None or not watch.holds(self.can_execute, list(nodes)):
             return
-        while (
-            self._watch is watch
-            and self._nodes is nodes
-            and self._cb_iter is None
-            and not self._tasks
-            and not self._is_shutdown
-            and not changes.executing
-            and context.valid
-            and watch.unchanged()
-        ):
+        while True:
+            # not as the loop's condition: Python 3.11 specialises no loop whose end jumps back on a condition
+            if (
+                self._watch is not watch
+                or self._nodes is not nodes
+                or self._cb_iter is not None
+                or self._tasks
+                or self._is_shutdown
+                or changes.executing
+                or not context.valid
+                or not watch.unchanged()
+            ):
+                return
             self._watch = None
             try:
                 place = self._next_lone(watch, None)
@@ -644,7 +647,7 @@ class SingleThreadedExecutor(Executor):
         """
         self._woken.clear()
         settled = False
-        place = watch.lone_timer()
+        place = None if watch.deadline_ns is None else watch.lone_timer()
         if place is None or not self._skip_to_tick(watch, deadline_ns):
             heard = self._skip_to_pose(watch, deadline_ns)
             place = watch.lone_message(heard) if heard else None
@@ -674,13 +677,13 @@ class SingleThreadedExecutor(Executor):
         )
 
     def _skip_to_pose(self, watch: Watch, deadline_ns: int | None) -> tuple[int, ...]:
-        """Wait for the next pose; return who got it: nobody, with nothing done, if anything else comes first."""
+        """Wait for the next pose; return who got it. Nobody: nothing was done, as anything else comes first."""
         due_ns = kernel.horizon_ns if watch.deadline_ns is None else watch.deadline_ns
         if deadline_ns is not None and deadline_ns < due_ns:
             due_ns = deadline_ns
             if due_ns <= kernel.now_ns:
                 return ()
-        return () if watch.ready() else kernel.skip_to_pose(due_ns)
+        return () if watch.ready() else skip_to_pose(due_ns)
 
     def _spin_once_impl(self, timeout_sec: float | TimeoutObject | None = None) -> None:
         handler: Task | _Call | None = None

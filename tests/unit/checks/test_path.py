@@ -344,3 +344,20 @@ def test_a_mirror_image_is_named_whatever_the_rubric_measures() -> None:
     assert len(pieces.items) < len(task.items)
     for each in (task, pieces):
         assert graded_as(each, drive(legs(TRIANGLE, sense=-1.0))).mistakes[0] == "path_mirrored"
+
+
+def test_a_path_of_arcs_that_was_never_bent_and_a_first_piece_without_end_are_told() -> None:
+    straight = graded("figure_eight", drive([(5.0, 1.0, 0.0)]))
+    assert straight.mistakes[0] == "path_no_arc"
+    for_ever = drive([(360.0, 1.0, 1.0)], horizon_s=60.0)
+    assert graded("figure_eight", for_ever, RunStatus.INTERRUPTED).mistakes[0] == "piece_never_ends"
+    assert "piece_never_ends" not in graded("figure_eight", drive([(6.28, 1.0, 1.0)])).mistakes
+    line = drive([(300.0, 1.0, 0.0)], horizon_s=60.0)
+    assert graded("letter_l", line, RunStatus.INTERRUPTED).mistakes[0] == "piece_never_ends"
+
+
+def test_another_size_is_told_with_how_large_it_is() -> None:
+    told = graded("figure_eight", drive(legs(EIGHT, 0.5)))
+    assert told.mistakes[0] == "path_size"
+    assert "50 %" in told.hint.en
+    assert "50 %" in told.hint.zh

@@ -337,3 +337,23 @@ def test_how_near_a_box_was_is_told_from_its_edge() -> None:
     scoring = graded(task(away, WantedGoal(region=box)), drive([(2.0, 1.0, 0.0)], start_m=START))
     assert scoring.mistakes[0] == "place_missed"
     assert "0.5 m from its edge" in scoring.hint.en
+
+
+def test_who_backs_away_is_told_the_sign_and_not_the_direction() -> None:
+    asked = task(*goals((8.0, 3.0)))
+    backing = drive([(3.0, -1.0, 0.0)], start_m=START)
+    assert graded(asked, backing, "/turtle1/pose").mistakes[0] == "path_backwards"
+    turned = drive([(math.pi, 0.0, 1.0), (3.0, 1.0, 0.0)], start_m=START)
+    assert graded(asked, turned, "/turtle1/pose").mistakes[0] == "place_away"
+
+
+def test_an_end_heading_in_degrees_is_told_from_any_other() -> None:
+    asked = task(*goals((8.0, 3.0)), measures="heading_error_deg", end_heading_deg=-90.0)
+    arrived: Leg = (5.0, 1.0, 0.0)
+    as_radians = graded(asked, drive([arrived, (math.radians(116.62), 0.0, -1.0)], start_m=START))
+    assert as_radians.mistakes == ("place_heading",)
+    assert "math.radians(-90)" in as_radians.hint.en
+    assert "math.radians(-90)" in as_radians.hint.zh
+    other = graded(asked, drive([arrived, (1.57, 0.0, 1.0)], start_m=START))
+    assert other.mistakes == ("place_heading",)
+    assert "math.radians" not in other.hint.en

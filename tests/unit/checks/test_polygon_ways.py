@@ -202,6 +202,17 @@ def test_corners_that_are_off_cost_no_more_in_several_laps(
             assert score(for_ever) == score(again), corner_deg
 
 
+@pytest.mark.parametrize("corner_deg", [48.4, 49.3, 50.3])
+def test_as_many_sides_as_are_wanted_are_no_approach_to_another_figure(corner_deg: float) -> None:
+    """Eight sides with corners of 49 degrees: the last seven nearly close a heptagon."""
+    legs = polygon_legs(
+        8, 1.0, corners_deg=[corner_deg - 0.4, corner_deg, corner_deg + 1.1, *[corner_deg] * 5]
+    )
+    scoring = graded("octagon", drive(legs))
+    assert item(scoring, "sides").earned == 15
+    assert score(scoring) > 84
+
+
 def test_the_laps_of_another_figure_are_another_figure() -> None:
     assert score(graded("octagon", drive(polygon_legs(7, 1.0) * 2))) == score(
         graded("octagon", drive(polygon_legs(7, 1.0)))
@@ -236,6 +247,10 @@ def test_a_third_side_counts_as_far_as_it_was_driven() -> None:
     assert earned == sorted(earned)
     assert earned[0] == 5
     assert earned[-1] == 77.5
+    said = item(
+        graded("square", drive(polygon_legs(4, lengths_m=[2.0, 2.0, 0.8], laps=0.75))), "sides"
+    ).message
+    assert said.en.startswith("Straight sides driven: 2.5 (lengths: 2 m, 2 m, 0.8 m). The last one counts")
     assert max(other - one for one, other in itertools.pairwise(earned)) < 22
 
 
@@ -281,3 +296,26 @@ def test_another_figure_does_not_earn_much_more_for_corners_that_are_off(
     earned = [score(graded(name, drive(oblong(*lengths, 90.0 + 0.5 * i)))) for i in range(12)]
     assert max(earned) < 60
     assert max(abs(one - other) for one, other in itertools.pairwise(earned)) < 4
+
+
+@pytest.mark.parametrize("sides", POLYGONS)
+def test_the_rounder_the_corners_the_nearer_is_the_figure_to_a_circle(sides: int) -> None:
+    arc: Leg = (math.tau / sides, 1.0, 1.0)
+    earned = []
+    for i in range(1, 25):
+        legs = [(0.1 * i, 1.0, 0.0), arc] * sides
+        earned.append(score(graded(POLYGONS[sides], drive(legs))))
+    assert earned == sorted(earned)
+    assert earned[0] == 5
+    assert earned[19] >= 70
+    assert max(other - one for one, other in itertools.pairwise(earned)) < 32  # 65 points for one decimetre
+
+
+@pytest.mark.parametrize("sides", POLYGONS)
+def test_a_side_that_is_left_out_between_its_turns_is_one_side_missing(sides: int) -> None:
+    """Two turns follow the last side that was driven, as if there were one between them."""
+    turn: Leg = (math.tau / sides, 0.0, 1.0)
+    scoring = graded(POLYGONS[sides], drive([*polygon_legs(sides, laps=(sides - 1) / sides), turn]))
+    assert item(scoring, "angles").earned == 25
+    assert score(scoring) == 72.5
+    assert scoring.mistakes[0] == "sides_missing"

@@ -13,7 +13,7 @@ from grader.checks.scoring import fits
 from grader.checks.surroundings import name_of
 from grader.contracts.assignment import Assignment, outside_m
 from grader.contracts.scoring import Run
-from grader.contracts.text import Text
+from grader.contracts.text import EMPTY, Text
 from grader.messages import say
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
@@ -29,6 +29,7 @@ _WRONG_WAY = (
     "place_exchanged",
 )
 _DRIVE_MEASURES = ("distance_m", *_GOAL_MEASURES, *_END_MEASURES)
+_SAME_HEADING_DEG = 3.0
 _MOSTLY = 0.5  # of the way
 LEAST_M = 0.02  # a shorter way is no drive
 AWAY_SHARE = 0.9  # of the distance at the start: a car that never came nearer drove the wrong way
@@ -218,4 +219,7 @@ def _ending(
         error_deg = abs(math.remainder(looks_deg - wanted_deg, 360.0))
         if fits(assignment, "heading_error_deg", error_deg) is False:
             looks, wanted = number(looks_deg, "deg"), number(wanted_deg, "deg")
-            yield mistake("place_heading", ("heading_error_deg",), looks=looks, wanted=wanted)
+            off_deg = math.remainder(looks_deg - math.degrees(wanted_deg), 360.0)
+            as_radians = abs(off_deg) < _SAME_HEADING_DEG  # the number was taken for radians
+            reason = say("detail.as_radians", number=f"{wanted_deg:g}") if as_radians else EMPTY
+            yield mistake("place_heading", ("heading_error_deg",), looks=looks, wanted=wanted, reason=reason)

@@ -55,12 +55,12 @@ def _measures(wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float) -> di
     figure = driven.figure
     taken = {
         "distance_m": Measure(float(driven.drive.path.along_m[-1])),
-        "sides": Measure(0.0, {"lengths": "—", "bent": EMPTY}),
+        "sides": Measure(0.0, {"lengths": "—", "bent": EMPTY, "part": EMPTY}),
         "settled": _settled(driven),
     }
     if figure is None:
         return taken
-    taken["sides"] = _side_count(figure, len(figure.sides_m) - driven.left_out(wanted))
+    taken["sides"] = _side_count(figure, len(figure.sides_m), driven.left_out(wanted))
     taken["side_spread_pct"] = _spread(figure.sides_m, wall_m)
     if wanted.lengths_m is not None:
         taken["side_error_pct"] = _side_error(wanted, figure.sides_m)
@@ -89,15 +89,17 @@ def _of_another(measure: Measure, otherness: float) -> Measure:
     return replace(measure, details={**measure.details, **why}, share=1.0 - otherness)
 
 
-def _side_count(figure: PolygonFigure, count: float) -> Measure:
-    """Return the number of sides, less a part for bent ones.
+def _side_count(figure: PolygonFigure, count: int, left_out: float = 0.0) -> Measure:
+    """Return the number of sides, less a part for bent ones and for what was left out of the last one.
 
     From some bend on, a side is taken for a turn, and the corners beside it are lost as well. So that the score
     does not jump there, one side that bends almost that much takes 1.5 off the number, and all of them together 2.
     """
     lost = 1.5 * max(figure.bows) + 0.5 * min(figure.bows)
     bent = say("polygon.bent_sides") if lost > 0.0 else EMPTY
-    return Measure(count - lost, {"lengths": listed(figure.sides_m, "m"), "bent": bent})
+    part = say("polygon.part_of_side") if left_out > 0.0 else EMPTY
+    details = {"lengths": listed(figure.sides_m, "m"), "bent": bent, "part": part}
+    return Measure(count - lost - left_out, details)
 
 
 def _gap_measure(driven: DrivenPolygon, figure: PolygonFigure) -> Measure:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from grader.checks.drive import Drive, is_motion
 from grader.checks.kinds.room.way import WallFollowing
 from grader.checks.measure import UNMEASURED, Measure, Mistake, mistake
-from grader.checks.mistakes import robot_mistakes
+from grader.checks.mistakes import only_turned, robot_mistakes, share_backwards
 from grader.checks.scoring import fits
 from grader.checks.surroundings import name_of
 from grader.contracts.assignment import Assignment
@@ -30,6 +30,7 @@ def room_mistakes(
 ) -> Iterator[Mistake]:
     """Yield what probably went wrong in a room."""
     yield from robot_mistakes(run, assignment.world)
+    yield from only_turned(run, _TOUCH)
     if drive is not None:
         strayed = list(_strayed(assignment, measures, band))
         beside_line = strayed if "line_pct" in measures else []  # the line leads past the walls
@@ -50,7 +51,8 @@ def _touched(run: Run) -> Iterator[Mistake]:
         elif (silent_ns := _silent_since(run, contact)) is not None:
             yield mistake("room_no_stop", _TOUCH, since=number(silent_ns / 1e9, "s"), **values)
         elif any(one.type == _SCAN for one in run.outcome.endpoints) and _drove_on(run, contact):
-            yield mistake("room_drove_on", _TOUCH, **values)
+            code = "path_backwards" if share_backwards(run) > 0.5 else "room_drove_on"
+            yield mistake(code, _TOUCH, **values)
         else:
             yield mistake("room_hit", _TOUCH, **values)
 

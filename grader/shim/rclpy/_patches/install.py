@@ -150,15 +150,14 @@ def _replacements() -> dict[int, tuple[object, object]]:
 
 
 def _replace() -> None:
-    find_copies()  # before the originals are gone
+    if not _searched:
+        find_copies()  # before the originals are gone
     for module, table in _REPLACED:
         for name, replacement in table.items():
             if hasattr(module, name):
                 setattr(module, name, replacement)
     for names, name, replacement in _copies:
         names[name] = replacement
-    _copies.clear()
-    _searched.clear()
 
 
 def _copies_in(

@@ -29,9 +29,10 @@ def _is_for_scripts(name: str) -> bool:
 
 
 def _load() -> None:
-    """Import what most scripts import, and build the classes that every node and every mover asks for."""
+    """Import what most scripts import, and build what every node, every mover and who listens to the pose need."""
     import geometry_msgs.msg
     import rcl_interfaces.msg
+    import turtlesim.msg
 
     import rclpy._patches.audit
     import rclpy._patches.select
@@ -43,11 +44,12 @@ def _load() -> None:
     import rclpy.parameter_service
     import rclpy.qos_event
     import rclpy.time_source  # noqa: F401
+    from rclpy._interfaces.cdr import deserialize, serialize
 
     for name in ("FloatingPointRange", "IntegerRange", "ParameterDescriptor", "SetParametersResult"):
         getattr(rcl_interfaces.msg, name)
-    for name in ("Twist", "Vector3"):
-        getattr(geometry_msgs.msg, name)
+    serialize(geometry_msgs.msg.Twist())
+    deserialize(serialize(turtlesim.msg.Pose()), turtlesim.msg.Pose)
 
 
 _load()

@@ -6,8 +6,8 @@ from collections import deque
 
 from rclpy._interfaces.cdr import deserialize, serialize
 from rclpy._interfaces.own import type_name
-from rclpy._kernel import kernel
-from rclpy._link import link
+from rclpy._kernel import charge, kernel
+from rclpy._link import link, publish
 from rclpy._rcl.errors import PUBLISHER_CONTEXT, RCLError
 from rclpy._rcl.graph import WorldEndpoint, next_gid
 from rclpy._rcl.handles import Handle
@@ -141,12 +141,12 @@ class PublisherHandle(EndpointHandle):
 
     def publish(self, message: Any) -> None:
         """Publish a message of the publisher's class; later changes of it have no effect."""
-        kernel.charge()
+        charge()
         if not self._context.valid:
             self._require_context("Failed to publish")
         if self._carried and not (self.readers or self._fresh or self._kept is not None):
             # a shortcut for what `send` would do with every command but the first
-            link.publish(self.link_id, serialize(message))
+            publish(self.link_id, serialize(message))
         elif self.readers or self._carried or self._kept is not None:
             self.send(serialize(message))
         elif self._counted:

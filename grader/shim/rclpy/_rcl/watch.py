@@ -71,10 +71,7 @@ class Watch:
         self._first: Place | None = None  # the timer of `deadline_ns`
         self._timed = False  # whether a waitable may become ready without one
         self._calm = False  # whether none of those was ready at the last look
-        self._quiet = (
-            False  # whether, after that, only messages and timers in the heap can have made any ready
-        )
-        self._by_link: dict[int, tuple[Any, Place]] = {}  # subscriptions, as in `_others`
+        self._quiet = False  # whether only timers of the heap and messages can have become ready since
         self._ready: list[Place] = []
         self._ready_waitables: list[tuple[Any, Node]] = []
         for number, node in enumerate(nodes):
@@ -91,7 +88,12 @@ class Watch:
                 self._add_timer(timer.handle, (number, TIMER, place, timer, node))
         for kind in (SUBSCRIPTION, CLIENT, SERVICE):
             for place, entity in enumerate(members[kind][known[kind] :], known[kind]):
-                self._add_other(entity, (number, kind, place, entity, node))
+                counts, handle = self._counts(entity), entity.handle
+                if kind != CLIENT and handle.link_id:
+                    self.open = True
+                if counts:
+                    self._backlogs.append(handle.backlog)
+                    self._others.append((handle.backlog, (number, kind, place, entity, node)))
         if len(members[GUARD]) > known[GUARD]:
             counted = [guard for guard in members[GUARD] if self._counts(guard)]
             self._backlogs.extend(guard.handle.backlog for guard in counted)
@@ -100,18 +102,6 @@ class Watch:
             if self._can_execute(waitable):
                 self._add_waitable(waitable, node)
         self._known = [len(each) for each in members]
-
-    def _add_other(self, entity: Any, where: Place) -> None:
-        counts, handle = self._counts(entity), entity.handle
-        if where[1] != CLIENT and handle.link_id:
-            self.open = True
-        if not counts:
-            return
-        found = handle.backlog, where
-        self._backlogs.append(handle.backlog)
-        self._others.append(found)
-        if where[1] == SUBSCRIPTION:
-            self._by_link[handle.link_id] = found
 
     def _take_in(self) -> bool:
         """Count what the only node has got since. False: something else has changed; throw the watch away."""
@@ -230,13 +220,13 @@ class Watch:
 
         None: call `settle` and `lone` instead.
 
-        Args:
-            heard: all that got it. Nothing was ready before, no timer is due, and nothing of the script has run.
+        `heard` are all that got it. Nothing was ready before, no timer is due, and nothing of the script has run.
         """
-        if len(heard) != 1 or not self._quiet or changes.count != self._seen:
-            return None
-        found = self._by_link.get(heard[0])
-        return found[1] if found is not None and found[0] else None
+        if len(heard) == 1 and self._quiet and changes.count == self._seen:
+            for backlog, place in self._others:
+                if backlog:
+                    return place
+        return None
 
     @property
     def idle(self) -> bool:
