@@ -25,13 +25,19 @@ class SpecModel(BaseModel):
 
 
 def _has_truth(value: object) -> bool:
-    """Whether true or false stands at any depth. Each list is looked at once: aliases make millions of a few."""
-    found, seen = [value], set[int]()
-    for one in found:  # grows on the way
+    """Whether a value is true or false, or a list, of lists, that holds one.
+
+    Each list is looked at once: aliases let a few lines of YAML stand for any number of them.
+    """
+    pending, seen = [value], set[int]()
+    while pending:
+        one = pending.pop()
+        if isinstance(one, bool):
+            return True
         if isinstance(one, list) and id(one) not in seen:
             seen.add(id(one))
-            found += one
-    return any(isinstance(one, bool) for one in found)
+            pending.extend(one)
+    return False
 
 
 def _leaves(annotation: Any) -> set[Any]:

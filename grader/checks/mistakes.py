@@ -359,6 +359,8 @@ def without_node(run: Run) -> Mistake:
         return mistake("main_guard", given=guard[1], line=run.source.count("\n", 0, guard.start()) + 1)
     if (uncalled := not_called(run)) is not None:
         return uncalled
+    if (twice := defined_twice(run)) is not None:
+        return twice
     if inside := ScriptText(run.source).lines_with(r"^[ \t]+if __name__ ?=="):
         return mistake("guard_inside", line=inside[0])
     exits = _exits(ScriptText(run.source), run.outcome)
