@@ -188,6 +188,9 @@ class ActionServer(Waitable):
         self._result_futures: dict[bytes, Future] = {}
         self._services = self._handle.services
         self._backlogs = tuple(service.backlog for service in self._services)
+        self._ready = [False] * len(
+            self._backlogs
+        )  # at the last wait: what comes after it waits for the next
         self._node.add_waitable(self)
 
     def _create_handle(self, name: str, profiles: list[QoSProfile], timeout_s: float) -> ActionServerHandle:
@@ -310,7 +313,8 @@ class ActionServer(Waitable):
         return self._handle.timer
 
     def _poll(self) -> bool:
-        return any(self._backlogs) or self._handle.timer.is_timer_ready()
+        self._ready = list(map(bool, self._backlogs))
+        return any(self._ready) or self._handle.timer.is_timer_ready()
 
     def is_ready(self, wait_set: WaitSet) -> bool:
         return self._poll()
@@ -319,8 +323,9 @@ class ActionServer(Waitable):
         impl = self._action_type.Impl
         kinds = (impl.SendGoalService, impl.CancelGoalService, impl.GetResultService)
         data: dict[str, Any] = {}
-        for key, service, kind in zip(("goal", "cancel", "result"), self._services, kinds, strict=True):
-            request, header = service.service_take_request(kind.Request)
+        keys = ("goal", "cancel", "result")
+        for key, service, kind, ready in zip(keys, self._services, kinds, self._ready, strict=True):
+            request, header = service.service_take_request(kind.Request) if ready else (None, None)
             if header is not None:
                 data[key] = (header.request_id, request)
         if self._handle.timer.is_timer_ready():
