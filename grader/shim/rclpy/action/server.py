@@ -15,7 +15,7 @@ from rclpy.waitable import NumberOfEntities, Waitable
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from typing import Any
 
     from rclpy._rcl.wait_set import WaitSet
@@ -151,6 +151,8 @@ class ActionServer(Waitable):
         result_timeout: seconds for which results are kept.
     """
 
+    _ready: Sequence[bool] = (False, False, False)  # at the last wait: what comes after it waits for the next
+
     def __init__(
         self,
         node: Node,
@@ -188,9 +190,6 @@ class ActionServer(Waitable):
         self._result_futures: dict[bytes, Future] = {}
         self._services = self._handle.services
         self._backlogs = tuple(service.backlog for service in self._services)
-        self._ready = [False] * len(
-            self._backlogs
-        )  # at the last wait: what comes after it waits for the next
         self._node.add_waitable(self)
 
     def _create_handle(self, name: str, profiles: list[QoSProfile], timeout_s: float) -> ActionServerHandle:
