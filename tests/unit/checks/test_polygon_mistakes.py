@@ -168,14 +168,6 @@ def test_a_corner_within_a_wider_band_is_no_mistake() -> None:
     assert scoring.mistakes == ("unequal_sides",)
 
 
-def test_sides_that_are_driven_to_and_fro_have_no_corners() -> None:
-    turn = (2.0 * math.pi / 3.0, 0.0, 1.0)
-    to_and_fro = [(2.0, 1.0, 0.0), turn, (2.0, -1.0, 0.0), turn, (2.0, 1.0, 0.0), turn]
-    assert graded("triangle", drive(to_and_fro)).mistakes[0] == "path_backwards"
-    in_reverse = [(each[0], -each[1], each[2]) for each in polygon_legs(3)]
-    assert score(graded("triangle", drive(in_reverse))) == 100
-
-
 BY_POSE = (
     "def tick(self):\n    d, h = pose.x - x0, pose.theta\n    if d < 2.0:\n        go()\n"
     "node.create_timer(0.1, node.tick)\n"
@@ -303,3 +295,15 @@ def test_tiny_corners_are_no_arcs_of_a_car_that_slips() -> None:
 def test_a_script_without_a_linear_speed_is_told_to_drive(source: str, code: str) -> None:
     turning = drive([(14.0, 0.0, 1.0), (0.2, 0.0, 0.0)])
     assert with_source("square", turning, source).mistakes[0] == code
+
+
+def test_sides_that_were_backed_in_turn_are_told_before_the_corners_they_draw() -> None:
+    legs: list[Leg] = [
+        (2.0, 1.0, 0.0),
+        (2.0944, 0.0, 1.0),
+        (2.0, -1.0, 0.0),
+        (2.0944, 0.0, 1.0),
+        (2.0, 1.0, 0.0),
+    ]
+    assert graded("triangle", drive(legs)).mistakes[0] == "to_and_fro"
+    assert "to_and_fro" not in graded("triangle", drive([(2.0, 1.0, 0.0), (1.05, 0.0, 1.0)] * 3)).mistakes

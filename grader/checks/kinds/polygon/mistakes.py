@@ -44,7 +44,6 @@ from grader.messages.quantity import listed, number
 from grader.messages.script import ScriptText
 
 ONE_RADIAN_DEG = math.degrees(1.0)
-TO_AND_FRO = 0.1  # of the way: so much in either direction is no figure that was driven in reverse gear
 NEAR_DEG = 6.0  # corners this close to the wanted ones show that this figure was meant
 # A turn by 1 rad by mistake is exact: 54° is something else, such as one tick of 10 Hz too many.
 RADIAN_OFF_DEG = 2.0
@@ -386,8 +385,7 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
         yield _arcs(seen, figure)
     elif _is_astray(figure) and max(figure.bows) > 0.0:
         yield _astray(seen, figure)
-    if _drives_to_and_fro(seen):
-        yield mistake("path_backwards", _SHAPE)
+    yield from _backed_sides(seen)
     wrong = (_angles(seen, figure), _count(seen, figure))
     for mistakes in (
         wrong if seen.rigid else reversed(wrong)
@@ -467,10 +465,16 @@ def _long_way(seen: _Seen, values: Mapping[str, object]) -> Mistake:
     return mistake("long_way_by_time", ("opposite_corners",), turned=turned, **values)
 
 
-def _drives_to_and_fro(seen: _Seen) -> bool:
-    """Whether corners are wrong, and some sides were driven backwards: then a change of direction is no turn."""
-    wrong = any(seen.loses("corner_deg", corner) for corner in seen.driven.corners_deg.tolist())
-    return wrong and TO_AND_FRO < share_backwards(seen.run) < 1.0 - TO_AND_FRO
+def _backed_sides(seen: _Seen) -> Iterator[Mistake]:
+    """Recognise corners that are off because some of the sides were backed: what is drawn is then no turn."""
+    speeds = [one.v_mps for one in moves_of(seen.run.trajectory) if abs(one.v_mps) > MOVING_MPS]
+    changes = sum(before * after < 0.0 for before, after in itertools.pairwise(speeds))
+    off = any(seen.loses("corner_deg", corner) for corner in seen.driven.corners_deg.tolist())
+    if off and changes > 1 and _BACKED < share_backwards(seen.run) < 1.0 - _BACKED:
+        yield mistake("to_and_fro", ("corner_deg", "gap_pct", "sides", "opposite_corners"), times=changes)
+
+
+_BACKED = 0.2  # of the way: less corrects a side that was too long
 
 
 def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
