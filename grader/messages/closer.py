@@ -197,12 +197,13 @@ def no_return(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Find the function of the script whose result a variable keeps, and that returns nothing."""
     around = script.function_around(error.line or 0)
     for name in re.findall(r"(?<![\w.])((?:self\.)?\w+)\.\w", written):
-        for line, kept in script.matches(rf"^[ \t]*{re.escape(name)} ?= ?(?:\w+\.)?(\w+)\("):
-            made = script.definition(kept[1])
+        for line, kept in script.matches(rf"^[ \t]*{re.escape(name)} ?= ?(\w+\.)?(\w+)\("):
+            made = script.definition(kept[2])
             is_own = name.startswith("self.") or script.function_around(line) == around
+            is_own = is_own and made is not None and made.takes_self is bool(kept[1])
             block = script.block(made.line) if made is not None and is_own else ["return x"]
             if made is not None and not any(re.search(r"\b(return|yield) ?\S", one) for one in block):
-                return "no_return", {"name": name, "function": kept[1], "begins": made.line}
+                return "no_return", {"name": name, "function": kept[2], "begins": made.line}
     return None
 
 

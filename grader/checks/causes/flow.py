@@ -190,7 +190,10 @@ def timer_stops(seen: Searched) -> Mistake | None:
 
 
 def timers_overrule(seen: Searched) -> Mistake | None:
-    """Find two timers of which one drives and the other turns: the faster replaces what the slower sends."""
+    """Find two timers of which one drives and the other turns: the faster replaces what the slower sends.
+
+    Under a condition, or where a timer is cancelled, they may well take turns.
+    """
     script = seen.script
     timers = script.callbacks("timer")
     known: list[tuple[float, str, bool]] = []
@@ -199,7 +202,8 @@ def timers_overrule(seen: Searched) -> Mistake | None:
         made = script.definition(name)
         body = "\n".join(script.block(made.line)[1:]) if made else ""
         moves = [bool(re.search(_MOTION.replace(r"linear\.x|angular\.z", axis), body)) for axis in _AXES]
-        if period_s is None or ".publish(" not in body or sum(moves) != 1:
+        takes_turns = re.search(r"\bif\b|\.cancel\(", body)
+        if period_s is None or takes_turns or ".publish(" not in body or sum(moves) != 1:
             return None
         known.append((period_s, name, moves[0]))
     if len(known) != 2 or known[0][2] == known[1][2]:

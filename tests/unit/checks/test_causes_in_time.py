@@ -312,6 +312,8 @@ TIMERS = (
         ("m.linear.x = 0.0\n        m.angular.z = 1.57\n        pub.publish(m)", "timers_overrule"),
         ("self.turning = True", "turns_too_short"),
         ("m.linear.x = 1.0\n        pub.publish(m)", "turns_too_short"),
+        ("if self.turning:\n            m.angular.z = 1.57\n            pub.publish(m)", "turns_too_short"),
+        ("m.angular.z = 1.57\n        pub.publish(m)\n        self.t1.cancel()", "turns_too_short"),
     ],
 )
 def test_two_timers_that_send_commands_of_their_own(turned: str, wanted: str) -> None:

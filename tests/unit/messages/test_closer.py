@@ -366,3 +366,12 @@ def test_a_short_name_is_a_package_of_messages_only_where_messages_are_imported(
     message = "No module named 'sensor'"
     assert told("ModuleNotFoundError", message, "import sensor", 1)[0] == "missing_module"
     assert told("ModuleNotFoundError", message, "from sensor.msg import LaserScan", 1)[0] == "misspelt"
+
+
+@pytest.mark.parametrize(
+    ("call", "wanted"),
+    [("result()", "no_return"), ("future.result()", "still_none"), ("future()", "still_none")],
+)
+def test_a_method_of_something_else_is_no_function_of_the_script(call: str, wanted: str) -> None:
+    source = f"def result():\n    print(1)\nr = {call}\nprint(r.success)\n"
+    assert told("AttributeError", "'NoneType' object has no attribute 'success'", source, 4)[0] == wanted
