@@ -36,6 +36,12 @@ def is_repeated(line: int, script: ScriptText) -> bool:
     return any(re.match(r"[ \t]*(for|while)\b", head) for head in script.conditions_of(line))
 
 
+def sets(name: str, line: int, script: ScriptText) -> bool:
+    """Whether the block that a line begins assigns a name, itself or by a function that it calls."""
+    blocks = (script.block(first)[1:] for first in script.reached_from([line]))
+    return any(re.match(rf"[ \t]*{re.escape(name)} ?=(?!=)", text) for block in blocks for text in block)
+
+
 def itself(name: str) -> str:
     """Return the pattern of a name that is no part of another one, nor an attribute of something."""
     return rf"(?<![\w.]){re.escape(name)}(?![\w.])"

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 from grader.checks.causes.counts import counted_each_tick
-from grader.checks.causes.searched import LOGS, Searched, itself
+from grader.checks.causes.searched import LOGS, Searched, itself, sets
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import motions_of
 from grader.messages.arithmetic import value_of
@@ -152,12 +152,13 @@ def count_not_reset(seen: Searched) -> Mistake | None:
     limits = list(_limits(timer, seen.script))
     for limit in limits:
         same = [other for other in limits if other.name == limit.name]
-        zeroed = [other for other in same if _sets(rf"{re.escape(limit.name)} ?=", other, seen.script)]
+        zeroed = [other for other in same if sets(limit.name, other.line, seen.script)]
         ended = any(
             abs(lasted_ns / 1e9 - limit.ticks * timer.period_s) <= _TICKS_OFF * timer.period_s
             for _, lasted_ns in motions_of(seen.run.trajectory)
         )
-        goes_on = _sets(r"self\.\w+ ?=(?!=)", limit, seen.script) and limit not in zeroed
+        block = seen.script.block(limit.line)[1:]
+        goes_on = limit not in zeroed and any(re.match(r"[ \t]*self\.\w+ ?=(?!=)", text) for text in block)
         if ended and goes_on and zeroed and all(other.ticks <= limit.ticks for other in zeroed):
             return mistake("count_not_reset", line=limit.line, name=limit.name)
     return None
@@ -192,8 +193,3 @@ def _is_schedule(name: str, block: list[str], script: ScriptText) -> bool:
     known = [value for value in values if value is not None]
     in_order = [one < other for one, other in itertools.pairwise(known)]
     return len(known) == len(values) > 2 and len(set(in_order)) == 1
-
-
-def _sets(assignment: str, limit: _Limit, script: ScriptText) -> bool:
-    """Whether the block of a condition has such an assignment."""
-    return any(re.match(rf"[ \t]*{assignment}", text) for text in script.block(limit.line)[1:])

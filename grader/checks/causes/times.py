@@ -4,7 +4,7 @@ import math
 import re
 from typing import Final
 
-from grader.checks.causes.searched import CLOCK, Searched, is_repeated, itself
+from grader.checks.causes.searched import CLOCK, Searched, is_repeated, itself, sets
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import sleep_at_end, sleeps_too_long, with_ends
 from grader.messages.arithmetic import value_of
@@ -149,7 +149,11 @@ def start_kept(seen: Searched) -> Mistake | None:
             elif re.search(r"^[ \t]*self\.\w+ ?=(?!=)", inside, re.MULTILINE):
                 kept.append((line, text))
         name, again = anew.popitem() if len(anew) == 1 else ("", "")
-        late = [line for line, text in kept if name and _passed(text, name, block)]
+        late = [
+            line
+            for line, text in kept
+            if name and _passed(text, name, block) and not sets(name, line, seen.script)
+        ]
         if len(late) == 1:
             return mistake("start_kept", line=late[0], name=name, again=again)
     return None

@@ -212,6 +212,7 @@ TICKS = (
     "            if self.n >= {count}:\n"
     "                self.n = 0\n                self.driving = True\n        {behind}\n"
 )
+HELPER = "    def anew(self):\n        self.n = 0\n        self.start = time.time()\n"
 LOOP = "for m in plan:\n            pub.publish(m)\n        time.sleep(1)"
 RIGHT_SIDES = [(2.0, 1.0, 0.0), (1.0, 0.0, 1.0)] * 4
 
@@ -228,6 +229,7 @@ def _cause(code: str, source: str, motion: Trajectory, corner_deg: float = 60.0,
     ("code", "changes", "wanted"),
     [
         ("turns_too_short", {"kept": "pass"}, "count_not_reset"),
+        ("turns_too_short", {"kept": "self.anew()", "behind": "pass\n" + HELPER}, "turns_too_short"),
         ("turns_too_short", {"kept": "pass", "count": "160"}, "turns_too_short"),  # 60 ticks after the 100
         ("turns_too_short", {"kept": "pass", "period": "0.05"}, "turns_too_short"),  # no motion lasted for 5 s
         ("turns_too_short", {}, "turns_too_short"),  # 50 ticks of 0.02 s, not 50 s
@@ -272,7 +274,9 @@ def test_instants_on_one_scale_are_no_sums_to_be_set_back() -> None:
     assert cause("unequal_sides", begin + "".join(branches[:2])) == "count_not_reset"
 
 
-def test_the_clock_of_the_whole_run_is_not_that_of_a_motion() -> None:
+def test_a_start_time_is_kept_only_where_nothing_takes_it_anew() -> None:
+    by_helper = ELAPSED.format(divided=" / 1e9", always="pass", first="self.anew()") + HELPER
+    assert cause("turns_too_short", by_helper) == "turns_too_short"
     source = ELAPSED.format(divided=" / 1e9", always="pass", first=ANEW)
     guard = "        if time.time() - self.begun >= 40.0:\n            self.done = True\n"
     assert (
