@@ -354,6 +354,8 @@ def test_a_path_of_arcs_that_was_never_bent_and_a_first_piece_without_end_are_to
     assert "piece_never_ends" not in graded("figure_eight", drive([(6.28, 1.0, 1.0)])).mistakes
     line = drive([(300.0, 1.0, 0.0)], horizon_s=60.0)
     assert graded("letter_l", line, RunStatus.INTERRUPTED).mistakes[0] == "piece_never_ends"
+    crept = drive([(300.0, 0.03, 0.0)], horizon_s=60.0)
+    assert graded("letter_l", crept, RunStatus.INTERRUPTED).mistakes[0] == "path_too_slow"
 
 
 def test_another_size_is_told_with_how_large_it_is() -> None:

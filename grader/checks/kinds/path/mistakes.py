@@ -160,11 +160,14 @@ def _one_motion(assignment: Assignment, run: Run) -> Iterator[Mistake]:
     commanded = list(motions_of(run.trajectory))
     if track is None or not commanded:
         return
-    if any(each.kind == "arc" for each in track.stretches) and not any(one.w_radps for one, _ in commanded):
-        yield mistake("path_no_arc", _SHAPE_MEASURES)
     (first, lasted_ns), ended_ns = commanded[0], run.outcome.duration_ns
     endless = run.outcome.status is RunStatus.INTERRUPTED and first.t_ns + lasted_ns >= ended_ns
-    if endless and len(commanded) == 1 and len(track.stretches) > 1:
+    under_way = endless and track.stretches[0].kind == "line"
+    has_arcs = any(each.kind == "arc" for each in track.stretches)
+    if has_arcs and not under_way and not any(one.w_radps for one, _ in commanded):
+        yield mistake("path_no_arc", _SHAPE_MEASURES)
+    slow = first.v_mps and abs(first.v_mps) * lasted_ns / 1e9 < track.stretches[0].length_m
+    if endless and not slow and len(commanded) == 1 and len(track.stretches) > 1:
         speeds = {"speed": number(first.v_mps, "1"), "rate": number(first.w_radps, "1")}
         yield mistake("piece_never_ends", _SHAPE_MEASURES, time=number(ended_ns / 1e9, "s"), **speeds)
 
