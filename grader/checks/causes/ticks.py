@@ -105,7 +105,8 @@ def ticks_too_long(seen: Searched) -> Mistake | None:
     for limit in _limits(timer, seen.script):
         took_ns = limit.ticks * timer.period_s * 1e9
         lasted = abs(took_ns - longest_ns) <= _TICKS_OFF * timer.period_s * 1e9
-        if took_ns > seen.run.outcome.duration_ns or (lasted and took_ns >= _LONG_NS):
+        too_long = took_ns > seen.run.outcome.duration_ns or (lasted and took_ns >= _LONG_NS)
+        if too_long and not _only_logs(limit, seen.script):
             values = {"count": f"{limit.ticks:g}", "took": number(took_ns / 1e9, "s")}
             period = number(timer.period_s, "s", 4)
             return mistake("ticks_too_long", line=limit.line, name=limit.name, period=period, **values)

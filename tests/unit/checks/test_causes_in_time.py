@@ -212,6 +212,7 @@ TICKS = (
     "            if self.n >= {count}:\n"
     "                self.n = 0\n                self.driving = True\n        {behind}\n"
 )
+LOGGED = "if self.n == 5000:\n            self.get_logger().info('on')"
 HELPER = "    def anew(self):\n        self.n = 0\n        self.start = time.time()\n"
 LOOP = "for m in plan:\n            pub.publish(m)\n        time.sleep(1)"
 RIGHT_SIDES = [(2.0, 1.0, 0.0), (1.0, 0.0, 1.0)] * 4
@@ -236,6 +237,7 @@ def _cause(code: str, source: str, motion: Trajectory, corner_deg: float = 60.0,
         ("turns_too_short", {"count": "2", "period": "0.5"}, "counts_ticks"),
         ("side_never_ends", {"period": "1.0"}, "ticks_too_long"),
         ("side_never_ends", {"period": "0.1"}, "side_never_ends"),
+        ("side_never_ends", {"period": "0.1", "behind": LOGGED}, "side_never_ends"),
         ("side_never_ends", {"behind": "time.sleep(1.0)"}, "sleeps_in_callback"),
         ("side_never_ends", {"behind": "time.sleep(0.01)"}, "side_never_ends"),
         ("side_never_ends", {"behind": LOOP}, "side_never_ends"),
