@@ -15,7 +15,14 @@ from fastapi.concurrency import contextmanager_in_threadpool
 from starlette.types import ASGIApp
 
 from grader import __version__
-from grader.service.requests.middleware import BoundedBodies, HeldToTheEnd, KnownPeer, Observed, SafeHeaders
+from grader.service.requests.middleware import (
+    BoundedBodies,
+    HeadAsGet,
+    HeldToTheEnd,
+    KnownPeer,
+    Observed,
+    SafeHeaders,
+)
 from grader.service.routes import (
     appeals,
     assignments,
@@ -112,7 +119,8 @@ def create_app(open_services: ServicesOpener | None = None) -> FastAPI:
     app.add_middleware(BoundedBodies)
     app.add_middleware(HeldToTheEnd)
     app.add_middleware(SafeHeaders)
-    app.add_middleware(Observed)  # added last, so around everything else
+    app.add_middleware(Observed)
+    app.add_middleware(HeadAsGet)  # added last, so around everything else
     problems.install(app)
     events.install(app)
     live.install(app)

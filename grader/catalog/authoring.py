@@ -16,12 +16,9 @@ _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
 
 def create(catalog: Catalog, name: str, like: Path | None = None) -> Path:
-    """Make the folder of a new assignment at the end of the checklist; return it.
+    """Make the folder of a new assignment of the id `name`, at the end of the checklist; return it.
 
-    Args:
-        catalog: where it is to be.
-        name: its id.
-        like: the folder of an assignment that it begins as a copy of; None: a simple example.
+    It begins as a copy of the folder `like`; None: as a simple example.
 
     Raises:
         AssignmentError: the name is not a valid id or is taken, or the folder cannot be written.
@@ -42,8 +39,7 @@ def create(catalog: Catalog, name: str, like: Path | None = None) -> Path:
     try:
         _copy(_SKELETON if like is None else like, folder, name, order)
     except OSError as error:
-        told = trouble(error)
-        raise AssignmentError(f"{folder}: {told.en}", f"{folder}：{told.zh}") from error
+        raise AssignmentError.about(folder, trouble(error)) from error
     return folder
 
 

@@ -96,11 +96,7 @@ class _RefusedError(ValueError):
 def translated(package: str, kind: str, name: str, text: str) -> str:
     """Return the lines of one interface, of which the first is ``package/kind/Name module_name``.
 
-    Args:
-        package: the name of its package.
-        kind: ``msg``, ``srv`` or ``action``.
-        name: its own name.
-        text: the content of the file.
+    `kind` is ``msg``, ``srv`` or ``action``, `text` the content of the file.
 
     Raises:
         DefinitionError: for the first line that is refused.

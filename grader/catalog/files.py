@@ -42,10 +42,9 @@ def handed_in(path: Path) -> bytes:
 
 
 def content(spec: Path) -> bytes:
-    """Return all that the files say; two assignments with equal content are equal.
+    """Return all that the files of an assignment say; two with equal content are equal.
 
-    Args:
-        spec: the assignment's ``assignment.yaml``.
+    `spec` is the one called ``assignment.yaml``.
 
     Raises:
         OSError: one of the files cannot be read.

@@ -22,7 +22,9 @@ MAX_FILE_BYTES: Final = 16_384
 MAX_MESSAGE_BYTES: Final = 60_000
 """Bound on a message whose texts and sequences are empty; a larger one would fit in no frame."""
 
-_WIDTHS: Final = {"boolean": 1, "octet": 1, "float": 4, "double": 8, "string": 4, "wstring": 4}
+_WIDTHS: Final = {"boolean": 1, "octet": 1, "float": 4, "double": 8, "string": 4, "wstring": 4} | {
+    f"{sign}int{bits}": bits // 8 for sign in ("", "u") for bits in (8, 16, 32, 64)
+}
 _FORM: Final = Text(
     zh="只放 <包>/msg/Name.msg、<包>/srv/Name.srv、<包>/action/Name.action：改名或移走",
     en="only <package>/msg/Name.msg, <package>/srv/Name.srv and <package>/action/Name.action belong here; "
@@ -130,7 +132,7 @@ def _misfits(found: _Found) -> Iterator[tuple[str, Text]]:
 
 
 def _line(path: Path, field: str) -> int:
-    """Return the line of a definition on which a field of that name stands first."""
+    """Return the number of the first line of a definition that declares the field; 1 if none does."""
     wanted = re.compile(rf"\s*\S+\s+{field}\b")
     lines = path.read_text("utf-8").splitlines()
     return next((number for number, line in enumerate(lines, 1) if wanted.match(line)), 1)
@@ -177,7 +179,7 @@ def _size(name: str, known: Mapping[str, Fields], sizes: dict[str, int]) -> _Mis
     if _least_bytes(name, known, sizes) <= MAX_MESSAGE_BYTES or max(below, default=0) > MAX_MESSAGE_BYTES:
         return None
     return max(fields, key=lambda field: _field_bytes(fields[field], known, sizes)), Text(
-        zh=f"一条消息至少要 {MAX_MESSAGE_BYTES} 字节以上：把定长数组改短，或改成变长数组 []",
+        zh=f"一条消息超过 {MAX_MESSAGE_BYTES} 字节：把定长数组改短，或改成变长数组 []",
         en=f"a message takes more than {MAX_MESSAGE_BYTES} bytes at least; shorten its arrays or write []",
     )
 
@@ -195,5 +197,5 @@ def _field_bytes(field: str, known: Mapping[str, Fields], sizes: dict[str, int])
     if bracket and not count[:-1].isdigit():
         return _WIDTHS["string"]  # its length
     base = base.partition("<")[0]
-    width = _WIDTHS.get(base) or (1 if "/" in base else int(base.strip("uint")) // 8)
-    return (_least_bytes(base, known, sizes) if "/" in base else width) * int(count[:-1] or 1)
+    one = _least_bytes(base, known, sizes) if "/" in base else _WIDTHS[base]
+    return one * int(count[:-1] or 1)

@@ -31,7 +31,7 @@ _FIXES: Mapping[str, Text] = {
     "int_from_float": _WHOLE,
     "list_type": _LIST,
     "tuple_type": _LIST,
-    "dict_type": Text(zh="这里要写字段，例如 {side: 2.0}", en="write fields here, such as {side: 2.0}"),
+    "dict_type": Text(zh="这里要写字段，例如 {sides: 4}", en="write fields here, such as {sides: 4}"),
     "string_type": Text(zh="要写文字：给数字加上引号", en="write a text: put quotes around a number"),
 }
 _TOO_FEW: Final = Text(zh="列表太短：这里还要一个值", en="the list is too short; add a value here")
@@ -334,9 +334,7 @@ def _no_fields(known: Sequence[str]) -> Text:
 def misfit(error: Mapping[str, Any], model: type[BaseModel]) -> tuple[tuple[int | str, ...], Text]:
     """Return the field that one of pydantic's `errors()` is about, and what is wrong with it.
 
-    Args:
-        error: the error.
-        model: of the whole file.
+    `model` is that of the whole file.
     """
     kind, context = error["type"], error.get("ctx", {})
     place = tuple(step for step in error["loc"] if not _BRANCH.fullmatch(str(step)))

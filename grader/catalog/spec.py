@@ -17,12 +17,15 @@ class SpecModel(BaseModel):
     @classmethod
     def _no_truth_for_numbers(cls, value: object, info: ValidationInfo) -> object:
         """Refuse ``yes``, ``on`` and ``true`` where a number is wanted; pydantic would take them for 1."""
-        truths = value if isinstance(value, list) else [value]
-        if any(isinstance(one, bool) for one in truths):
+        if _has_truth(value):
             field = cls.model_fields[info.field_name or ""]
-            if _leaves(field.annotation) <= {int, float, type(None)}:
+            if _leaves(field.annotation) <= {int, float, type(None), ...}:
                 raise MisfitError(NUMBER)
         return value
+
+
+def _has_truth(value: object) -> bool:
+    return any(map(_has_truth, value)) if isinstance(value, list) else isinstance(value, bool)
 
 
 def _leaves(annotation: Any) -> set[Any]:

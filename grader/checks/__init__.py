@@ -132,6 +132,4 @@ def _kind(assignment: Assignment) -> Kind:
 
 def _raise_problem(assignment: Assignment) -> None:
     for field, problem in problems(assignment):
-        raise AssignmentError(
-            f"{assignment.id}: {field}: {problem.en}", f"{assignment.id}: {field}：{problem.zh}"
-        )
+        raise AssignmentError.about(f"{assignment.id}: {field}", problem)

@@ -47,9 +47,7 @@ def fastest_radps(run: Run) -> float:
 def drive_of(run: Run, *, until_contact: bool = False) -> Drive | None:
     """Return the motion of `run`, or None when the trajectory is empty or not finite.
 
-    Args:
-        run: the run to look at.
-        until_contact: leave out what came after the car first touched a wall.
+    `until_contact`: without what came after the car first touched a wall.
     """
     trajectory = run.trajectory
     count = _counted(trajectory, until_contact=until_contact)

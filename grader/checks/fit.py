@@ -1,6 +1,7 @@
 """Whether an assignment fits its check: what is wrong with which field, in both languages."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from typing import TypeGuard
 
 from grader.checks.measure import Check, Kind, Option, Options
 from grader.contracts.assignment import BY_PERSON, Assignment
@@ -11,6 +12,7 @@ _NO_PACKAGE = Text(
     zh="只有 `input: package` 才用得上：删掉，或者改写 input",
     en="only `input: package` uses this; remove it, or change the input",
 )
+
 
 Misfit = tuple[str, Text]
 """A field (``items.2.measure``), and what is wrong with it and what to do."""
@@ -36,6 +38,19 @@ def misfits(assignment: Assignment, check: Kind) -> Iterator[Misfit]:
             yield f"items.{i}.measure", _no_measure(check, item.measure)
     yield from _unlooked_at(assignment, check)
     yield from check.consult(assignment)
+
+
+def is_number(value: object) -> TypeGuard[int | float]:
+    """Whether a value is a number; true and false are none."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def unmet(assignment: Assignment, *needs: tuple[Collection[str], bool, Text]) -> Iterator[Misfit]:
+    """Yield the items whose measures need what is not there. A need: measures, whether it is met, what to say."""
+    for i, item in enumerate(assignment.items):
+        for measures, is_met, told in needs:
+            if item.measure in measures and not is_met:
+                yield f"items.{i}.measure", told
 
 
 def _unlooked_at(assignment: Assignment, check: Kind) -> Iterator[Misfit]:

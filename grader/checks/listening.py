@@ -35,12 +35,9 @@ _MOST_NAMED = 6
 
 
 def waits_in_vain(run: Run, world: World, *, surely: bool = False) -> Mistake | None:
-    """Recognise what a script that sent no command waits for, if nobody can ever send it.
+    """Recognise what a script that sent no command and went on to its end waits for, if nobody can ever send it.
 
-    Args:
-        run: of a script that went on to its end.
-        world: in which it ran.
-        surely: report only what is certain: a service, or a topic whose name is nearly right.
+    `surely`: report only what is certain: a service, or a topic whose name is nearly right.
     """
     if run.agent or run.calls:
         return None  # the agent's topics and services are not known here

@@ -33,11 +33,12 @@ class MeasureKind(PositionalRecord):
 class Measure(PositionalRecord):
     """A measured value. NaN: could not be measured; ``why`` among the details may say what kept it from that.
 
-    `details` fill the ``seen`` sentence.
+    `details` fill the ``seen`` sentence. `share` of the value's credit counts; what lowers it is ``why``.
     """
 
     value: float
     details: Mapping[str, object] = field(default_factory=dict)
+    share: float = 1.0
 
 
 UNMEASURED = Measure(math.nan)
@@ -84,11 +85,7 @@ def _follows(later: Mistake, cause: Mistake) -> bool:
 
 
 class Findings(PositionalRecord):
-    """What a check saw in one run. A measure that is absent could not be taken.
-
-    Attributes:
-        mistakes: most likely first.
-    """
+    """What a check saw in one run. A measure that is absent could not be taken. `mistakes`: most likely first."""
 
     measures: Mapping[str, Measure] = field(default_factory=dict)
     mistakes: tuple[Mistake, ...] = ()
@@ -116,7 +113,7 @@ class Kind(Record):
     measures: Mapping[str, MeasureKind]
     options: Options = field(default_factory=dict)
     optional: Options = field(default_factory=dict)
-    consult: Callable[[Assignment], tuple[tuple[str, Text], ...]] = lambda assignment: ()
+    consult: Callable[[Assignment], Iterable[tuple[str, Text]]] = lambda assignment: ()
 
 
 class Check(Kind):

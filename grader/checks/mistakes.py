@@ -103,6 +103,8 @@ def _killed(outcome: RunOutcome) -> Mistake:
 
 TWIST = "geometry_msgs/msg/Twist"
 _USAGE = 2  # argparse's exit code
+_POSE = "turtlesim/msg/Pose"
+_BY_HEADING = r"\b(theta|yaw|heading)\)? ?[-+<>]|[-+<>]=? ?(abs\()?[\w.]*\b(theta|yaw|heading)\b"
 _OWN_TOPICS = ("/rosout", "/parameter_events")  # every node publishes these
 _OF_ROBOTS = ("/odom", "/tf", "/scan", "/imu", "/joint_states", "/camera/image_raw")
 _SAME_M, _SAME_RAD = 0.01, 0.01
@@ -114,11 +116,7 @@ def command_mistakes(
 ) -> tuple[Mistake, ...]:
     """Return why the car got no commands, or stopped obeying them.
 
-    Args:
-        run: the run to look at.
-        world: in which it drove.
-        turns: measures that a turn spoils when it ends too early.
-        drives: those that a drive spoils.
+    `turns` are the measures that a turn spoils when it ends too early, `drives` those that a drive spoils.
     """
     if world.kind == "robot":
         return robot_mistakes(run, world)
@@ -129,7 +127,7 @@ def command_mistakes(
         return (missing,)
     if (found := _unfit_commands(run, world)) is not None:
         return found
-    if (longest_ns := _longest_motion_ns(run.trajectory)) < _TOO_BRIEF_NS:
+    if (longest_ns := _longest_motion_ns(run.trajectory)) < TOO_BRIEF_NS:
         if _motions(run.trajectory) > _MANY_MOTIONS:
             return (mistake("stop_in_loop", times=_motions(run.trajectory)),)
         return (mistake("too_brief", longest=number(longest_ns / 1e6, "ms")),)
@@ -405,6 +403,8 @@ def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
     if publishers:
         heard = {endpoint.name for endpoint in outcome.endpoints if endpoint.kind == "subscription"}
         lost = [each for each in twists or publishers if each.name not in heard]  # not between own nodes
+        if lost and all(each.type == _POSE for each in lost):
+            return (mistake("pose_published", used=lost[0].name, topic=topic),)
         return (mistake("wrong_topic", used=_names(lost or twists or publishers), topic=topic),)
     if outcome.status not in (RunStatus.FINISHED, RunStatus.INTERRUPTED):
         return ()
@@ -446,9 +446,21 @@ def _unused_publisher(run: Run, world: World) -> tuple[Mistake, ...]:
         nodes = sorted({each.node for each in outcome.endpoints if each.name == topic})
         return (mistake("node_never_published", nodes=", ".join(nodes), topic=topic),)
     if outcome.status is RunStatus.INTERRUPTED:
-        stuck = _spin_in_callback(run) or _behind_spin(run) or _waits(run)
+        stuck = _spin_in_callback(run) or _behind_spin(run) or _waits(run) or _other_spun(run)
         return (stuck or not_called(run) or _never_published(run),)
     return ()
+
+
+def _other_spun(run: Run) -> Mistake | None:
+    """Recognise a node that only another one is spun beside: the callbacks of its own never run."""
+    script = ScriptText(run.source)
+    spun = [(line, found[1]) for line, found in script.matches(r"\bspin\( ?(\w+) ?\)")]
+    made = [found[1] for _, found in script.matches(rf"^[ \t]*(\w+) ?= ?{script.node_class}\(")]
+    if len(spun) != 1 or len(made) != 1 or spun[0][1] == made[0] or script.lines_with(r"\badd_node\("):
+        return None
+    other = script.assigned(spun[0][1])
+    is_node = other is not None and re.search(r"\b(create_node|Node)\(", other.value)
+    return mistake("other_node_spun", line=spun[0][0], spun=spun[0][1], node=made[0]) if is_node else None
 
 
 def _may_command(publisher: Endpoint, topic: str) -> bool:
@@ -475,7 +487,20 @@ def ended_at_once(run: Run) -> Mistake | None:
     spins = script.lines_with(r"\bspin\w*\(")
     if (lines := _exits(script, run.outcome)) and spins and lines[0] < spins[0]:
         return mistake("exited_early", line=lines[0])
+    ends_itself = script.lines_with(_ENDS_ITSELF) or _ends_in_callback(script)
+    if spins and (caught := script.caught) is not None and not ends_itself:
+        return mistake("error_hidden", line=caught)
     return None
+
+
+def _ends_in_callback(script: ScriptText) -> list[int]:
+    """Return the lines of callbacks that shut down."""
+    callbacks = {name for kind in ("timer", "subscription") for _, name in script.callbacks(kind)}
+    return [line for line in script.lines_with(r"\bshutdown\(") if script.function_around(line) in callbacks]
+
+
+_ENDS_ITSELF = r"\bSystemExit\b|\bexit\(|\bspin_(once|until)|^[ \t]+if\b.*\bshutdown\("
+"""What ends a program that has a `spin` on purpose, or whose end is no sign of an error."""
 
 
 def _exits(script: ScriptText, outcome: RunOutcome) -> list[int]:
@@ -540,7 +565,14 @@ def _not_reached(run: Run, kind: str) -> Mistake | None:
     lines = script.lines_with(rf"\bcreate_publisher\(\s*{kind}")
     if not lines:
         return None
-    return not_called(run) or _in_loop(run, script) or mistake("publisher_not_reached", line=lines[0])
+    if (named := not_called(run)) is not None:
+        return named
+    made = script.definition(script.function_around(lines[0]))
+    before = range(made.line if made is not None else 0, lines[0])
+    ends = [*_exits(script, run.outcome), *script.lines_with(r"^[ \t]*raise SystemExit\b")]
+    if run.outcome.status is RunStatus.FINISHED and (early := sorted(set(ends) & set(before))):
+        return mistake("exited_early", line=early[0])
+    return _in_loop(run, script) or mistake("publisher_not_reached", line=lines[0])
 
 
 def _waits(run: Run) -> Mistake | None:
@@ -601,7 +633,8 @@ def _only_zeros(run: Run) -> Mistake:
         return stuck
     compared = script.lines_with(r"^[ \t]*[\w.]+\.(linear|angular)\.[xyz] ?==")
     if compared:
-        return mistake("compares_for_assigns", line=compared[0])
+        right = script.lines[compared[0] - 1].strip().replace("==", "=", 1)
+        return mistake("compares_for_assigns", line=compared[0], right=right)
     if annotated := script.lines_with(r"^[ \t]*[\w.]+\.(linear|angular)\.[xyz] ?:"):
         return mistake("colon_for_equals", line=annotated[0])
     if noted(run.outcome, "stopped_at_once") is not None:
@@ -610,9 +643,15 @@ def _only_zeros(run: Run) -> Mistake:
         return empty
     if run.outcome.command_count <= _ONE_CALL and (cancels := script.lines_with(r"\btimer\w*\.cancel\(")):
         return mistake("timer_cancelled", line=cancels[0])
-    if script.lines_with(rf"\.(linear\.x|angular\.z) ?=(?!=)(?!{_ZERO})"):
-        return mistake("only_stops")
-    return mistake("zero_commands")
+    if not script.lines_with(rf"\.(linear\.x|angular\.z) ?=(?!=)(?!{_ZERO})"):
+        return mistake("zero_commands")
+    heard = [one.name for one in run.outcome.endpoints if one.kind == "subscription"]
+    if any(name.endswith("/pose") for name in heard) and script.lines_with(r"\.(x|y|theta)\b"):
+        track = run.trajectory
+        x, y = (number(float(values[0]), "m") for values in (track.x_m, track.y_m))
+        heading = math.remainder(float(track.heading_rad[0]), math.tau)
+        return mistake("only_stops_by_pose", x=x, y=y, theta=number(heading, "rad"))
+    return mistake("only_stops_heard", topic=heard[0]) if heard else mistake("only_stops")
 
 
 _ONE_CALL = 2  # commands that one call of a callback publishes
@@ -627,6 +666,8 @@ def _empty_message(script: ScriptText) -> Mistake | None:
         return None
     if fresh == publishes:
         return mistake("publishes_empty", line=fresh[0])
+    if (other := _other_message(script, filled[0], publishes)) is not None:
+        return other
     later = all(number > publishes[-1] for number in filled)
     here = {script.owner_of(number) for number in (*filled, *publishes)}
     return (
@@ -634,7 +675,21 @@ def _empty_message(script: ScriptText) -> Mistake | None:
     )
 
 
-_TOO_BRIEF_NS = 50_000_000  # three updates of turtlesim
+def _other_message(script: ScriptText, filled: int, publishes: list[int]) -> Mistake | None:
+    """Recognise a message that is filled and never published, and another that is published and never filled."""
+    known = {found[1] for _, found in script.matches(r"([\w.]+)\.(?:linear|angular)(?:\.[xz])? ?=(?!=)")}
+    names = {found[1] for _, found in script.matches(r"\.publish\( ?([\w.]+) ?\)")}
+    if len(names) != 1 or len(publishes) != 1 or names & known:
+        return None
+    name = names.pop()
+    made = script.lines_with(rf"(?<![\w.]){re.escape(name)} ?=(?!=)")
+    if not made or not all(re.search(r"= ?Twist\( ?\)$", script.lines[at - 1]) for at in made):
+        return None
+    other = script.lines[filled - 1].strip().partition(".linear")[0].partition(".angular")[0]
+    return mistake("other_message", line=publishes[0], published=name, filled=other, given=filled)
+
+
+TOO_BRIEF_NS = 50_000_000  # three updates of turtlesim
 
 
 _MANY_MOTIONS = 40  # more than the sides and corners of any figure, driven twice
@@ -665,6 +720,34 @@ def with_ends(trajectory: Trajectory) -> Iterator[tuple[Command, int]]:
     nexts = [command.t_ns for command in trajectory.commands[1:]]
     for command, next_ns in zip(trajectory.commands, [*nexts, _FOR_EVER_NS], strict=False):
         yield command, min(next_ns, command.t_ns + COMMAND_LIFE_NS)
+
+
+def steers(run: Run) -> bool:
+    """Whether the script computes or compares with the heading that it hears."""
+    return run.outcome.hears and bool(ScriptText(run.source).lines_with(_BY_HEADING))
+
+
+def share_backwards(run: Run) -> float:
+    """Return the share of the commanded way that was driven backwards; 0 where none was."""
+    ways_m = [
+        command.v_mps * (until_ns - command.t_ns) / 1e9 for command, until_ns in with_ends(run.trajectory)
+    ]
+    whole_m = math.fsum(map(abs, ways_m))
+    return -math.fsum(way for way in ways_m if way < 0.0) / whole_m if whole_m else 0.0
+
+
+def motions_of(trajectory: Trajectory) -> Iterator[tuple[Command, int]]:
+    """Yield each motion, a row of equal commands without a pause: its first command, and how long it lasted."""
+    begun: Command | None = None
+    ended_ns = 0
+    for command, until_ns in with_ends(trajectory):
+        if begun is not None and (command[1:] != begun[1:] or command.t_ns != ended_ns):
+            yield begun, ended_ns - begun.t_ns
+            begun = None
+        if is_motion(command):
+            begun, ended_ns = begun or command, until_ns
+    if begun is not None:
+        yield begun, ended_ns - begun.t_ns
 
 
 def _names(publishers: Iterable[Endpoint]) -> str:

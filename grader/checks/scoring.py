@@ -182,11 +182,7 @@ def score_items(
 ) -> list[RubricItem]:
     """Score every item on one run.
 
-    Args:
-        check: the kind of check that made the findings.
-        specs: the rubric.
-        findings: what was seen in the run.
-        portion: which of several runs it was.
+    `portion`: which of several runs it was.
     """
     credits = _credits(specs, findings)
     titles = {spec.id: spec.title for spec in specs}
@@ -219,10 +215,14 @@ def score_items(
 def _credits(specs: Sequence[ItemSpec], findings: Findings) -> dict[str, float]:
     """Return the credit of each item that is measured, as if it stood alone."""
     return {
-        spec.id: credit(spec, findings.measures.get(spec.measure, UNMEASURED).value)
+        spec.id: _measured_credit(spec, findings.measures.get(spec.measure, UNMEASURED))
         for spec in specs
         if spec.measure != BY_PERSON
     }
+
+
+def _measured_credit(spec: ItemSpec, measure: Measure) -> float:
+    return credit(spec, measure.value) * measure.share
 
 
 def _blank(check: Kind, spec: ItemSpec, points: float, prefix: str) -> RubricItem:
@@ -252,7 +252,9 @@ def _scored(check: Kind, spec: ItemSpec, blank: RubricItem, findings: Findings, 
         status=item_status(earned, share),
         measured=round(measure.value, 4) + 0.0 if known else None,  # + 0.0: no minus zero
         message=_seen(check, spec, measure),
-        hint=EMPTY if credit(spec, measure.value) >= 1.0 else _hint(check, spec, measure, findings.mistakes),
+        hint=EMPTY
+        if _measured_credit(spec, measure) >= 1.0
+        else _hint(check, spec, measure, findings.mistakes),
     )
 
 
@@ -279,14 +281,17 @@ def _target(spec: ItemSpec) -> tuple[float | None, float | None]:
 
 
 def _seen(check: Kind, spec: ItemSpec, measure: Measure) -> Text:
-    kind = check.measures[spec.measure]
+    kind, why = check.measures[spec.measure], measure.details.get("why")
     if not math.isfinite(measure.value):
-        why = measure.details.get("why")
         return why if isinstance(why, Text) else say("item.unmeasured")
+    if measure.share < 1.0:
+        seen = _seen(check, spec, replace(measure, share=1.0))
+        return say("item.shared", seen=seen, share=number(100.0 * measure.share, "%"), why=why)
     if kind.form == "flag":
         answer = "yes" if measure.value >= 1.0 else "no"
         return say(f"{text_id(check, spec.measure)}.{answer}", **measure.details)
-    value = number_beside(measure.value, kind.unit, (spec.low, spec.high))
+    in_part = kind.form == "count" and not measure.value.is_integer()
+    value = number_beside(measure.value, "1" if in_part else kind.unit, (spec.low, spec.high))
     return say(f"{text_id(check, spec.measure)}.seen", value=value, **measure.details)
 
 

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
 EXIT_FULL_MARKS = 0
 EXIT_NOT_FULL = 1
+EPILOG = "exit code / 退出码: 0 full marks / 满分, 1 fewer / 未满分, 2 not graded / 没有评分"
 FORMATS = ("gradescope", "prairielearn", "autolab", "classroom50")
 
 

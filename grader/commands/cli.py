@@ -1,8 +1,9 @@
 """The command line: which commands there are, and what their failures look like.
 
-A command is a module in `grader.commands` with `configure(parser)` and `run(arguments) -> int`. Only the chosen
-one is imported, so that `grader check` does not pay for the web framework. Exit codes: 0 for full marks, or a
-command that did its work; 1 for a lower score, or something found wrong; 2 when the command could not be done.
+A command is a module in `grader.commands` with `configure(parser)` and `run(arguments) -> int`; an `EPILOG` ends
+its help. Only the chosen one is imported, so that `grader check` does not pay for the web framework. Exit codes: 0
+for full marks, or a command that did its work; 1 for a lower score, or something found wrong; 2 when the command
+could not be done.
 """
 
 import argparse
@@ -16,31 +17,38 @@ from types import ModuleType
 from typing import NoReturn
 
 from grader import __version__
-from grader.commands.options import told_value
+from grader.commands.options import default_language, told_value
 from grader.contracts.errors import GraderError
 from grader.contracts.text import Language, Text, trouble
 
-COMMANDS: dict[str, str] = {
-    "check": "grade one file here, as the service would / 本地预检",
-    "run": "run a script against the simulated turtle, without grading / 只运行不评分",
-    "live": "drive a turtle in real time by rosbridge, without a course / 通过 rosbridge 实时驾驶小乌龟",
-    "assignments": "list, show and validate assignments / 查看作业与评分标准",
-    "serve": "start the HTTP service with its workers / 启动服务",
-    "worker": "grade for services that share a database, without serving / 启动评分进程",
-    "submit": "hand a file in to a service and wait for its grading / 提交到服务器",
-    "course": "create a course and import its people / 创建课程、导入名单",
-    "token": "issue and revoke the tokens people identify with / 发放和撤销令牌",
-    "rules": "dates, limits and late rules of assignments / 截止时间、次数与迟交规则",
-    "lti": "learning platforms (LTI 1.3) of a course / 课程的学习平台",
-    "regrade": "list re-grades, and undo one that was applied / 重新评分：查看、撤销",
-    "db": "back the service's database up, restore, move it / 数据库的备份、恢复与迁移",
-    "gradescope": "pack an assignment as an autograder for Gradescope / 打包成 Gradescope 自动评分器",
-    "prairielearn": "grade as an external grader of PrairieLearn / 作为 PrairieLearn 外部评分器",
-    "regrade-folder": "grade a downloaded class without a service / 离线评一整班的提交",
-    "completion": "print the completion script of a shell / 输出 shell 自动补全脚本",
-    "doctor": "try every layer of the sandbox and say what is active / 检查沙箱",
-    "demo": "grade a small class over HTTP and show the dashboard / 演示",
+_GROUPS: dict[str, dict[str, str]] = {
+    "students / 学生": {
+        "check": "grade one file here, as the service would / 本地预检",
+        "run": "run a script against the simulated turtle, without grading / 只运行不评分",
+        "live": "drive a turtle in real time by rosbridge, without a course / 通过 rosbridge 实时驾驶小乌龟",
+        "submit": "hand a file in to a service and wait for its grading / 提交到服务器",
+    },
+    "teachers / 教师": {
+        "assignments": "list, show and validate assignments / 查看作业与评分标准",
+        "course": "create a course and import its people / 创建课程、导入名单",
+        "token": "issue and revoke the tokens people identify with / 发放和撤销令牌",
+        "rules": "dates, limits and late rules of assignments / 截止时间、次数与迟交规则",
+        "regrade": "list re-grades, and undo one that was applied / 重新评分：查看、撤销",
+        "regrade-folder": "grade a downloaded class without a service / 离线评一整班的提交",
+        "lti": "learning platforms (LTI 1.3) of a course / 课程的学习平台",
+        "gradescope": "pack an assignment as an autograder for Gradescope / 打包成 Gradescope 自动评分器",
+        "prairielearn": "grade as an external grader of PrairieLearn / 作为 PrairieLearn 外部评分器",
+    },
+    "operators / 运维": {
+        "serve": "start the HTTP service with its workers / 启动服务",
+        "worker": "grade for services that share a database, without serving / 启动评分进程",
+        "db": "back the service's database up, restore, move it / 数据库的备份、恢复与迁移",
+        "doctor": "try every layer of the sandbox and say what is active / 检查沙箱",
+        "demo": "grade a small class over HTTP and show the dashboard / 演示",
+        "completion": "print the completion script of a shell / 输出 shell 自动补全脚本",
+    },
 }
+COMMANDS: dict[str, str] = {name: text for group in _GROUPS.values() for name, text in group.items()}
 
 EXIT_NOT_DONE = 2
 _UNWRITTEN = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EBADF)
@@ -115,7 +123,7 @@ def _language(argv: Sequence[str]) -> Language:
     """Return the language that the arguments ask for, before they are parsed."""
     own = argv[: argv.index("--")] if "--" in argv else argv
     found = _LANGUAGE.findall("\0".join(own))
-    return found[-1] if found else "zh"
+    return found[-1] if found else default_language()
 
 
 def _parse(parser: Parser, argv: list[str], passes_on: str) -> argparse.Namespace:
@@ -138,7 +146,9 @@ def module_of(command: str) -> ModuleType:
 def _prepared(command: str, argv: list[str]) -> tuple[ModuleType, argparse.Namespace]:
     """Import the command and parse its arguments."""
     module = module_of(command)
-    parser = Parser(prog=f"grader {command}", description=COMMANDS[command])
+    parser = Parser(
+        prog=f"grader {command}", description=COMMANDS[command], epilog=getattr(module, "EPILOG", None)
+    )
     module.configure(parser)
     return module, _parse(parser, argv, getattr(module, "PASSES_ON", ""))
 
@@ -147,15 +157,23 @@ def run(argv: Sequence[str]) -> int:
     """Run one command and return the process's exit code. Bad input is reported in one line, with no traceback."""
     if sys.stdout is None:  # closed by the shell: `>&-`
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - open until the process ends
-    Parser.language = _language(argv)
+    try:
+        Parser.language = _language(argv)
+    except GraderError as error:
+        return _told(error)
     parser = Parser(
         prog="grader",
         description="Auto-grader for introductory ROS 2 (rclpy) motion exercises / ROS 2 运动练习自动评分",
         formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="\n".join(f"  {name:<14} {text}" for name, text in COMMANDS.items()),
+        epilog=_overview(),
     )
     parser.add_argument("--version", action="version", version=f"grader {__version__}")
-    parser.add_argument("command", choices=list(COMMANDS), metavar="command", help="one of these / 以下之一")
+    parser.add_argument(
+        "command",
+        choices=list(COMMANDS),
+        metavar="command",
+        help="one of those below; its options: grader COMMAND --help / 以下之一",
+    )
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     if not argv:
         parser.print_help(sys.stderr)
@@ -167,14 +185,27 @@ def run(argv: Sequence[str]) -> int:
         sys.stdout.flush()
         return code
     except GraderError as error:
-        from grader.render.escape import visible
-
-        sys.stderr.write(f"grader: {visible(error.told(Parser.language))}\n")
-        return EXIT_NOT_DONE
+        return _told(error)
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
     except OSError as error:
         return _not_done(error)
+
+
+def _told(error: GraderError) -> int:
+    from grader.render.escape import visible
+
+    sys.stderr.write(f"grader: {visible(error.told(Parser.language))}\n")
+    return EXIT_NOT_DONE
+
+
+def _overview() -> str:
+    """Return the commands by who mostly uses them, and an example."""
+    groups = (
+        "\n".join([f"{title}:", *(f"  {name:<14} {text}" for name, text in commands.items())])
+        for title, commands in _GROUPS.items()
+    )
+    return "\n\n".join([*groups, "example / 例：grader check square_mover.py -a square --lang en"])
 
 
 def _not_done(error: OSError) -> int:
@@ -193,6 +224,6 @@ def _not_done(error: OSError) -> int:
             return EXIT_BROKEN_PIPE
         told = Text(zh=f"写不出结果：{told.zh}", en=f"the output cannot be written: {told.en}")
     else:
-        told = Text(zh=f"{error.filename}：{told.zh}", en=f"{error.filename}: {told.en}")
+        told = told.about(error.filename)
     sys.stderr.write(f"grader: {told.get(Parser.language)}\n")
     return EXIT_NOT_DONE

@@ -212,5 +212,4 @@ def _content(path: Path) -> bytes:
         with path.open("rb") as file:
             return file.read(MAX_FILE_BYTES + 1)
     except OSError as error:
-        told = trouble(error)
-        raise CourseError(f"{path}: {told.en}", f"{path}：{told.zh}") from error
+        raise CourseError.about(path, trouble(error)) from error

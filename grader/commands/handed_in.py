@@ -60,8 +60,7 @@ def _package(folder: Path) -> ChosenFile:
             return ChosenFile(name=zips[0].name, source=bundled(read_bounded(zips[0], MAX_PACKAGE_BYTES)))
         return ChosenFile(name="package.zip", source=read_folder(folder))
     except OSError as error:
-        told = trouble(error)
-        raise InfrastructureError(f"{folder.name}: {told.en}", f"{folder.name}：{told.zh}") from error
+        raise InfrastructureError.about(folder.name, trouble(error)) from error
 
 
 def read_file(path: Path) -> ChosenFile:
@@ -75,8 +74,7 @@ def read_file(path: Path) -> ChosenFile:
         with path.open("rb") as file:
             source = file.read(MAX_SOURCE_BYTES + 1)
     except OSError as error:
-        told = trouble(error)
-        raise InfrastructureError(f"{path.name}: {told.en}", f"{path.name}：{told.zh}") from error
+        raise InfrastructureError.about(path.name, trouble(error)) from error
     check_source(source)
     return ChosenFile(name=path.name, source=source)
 

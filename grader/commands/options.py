@@ -1,20 +1,47 @@
 """Options that several commands take, and how they say what was done."""
 
 import argparse
+import os
 import sys
 from pathlib import Path
 from typing import Any
 
 from grader.contracts.assignment import DISTROS
-from grader.contracts.text import LANGUAGES, Text
+from grader.contracts.errors import SettingsError
+from grader.contracts.text import LANGUAGES, Language, Text
 
 ASSIGNMENT_HELP = "assignment id, else guessed from the file name / 作业 id，不写就从文件名猜"
 JSON_HELP = "print the whole report as JSON / 以 JSON 输出完整报告"
 
 
 def add_language_option(parser: argparse.ArgumentParser) -> None:
-    """Declare the language of the command's output."""
-    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
+    """Declare the language of the command's output.
+
+    Raises:
+        SettingsError: `default_language` refuses what is set.
+    """
+    parser.add_argument(
+        "--lang",
+        choices=LANGUAGES,
+        default=default_language(),
+        help="language / 语言 (zh, or GRADER_DEFAULT_LANGUAGE)",
+    )
+
+
+def default_language() -> Language:
+    """Return the language of a command that asks for none: that of a service's answers, by the same variable.
+
+    Raises:
+        SettingsError: GRADER_DEFAULT_LANGUAGE names another one.
+    """
+    value = os.environ.get("GRADER_DEFAULT_LANGUAGE") or "zh"
+    for language in LANGUAGES:
+        if value == language:
+            return language
+    raise SettingsError(
+        f"GRADER_DEFAULT_LANGUAGE must be zh or en, not {value!r}",
+        f"GRADER_DEFAULT_LANGUAGE 只能是 zh 或 en，不能是 {value!r}",
+    )
 
 
 def add_grading_options(parser: argparse.ArgumentParser) -> None:

@@ -100,5 +100,4 @@ def write_file(option: str, path: Path, content: bytes) -> None:
 
 def file_error(code: str, name: str, error: OSError) -> RefusedError:
     """Return the operating system's error about a file, in both languages."""
-    told = trouble(error)
-    return RefusedError(code, Text(zh=f"{name}：{told.zh}", en=f"{name}: {told.en}"))
+    return RefusedError(code, trouble(error).about(name))

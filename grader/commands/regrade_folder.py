@@ -150,7 +150,7 @@ def _unpack(archive: zipfile.ZipFile, folder: Path, export: Path) -> None:
 
 
 def _refused(export: Path, *, zh: str, en: str) -> RefusedError:
-    return RefusedError("export", Text(zh=f"{export}：{zh}", en=f"{export}: {en}"))
+    return RefusedError("export", Text(zh=zh, en=en).about(export))
 
 
 def entries(folder: Path, endings: tuple[str, ...]) -> list[Entry]:

@@ -292,12 +292,9 @@ class BoundedConnection(H11Protocol):
 
 
 def most_connections(streams: int) -> int:
-    """Return how many connections at once leave room for everything else that needs files.
+    """Return how many connections at once, with so many `streams` of events, leave room for other files.
 
     Raises the process's limit of open files as far as the system allows: the usual one is too low for a class.
-
-    Args:
-        streams: most streams of events.
 
     Raises:
         SettingsError: the system lets this process open too few.

@@ -58,8 +58,7 @@ def database_url(folder: Path | None, *, create: bool = True) -> str | None:
         if create:
             folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        told = trouble(error)
-        raise SettingsError(f"--data {folder}: {told.en}", f"--data {folder}：{told.zh}") from error
+        raise SettingsError.about(f"--data {folder}", trouble(error)) from error
     return f"sqlite:///{(folder / DATABASE_FILE).resolve()}"
 
 
@@ -80,9 +79,7 @@ def refuse_missing(database: Database) -> None:
 def opened(arguments: argparse.Namespace, *, create: bool = False) -> Iterator[OpenedStore]:
     """Open the database, also while a service works with it.
 
-    Args:
-        arguments: `data` says where it is.
-        create: make it when it is not there.
+    `arguments.data` says where it is; `create`: make it when it is not there.
 
     Raises:
         SettingsError: it is not there, or does not fit this version. InfrastructureError: it cannot be opened.

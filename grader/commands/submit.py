@@ -1,6 +1,7 @@
 """`grader submit FILE --server URL`: hand a file in, follow its way, show the table that `grader check` shows."""
 
 import argparse
+import codecs
 import json
 import os
 import sys
@@ -246,15 +247,20 @@ def _check_address(server: str) -> None:
         )
 
 
+def _text_of(content: bytes) -> str:
+    """Return a short text as editors save it; Notepad's and PowerShell's begin with a byte order mark."""
+    is_utf16 = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return content.decode("utf-16" if is_utf16 else "utf-8-sig")
+
+
 def _authorization(arguments: argparse.Namespace) -> dict[str, str]:
     token = os.environ.get("GRADER_TOKEN", "")
     if arguments.token_file is not None:
         try:
-            token = arguments.token_file.read_text(encoding="ascii")
+            token = _text_of(arguments.token_file.read_bytes())
         except (OSError, UnicodeDecodeError) as error:
             told = trouble(error) if isinstance(error, OSError) else _NO_TOKEN
-            name = f"--token-file {arguments.token_file}"
-            raise RefusedError("token", Text(zh=f"{name}：{told.zh}", en=f"{name}: {told.en}")) from error
+            raise RefusedError("token", told.about(f"--token-file {arguments.token_file}")) from error
     token = token.strip()
     if not token:
         return {}

@@ -48,11 +48,7 @@ def validate(
 
     On a terminal, standard error shows the progress.
 
-    Args:
-        catalog: where the assignments are.
-        assignment_ids: those to look at.
-        language: of what is printed.
-        details: print the solution's margins and the rubric's sensitivity as well.
+    `details`: print the solution's margins and the rubric's sensitivity as well.
     """
     table = _table(language, EMPTY, _ASSIGNMENT, _SCRIPT, _SCORE, _PROBLEM)
     examinations: dict[str, Examination] = {}
@@ -167,8 +163,7 @@ def record_reference(catalog: Catalog, assignment_id: str, grader: Grader) -> No
     try:
         record(solution.parent, trace)
     except OSError as error:
-        told = trouble(error)
-        raise AssignmentError(f"{solution.parent}: {told.en}", f"{solution.parent}：{told.zh}") from error
+        raise AssignmentError.about(solution.parent, trouble(error)) from error
 
 
 def _table(language: Language, *headings: Text) -> Table:

@@ -18,7 +18,7 @@ GraderError
 """
 
 import errno
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Self
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -36,6 +36,12 @@ class GraderError(Exception):
     def __init__(self, message: str = "", zh: str = "") -> None:
         super().__init__(message)
         self.zh = zh
+
+    @classmethod
+    def about(cls, name: object, told: "Text") -> Self:
+        """Return the error that says what is wrong with something, behind its name."""
+        message = told.about(name)
+        return cls(message.en, message.zh)
 
     def told(self, language: "Language") -> str:
         """Return the message in `language` if it is there, else in English."""
@@ -149,11 +155,7 @@ class JudgementError(GraderError):
 
 
 class AppealError(GraderError):
-    """An appeal cannot be made, withdrawn or answered.
-
-    Attributes:
-        code: ``exists``, ``unknown`` or ``decided``.
-    """
+    """An appeal cannot be made, withdrawn or answered. `code`: ``exists``, ``unknown`` or ``decided``."""
 
     def __init__(self, code: str, message: str) -> None:
         super().__init__(message)

@@ -31,11 +31,16 @@ class Instant(FieldKind):
 
 @dataclass(frozen=True, slots=True)
 class Number(FieldKind):
-    """A number from `low` to `high`, both included."""
+    """A number from `low` to `high`, both included.
+
+    Attributes:
+        positive: what needs the number needs more than 0, which stands where nothing does.
+    """
 
     _: KW_ONLY
     low: float = 0
     high: float = 1
+    positive: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,14 +55,7 @@ class Seconds(Number):
 
 @dataclass(frozen=True, slots=True)
 class Share(Number):
-    """A share of the whole, from 0 to 1. People type it in per cent.
-
-    Attributes:
-        positive: what needs the share needs more than 0, which stands where nothing does.
-    """
-
-    _: KW_ONLY
-    positive: bool = False
+    """A share of the whole, from 0 to 1. People type it in per cent."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ A record is a msgspec `Struct`: made in a fraction of the time of a dataclass, w
 """
 
 import dataclasses
+import json
 from collections.abc import Mapping
 from functools import cache
 from typing import TYPE_CHECKING, Any, TypeVar, dataclass_transform
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, dataclass_transform
 import msgspec
 from msgspec import field
 
-__all__ = ["PositionalRecord", "Record", "field", "from_json", "from_plain", "to_plain"]
+__all__ = ["PositionalRecord", "Record", "canonical", "field", "from_json", "from_plain", "to_plain"]
 
 T = TypeVar("T")
 
@@ -70,6 +71,18 @@ else:
         """A record whose arguments may be given by position as well."""
 
         __dataclass_fields__ = _DataclassFields()
+
+
+def canonical(value: object) -> bytes:
+    """Return the one byte form of a contract as JSON: sorted keys, no spaces, UTF-8, no NaN."""
+    return json.dumps(
+        value,
+        default=to_plain,
+        ensure_ascii=False,
+        sort_keys=True,
+        separators=(",", ":"),
+        allow_nan=False,
+    ).encode()
 
 
 def to_plain(value: object) -> dict[str, Any]:

@@ -1,13 +1,12 @@
 """The graded report: the same bytes for the same submission, today or in a re-grade next term."""
 
 import hashlib
-import json
 from collections.abc import Iterable
 from dataclasses import asdict
 from enum import StrEnum
 
 from grader.contracts.outcome import RunOutcome, RunStatus, Stream
-from grader.contracts.record import Record, from_json, to_plain
+from grader.contracts.record import Record, canonical, from_json
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import EMPTY, Text
 
@@ -100,15 +99,8 @@ class GradeReport(Record):
         return asdict(self)
 
     def canonical_bytes(self) -> bytes:
-        """Return the one byte form of this report: sorted keys, no spaces, UTF-8, no NaN."""
-        return json.dumps(
-            self,
-            default=to_plain,
-            ensure_ascii=False,
-            sort_keys=True,
-            separators=(",", ":"),
-            allow_nan=False,
-        ).encode()
+        """Return the one byte form of this report."""
+        return canonical(self)
 
     def sha256(self) -> str:
         """Return the hexadecimal digest of `canonical_bytes`."""

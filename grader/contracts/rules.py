@@ -110,7 +110,7 @@ class LateRule:
     steps: Annotated[tuple[LateStep, ...], Table("`steps`.", of=LateStep, most=MOST_STEPS, example=())] = ()
 
     def __post_init__(self) -> None:
-        if self.kind == "linear":
+        if self.kind == "linear" or self.per_day:
             self._check_linear()
         if self.kind == "steps" or self.steps:
             self._check_steps()

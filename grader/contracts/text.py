@@ -22,6 +22,10 @@ class Text(Record):
         """Return the sentence in `language`."""
         return self.zh if language == "zh" else self.en
 
+    def about(self, name: object) -> "Text":
+        """Return the sentence behind the name of what it is about."""
+        return Text(zh=f"{name}：{self.zh}", en=f"{name}: {self.en}")
+
 
 EMPTY = Text(zh="", en="")
 

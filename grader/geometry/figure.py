@@ -38,9 +38,15 @@ MERGE_TOLERANCE = 0.2  # by how much the two halves of a side begun in its middl
 # corner off would be taken for a side.
 NEARLY_CLOSED_SHARE = 0.16
 
+BETTER_SHARE = 0.02  # of the perimeter: by so much a later figure must close better than one before it
+
 # By how much the corners of a figure with equal corners may differ. At 7.5°, the first of several laps that do
 # not quite close would be taken for an approach.
 ALIKE_RAD = math.radians(15.0)
+
+# Of a corner: by how much the corners of the wanted number of sides may miss a full turn. One corner off, it is
+# exactly the next number of sides.
+LAP_TOLERANCE = 0.9
 
 REPEAT_TOLERANCE = 0.15  # by how much a side of a later lap may differ: on a slipping car laps drift apart
 # A turn between two laps that is off by more was no attempt at the corner: the next lap lies elsewhere, and the
@@ -50,6 +56,9 @@ SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's exte
 # Of the distance travelled along a side: so much may be driven beside its line (`Straight.strayed_m`) before it
 # counts as less than one side, and from the second on it counts as none.
 STRAYED_SHARE, LOST_SHARE = 0.1, 0.5
+# Of a side from corner to corner: with less than the first driven straight it counts as less than one side, with
+# the second as none, because the figure is nearly a circle.
+LEVEL_SHARE, ROUND_SHARE = 0.45, 0.27
 MAX_APPROACH_STRAIGHTS = 3  # to one of its sides, perhaps round something, and along that to a corner
 
 
@@ -60,7 +69,7 @@ class PolygonFigure(PositionalRecord):
         vertices: sample indices: start of the first side, each corner, end of the last side.
         sides_m: length of each side, from vertex to vertex.
         corners_rad: signed change of direction at the end of each side. The last side has one only where the
-            figure needs it: it is repeated, or does not come round without it.
+            figure needs it: it is repeated, or does not come round without it, and that turn is like the others.
         last_turn_rad: the turn after the last side where it is no corner, without whole turns on the spot;
             0 if there was none.
         last_turned_rad: that turn with them.
@@ -122,14 +131,10 @@ class _Extent(PositionalRecord):
 
 
 def measure_polygon(path: Path, segments: Segments, *, sides: int, cut_short: bool) -> PolygonFigure | None:
-    """Measure the first figure, or return None when there is not one straight.
+    """Measure the first figure of `sides` sides, or return None when there is not one straight.
 
-    Args:
-        path: the driven path.
-        segments: its straights and turns.
-        sides: how many sides are wanted.
-        cut_short: the car was still under way when the recording ended, so that the last segment says
-            nothing about its intended size.
+    `cut_short`: the car was still under way when the recording ended, so that the last segment says nothing about
+    its intended size.
     """
     if not segments.straights:
         return None
@@ -179,7 +184,7 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
     """
     total = len(segments.straights)
     lengths = [chord(path, *span(path, segments, i)) for i in range(total)]
-    lap = _comes_round(corners) or total
+    lap = _lap(path, segments, corners, sides, cut_short=cut_short)
     if _halves(lengths, corners, lap):
         return _Extent(0, total, joined=True)
     if _begins_inside(path, segments, lengths, lap) and _repeats(
@@ -190,7 +195,10 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
     ):
         return _Extent(1, lap, inside=True, repeated=True)
     again = _repeats(lengths, corners, lap, cut_short=cut_short)
-    first, count = (None if again else _closed(path, segments, corners, lengths, sides)) or (0, lap)
+    if not again and (begun := _approached_halves(path, segments, corners, lengths)) is not None:
+        return _Extent(begun, total - begun, joined=True)
+    plain = again or lap == sides == total
+    first, count = (None if plain else _closed(path, segments, corners, lengths, sides)) or (0, lap)
     if first + count == total:
         return _Extent(first, count)
     retraced = _retraced(path, segments, first, count, cut_short=cut_short)
@@ -207,6 +215,25 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
         overrun=not repeated or apart,
         apart=apart,
     )
+
+
+def _lap(path: Path, segments: Segments, corners: list[float], sides: int, *, cut_short: bool) -> int:
+    """Return after how many straights the direction has come round; all of them if it has not.
+
+    Where corners are a few degrees off, laps of the wanted number of sides come round a side too early or late.
+    They are taken for what was meant if the path consists of them, or if the other number closes no figure.
+    """
+    total = len(segments.straights)
+    lap = _comes_round(corners) or total
+    if lap == sides or not 2 < sides <= total or not _alike(corners[:sides]):
+        return lap
+    mean = abs(sum(map(bare, corners[: sides - 1]))) / (sides - 1)
+    if abs(sides * mean - FULL_TURN_RAD) > LAP_TOLERANCE * mean:
+        return lap
+    begin, end = span(path, segments, 0)[0], span(path, segments, lap - 1)[1]
+    closed = chord(path, begin, end) <= CLOSED_SHARE * float(path.along_m[end] - path.along_m[begin])
+    consists = not cut_short and total % sides == 0 < total % lap
+    return sides if consists or not closed else lap
 
 
 def _begins_inside(path: Path, segments: Segments, lengths: list[float], lap: int) -> bool:
@@ -227,9 +254,9 @@ def _completed(lengths: list[float], lap: int) -> float:
 
 
 def _retraced(path: Path, segments: Segments, first: int, count: int, *, cut_short: bool) -> bool:
-    """Whether what follows the figure lies on its sides, in either sense, for a lap or until it was cut short."""
+    """Whether what follows the figure lies on its sides, in either sense: whole laps, unless it was cut short."""
     later = [span(path, segments, i) for i in range(first + count, len(segments.straights))]
-    if len(later) < count and not cut_short:
+    if len(later) % count and not cut_short:
         return False
     corners = [span(path, segments, i)[0] for i in range(first, first + count)]
     near_m = REPEAT_TOLERANCE * min(
@@ -286,21 +313,37 @@ def _closed(
 ) -> tuple[int, int] | None:
     """Return first straight and number of straights of the first figure of equal corners that closes, or None.
 
-    What is driven before it is an approach. Where no figure closes, one that nearly does is taken if it has the
-    wanted number of sides.
+    What is driven before it is an approach. A later one is taken only if it closes clearly better. Where no figure
+    closes, one that nearly does is taken if it has the wanted number of sides.
     """
-    nearly = None
+    closed = nearly = None
+    least = least_nearly = math.inf
     for first in range(min(MAX_APPROACH_STRAIGHTS + 1, len(lengths))):
         count = _comes_round(corners[first:])
         if count is None or count < 3 or not _alike(corners[first : first + count - 1]):
             continue
         start, end = span(path, segments, first)[0], span(path, segments, first + count - 1)[1]
         gap = chord(path, start, end) / sum(lengths[first : first + count])
-        if gap <= CLOSED_SHARE:
-            return first, count
-        if nearly is None and count == sides and gap <= NEARLY_CLOSED_SHARE:
-            nearly = first, count
-    return nearly
+        if gap <= min(CLOSED_SHARE, least - BETTER_SHARE):
+            closed, least = (first, count), gap
+        elif count == sides and gap <= min(NEARLY_CLOSED_SHARE, least_nearly - BETTER_SHARE):
+            nearly, least_nearly = (first, count), gap
+    return closed or nearly
+
+
+def _approached_halves(
+    path: Path, segments: Segments, corners: list[float], lengths: list[float]
+) -> int | None:
+    """Return the straight at which, after an approach, a figure begins in the middle of a side; None: nowhere."""
+    for first in range(1, min(MAX_APPROACH_STRAIGHTS + 1, len(lengths))):
+        rest_m, inner = lengths[first:], corners[first:]
+        lap = _comes_round(inner)
+        if lap is None or not _halves(rest_m, inner, lap) or not _alike(inner):
+            continue
+        ends = span(path, segments, first)[0], span(path, segments, len(lengths) - 1)[1]
+        if chord(path, *ends) <= CLOSED_SHARE * sum(rest_m):
+            return first
+    return None
 
 
 def _halves(lengths: list[float], corners: list[float], lap: int) -> bool:
@@ -336,6 +379,7 @@ def _figure(
     sides = [chord(path, *one) for one in itertools.pairwise(vertices)]
     driven_m = float(path.along_m[end] - path.along_m[spans[0][0]])
     strayed_m = sum(straight.strayed_m for straight in straights)
+    bows = tuple(_bow(each, path.extent_m, side_m) for each, side_m in zip(straights, sides, strict=True))
     curved_m = strayed_m + _curved_m(straights, [*segments.turns[first + 1 : stop], closing])
     if extent.joined:
         sides = [sides[0] + sides[-1], *sides[1:-1]]
@@ -353,7 +397,7 @@ def _figure(
         gap_m=chord(path, start, rest),
         curved_share=min(curved_m / driven_m, 1.0) if driven_m > 0.0 else 0.0,
         strayed_share=min(strayed_m / driven_m, 1.0) if driven_m > 0.0 else 0.0,
-        bows=tuple(_bow(straight, path.extent_m) for straight in straights),
+        bows=bows,
         repeated=extent.repeated,
         overrun=extent.overrun,
         apart=extent.apart,
@@ -366,7 +410,8 @@ def _shaping(corners: list[float], extent: _Extent, *, turned: bool) -> tuple[li
     if not turned or extent.joined:
         return inner, 0.0
     about = extent.retraced and _turned_between(corners)
-    if (extent.repeated and not about) or _comes_round(inner) != extent.count:
+    needed = _comes_round(inner) != extent.count and (not inner or _alike(corners))
+    if (extent.repeated and not about) or needed:
         return corners, 0.0
     return inner, corners[-1]
 
@@ -421,8 +466,8 @@ def _bent_m(straight: Straight) -> float:
     return straight.length_m * min(max(straight.bend_rad / MIN_TURN_RAD - 1.0, 0.0), 1.0)
 
 
-def _bow(straight: Straight, extent_m: float) -> float:
-    """Return how far a side is from being one: 1 if it bends as much as a turn, or if it is mostly detours.
+def _bow(straight: Straight, extent_m: float, side_m: float) -> float:
+    """Return how far a side is from being one: 1 if it bends as much as a turn, or is mostly detours or corners.
 
     A bend counts from half of that on.
     """
@@ -430,7 +475,9 @@ def _bow(straight: Straight, extent_m: float) -> float:
     bent = 2.0 * straight.bend_rad / most_rad - 1.0
     strayed = straight.strayed_m / straight.length_m if straight.length_m > 0.0 else 0.0
     astray = (strayed - STRAYED_SHARE) / (LOST_SHARE - STRAYED_SHARE)
-    return min(max(bent, astray, 0.0), 1.0)
+    level = straight.length_m / side_m if side_m > 0.0 else 1.0
+    rounded = (LEVEL_SHARE - level) / (LEVEL_SHARE - ROUND_SHARE)
+    return min(max(bent, astray, rounded, 0.0), 1.0)
 
 
 def _last_turn(path: Path, turn: Turn, angle_rad: float) -> float:
@@ -439,12 +486,12 @@ def _last_turn(path: Path, turn: Turn, angle_rad: float) -> float:
 
 
 def _repeats(lengths: list[float], corners: list[float], count: int, *, cut_short: bool) -> bool:
-    """Whether the first `count` sides are followed by another whole lap, or by a part of one that was cut short.
+    """Whether the first `count` sides are followed by whole laps, the last of which may have been cut short.
 
     A part that the script itself ended was no lap: the car drove on after the figure.
     """
     sides, later = lengths[:count], lengths[count:]
-    if not later or (len(later) < count and not cut_short):
+    if not later or (len(later) % count and not cut_short):
         return False
     before = list(itertools.islice(itertools.cycle(sides), len(later)))
     whole = len(later) - 1 if cut_short else len(later)

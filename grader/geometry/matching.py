@@ -39,11 +39,7 @@ class Similarity(PositionalRecord):
 def fitted(points: Points, targets: Points, *, scaled: bool, mirrored: bool = False) -> Similarity:
     """Return the similarity that maps `points` nearest to `targets`, pair by pair, in the sense of least squares.
 
-    Args:
-        points: n >= 1 points.
-        targets: what each of them is to come near to.
-        scaled: whether it may enlarge; else it only turns and moves.
-        mirrored: whether it reflects first.
+    `scaled`: it may enlarge; else it only turns and moves. `mirrored`: it reflects first.
     """
     points = np.conj(points) if mirrored else points
     middle, centre = complex(np.mean(points)), complex(np.mean(targets))

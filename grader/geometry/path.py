@@ -328,9 +328,21 @@ def _join(path: Path, pieces: list[_Piece]) -> list[_Piece]:
         ):
             detours = (*before.detours, (turn.first, turn.last), *after.detours)
             joined[i - 1 : i + 2] = [_Piece(before.first, after.last, True, detours)]
+        elif _weaves(path, joined[i - 1 : i + 4]):
+            back = joined[i + 2]
+            detours = (*before.detours, (turn.first, turn.last), *after.detours, (back.first, back.last))
+            joined[i - 1 : i + 4] = [_Piece(before.first, joined[i + 3].last, True, detours)]
         else:
             i += 1
     return joined
+
+
+def _weaves(path: Path, pieces: Sequence[_Piece]) -> bool:
+    """Whether of three straight pieces the third goes on like the first, and the second is aside by a wobble."""
+    if len(pieces) < 5 or [piece.straight for piece in pieces] != [True, False, True, False, True]:
+        return False
+    aside_rad, change_rad = _change(path, pieces[0], pieces[2]), _change(path, pieces[0], pieces[4])
+    return abs(aside_rad) <= 2.0 * WOBBLE_RAD and abs(change_rad) < MIN_TURN_RAD
 
 
 def _change(path: Path, before: _Piece, after: _Piece) -> float:

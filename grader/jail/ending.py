@@ -256,11 +256,7 @@ class KernelAccount(Record):
 def explain(account: KernelAccount, clocks: Clocks, memory_bytes: int, *, cut_frame: bool) -> Ending:
     """Return how a process ended that reached no limit of the grader's own.
 
-    Args:
-        account: what the kernel says of it.
-        clocks: of the run.
-        memory_bytes: private memory it was granted.
-        cut_frame: the last frame it sent is incomplete.
+    `memory_bytes`: private memory it was granted. `cut_frame`: the last frame it sent is incomplete.
     """
     if os.WIFEXITED(account.wait_status):
         code = os.WEXITSTATUS(account.wait_status)

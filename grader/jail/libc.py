@@ -50,12 +50,10 @@ def _checked(result: int, call: str) -> int:
 
 
 def syscall(call: str, number: int, *arguments: object) -> int:
-    """Make system call `number`.
+    """Make system call `number` of this architecture.
 
-    Args:
-        call: its name, for the error message.
-        number: its number on this architecture.
-        arguments: ints, bytes, None or ctypes objects; ints are passed as C longs.
+    `call` is its name, for the error message. Arguments are bytes, None, ctypes objects, or ints, passed as C
+    longs.
 
     Raises:
         OSError: the kernel refused, with its error number.

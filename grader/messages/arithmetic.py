@@ -1,7 +1,7 @@
 """Values of simple expressions in a script: numbers, names that are assigned once, the four operations.
 
 Nothing is run, and a student's text is not given to Python's parser. This reads the little that a hint needs; the
-value of anything else is None.
+value of anything else is None. A parameter has a value if every call gives it the same.
 """
 
 import math
@@ -87,11 +87,12 @@ class _Reader:
     def _named(self, name: str) -> float:
         owner, _, own = name.rpartition(".")
         assigned = self._script.assigned(own) if owner in ("", "self", self._script.node_class) else None
+        written = assigned.value if assigned else self._script.given_to(own) if not owner else None
         known = self._script.known_values
         if own not in known:
             known[own] = None  # a name that leads back to itself has no value
-            known[own] = assigned and value_of(assigned.value, self._script, self._depth + 1)
-        value = known[own] if assigned else None
+            known[own] = None if written is None else value_of(written, self._script, self._depth + 1)
+        value = known[own] if written else None
         if value is None:
             raise LookupError
         return value

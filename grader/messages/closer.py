@@ -4,6 +4,7 @@ Each function takes the exception, the line that raised it, and the script; it r
 its sentence ``mistake.<code>``, or None where the script does not show the cause for certain.
 """
 
+import builtins
 import difflib
 import re
 from collections.abc import Callable, Mapping
@@ -176,6 +177,42 @@ def none_before_spin(error: StudentError, written: str, script: ScriptText) -> C
     return ("none_before_spin", {"name": kept[0]}) if kept else None
 
 
+def set_without_global(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Find the function that assigns a variable of its own instead of the module's, which stays None."""
+    for name in re.findall(r"(?<![\w.])(\w+)\.\w", written):
+        outer = script.lines_with(rf"^{name} ?= ?None$")
+        for line in script.lines_with(rf"^[ \t]+{name} ?=(?!=)") if outer else []:
+            function = script.function_around(line)
+            made = script.definition(function)
+            if made is None:
+                continue
+            if not any(re.search(rf"\bglobal\b.*\b{name}\b", one) for one in script.block(made.line)):
+                return "kept_global", {"name": name, "callback": function, "begins": made.line}
+            if not script.calls(function):
+                return "never_called", {"name": function, "begins": made.line}
+    return None
+
+
+def future_not_done(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise the result of a future that is taken before the answer has come."""
+    found = re.search(r"(?<![\w.])([\w.]{1,60})\.result\( ?\)\.", written)
+    return ("future_not_done", {"name": found[1]}) if found else None
+
+
+def copied(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Find the copy of a function that still has the name of the first one, where another name is called."""
+    found = re.search(r"name '(\w+)' is not defined|has no attribute '(\w+)'", error.message)
+    name = (found[1] or found[2]) if found else ""
+    begins: dict[str, list[int]] = {}
+    for number, made in script.matches(r"^[ \t]*def (\w+)"):
+        begins.setdefault(made[1], []).append(number)
+    twice = [(one, lines) for one, lines in begins.items() if len(lines) == 2 and one != "__init__"]
+    if not name or not re.search(rf"\b{name}\(", written) or len(twice) != 1:
+        return None
+    function, (first, second) = twice[0]
+    return "copied", {"name": name, "function": function, "first": first, "second": second}
+
+
 def constructor(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Find what keeps the node's name from Node: a misspelt ``__init__``, or empty brackets."""
     if re.search(r"\bsuper\(\)\.__init__\( ?\)", written):
@@ -229,11 +266,15 @@ def dash(error: StudentError, written: str, script: ScriptText) -> Closer:
 
 def overwritten(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Find the number that has taken the name of the method that was called."""
-    for name in re.findall(r"\bself\.(\w+)\(", written):
+    for name in re.findall(r"\b\w+\.(\w+)\(", written):
         made = script.definition(name)
         given = script.lines_with(rf"\bself\.{re.escape(name)} ?=(?!=)")
         if made is not None and given:
             return "method_overwritten", {"name": name, "given": given[0], "begins": made.line}
+    for name in re.findall(r"(?<![\w.])([a-z]+)\(", written):
+        given = script.lines_with(rf"^[ \t]*{name} ?=(?!=)") if hasattr(builtins, name) else []
+        if given:
+            return "builtin_overwritten", {"name": name, "given": given[0]}
     return None
 
 
@@ -322,6 +363,17 @@ def handler_order(error: StudentError, written: str, script: ScriptText) -> Clos
     return "handler_order", {"line": made.line, "name": name, "right": right}
 
 
+def called_on_class(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a method that is called on the class by its name, outside of the class: no object is given."""
+    found = re.match(r"(\w+)\.(\w+)\(\) missing ", error.message)
+    node = script.object_at(error.line or 0)
+    if found is None or node == "self" or not script.class_line(found[1]):
+        return None
+    if f"{found[1]}.{found[2]}(" not in written or found[2] == "main":
+        return None
+    return "missing_object", {"name": found[2], "object": node, "call": "(...)"}
+
+
 def class_for_self(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Recognise a method that gets no object, as it is taken from the class or marked as static."""
     found = re.match(r"(\w+)\.(\w+)\(\) missing \d+ required", error.message)
@@ -330,6 +382,8 @@ def class_for_self(error: StudentError, written: str, script: ScriptText) -> Clo
         return None
     if made and script.is_decorated(made.line) and "@staticmethod" in script.lines[made.line - 2]:
         return "static_with_self", {"line": made.line - 1, "name": found[2]}
+    if made and found[2] == "main":
+        return "function_inside", {"name": "main", "begins": made.line}
     used = script.lines_with(rf"\b{found[1]}\.{found[2]}\b")
     line = error.line if error.line in used else next(iter(used), None)
     if line is None or script.object_at(line) != "self":
@@ -447,8 +501,8 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "assigned_later": (missing_global,),
     "bad_name": (backslash,),
     "callback_called": (called_here,),
-    "class_for_object": (class_for_self,),
-    "call_mismatch": (main_needs_args, bare_class, signature),
+    "class_for_object": (called_on_class, class_for_self),
+    "call_mismatch": (main_needs_args, called_on_class, bare_class, signature),
     "foreign_character": (dash,),
     "index_range": (list_too_short,),
     "crashed": (signature,),
@@ -468,11 +522,12 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "ros_1_habit": (rate_of_ros_1,),
     "self_outside": (class_body,),
     "shell_line": (only_shell,),
-    "still_none": (none_in_init, none_before_spin),
+    "still_none": (future_not_done, none_in_init, none_before_spin, set_without_global),
     "text_for_number": (text_plus_number,),
     "time_and_number": (time_to_sleep,),
     "unknown_field": (message_replaced,),
-    "unknown_name": (parameter_called,),
+    "unknown_attribute": (copied,),
+    "unknown_name": (parameter_called, copied),
     "unknown_part": (handler_order, wanted_field),
     "wrong_parameters": (main_needs_args, signature),
 }

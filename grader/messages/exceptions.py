@@ -30,12 +30,18 @@ _SIGNS: Final = (
     (_LINE + r"\d+[.:|)]?[ \t]+(?!(and|else|for|if|in|is|not|or)\b)[A-Za-z_#@\"']", "line_numbers"),
     (_LINE + rf"(\./|{_SHELL}[ \t]+(?!(and|else|for|if|in|is|not|or)\b)[^\s=(,])", "shell_line"),
     (r"SyntaxError: Missing parentheses in call to 'print'", "print_statement"),
+    (r"SyntaxError: multiple exception types must be parenthesized", "except_comma"),
+    (_LINE + r"<(\?xml|!DOCTYPE|html|launch|package|robot)\b", "markup_file"),
     (_LINE + r"(\}\s*)?(else[ \t]+if|elseif|elsif)\b", "else_if"),
+    (_LINE + r"else[ \t]+[^:\n]+:", "else_condition"),
+    (r"SyntaxError: invalid syntax\n.*\n +(?P<word>else|elif)\b.*:", "else_alone"),
+    (_LINE + r"(%\w|!\w|(In|Out) ?\[\d*\] ?:)", "pasted_mark"),
     (
-        _LINE + r"(//|/\*|\}|(for|while|if)[ \t]*\([^)\n]*;|[^\"'#\n]*(\w(::|->)\w|=[ \t]*new[ \t]+\w|"
-        r"\)[ \t]*\{[ \t]*\n))",
+        _LINE + r"(//|/\*|\}|(int|void)[ \t]+main[ \t]*\(|(for|while|if)[ \t]*\([^)\n]*;|"
+        r"[^\"'#\n]*(\w(::|->)\w|=[ \t]*new[ \t]+\w|\)[ \t]*\{[ \t]*\n))",
         "c_syntax",
     ),
+    (r"SyntaxError: invalid decimal literal" + r".*\n.*\n.*\d\.\d*f\b", "c_syntax"),
     (_LINE + r"[^\"'#\n]*\d[ \t]*(m/s|rad/s|rad|m|s|cm|米|秒|度|弧度)(?!\w)", "unit_in_code"),
     (_LINE + r"(.*\W)?(?P<name>[A-Za-z_][\w.]*)(\+\+|--)[ \t]*[;)]?[ \t]*(#.*)?\n", "increment"),
     (r"SyntaxError: .*Maybe you meant '==' .*\n.*\n +(if|elif|while)\b", "single_equals"),
@@ -128,7 +134,7 @@ _SIGNS: Final = (
         "fields_by_position",
     ),
     (r"TypeError: .*unexpected keyword argument 'queue_size'", "queue_size_of_ros_1"),
-    (r"TypeError: .*qos_profile", "missing_qos"),
+    (r"TypeError: (?!.*unexpected keyword).*qos_profile", "missing_qos"),
     (
         r"TypeError: Expected QoSProfile or int, but received <class '(str|float|bool|list|tuple)'>",
         "qos_number",
@@ -162,6 +168,7 @@ _SIGNS: Final = (
     (r"AttributeError: 'str' object has no attribute 'executor'", "spin_what"),
     (r"TypeError: spin_until_future_complete\(\) missing .*'future'", "future_missing"),
     (r"TypeError: spin(_once)?\(\) got an unexpected keyword argument 'time", "spin_timeout"),
+    (r"AttributeError: '(int|float)' object has no attribute '(add|remove)_node'", "spin_timeout"),
     (r"TypeError: \w*Executor\.spin\w*\(\) takes 1 positional", "executor_spin"),
     (
         r"TypeError: 'str' object cannot be interpreted as an integer" + _AT + r".*\bsleep\([ \t]*['\"]",
@@ -209,18 +216,24 @@ _SIGNS: Final = (
         "launch_no_executable",
     ),
     (r"TypeError: Node\.__init__\(\) missing", "no_super_init"),
+    (r"TypeError: create_node\(\) missing .*'node_name'", "no_node_name"),
+    (r"TypeError: init\(\) takes 0 positional.*" + _AT + r".*\brclpy\.init\(", "init_arguments"),
     (r"TypeError: Node\.__init__\(\) (takes 2 positional|got an unexpected keyword)", "node_name_only"),
     (
         r"AttributeError: '\w+' object has no attribute '(_(clock|default_callback_group|logger|parameters|"
         r"parameter_overrides|publishers|rate_group|Node__\w+))'(?!.*" + _AT + r".*\.\1\b)",
         "no_super_init",
     ),
-    (r"Invalid(Node|Topic|Service)NameException: |InvalidNamespaceException: ", "bad_name"),
+    (
+        r"Invalid(Node|Topic|Service)NameException: |InvalidNamespaceException: |"
+        r"ValueError: Failed to create action (client: failed to get goal service|\w+ due to invalid topic) name",
+        "bad_name",
+    ),
     (r"TypeError: 'NoneType' object is not callable", "callback_called"),
     (r"(Attribute|Type)Error: 'property' object ", "class_for_object"),
     (r"TypeError: \w+\.\w+\(\) missing 1 required positional argument: 'self'", "class_for_object"),
     (
-        r"TypeError: 'Vector3' object (does not support item assignment|is not subscriptable)",
+        r"TypeError: '(Vector3|Twist)' object (does not support item assignment|is not subscriptable)",
         "vector_index",
     ),
     (
@@ -242,7 +255,12 @@ _SIGNS: Final = (
         "unknown_package",
     ),
     (r"InvalidPythonLaunchFileError: .* returns None, no LaunchDescription", "launch_returns_nothing"),
-    (r"TypeError: '(int|float)' object is not iterable", "not_iterable"),
+    (
+        r"TypeError: '(int|float)' object is not iterable(?!.*" + _AT + r"(?!.*\b(for|list|tuple|sum)\b))",
+        "not_iterable",
+    ),
+    (r"TypeError: float\(\) argument must be .* not 'list'", "list_for_number"),
+    (r"TypeError: '(int|float)' object is not subscriptable", "number_index"),
     (r"TypeError: Expected .*, got <class '[\w.]*\.Metaclass_\w+'>", "class_for_object"),
     (
         r"TypeError: (?!(Node|Client|Publisher|ActionClient|Executor|Rate|Clock)\.)(\w+\.)?\w+\(\) "
@@ -267,7 +285,7 @@ _SIGNS: Final = (
         r"'[<>]=?' not supported .*'str'|must be real number, not str)",
         "text_for_number",
     ),
-    (r"TypeError: \n", "no_response"),  # what a service's server raises at home, without a word
+    (r"TypeError: \n", "no_request"),  # what a service's server raises at home, without a word
     (r"AttributeError: 'NoneType' object has no attribute ", "still_none"),
     (
         r"AttributeError: property '(?P<name>clients|context|default_callback_group|guards|handle|publishers|"
@@ -303,6 +321,8 @@ _SIGNS: Final = (
         "list_empty",
     ),
     (r"IndexError: (array|list|string|tuple) index out of range", "index_range"),
+    (r"error: Cannot load (URDF|SDF|MJCF) file", "urdf_not_found"),
+    (r"error: Not connected to physics server", "bullet_not_connected"),
     (r"error: (\(25, |setupterm:)", "no_terminal"),  # of termios and curses
     (r"TclError: ", "no_display"),
     (r"FileNotFoundError: ", "missing_file"),
@@ -387,6 +407,13 @@ _NODE_LISTS: Final = ("clients", "guards", "publishers", "services", "subscripti
 _NODE_PROPERTIES: Final = tuple(sorted((*_NODE_LISTS, "context", "default_callback_group", "handle")))
 """Attributes of Node that break it if a method of the student's class takes their name."""
 
+_NODE_METHODS: Final = (
+    "create_client", "create_publisher", "create_service", "create_subscription", "create_timer",
+    "declare_parameter", "declare_parameters", "get_clock", "get_logger", "get_parameter", "has_parameter",
+    "set_parameters",
+)  # fmt: skip
+"""Methods of Node that it calls itself, or that a method of the student's class means to call by its own name."""
+
 
 def suggested(error: StudentError) -> str | None:
     """Return the name that Python suggests instead of an unknown one; None if it suggests none."""
@@ -470,6 +497,8 @@ _STATEMENTS: Final = (
 
 def _statement(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at a line that Python does not take: its first word may be a misspelt one of Python's."""
+    if (above := _without_comma(error, script)) is not None:
+        return "missing_comma", {"line": above}
     found = re.match(r"([A-Za-z]+)(?=[ \t]+[A-Za-z_(\"']|[ \t]*:)", script_line(error))
     if found is None or found[1] in _STATEMENTS:
         return None
@@ -480,10 +509,26 @@ def _statement(error: StudentError, script: ScriptText) -> Closer:
     return ("misspelt_keyword", {"name": name, "suggestion": near[0]}) if near else None
 
 
+def _without_comma(error: StudentError, script: ScriptText) -> int | None:
+    """Return the line of an argument that another one follows, each on a line of its own, without a comma."""
+    above = (error.line or 0) - 1
+    if not 0 < above < len(script.lines):
+        return None
+    before, behind = script.lines[above - 1].strip(), script.lines[above].strip()
+    is_argument = re.fullmatch(r"[\w.]+|\"\"", before) and before not in _STATEMENTS
+    return above if is_argument and re.match(r"([\w.]+|\"\") ?,", behind) else None
+
+
 def _pasted(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at a foreign character: prose around code that was copied from a web page has many."""
     fences = script.lines_with(r"^[ \t]*```")
-    return ("pasted_mark", {"line": fences[0]}) if fences else None
+    if fences:
+        return "pasted_mark", {"line": fences[0]}
+    return ("prose", {}) if _PROSE.fullmatch(script_line(error)) else None
+
+
+_PROSE: Final = re.compile(r"(?=(?:[^\u4e00-\u9fff]*[\u4e00-\u9fff]){4})[\w\u3000-\u303f\uff01-\uff1f /.+-]+")
+"""A line of words and their punctuation, without the brackets, quotes and signs of code."""
 
 
 def _float(error: StudentError, script: ScriptText) -> Closer:
@@ -572,6 +617,8 @@ def _keyword(error: StudentError, script: ScriptText) -> Closer:
     found = re.match(r"(?:[\w.]*?(\w+)\.)?(\w+)\(\) .*'(\w+)'", error.message)
     made = script.definition(found[2]) if found else None
     owner = None if found is None or not found[1] else script.class_line(found[1])
+    if found is not None and _is_of_node(found[1], found[2], script):
+        return "name_taken", {"name": found[2]}
     if found is None or made is None or (found[1] and owner is None):
         return "crashed", {}
     return "keyword_of_own", {"name": found[2], "given": found[3], "begins": made.line}
@@ -599,10 +646,19 @@ def _not_started(error: StudentError, script: ScriptText) -> Closer:
 
 def _function(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at a function used as a value: a method may have taken the place of one of Node's own."""
-    if re.search(r"\btime\.\w+", script_line(error)) and script.lines_with(r"from time import\b.*\btime\b"):
+    if re.search(r"\btime\.\w+", script_line(error)) and script.lines_with(
+        r"from time import\b.*(\btime\b|\*)"
+    ):
         return "time_is_function", {}
     taken = script.methods(_NODE_PROPERTIES)
-    return ("name_taken", {"name": taken[0]}) if taken and "super()" in script_line(error) else None
+    looked_at = r"super\(\)|\bspin|\badd_node\(" if "not iterable" in error.message else r"super\(\)"
+    return ("name_taken", {"name": taken[0]}) if taken and re.search(looked_at, script_line(error)) else None
+
+
+def _is_of_node(owner: str | None, name: str, script: ScriptText) -> bool:
+    """Whether a class of the script, a node it seems, has a method under the name of one of Node's."""
+    made = script.definition(name) if owner and name in _NODE_METHODS else None
+    return made is not None and made.takes_self and not script.class_without_base(owner or "")
 
 
 def _parameters(error: StudentError, script: ScriptText) -> Closer:
@@ -612,6 +668,8 @@ def _parameters(error: StudentError, script: ScriptText) -> Closer:
     made = script.definition(name)
     if made is not None and script.hands_over(error.line or 0, name):
         return "callback_called", {}
+    if _is_of_node(error.message.rpartition("()")[0].rpartition(".")[0], name, script):
+        return "name_taken", {"name": name}
     owner = re.match(r"(\w+)\.__init__\(\)", error.message)
     if made is not None and made.takes_self and owner is not None and f"{owner[1]}(" in script_line(error):
         return "init_mismatch", {"name": owner[1], "begins": made.line}
@@ -716,6 +774,10 @@ def _nearest_own(name: str, line: int, script: ScriptText, otherwise: Closer) ->
         return otherwise
     if not script.is_short or len(name) > LONGEST_NAME:
         return otherwise
+    if script.publisher and re.search(
+        rf"(?<![\w.]){name}\.publish\(", "".join(script.lines[line - 1 : line])
+    ):
+        return "misspelt", {"suggestion": script.publisher}
     if name in script.defined_names:
         begins = script.lines_with(rf"^(def|class) {name}\b")[-1]
         return ("defined_below", {"name": name, "begins": begins}) if begins > line else None
@@ -749,7 +811,7 @@ def _is_node(name: str, written: str) -> bool:
 def _attribute(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at an unknown attribute."""
     found = re.match(r"'(\w+)' object has no attribute '(\w+)'", error.message)
-    closer = _of_module(error) if found is None else _of_object(found[1], found[2], error, script)
+    closer = _of_module(error, script) if found is None else _of_object(found[1], found[2], error, script)
     if closer is not None:
         return closer
     suggestion = suggested(error)
@@ -761,12 +823,19 @@ def _attribute(error: StudentError, script: ScriptText) -> Closer:
     return None if own or not script.has_code else ("unknown_in_library", {})
 
 
-def _of_module(error: StudentError) -> Closer:
+def _of_module(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at what a module has not."""
+    if error.message == "type object 'Time' has no attribute 'now'":
+        return "ros_1_habit", {
+            "name": "Time.now()",
+            "instead": f"{script.object_at(error.line or 0)}.get_clock().now()",
+        }
     found = re.match(r"module '(\w+)' has no attribute '(\w+)'", error.message)
     if found is None:
         return None
     module, name = found.groups()
+    if (module, name) == ("time", "now"):
+        return "misspelt", {"suggestion": "time.time()"}
     if module == "rclpy" and name in _OF_ROS_1:
         return "ros_1_habit", {"name": f"rclpy.{name}", "instead": _OF_ROS_1[name]}
     if module == "rclpy" and _IMPORTS.get(name, "").startswith("from rclpy."):
@@ -781,6 +850,9 @@ def _of_object(owner: str, name: str, error: StudentError, script: ScriptText) -
     is_node = owner in ("Node", script.node_class)
     if name in ("spin", "spin_once") and is_node:
         return "spin_of_rclpy", {"name": name}
+    if is_node and name in _NODE_OF_ROS_1:
+        node = script.object_at(error.line or 0)
+        return "ros_1_habit", {"name": f"{node}.{name}", "instead": f"{node}.{_NODE_OF_ROS_1[name]}"}
     if owner in ("Duration", "Time") and name in _DURATION_OF_ROS_1:
         return "ros_1_habit", {"name": f".{name}", "instead": _DURATION_OF_ROS_1[name]}
     closer = _own_attribute(owner, name, script)
@@ -788,6 +860,16 @@ def _of_object(owner: str, name: str, error: StudentError, script: ScriptText) -
         return "misspelt", {"suggestion": _MEANT_OF_NODE[name]}
     return closer or _of_an_object(name, script_line(error), script)
 
+
+_NODE_OF_ROS_1: Final = {
+    "advertise": "create_publisher(Twist, '/turtle1/cmd_vel', 10)",
+    "subscribe": "create_subscription(Pose, '/turtle1/pose', callback, 10)",
+    "get_param": "declare_parameter('side', 2.0).value",
+    "loginfo": "get_logger().info('...')",
+    "logwarn": "get_logger().warning('...')",
+    "logerr": "get_logger().error('...')",
+}
+"""What a node had in ROS 1, or what ``rospy`` had, each with what a node of ROS 2 has."""
 
 _MEANT_OF_NODE: Final = {
     "create_sub": "create_subscription",
@@ -894,6 +976,7 @@ def _module(error: StudentError, script: ScriptText) -> Closer:
         return "library_not_here", {"name": root}
     near = [known for known in _MODULES if sorted(known) == sorted(name.lower())]
     near = near or difflib.get_close_matches(name, _MODULES, 1, 0.8)
+    near = near or [one for one in _MODULES if one.partition(".")[0] == f"{root}_msgs"][:1]
     known = near and near[0].partition(".")[0] != name  # the package itself is not there
     return ("misspelt", {"suggestion": near[0]}) if known else None
 
@@ -936,6 +1019,28 @@ def _base_class(error: StudentError, script: ScriptText) -> Closer:
     return ("no_base_class", {"line": above[-1]}) if above else None
 
 
+def _urdf(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at a model that PyBullet does not find: it may not know where its own ones are."""
+    told = [line for line in script.lines_with(r"\bsetAdditionalSearchPath\(") if line < (error.line or 0)]
+    return None if told or not script.has_code else ("urdf_path_missing", {})
+
+
+def _service(error: StudentError, script: ScriptText) -> Closer:
+    """Find the service's callback that does not return its response, or the request that lacks its parentheses."""
+    for _, name in script.callbacks("service"):
+        made = script.definition(name)
+        given = (
+            re.search(r"(\w+) ?\) ?(?:->.*)?:$", script.lines[made.line - 1]) if made is not None else None
+        )
+        if made is None or given is None:
+            continue
+        returned = re.findall(r"^[ \t]*return[ \t]+(\w+)$", "\n".join(script.block(made.line)), re.MULTILINE)
+        if not any(one == given[1] or script.lines_with(rf"\b{one} ?=.*Response\(") for one in returned):
+            return "no_response", {"name": name, "begins": made.line, "response": given[1]}
+    bare = script.lines_with(r"= ?\w+\.Request$")
+    return ("class_for_object", {"line": bare[0]}) if bare else None
+
+
 def _args(error: StudentError, script: ScriptText) -> Closer:
     """Find the argument of a thread's function that lacks the comma of a tuple."""
     for line, found in script.matches(r"\btarget ?= ?.*\bargs ?= ?(?:\( ?([\w.]+) ?\)|([\w.]+) ?[,)])"):
@@ -976,6 +1081,8 @@ _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
     "int_in_float": _float,
     "no_input": _asked_again,
     "comma_of_args": _args,
+    "no_request": _service,
+    "urdf_not_found": _urdf,
     "not_initialized": _made_late,
     "syntax_error": _statement,
     "text_for_number": _text,
@@ -1000,6 +1107,6 @@ def script_line(error: StudentError) -> str:
 
 
 def _first_line(message: str) -> str:
-    """Return the first line of an exception's message, without a trailing colon or the path of a module."""
-    line = message.strip().partition("\n")[0].rstrip(":")
+    """Return the first line of an exception's message, without the mark at its end or the path of a module."""
+    line = message.strip().partition("\n")[0].rstrip(":.")
     return _MODULE_PATH.sub("", line)[:_LONGEST]

@@ -38,6 +38,8 @@ _HIDES: Final = re.compile(r"\bexcept ?:|\b((Base)?Exception|AssertionError|Type
 """An ``except`` that catches what a wrong value in a message raises."""
 
 
+_MOST_CALLS: Final = 12
+
 LONGEST_NAME: Final = 60
 """Of the names that are compared for being alike, which takes the square of their lengths."""
 
@@ -130,6 +132,30 @@ class ScriptText:
     def assigned(self, name: str) -> Assigned | None:
         """Return the only assignment of that name; None when there is none, or more than one."""
         return self._assigned.get(name)
+
+    def given_to(self, name: str) -> str | None:
+        """Return what all calls give for the parameter `name` of the only function that has one of that name.
+
+        None if it differs, or if the name is assigned anywhere.
+        """
+        made = self._parameters.get(name)
+        if made is None or self.lines_with(rf"(?<![\w.]){re.escape(name)} ?([-+*/]|//)?=(?!=)"):
+            return None
+        function, place = made
+        calls = self.lines_with(rf"(?<!def )(?<!\w){re.escape(function)}\(")
+        given = {tuple(self.arguments(number, function)[place : place + 1]) for number in calls[:_MOST_CALLS]}
+        only = given.pop() if len(given) == 1 else ()
+        return only[0] if only and len(calls) <= _MOST_CALLS else None
+
+    @cached_property
+    def _parameters(self) -> dict[str, tuple[str, int] | None]:
+        """The parameters of all functions: function and place among its arguments; None for several of a name."""
+        found: dict[str, tuple[str, int] | None] = {}
+        for _, made in self.matches(r"^[ \t]*def (\w+) ?\( ?(?:self ?,? ?)?([^()]*)\)"):
+            for place, part in enumerate(made[2].split(",")):
+                name = part.partition("=")[0].partition(":")[0].strip()
+                found[name] = None if name in found else (made[1], place)
+        return found
 
     @cached_property
     def known_values(self) -> dict[str, float | None]:
@@ -367,10 +393,19 @@ class ScriptText:
     @property
     def swallowed(self) -> int | None:
         """The line of the first ``except`` that passes over an error without a word."""
+        return self._hiding(r"pass$|continue$")
+
+    @property
+    def caught(self) -> int | None:
+        """The line of the first ``except`` that passes over an error, or only prints or logs it."""
+        return self._hiding(r"pass$|continue$|print\(|.*\bget_logger\(\)\.\w+\(")
+
+    def _hiding(self, body: str) -> int | None:
+        """Return the line of the first ``except`` for any error that begins with a statement like `body`."""
         for number in self.lines_with(r"^[ \t]*except\b[^:]*:"):
             rest = self.lines[number - 1].partition(":")[2].strip()
             behind = rest or "".join(self.lines[number : number + 1]).strip()
-            hides = behind in {"pass", "continue"} and _HIDES.search(self.lines[number - 1])
+            hides = re.match(body, behind) and _HIDES.search(self.lines[number - 1])
             if hides and not self._only_cleans_up(number):
                 return number
         return None

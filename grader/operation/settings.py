@@ -80,7 +80,9 @@ class Settings(BaseSettings):
         default="", description="Address that e-mail comes from, such as `grader@example.edu`."
     )
     default_language: Language = Field(
-        default="zh", description="Language of answers when a request asks for neither zh nor en."
+        default="zh",
+        description="Language of answers when a request asks for neither zh nor en, "
+        "and of commands without `--lang`.",
     )
     assignments: str = Field(
         default="",
@@ -139,7 +141,7 @@ class Settings(BaseSettings):
     lease_s: float = Field(
         default=15.0,
         gt=0.0,
-        le=1_800.0,  # a claim for more than `queue.LONGEST_PAUSE` counts as made while the clock was ahead
+        le=1_800.0,  # a claim for more than `clock.LONGEST_PAUSE` counts as made while the clock was ahead
         description="A grading whose worker is silent for so long is given to another.",
     )
     heartbeat_s: float = Field(

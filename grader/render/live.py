@@ -65,11 +65,7 @@ def _rows(output: Console) -> int:
 
 
 class Film:
-    """The frames of a drive.
-
-    Attributes:
-        end_ns: when nothing more is to be seen.
-    """
+    """The frames of a drive. `end_ns`: when nothing more is to be seen."""
 
     def __init__(self, track: Trajectory, logs: tuple[LogRecord, ...], *, rows: int, columns: int) -> None:
         self._track, self._logs = track, logs

@@ -72,14 +72,9 @@ def plot(  # noqa: PLR0913
 ) -> bytes:
     """Return the plot of one of the report's runs, 1440 x 810 pixels (log lines: as high as they need).
 
-    Args:
-        assignment: gives title and world.
-        report: gives score, summary, logs and how the run ended.
-        trajectory: of that run; None when the car was not recorded.
-        sketch: the measured figure, from `grader.checks`; None draws the bare path.
-        language: of every label.
-        form: of the file; in an SVG all text is outlines, so that it looks alike everywhere.
-        case: which run; None: the first.
+    `trajectory`: of that run; None when the car was not recorded. `sketch`: the measured figure; None draws the
+    bare path. In an SVG all text is outlines, so that it looks alike everywhere. `case`: which run; None: the
+    first.
 
     Raises:
         ValueError: the report has no such run.

@@ -41,9 +41,7 @@ def drawable(text: str, limit: int | None = None) -> str:
     Emoji that no shipped font has are dropped with the space after them, other missing characters become
     ``□``, invisible ones are escaped.
 
-    Args:
-        text: any text.
-        limit: most characters of the result; a longer one ends in ``…``.
+    At most `limit` characters are returned; a longer text ends in ``…``.
     """
     plain = text.replace("\ufe0f", "")
     kept: list[str] = []

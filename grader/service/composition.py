@@ -57,9 +57,7 @@ def websockets_installed() -> bool:
 def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[Services]:
     """Open the store, bring it up to date, start the workers; put everything away at the end.
 
-    Args:
-        settings: what the operator wants.
-        preflight: looks at uploads; by default a sandbox of its own.
+    `preflight` looks at uploads; by default a sandbox of its own.
 
     Raises:
         SettingsError: the database does not fit this version, the service would be open to the network, or what is

@@ -67,9 +67,8 @@ _WIDE_TURN_RAD: Final = 0.5  # Bullet loses a body that turns by more than a qua
 _BEHIND_UPDATES: Final = 8  # taken along at each update, the body costs a grading a quarter of its time
 _QUICK_RADPS: Final = _WIDE_TURN_RAD / (_BEHIND_UPDATES * UPDATE_S)
 _QUICK_MPS: Final = 5.0  # wheels that are faster tilt the body, the more the longer an engine step is
-_ASTRAY: Final = (
-    0.05  # m and rad: the body stays within 1e-8; at 100 rad/s its wheels, as gyroscopes, tilt it by 5e-3
-)
+# In m and rad. The body stays within 1e-8; at 100 rad/s its wheels, as gyroscopes, tilt it by 5e-3.
+_ASTRAY: Final = 0.05
 
 
 class Watcher(Protocol):
@@ -85,7 +84,22 @@ class Watcher(Protocol):
         """Learn that `wall` held the car back from `start_ns` to `end_ns`."""
 
 
-class BulletCar:
+class Client:
+    """A world of PyBullet's."""
+
+    def __init__(self, purpose: str = "a physics client") -> None:
+        self._client: int = _bullet.connect(_bullet.DIRECT)
+        if self._client < 0:
+            raise InfrastructureError(f"PyBullet refused {purpose}")
+
+    def close(self) -> None:
+        """Give the client back. Nothing else is usable afterwards."""
+        if self._client >= 0:
+            _bullet.disconnect(physicsClientId=self._client)
+            self._client = -1
+
+
+class BulletCar(Client):
     """A car in a PyBullet world of its own, driven in turtlesim's updates of 16 ms.
 
     One object serves any number of episodes, one after the other: `reset` builds the world anew, so nothing
@@ -114,9 +128,7 @@ class BulletCar:
         Raises:
             InfrastructureError: PyBullet failed.
         """
-        self._client: int = _bullet.connect(_bullet.DIRECT)
-        if self._client < 0:
-            raise InfrastructureError("PyBullet refused a physics client")
+        super().__init__()
         with faults():
             self._body = _build(self._client)
         self._is_new = True  # nothing has happened in the world that stands there
@@ -128,12 +140,6 @@ class BulletCar:
         self.velocity = self.commanded = (0.0, 0.0)
         self.now_ns = self.steps_run = self._body_step = 0
         self.resting = True
-
-    def close(self) -> None:
-        """Give the physics client back. The car is not usable afterwards."""
-        if self._client >= 0:
-            _bullet.disconnect(physicsClientId=self._client)
-            self._client = -1
 
     def reset(self, watcher: Watcher, start: PlanarPose, *, profile: Profile, walls: bool, seed: int) -> None:
         """Start an episode at time 0 with the car at rest in pose `start`.

@@ -43,12 +43,7 @@ _TEXTS: Final = ("string", "wstring")
 
 
 def decode(type_name: str, data: bytes, types: Types = WORLD) -> Values:
-    """Read one message.
-
-    Args:
-        type_name: e.g. ``geometry_msgs/msg/Twist``.
-        data: CDR with its encapsulation header.
-        types: where `type_name` is looked up.
+    """Read one message with its encapsulation header, of a type of `types` such as ``geometry_msgs/msg/Twist``.
 
     Raises:
         ProtocolError: the bytes are not exactly one message of that type.

@@ -69,8 +69,8 @@ _TWIST: Final = struct.Struct("<4s6d")
 
 
 DISCOVERY_NS = 110_000_000
-"""Up to this age of its publisher a message counts as lost at home: discovery takes 50 to 500 ms there, so of
-ten such messages one arrives. The first tick of a timer of 10 Hz comes a little later than 0.1 s."""
+"""A message sent within this time of its publisher's creation counts as lost at home, where discovery takes 50 to
+500 ms: one in ten arrives. The first tick of a timer of 10 Hz comes a little later than 0.1 s."""
 
 
 class EpisodeSpec(Record):
@@ -166,14 +166,14 @@ class Episode:
         self._calls = ServiceCalls(spec.calls, self._graph, spec.interfaces)
         self._agent = _agent(spec, self._world, self._graph) if spec.agent else None
         self._sinks: dict[int, Callable[[Sequence[int], bytes], None]] = {}
-        self._published: Publish | None = None  # the frame before, if it was that, or repeated it
+        self._published: Publish | None = None  # the last one, as long as only its REPEATs have followed
         self._now_ns = 0
         self._requests: list[WorldRequest] = []
-        self._asked_ns: int | None = None  # the last time, while script and world take turns
+        self._in_turn_ns: int | None = None  # of the last ADVANCE, while script and world take turns
         self._exit: Exit | None = None
         self._has_started = False
-        self._has_moved = False  # whether a motion was commanded
-        self._is_heard = False  # whether at home, too, somebody would have heard one
+        self._motion_commanded = False
+        self._motion_heard = False  # at home, too: see DISCOVERY_NS
 
     @property
     def now_ns(self) -> int:
@@ -322,8 +322,8 @@ class Episode:
         if self._agent is not None:
             self._run_agent(self._agent, min(t_ns, self._spec.horizon_ns))
         self._now_ns = min(t_ns, self._spec.horizon_ns)
-        if self._asked_ns is not None and self._now_ns - self._asked_ns > AHEAD_NS:
-            self._asked_ns = None
+        if self._in_turn_ns is not None and self._now_ns - self._in_turn_ns > AHEAD_NS:
+            self._in_turn_ns = None
             self._take_turns(False)
 
     def _run_agent(self, agent: "Agent", t_ns: int) -> None:
@@ -359,8 +359,10 @@ class Episode:
         """Hand a request to the world, if it offers the service."""
         if self._world.services.get(client.name) != client.type:
             return
-        if len(self._requests) < MAX_REQUESTS and (values := _asked(client.type, frame.payload)) is not None:
-            self._requests.append(WorldRequest(t_ns=frame.t_ns, service=client.name, values=values))
+        if len(self._requests) < MAX_REQUESTS:
+            values = _request_text(client.type, frame.payload)
+            if values is not None:
+                self._requests.append(WorldRequest(t_ns=frame.t_ns, service=client.name, values=values))
         if not self._world.request(client.name, frame):
             self._journal.note("too_many_requests", client.name)
 
@@ -411,8 +413,8 @@ class Episode:
             return
         _, x, y, _, _, _, turn = _TWIST.unpack(payload)
         if x or turn:
-            self._has_moved = True
-            self._is_heard |= times_ns[-1] - created_ns > DISCOVERY_NS
+            self._motion_commanded = True
+            self._motion_heard |= times_ns[-1] - created_ns > DISCOVERY_NS
         self._world.command(topic, times_ns, x, y, turn)
 
     def _advance(self, frame: Advance, link: Link) -> None:
@@ -433,15 +435,17 @@ class Episode:
         quiet_ns = self._next_due() if left_ns is None else left_ns
         car = self._let_reckon()
         if car is None:
-            if self._asked_ns is None:
+            if self._in_turn_ns is None:
                 self._take_turns(True)
-            self._asked_ns = self._now_ns
+            self._in_turn_ns = self._now_ns
         link.send(encode_events(self._now_ns, quiet_ns, events, car))
 
     def _let_reckon(self) -> CarState | None:
         """Return what the script needs to compute the poses itself; None if anything else may become due."""
-        asked = self._agent is not None or self._calls.next_ns() is not None or len(self._sinks) > MAX_DRIVERS
-        car = None if asked else self._world.let_reckon()
+        must_ask = (
+            self._agent is not None or self._calls.next_ns() is not None or len(self._sinks) > MAX_DRIVERS
+        )
+        car = None if must_ask else self._world.let_reckon()
         if car is None:
             return None
         drivers = tuple(identity for identity, sink in self._sinks.items() if sink != self._log)
@@ -479,8 +483,8 @@ class Episode:
             journal.note("wall", contact.wall)
         for code in _seen_in(received, trajectory):
             journal.note(code)
-        asked = any(note.code == LISTENER_NOTE for note in journal.notes)
-        if self._has_moved and not self._is_heard and not asked:
+        looked_for_listeners = any(note.code == LISTENER_NOTE for note in journal.notes)
+        if self._motion_commanded and not self._motion_heard and not looked_for_listeners:
             journal.note(UNHEARD_NOTE)
         if received.clamped:
             journal.note("clamped_robot" if self._spec.world.kind == "robot" else "clamped_command")
@@ -551,7 +555,7 @@ def _up_to(horizon_ns: int, times_ns: Sequence[int]) -> Sequence[int]:
     return times_ns if times_ns[-1] <= horizon_ns else [t_ns for t_ns in times_ns if t_ns <= horizon_ns]
 
 
-def _asked(service_type: str, payload: bytes) -> str | None:
+def _request_text(service_type: str, payload: bytes) -> str | None:
     """Return a request's fields as the script wrote them; None of a request that is no call of the student's.
 
     Of an action, only the goal is; asking for its result and its state is rclpy's own doing.

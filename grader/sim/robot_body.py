@@ -9,7 +9,7 @@ import pybullet as _bullet
 from grader.contracts.assignment import Room, Solid
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.robot import SCANNER_X_M, SCANNER_Z_M, WHEEL_RADIUS_M
-from grader.sim.bullet import Watcher, faults
+from grader.sim.bullet import Client, Watcher, faults
 from grader.sim.car import STEP_S, PlanarPose, step_time_ns
 from grader.sim.robot import (
     BEAT_S,
@@ -44,7 +44,7 @@ _FAR_M: Final = 1_000.0  # no room is so large: a pose beyond it means that the 
 _OTHER, _FORCE_N = 2, 9  # indices in PyBullet's tuple of a contact point
 
 
-class RobotBody:
+class RobotBody(Client):
     """A robot in a PyBullet world of its own, driven beat by beat.
 
     One object serves any number of episodes, one after the other: `reset` builds the world anew.
@@ -61,16 +61,8 @@ class RobotBody:
     """
 
     def __init__(self) -> None:
-        self._client: int = _bullet.connect(_bullet.DIRECT)
-        if self._client < 0:
-            raise InfrastructureError("PyBullet refused a physics client")
+        super().__init__()
         self._used = False
-
-    def close(self) -> None:
-        """Give the physics client back. The robot is not usable afterwards."""
-        if self._client >= 0:
-            _bullet.disconnect(physicsClientId=self._client)
-            self._client = -1
 
     def reset(self, watcher: Watcher, start: PlanarPose, room: Room, *, rough_seed: int | None) -> None:
         """Start an episode at time 0 with the robot at rest in pose `start`.

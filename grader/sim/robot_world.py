@@ -11,8 +11,7 @@ from grader.contracts.errors import AssignmentError
 from grader.contracts.robot import LEAST_RANGE_M, MOST_RANGE_M, SCANNER_X_M
 from grader.formats.png import png_of
 from grader.sim import robot_messages as messages
-from grader.sim.feeds import Outbox
-from grader.sim.frames import MESSAGE_EVENT, CarState, Entity, Event, Request
+from grader.sim.frames import MESSAGE_EVENT, Entity, Event
 from grader.sim.recorder import ReceivedCommands, Recorder
 from grader.sim.robot import (
     BEAT_S,
@@ -27,6 +26,7 @@ from grader.sim.robot import (
 from grader.sim.robot_body import RobotBody
 from grader.sim.room_camera import HEIGHT, WIDTH, RoomCamera
 from grader.sim.scanner import ANGLES_RAD, RoomScanner
+from grader.sim.simulated_world import SimulatedWorld
 
 TWIST: Final = "geometry_msgs/msg/Twist"
 NODES: Final = (
@@ -63,7 +63,7 @@ class _Feed(NamedTuple):
     reliable: bool = True
 
 
-class RobotWorld:
+class RobotWorld(SimulatedWorld):
     """The robot, its room and its sensors. Messages are built only for those who listen.
 
     Stamps are those of the simulation's clock, which ``/clock`` tells, as in Gazebo; the script's own clock is the
@@ -73,11 +73,8 @@ class RobotWorld:
     def __init__(self, body: RobotBody, recorder: Recorder, world: World, horizon_ns: int) -> None:
         if world.room is None:
             raise AssignmentError("a robot needs world.room")
-        self.outbox = Outbox()
-        self.on_change: Callable[[frozenset[str]], None] = lambda topics: None
-        self.services: dict[str, str] = {}
-        self.carried = {world.cmd_vel_topic}
-        self.received = ReceivedCommands(recorder)
+        super().__init__(world.cmd_vel_topic)
+        self._received = ReceivedCommands(recorder)
         self._body = body
         self._recorder = recorder
         self._world = world
@@ -106,6 +103,11 @@ class RobotWorld:
             "/clock": _Feed("rosgraph_msgs/msg/Clock", CLOCK_BEATS, messages.clock, reliable=False),
         }
         self._feeds = {world.topics.get(topic, topic): feed for topic, feed in feeds.items()}
+
+    @property
+    def received(self) -> ReceivedCommands:
+        """The commands that came."""
+        return self._received
 
     @property
     def steps_run(self) -> int:
@@ -160,15 +162,8 @@ class RobotWorld:
         for t_ns in times_ns:
             self.advance(t_ns)
             update = last_beat_at(t_ns) // DRIVE_BEATS
-            self.received.take([(update, t_ns)], (linear_x, linear_y, angular_z), obeyed)
+            self._received.take([(update, t_ns)], (linear_x, linear_y, angular_z), obeyed)
             self._body.command(obeyed[0], obeyed[1])
-
-    def request(self, service: str, request: Request) -> bool:
-        """Drop a request: the world has no services."""
-        return False
-
-    def forget_requests(self) -> None:
-        """There are none."""
 
     def next_due(self) -> int | None:
         """Return the instant of the next message for somebody, None when nobody listens."""
@@ -183,13 +178,6 @@ class RobotWorld:
     def _due_beat(self) -> int | None:
         beat = self._beat
         return min(((beat // feed.beats + 1) * feed.beats for _, feed in self._heard), default=None)
-
-    def let_reckon(self) -> CarState | None:
-        """A script cannot reckon what physics does."""
-        return None
-
-    def take_back(self, t_ns: int) -> None:
-        """Nothing is reckoned."""
 
     def advance(self, t_ns: int) -> None:
         """Run until `t_ns`, through every beat that publishes to somebody, but never past the horizon."""

@@ -8,7 +8,7 @@ import numpy as np
 import pybullet as _bullet
 
 from grader.contracts.assignment import Room, Solid
-from grader.contracts.errors import InfrastructureError
+from grader.sim.bullet import Client
 from grader.sim.car import PlanarPose
 
 WIDTH: Final = 80
@@ -17,9 +17,8 @@ HEIGHT: Final = 60
 
 CAMERA_X_M: Final = 0.076
 CAMERA_Z_M: Final = 0.103
-ACROSS_RAD: Final = (
-    2.0  # wide, as the Burger's camera in Gazebo; a plane picture cannot be as wide as its 3.18
-)
+# The Burger's camera in Gazebo sees 3.18 rad, which no plane picture can.
+ACROSS_RAD: Final = 2.0
 _NEAR_M, _FAR_M = 0.03, 20.0
 _STRIPE_M: Final = 0.002  # how high a line's picture lies over the floor's
 _FLOOR: Final = (0.78, 0.77, 0.74, 1.0)
@@ -32,13 +31,11 @@ _COLOURS: Final = {
 }
 
 
-class RoomCamera:
+class RoomCamera(Client):
     """Draws one room. It is apart from the physics, so that looking changes no bit of the motion."""
 
     def __init__(self, room: Room) -> None:
-        self._client: int = _bullet.connect(_bullet.DIRECT)
-        if self._client < 0:
-            raise InfrastructureError("PyBullet refused a client for pictures")
+        super().__init__("a client for pictures")
         x, y = (room.left_m + room.right_m) / 2.0, (room.bottom_m + room.top_m) / 2.0
         half = ((room.right_m - room.left_m) / 2.0, (room.top_m - room.bottom_m) / 2.0, 0.05)
         self._show(_bullet.GEOM_BOX, (x, y, -0.05), 0.0, _FLOOR, halfExtents=half)
@@ -52,12 +49,6 @@ class RoomCamera:
             self._stand(solid)
         up_deg = math.degrees(2.0 * math.atan(math.tan(ACROSS_RAD / 2.0) * HEIGHT / WIDTH))
         self._lens = _bullet.computeProjectionMatrixFOV(up_deg, WIDTH / HEIGHT, _NEAR_M, _FAR_M)
-
-    def close(self) -> None:
-        """Give the client back."""
-        if self._client >= 0:
-            _bullet.disconnect(physicsClientId=self._client)
-            self._client = -1
 
     def picture(self, pose: PlanarPose) -> bytes:
         """Return what the camera of a robot in this pose sees: rows from the top, three bytes a pixel (rgb8)."""

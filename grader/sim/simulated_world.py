@@ -1,15 +1,17 @@
-"""The interface that every world offers to the episode."""
+"""What every world offers to the episode."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 from grader.sim.feeds import Outbox
 from grader.sim.frames import CarState, Entity, Request
 from grader.sim.recorder import ReceivedCommands
 
 
-class SimulatedWorld(Protocol):
+class SimulatedWorld:
     """Everything that is not the script, in virtual time. Instants never decrease from call to call.
+
+    This one offers nothing: worlds derive from it, and define what they have.
 
     Attributes:
         outbox: what is due for the script, and who hears what.
@@ -18,30 +20,36 @@ class SimulatedWorld(Protocol):
         carried: every topic on which commands were taken at any time.
     """
 
-    outbox: Outbox
-    on_change: Callable[[frozenset[str]], None]
-    services: dict[str, str]
-    carried: set[str]
+    def __init__(self, *command_topics: str) -> None:
+        self.outbox = Outbox()
+        self.on_change: Callable[[frozenset[str]], None] = lambda topics: None
+        self.services: dict[str, str] = {}
+        self.carried = set(command_topics)
 
     @property
     def received(self) -> ReceivedCommands:
         """The commands that came for what is graded."""
+        raise NotImplementedError
 
     @property
     def steps_run(self) -> int:
         """Physics steps computed."""
+        raise NotImplementedError
 
     def appear(self) -> None:
         """Build the physical world. To be called first, once; InfrastructureError."""
 
     def graph(self) -> dict[str, Any]:
         """Return START's ``world``: what exists besides the script, from the world's point of view."""
+        return {"publishes": [], "subscribes": [], "services": [], "nodes": []}
 
     def type_of(self, topic: str) -> str | None:
         """Return the type the world publishes or subscribes to on `topic`, None when it does neither."""
+        return None
 
     def misfit(self, entity: Entity) -> str | None:
         """Return the note on a subscription whose QoS the world's publisher on its topic does not offer."""
+        return None
 
     def listen(self, topic: str, identity: int, t_ns: int, *, late: bool = False) -> None:
         """Connect subscription `identity` to `topic`, which the world publishes, from `t_ns` on.
@@ -56,15 +64,18 @@ class SimulatedWorld(Protocol):
 
     def request(self, service: str, request: Request) -> bool:
         """Queue a request to one of `services`; false when too many wait."""
+        return False
 
     def forget_requests(self) -> None:
         """Drop every waiting request: a script that broke the protocol is served no more."""
 
     def next_due(self) -> int | None:
         """Return the next instant at which something may become due for the script, None when never."""
+        return None
 
     def let_reckon(self) -> CarState | None:
         """Return what the script needs to compute the poses itself; None unless only its commands decide them."""
+        return None
 
     def take_back(self, t_ns: int) -> None:
         """Publish again what comes after `t_ns`, and is not to be reckoned any more."""
@@ -74,6 +85,7 @@ class SimulatedWorld(Protocol):
 
     def settle(self, from_ns: int, until_ns: int) -> int:
         """Run the world on without the script until the car rests; return when that is."""
+        raise NotImplementedError
 
     def finish(self, end_ns: int) -> None:
         """Drive up to `end_ns`, when the episode ended, and record the last sample."""

@@ -12,11 +12,12 @@ from grader.contracts.assignment import Distro, World
 from grader.sim import parameters
 from grader.sim.car import UPDATE_NS, PlanarPose, fold, next_update
 from grader.sim.cdr import Values, decode, encode
-from grader.sim.feeds import Feeds, Outbox, Pen
+from grader.sim.feeds import Feeds, Pen
 from grader.sim.frames import GRAPH_EVENT, CarState, Entity, Event, Request
 from grader.sim.parameters import Parameters
 from grader.sim.recorder import ReceivedCommands
 from grader.sim.rotate_action import RotateAction
+from grader.sim.simulated_world import SimulatedWorld
 from grader.sim.turtle import AnyTurtle, SpawnedTurtle, Turtle
 
 NODE_NAME: Final = "/turtlesim"
@@ -75,7 +76,7 @@ class Presence:
         }
 
 
-class TurtleWorld:
+class TurtleWorld(SimulatedWorld):
     """Everything that is not the script: the turtles and turtlesim's interface. One turtle, a car, is graded.
 
     All happens in turtlesim's updates, every 16 ms. An update serves the requests that came since the last one,
@@ -84,15 +85,11 @@ class TurtleWorld:
 
     Attributes:
         turtle: the graded one.
-        services: types by name.
-        carried: every topic on which commands were taken at any time.
-        on_change: called with the topics of a turtle that came or went.
     """
 
     def __init__(self, turtle: Turtle, world: World, epoch_ns: int, distro: Distro = "humble") -> None:
+        super().__init__(world.cmd_vel_topic)
         self.turtle = turtle
-        self.outbox = Outbox()
-        self.on_change: Callable[[frozenset[str]], None] = lambda topics: None
         self._walls = world.walls
         self._epoch_ns = epoch_ns
         self._feeds = Feeds(GRADED, turtle, self.outbox, epoch_ns, odometry=world.odometry)
@@ -101,9 +98,8 @@ class TurtleWorld:
         self._present = {GRADED: graded}
         self._others: dict[str, SpawnedTurtle] = {}
         self._nameless: set[str] = set()
-        self._numbered = (
-            1  # the last number given to a turtle spawned without a name; turtlesim gives none twice
-        )
+        # The last number given to a turtle spawned without a name; turtlesim gives none twice.
+        self._numbered = 1
         self._parameters = Parameters(distro)
         self._pending: deque[tuple[str, Request]] = deque()
         self._now_ns = 0
@@ -121,8 +117,6 @@ class TurtleWorld:
             "teleport_absolute": self._teleport_absolute,
             "teleport_relative": self._teleport_relative,
         }
-        self.services: dict[str, str] = {}
-        self.carried = {world.cmd_vel_topic}
         self._topics: dict[str, str] = {}
         self._commands: dict[str, Presence] = {}
         self._index()

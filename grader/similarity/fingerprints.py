@@ -65,10 +65,3 @@ def fingerprints(tokens: SourceTokens) -> Fingerprints:
         chosen = np.zeros(0, dtype=np.intp)
     lines = np.array(tokens.lines, dtype=np.int32)
     return Fingerprints(every[chosen], lines[chosen], lines[chosen + GRAM_TOKENS - 1], tokens.cut)
-
-
-def likeness(first: Fingerprints, second: Fingerprints) -> float:
-    """Return how similar two scripts are, from 0 to 1: Dice's coefficient of their sets of hashes."""
-    hashes, others = np.unique(first.hashes), np.unique(second.hashes)
-    together = len(hashes) + len(others)
-    return 2 * len(np.intersect1d(hashes, others)) / together if together else 0.0

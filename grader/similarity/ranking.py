@@ -83,10 +83,7 @@ class Ranking:
 def rank(scripts: Sequence[Script], given: Hashes, known_drives: frozenset[str] = frozenset()) -> Ranking:
     """Compare the scripts of a class, one of each student.
 
-    Args:
-        scripts: in an order of the caller's.
-        given: every run of tokens in the code that all students were given.
-        known_drives: digests of drives of that code.
+    `given`: every run of tokens in the code that all students were given; `known_drives`: digests of its drives.
     """
     few = max(_FEW, int(len(scripts) * _FEW_SHARE))
     own = _Own(scripts, given, few)

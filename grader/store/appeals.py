@@ -12,7 +12,7 @@ from grader.contracts.appeal import ANSWERS, Appeal, AppealState
 from grader.contracts.errors import AppealError
 from grader.store.audit import Signature, record
 from grader.store.courses import in_class
-from grader.store.database import Database
+from grader.store.database import StorePart
 from grader.store.tables import AppealRow, SectionRow, SubmissionRow, as_contract
 
 _ANSWERED = [state.value for state in ANSWERS]
@@ -44,11 +44,8 @@ class AppealsWanted:
     students: frozenset[str] | None = None
 
 
-class Appeals:
+class Appeals(StorePart):
     """Keeps appeals; safe to share between threads."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     def ask(self, submission_id: str, asked: Asked, signed: Signature) -> Appeal:
         """Store an appeal about an item of a submission; it replaces one that was withdrawn.

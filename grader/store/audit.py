@@ -10,7 +10,7 @@ from sqlmodel import Session, col
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import AuditEntry, no_course
 from grader.contracts.text import Text
-from grader.store.database import Database
+from grader.store.database import StorePart
 from grader.store.tables import AuditRow, CourseRow, as_contract
 
 IN_ARCHIVE = frozenset({
@@ -40,11 +40,8 @@ class Signature:
         return self.course
 
 
-class AuditLog:
+class AuditLog(StorePart):
     """Reads the log; safe to share between threads."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     def entries(self, course: str | None, limit: int, before_id: int | None = None) -> tuple[AuditEntry, ...]:
         """Return at most `limit` entries of a course, newest first; only those older than `before_id`."""

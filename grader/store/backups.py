@@ -109,9 +109,11 @@ def copy_file(source: Path, target: Path) -> None:
     """
     if not source.is_file():
         raise SettingsError(f"{source}: there is no such file", f"{source}：没有这个文件")
-    if target.exists() and target.samefile(
-        source
-    ):  # its users would go on with a file that has no name any more
+    if target.is_dir():
+        raise SettingsError(
+            f"{target} is a folder: name a file in it", f"{target} 是文件夹：请写出里面的文件名"
+        )
+    if target.exists() and target.samefile(source):  # its users would go on with a file without a name
         raise SettingsError(
             f"{target} is the very file that is to be copied", f"{target} 就是要复制的那个文件"
         )

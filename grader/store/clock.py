@@ -14,14 +14,17 @@ from datetime import UTC, datetime, timedelta
 
 from sqlalchemy import text
 
-from grader.store.database import Database
+from grader.store.database import Database, StorePart
 
-_AGAIN_S = (
-    5.0  # well within a lease: if the server's clock is set, leases must not end before all have noticed
-)
+# Well within a lease: if the server's clock is set, leases must not end before all have noticed.
+_AGAIN_S = 5.0
 _SLOWEST_S = 0.5  # the instant of a slower answer is less exact than the one that is known already
 _NOW = text("SELECT clock_timestamp()")
+_MOST_DOUBLINGS = 60  # any pause reaches an hour before; further ones would overflow a float
 _log = logging.getLogger(__name__)
+
+LONGEST_PAUSE = timedelta(hours=1)
+"""The longest pause between two tries. No lease of a submission is as long."""
 
 Clock = Callable[[], datetime]
 """Returns the current instant as an aware datetime in UTC."""
@@ -30,6 +33,12 @@ Clock = Callable[[], datetime]
 def utc_now() -> datetime:
     """Return the current instant. Rows carry instants; gradings never see one."""
     return datetime.now(UTC)
+
+
+def longer_pause(first_s: float, failures: int) -> timedelta:
+    """Return how long to wait after failures: `first_s` after one, doubled for each further one, up to an hour."""
+    doublings = min(failures - 1, _MOST_DOUBLINGS)
+    return timedelta(seconds=min(first_s * 2.0**doublings, LONGEST_PAUSE.total_seconds()))
 
 
 def _elapsed_s() -> float:
@@ -72,6 +81,14 @@ class ServerClock:
             instant: datetime = session.execute(_NOW).scalar_one()
             took_s = self._elapsed_s() - before_s
         return (instant.astimezone(UTC), before_s + took_s / 2), took_s
+
+
+class TimedPart(StorePart):
+    """A part of the store that needs the current instant, too."""
+
+    def __init__(self, database: Database, clock: Clock) -> None:
+        super().__init__(database)
+        self._clock = clock
 
 
 @contextmanager

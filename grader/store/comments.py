@@ -8,15 +8,12 @@ from sqlmodel import Session, col
 from grader.contracts.comment import MOST_COMMENTS, Comment
 from grader.store.audit import Signature, require_open
 from grader.store.courses import in_class
-from grader.store.database import Database
+from grader.store.database import StorePart
 from grader.store.tables import CommentRow, SubmissionRow
 
 
-class Comments:
+class Comments(StorePart):
     """Keeps comments; safe to share between threads."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     def add(
         self, submission_id: str, text: str, line: int | None, signed: Signature, *, by_student: bool

@@ -8,8 +8,7 @@ from sqlalchemy import Row, or_, select
 from sqlmodel import col
 
 from grader.contracts.submission import PersonCost, SubmissionState
-from grader.store.clock import Clock
-from grader.store.database import Database
+from grader.store.clock import TimedPart
 from grader.store.tables import SubmissionRow
 
 LATELY: Final = timedelta(hours=1)
@@ -17,12 +16,8 @@ _BUSY = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
 _COLUMNS = ("course", "student", "state", "started_at", "finished_at", "tries")
 
 
-class Costs:
+class Costs(TimedPart):
     """Reads what gradings cost; safe to share between threads."""
-
-    def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
 
     def lately(self, course: str | None, *, everywhere: bool = False) -> tuple[PersonCost, ...]:
         """Return the students of a course, or of all, whose submissions wait or were graded in the last hour.

@@ -12,9 +12,9 @@ from grader.contracts.identity import Course, Member, Role, unknown_course, unkn
 from grader.contracts.regrade import RegradeState
 from grader.contracts.text import Text
 from grader.store.audit import Signature, record
-from grader.store.clock import Clock
+from grader.store.clock import TimedPart
 from grader.store.courses import add_course, add_members
-from grader.store.database import Database, empty_log, in_lots, one_at_a_time
+from grader.store.database import empty_log, in_lots, one_at_a_time
 from grader.store.erasing import AT_ONCE, Space, erase, finished_before, ids_of, space_of
 from grader.store.forgetting import Forgotten, is_known, known_as, new_pseudonym, rename_everywhere
 from grader.store.own_assignments import copy_own_assignments
@@ -45,12 +45,8 @@ class NewCourse:
     move_days: int = 0
 
 
-class CourseLife:
+class CourseLife(TimedPart):
     """Copies and archives courses; safe to share between threads."""
-
-    def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
 
     def copy(self, course_id: str, new: NewCourse, instructor: Member, actor: str) -> Course:
         """Make a course with the rules of `course_id`: which assignments are shown, dates, lateness, attempts.

@@ -204,9 +204,10 @@ def add_course(session: Session, new: Course, actor: str, copy_of: str | None = 
         created_at=new.created_at,
         distro=new.distro,
     )
-    one_at_a_time(session, "course", row.id)
-    if session.get(CourseRow, row.id) is not None:
-        raise CourseError(f"there is a course {row.id} already", f"已经有课程 {row.id}", "id")
+    one_at_a_time(session, "course", row.id.casefold())
+    for known in session.execute(select(col(CourseRow.id))).scalars():
+        if known.casefold() == row.id.casefold():
+            raise CourseError(f"there is a course {known} already", f"已经有课程 {known}", "id")
     session.add(row)
     session.flush()
     after = {"title": row.title, "time_zone": row.time_zone, "distro": row.distro}
@@ -260,9 +261,7 @@ def sections_of(session: Session, course: str) -> dict[str, list[str]]:
 def in_class(course: str | None, students: frozenset[str] | None = None) -> ColumnElement[bool]:
     """Return the condition that a submission is a student's of the class, and not one that staff tried out.
 
-    Args:
-        course: of the class; None: the class of a service without courses.
-        students: only theirs; None: everybody's.
+    `students`: only theirs. `course` None: the class of a service without courses.
     """
     if students is not None:
         return and_(in_class(course), col(SubmissionRow.student).in_(students))
@@ -339,7 +338,7 @@ def _check_alike(entries: Sequence[RosterEntry], known: Mapping[str, Member]) ->
             f"{new} differs from the member {old} only in {_differ(new, old).en}" for new, old in clashes
         )
         zh = "\n".join(f"{new} 和已有的成员 {old} {_differ(new, old).zh}" for new, old in clashes)
-        raise CourseError(f"nothing was imported:\n{en}", f"没有导入任何人：\n{zh}", "id")
+        raise CourseError(f"nobody was added or changed:\n{en}", f"没有添加或修改任何人：\n{zh}", "id")
 
 
 def _folded(person: str) -> str:

@@ -31,7 +31,7 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 from sqlalchemy import URL, Connection, Dialect, Engine, Insert, bindparam, event, func, make_url, select
 from sqlalchemy.dialects import postgresql, sqlite
@@ -78,6 +78,7 @@ _LONG_IDLE_S = 5.0
 _IDLE_SINCE = "grader_idle_since_s"
 _KEY_BYTES = 8
 _IDS_AT_ONCE = 500  # below SQLite's limit of variables
+_One = TypeVar("_One")
 _LOCK = select(func.pg_advisory_xact_lock(bindparam("key")))
 
 
@@ -91,9 +92,7 @@ class Database:
     def __init__(self, url: str, connections: int = _CONNECTIONS) -> None:
         """Prepare; nothing is opened yet.
 
-        Args:
-            url: address of the database.
-            connections: most of this process to a PostgreSQL server; threads beyond that wait for one.
+        `connections`: most of this process to a PostgreSQL server; threads beyond that wait for one.
 
         Raises:
             SettingsError: the driver that `url` needs is not installed.
@@ -179,6 +178,13 @@ class Database:
             yield session
 
 
+class StorePart:
+    """A part of the store, by its subject: reads and writes one database."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+
 def one_at_a_time(session: Session, *what: str | None) -> None:
     """Wait until no other transaction that named the same `what` is under way.
 
@@ -194,9 +200,9 @@ def one_at_a_time(session: Session, *what: str | None) -> None:
     session.connection().execute(_LOCK, {"key": key})
 
 
-def in_lots(ids: Iterable[str], most: int = _IDS_AT_ONCE) -> Iterator[list[str]]:
-    """Cut ids into lists that are not too long for one statement."""
-    listed = list(ids)
+def in_lots(whole: Iterable[_One], most: int = _IDS_AT_ONCE) -> Iterator[list[_One]]:
+    """Cut ids, or what else there are many of, into lists that are not too long for one statement."""
+    listed = list(whole)
     for start in range(0, len(listed), most):
         yield listed[start : start + most]
 

@@ -69,12 +69,7 @@ def finish_at_once(
 ) -> Row[Any] | None:
     """Write `rows` if `claim` is valid; return None if it is not.
 
-    Args:
-        connection: on which each statement is a transaction.
-        announcer: of the database.
-        claim: what was graded.
-        rows: what that came to.
-        next_claim: what `CLAIMING` and `DUE` take; None: claim nothing.
+    `next_claim`: what `CLAIMING` and `DUE` take; None: claim nothing.
 
     Returns:
         The columns of `CLAIMING`, all None where nothing is due, and one more.

@@ -16,10 +16,10 @@ from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment, Distro
 from grader.contracts.grading import GradingResult
-from grader.contracts.record import from_json, to_plain
+from grader.contracts.record import canonical, from_json, to_plain
 from grader.contracts.report import Measurements
 from grader.contracts.submission import Claim, StoredReport
-from grader.store.database import Database
+from grader.store.database import StorePart
 from grader.store.judgements import judgements_of
 from grader.store.tables import (
     GZIP_LEVEL,
@@ -64,14 +64,7 @@ def grading_values(
 
 def assignment_values(assignment: Assignment) -> Values:
     """Return the row of an assignment as it is graded."""
-    content = json.dumps(
-        assignment,
-        default=to_plain,
-        ensure_ascii=False,
-        sort_keys=True,
-        separators=(",", ":"),
-        allow_nan=False,
-    ).encode()
+    content = canonical(assignment)
     return {"sha256": hashlib.sha256(content).hexdigest(), "content": content}
 
 
@@ -178,11 +171,8 @@ def _cases(session: Session, grading: GradingRow) -> dict[str, str]:
     return {row[0]: row[1] for row in session.execute(statement)}
 
 
-class PastGradings:
+class PastGradings(StorePart):
     """Reads gradings one by one; safe to share between threads."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     def get(self, submission_id: str, attempt: int) -> StoredReport | None:
         """Return the grading that `attempt` made of a submission, or None."""

@@ -1,6 +1,5 @@
 """Which names at sign-in providers belong to which members of courses, and the sessions that these open."""
 
-import hashlib
 import secrets
 from datetime import timedelta
 
@@ -9,10 +8,10 @@ from sqlmodel import col
 
 from grader.contracts.identity import Identity, Role
 from grader.store.audit import Signature, record
-from grader.store.clock import Clock
-from grader.store.database import Database, one_at_a_time
+from grader.store.clock import TimedPart
+from grader.store.database import one_at_a_time
 from grader.store.tables import CourseRow, IdentityRow, MemberRow, RecognisedRow, TokenRow, as_contract
-from grader.store.tokens import new_session
+from grader.store.tokens import digest_of, new_session
 
 _SECRET_BYTES = 32
 _ID_BYTES = 6
@@ -20,12 +19,8 @@ _PATIENCE = timedelta(minutes=10)
 _MOST_COURSES = 20
 
 
-class Identities:
+class Identities(TimedPart):
     """Binds names at providers to members; safe to share between threads."""
-
-    def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
 
     def of_subject(self, provider: str, subject: str) -> tuple[Identity, ...]:
         """Return the identities of a provider's `subject`: courses not archived first, then the newest."""
@@ -156,7 +151,7 @@ class Identities:
         """Remember for ten minutes who was recognised; return the secret that the browser keeps."""
         now, secret = self._clock(), secrets.token_urlsafe(_SECRET_BYTES)
         row = RecognisedRow(
-            sha256=_digest(secret), provider=provider, subject=subject, expires_at=now + _PATIENCE
+            sha256=digest_of(secret), provider=provider, subject=subject, expires_at=now + _PATIENCE
         )
         with self._database.writing() as session:
             session.execute(delete(RecognisedRow).where(col(RecognisedRow.expires_at) <= now))
@@ -166,20 +161,16 @@ class Identities:
     def held(self, secret: str) -> tuple[str, str] | None:
         """Return provider and subject of who was recognised; None when that is too long ago."""
         with self._database.reading() as session:
-            row = session.get(RecognisedRow, _digest(secret))
+            row = session.get(RecognisedRow, digest_of(secret))
             known = row is not None and row.expires_at > self._clock()
             return (row.provider, row.subject) if row is not None and known else None
 
     def let_go(self, secret: str) -> None:
         """Forget who was recognised."""
         with self._database.writing() as session:
-            session.execute(delete(RecognisedRow).where(col(RecognisedRow.sha256) == _digest(secret)))
+            session.execute(delete(RecognisedRow).where(col(RecognisedRow.sha256) == digest_of(secret)))
 
 
 def _small(address: str) -> str:
     """Return an address with small Latin letters. No other letter becomes one, as the Kelvin sign would."""
     return "".join(one.lower() if one.isascii() else one for one in address)
-
-
-def _digest(secret: str) -> str:
-    return hashlib.sha256(secret.encode(errors="replace")).hexdigest()

@@ -23,7 +23,7 @@ from grader.contracts.submission import Judgement
 from grader.store import appeals
 from grader.store.audit import Signature, record
 from grader.store.courses import in_class
-from grader.store.database import Database
+from grader.store.database import StorePart
 from grader.store.tables import GradedItemRow, GradingRow, JudgementRow, SubmissionRow, as_contract
 
 
@@ -86,15 +86,8 @@ class Neighbours:
     waiting: int
 
 
-class Judgements:
+class Judgements(StorePart):
     """Takes and shows judgements; every one is in the audit log. Safe to share between threads."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
-
-    def judge(self, submission_id: str, given: Given, seen: Seen | None, signed: Signature) -> None:
-        """Add one judgement, as `judge_all` does."""
-        self.judge_all(submission_id, [(given, seen)], signed)
 
     def judge_all(
         self, submission_id: str, wanted: Sequence[tuple[Given, Seen | None]], signed: Signature

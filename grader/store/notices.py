@@ -27,8 +27,8 @@ from grader.contracts.notice import (
 )
 from grader.contracts.submission import SubmissionState
 from grader.store.audit import Signature, record
-from grader.store.clock import Clock
-from grader.store.database import Database, one_at_a_time
+from grader.store.clock import TimedPart, longer_pause
+from grader.store.database import one_at_a_time
 from grader.store.tables import (
     CourseRow,
     MailWishesRow,
@@ -43,7 +43,7 @@ from grader.store.tables import (
 PATIENCE = timedelta(minutes=2)
 """As long as one process may take for one notice before another sends it, too."""
 
-_FIRST_PAUSE_S, _LONGEST_PAUSE_S = 60.0, 3_600.0
+_FIRST_PAUSE_S = 60.0
 _KEPT = timedelta(days=30)
 _ID_BYTES = 16
 _MOST_AT_ONCE = 60
@@ -51,12 +51,8 @@ _LONGEST_TROUBLE = 500
 _NO_WISHES = MailWishes()
 
 
-class Notices:
+class Notices(TimedPart):
     """Keeps notices; safe to share between threads and processes."""
-
-    def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
 
     def courses(self) -> tuple[str, ...]:
         """Return the courses that want notices and are taught."""
@@ -232,8 +228,7 @@ class Notices:
         by one server.
         """
         tries = notice.tries + 1
-        pause_s = min(_FIRST_PAUSE_S * 2.0 ** min(tries - 1, 10), _LONGEST_PAUSE_S)
-        later = self._clock() + timedelta(seconds=max(pause_s, least_pause_s))
+        later = self._clock() + max(longer_pause(_FIRST_PAUSE_S, tries), timedelta(seconds=least_pause_s))
         row = NoticeRow
         self._note(notice, not_before=later, tries=tries, code=code, trouble=trouble[:_LONGEST_TROUBLE])
         if alone:

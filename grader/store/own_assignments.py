@@ -17,8 +17,8 @@ from grader.contracts.own_assignment import Examined, OwnAssignment, OwnState
 from grader.contracts.record import from_json
 from grader.contracts.rules import Rules, Shown
 from grader.store.audit import Signature, record
-from grader.store.clock import Clock
-from grader.store.database import Database, one_at_a_time
+from grader.store.clock import TimedPart
+from grader.store.database import one_at_a_time
 from grader.store.rules import add_rules
 from grader.store.tables import OwnAssignmentRow, RulesRow, SubmissionRow, as_contract, table_of
 
@@ -60,12 +60,8 @@ class OwnClaim:
     reading: bytes
 
 
-class OwnAssignments:
+class OwnAssignments(TimedPart):
     """Keeps uploads of assignments; safe to share between threads."""
-
-    def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
 
     def of(self, course: str) -> tuple[OwnAssignment, ...]:
         """Return all that is stored of a course's own assignments, by id and then by age."""

@@ -10,8 +10,8 @@ from sqlalchemy import select, update
 from sqlmodel import col
 
 from grader.contracts.platform import Platform, PlatformLink, PlatformScore, provider_of
-from grader.store.clock import Clock
-from grader.store.database import Database, one_at_a_time
+from grader.store.clock import TimedPart, longer_pause
+from grader.store.database import one_at_a_time
 from grader.store.tables import (
     IdentityRow,
     PlatformLinkRow,
@@ -23,16 +23,12 @@ from grader.store.tables import (
 PATIENCE = timedelta(minutes=1)
 """As long as one process may take for one score before another sends it, too."""
 
-_FIRST_PAUSE_S, _LONGEST_PAUSE_S = 30.0, 3600.0
+_FIRST_PAUSE_S = 30.0
 _LONGEST_TROUBLE = 500
 
 
-class PlatformScores:
+class PlatformScores(TimedPart):
     """Keeps what was sent; safe to share between threads and processes."""
-
-    def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
 
     def targets(self) -> tuple[tuple[Platform, PlatformLink], ...]:
         """Return every activity whose platform takes scores and that leads to an assignment."""
@@ -111,8 +107,7 @@ class PlatformScores:
 
     def failed(self, link: PlatformLink, person: str, tries: int, trouble: str) -> None:
         """Note that it did not, for the `tries`-th time in a row: the pause until the next try doubles."""
-        pause_s = min(_FIRST_PAUSE_S * 2.0 ** min(tries - 1, 10), _LONGEST_PAUSE_S)
-        later = self._clock() + timedelta(seconds=pause_s)
+        later = self._clock() + longer_pause(_FIRST_PAUSE_S, tries)
         self._note(link, person, not_before=later, tries=tries, trouble=trouble[:_LONGEST_TROUBLE])
 
     def _note(self, link: PlatformLink, person: str, **values: object) -> None:

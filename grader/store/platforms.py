@@ -1,8 +1,8 @@
 """Learning platforms of courses, and the activities there that lead here."""
 
-import hashlib
 import secrets
 from collections.abc import Callable
+from dataclasses import asdict
 from datetime import datetime, timedelta
 
 from sqlalchemy import delete, select, update
@@ -12,8 +12,8 @@ from sqlmodel import Session, col
 from grader.contracts.errors import RefusedError
 from grader.contracts.platform import NewPlatform, OpenPicking, Picking, Platform, PlatformLink
 from grader.store.audit import Signature, record
-from grader.store.clock import Clock
-from grader.store.database import Database, one_at_a_time
+from grader.store.clock import TimedPart
+from grader.store.database import one_at_a_time
 from grader.store.tables import (
     IdentityRow,
     PlatformInvitationRow,
@@ -26,6 +26,7 @@ from grader.store.tables import (
     UsedMessageRow,
     as_contract,
 )
+from grader.store.tokens import digest_of
 
 _ID_BYTES = 6
 _SECRET_BYTES = 32
@@ -38,12 +39,8 @@ MOST_PLATFORMS = 10
 """Of one course."""
 
 
-class Platforms:
+class Platforms(TimedPart):
     """Keeps platforms; safe to share between threads."""
-
-    def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
 
     def add(self, new: NewPlatform, signed: Signature) -> Platform:
         """Add a platform, which may then send people to the course of `signed`.
@@ -56,7 +53,7 @@ class Platforms:
             id=secrets.token_hex(_ID_BYTES),
             course=course,
             created_at=signed.at,
-            **{name: getattr(new, name) for name in NewPlatform.__dataclass_fields__},
+            **asdict(new),
         )
         try:
             with self._database.writing() as session:
@@ -127,7 +124,7 @@ class Platforms:
     def use(self, message: str, expires_at: datetime) -> bool:
         """Note that a message lets somebody in; False: it has done so before."""
         now = self._clock()
-        row = UsedMessageRow(sha256=_digest(message), expires_at=expires_at + _SKEW)
+        row = UsedMessageRow(sha256=digest_of(message), expires_at=expires_at + _SKEW)
         try:
             with self._database.writing() as session:
                 session.execute(delete(UsedMessageRow).where(col(UsedMessageRow.expires_at) <= now))
@@ -148,9 +145,7 @@ class Platforms:
             _hold(session, link.platform)
             row = session.get(PlatformLinkRow, (link.platform, link.resource))
             if row is None:
-                row = PlatformLinkRow(
-                    **{name: getattr(link, name) for name in PlatformLink.__dataclass_fields__}
-                )
+                row = PlatformLinkRow(**asdict(link))
                 session.add(row)
             else:
                 row.title = link.title or row.title
@@ -170,7 +165,7 @@ class Platforms:
         """Invite a platform to the course of `signed`; return the secret by which it is added within a day."""
         secret = secrets.token_urlsafe(_SECRET_BYTES)
         row = PlatformInvitationRow(
-            sha256=_digest(secret),
+            sha256=digest_of(secret),
             course=signed.course or "",
             actor=signed.actor,
             until=signed.at + _INVITATION,
@@ -186,13 +181,13 @@ class Platforms:
         """Return who invited the platform that shows a secret, and where to; None if it is unknown or expired."""
         now = self._clock()
         with self._database.reading() as session:
-            row = session.get(PlatformInvitationRow, _digest(secret))
+            row = session.get(PlatformInvitationRow, digest_of(secret))
             return None if row is None or row.until <= now else Signature(now, row.course, row.actor)
 
     def end_invitation(self, secret: str) -> bool:
         """End an invitation; return whether its secret was still valid."""
         with self._database.writing() as session:
-            mine = col(PlatformInvitationRow.sha256) == _digest(secret)
+            mine = col(PlatformInvitationRow.sha256) == digest_of(secret)
             ended = session.execute(
                 delete(PlatformInvitationRow).where(mine).returning(col(PlatformInvitationRow.sha256))
             )
@@ -206,11 +201,11 @@ class Platforms:
         """
         secret, now = secrets.token_urlsafe(_SECRET_BYTES), self._clock()
         row = PlatformPickingRow(
-            sha256=_digest(secret),
+            sha256=digest_of(secret),
             platform=platform,
             subject=subject,
             until=now + _PICKING,
-            **{name: getattr(picking, name) for name in Picking.__dataclass_fields__},
+            **asdict(picking),
         )
         with self._database.writing() as session:
             _hold(session, platform)
@@ -221,7 +216,7 @@ class Platforms:
     def picking(self, secret: str) -> OpenPicking | None:
         """Return the choice that is made by a secret; None: there is none, or not any more."""
         with self._database.reading() as session:
-            row = session.get(PlatformPickingRow, _digest(secret))
+            row = session.get(PlatformPickingRow, digest_of(secret))
             return None if row is None or row.until <= self._clock() else as_contract(row, OpenPicking)
 
     def links(self, course: str) -> tuple[PlatformLink, ...]:
@@ -284,7 +279,3 @@ def _hold(session: Session, platform: str) -> None:
     one_at_a_time(session, "platform_link", platform)
     if session.get(PlatformRow, platform) is None:
         raise RefusedError("platform_unknown")
-
-
-def _digest(secret: str) -> str:
-    return hashlib.sha256(secret.encode()).hexdigest()

@@ -21,7 +21,7 @@ from grader.contracts.grading import GradingResult
 from grader.contracts.judgement import to_judge
 from grader.contracts.submission import Claim, QueueState, SubmissionState
 from grader.store.claiming import DUE, change, claim_of, claim_values, due_early, instants, resume, take
-from grader.store.clock import Clock
+from grader.store.clock import LONGEST_PAUSE, Clock, longer_pause
 from grader.store.database import Database, add_once
 from grader.store.finishing import FinishedRows, finish_at_once
 from grader.store.gradings import (
@@ -36,15 +36,11 @@ from grader.store.tables import GradedAssignmentRow, GradingRow, SubmissionRow, 
 from grader.store.work import ANNOUNCED, Announcement, announcements
 
 _TROUBLE_CHARACTERS = 2_000
-_MOST_DOUBLINGS = 60  # any pause reaches an hour before; further ones would overflow a float
 _MOST_TRIES_RUNNING = 2  # once a fault of the host, twice rather of the script
 _LATEST = 100  # gradings whose durations tell the pace
 # Key under which a connection keeps the digests of assignments known to be stored. The process must not keep them:
 # a database may be replaced by another one, and then all connections are new.
 _STORED_ASSIGNMENTS = "grader_assignments"
-
-LONGEST_PAUSE = timedelta(hours=1)
-"""The longest pause between two tries of a submission. No lease is as long."""
 
 _grading = table_of(GradingRow).c
 _STORED = select(_grading.worker, _grading.report_sha256).where(
@@ -152,9 +148,7 @@ class Queue:
         most = min(self._retries.max_tries, _MOST_TRIES_RUNNING) if had_run else self._retries.max_tries
         given_up = claim.tries >= most
         state = SubmissionState.INFRASTRUCTURE_ERROR if given_up else SubmissionState.QUEUED
-        doublings = min(claim.tries - 1, _MOST_DOUBLINGS)
-        pause_s = min(self._retries.backoff_s * 2.0**doublings, LONGEST_PAUSE.total_seconds())
-        due = now + timedelta(seconds=pause_s)
+        due = now + longer_pause(self._retries.backoff_s, claim.tries)
         values = {
             "state": state.value,
             "not_before": due,
@@ -209,8 +203,7 @@ class Queue:
     def reconcile(self, *, all_running: bool = False) -> Reconciled:
         """Put claims past their lease back into the queue; give up those that were tried too often.
 
-        Args:
-            all_running: treat every claim as void. Only right when no worker lives (see `presence` of workers).
+        `all_running`: treat every claim as void. Only right when no worker lives (see `presence` of workers).
         """
         now = self._clock()
         lost = [] if all_running else [_lease_ended(now)]

@@ -20,7 +20,7 @@ from grader.contracts.record import from_plain
 from grader.contracts.rules import NO_EXTENSION, NO_RULES, Extension, Rules
 from grader.store.audit import Signature, record
 from grader.store.courses import sections_of
-from grader.store.database import Database, one_at_a_time
+from grader.store.database import StorePart, one_at_a_time
 from grader.store.tables import CourseRow, ExtensionRow, MemberRow, RulesRow, SectionRow, table_of
 
 _UTC = "UTC"
@@ -112,11 +112,8 @@ class CourseRules:
         )
 
 
-class StoredRules:
+class StoredRules(StorePart):
     """Reads and changes rules; every change is in the audit log. Safe to share between threads."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     def of(self, course: str | None) -> CourseRules:
         """Return all rules of a course as they are at one instant."""

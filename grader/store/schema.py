@@ -22,9 +22,8 @@ from grader.store.occupancy import OccupiedError, alone, in_use
 
 _log = logging.getLogger(__name__)
 _LOOK_S = 0.2
-_LEAVING_S = (
-    2.0  # a PostgreSQL server may take so long to notice that a connection was closed, even one of ours
-)
+# A PostgreSQL server may take so long to notice that a connection was closed, even one of ours.
+_LEAVING_S = 2.0
 _MIGRATIONS = Path(__file__).parent / "migrations"
 
 
@@ -36,10 +35,8 @@ def up_to_date(
 
     Existing tables are not changed while somebody works with them: that process may be of an older version.
 
-    Args:
-        database: nothing of it is open yet.
-        who: as in `occupancy.in_use`.
-        wait: if tables must be changed, wait until nobody works with them, instead of giving up.
+    Nothing of `database` is open yet. `wait`: if tables must be changed, wait until nobody works with them,
+    instead of giving up.
 
     Raises:
         SettingsError: as `migrate`; an OccupiedError if it does not `wait`.

@@ -1,20 +1,18 @@
 """What a class handed in for one assignment, to be compared: whole files, and what they drove."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from itertools import groupby
-from typing import TypeVar
 
 from sqlalchemy import ColumnElement, and_, or_, select
 from sqlmodel import col
 
 from grader.contracts.identity import Role
-from grader.store.database import Database
+from grader.store.database import StorePart, in_lots
 from grader.store.tables import MemberRow, SourceRow, SubmissionRow, TrajectoryRow
 
 _AT_ONCE = 50  # files, or recordings: some megabytes
 _MOST_OF_STAFF = 100
-_One = TypeVar("_One")
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,11 +25,8 @@ class HandedIn:
     graded_attempt: int | None
 
 
-class Scripts:
+class Scripts(StorePart):
     """Reads files and recordings in parts that are soon done with; safe to share between threads."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     def of(self, submissions: Collection[str]) -> tuple[HandedIn, ...]:
         """Return those of `submissions` that exist, in order of student."""
@@ -53,7 +48,7 @@ class Scripts:
 
     def sources(self, digests: Collection[str]) -> Iterator[tuple[str, bytes]]:
         """Yield digest and bytes of the stored files of these digests, some at once."""
-        for some in _parts(sorted(digests)):
+        for some in in_lots(sorted(digests), _AT_ONCE):
             statement = select(col(SourceRow.sha256), col(SourceRow.content)).where(
                 col(SourceRow.sha256).in_(some)
             )
@@ -65,7 +60,7 @@ class Scripts:
         """Yield what the runs of the gradings that stand recorded, in order of the cases: gzip of JSON."""
         row = TrajectoryRow
         graded = sorted((one for one in handed_in if one.graded_attempt is not None), key=_grading)
-        for some in _parts(graded):
+        for some in in_lots(graded, _AT_ONCE):
             by_grading = {_grading(one): one for one in some}
             theirs = (
                 and_(col(row.submission_id) == one.submission, col(row.attempt) == one.graded_attempt)
@@ -94,7 +89,3 @@ class Scripts:
 
 def _grading(one: HandedIn) -> tuple[str, int]:
     return one.submission, one.graded_attempt or 0
-
-
-def _parts(whole: Sequence[_One]) -> Iterator[Sequence[_One]]:
-    return (whole[start : start + _AT_ONCE] for start in range(0, len(whole), _AT_ONCE))

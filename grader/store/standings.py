@@ -12,18 +12,15 @@ from grader.contracts.progress import ClassStanding, Standing
 from grader.contracts.submission import SubmissionState
 from grader.contracts.telemetry import QueueDepth, ServiceState
 from grader.store.clock import Clock
-from grader.store.database import Database
+from grader.store.database import Database, StorePart
 from grader.store.tables import AuditRow, SubmissionRow
 from grader.store.workers import Workers
 
 _MARK_CHARACTERS = 16
 
 
-class Standings:
+class Standings(StorePart):
     """Reads where submissions and classes stand; safe to share between threads."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     def of(self, submissions: Collection[str]) -> dict[str, Standing]:
         """Return where `submissions` stand, by id; those that do not exist are left out."""

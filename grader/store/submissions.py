@@ -15,9 +15,8 @@ from grader.contracts.submission import (
     SubmissionState,
 )
 from grader.store.audit import Signature, record
-from grader.store.clock import Clock
+from grader.store.clock import TimedPart
 from grader.store.courses import in_class
-from grader.store.database import Database
 from grader.store.gradings import standing_grading, stored_report
 from grader.store.intake import attempts_of, refusal_of, take_in
 from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow, TrajectoryRow, as_contract
@@ -25,12 +24,8 @@ from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow, T
 _OPEN_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
 
 
-class Submissions:
+class Submissions(TimedPart):
     """Uploads and what became of them; safe to share between threads."""
-
-    def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
 
     def add(self, upload: NewSubmission) -> Submission:
         """Store an upload and queue it, in one transaction: once this returns, it is not lost.
@@ -167,10 +162,7 @@ class Submissions:
     ) -> Submission | None:
         """Return the newest submission to the same assignment by the class's next student, in order of id.
 
-        Args:
-            submission: somebody's.
-            students: only of these; None: of the whole class.
-            after: False: the student before instead.
+        `students`: only of these. `after` False: of the student before instead.
         """
         student, received_at = col(SubmissionRow.student), col(SubmissionRow.received_at)
         towards = student > submission.student if after else student < submission.student

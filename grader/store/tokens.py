@@ -17,9 +17,8 @@ from sqlmodel import Session, col
 
 from grader.contracts.identity import Caller, Role, TokenInfo, unknown_members
 from grader.store.audit import Signature, record
-from grader.store.clock import Clock
+from grader.store.clock import TimedPart
 from grader.store.courses import bound_to
-from grader.store.database import Database
 from grader.store.tables import MemberRow, TokenRow, as_contract
 
 _SECRET_BYTES = 32
@@ -28,12 +27,8 @@ SESSION_LIFE = timedelta(hours=12)
 PREFIX = "grader_"  # lets scanners of published files recognise a token that must not be there
 
 
-class Tokens:
+class Tokens(TimedPart):
     """The tokens of all courses; safe to share between threads."""
-
-    def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
 
     def issue(self, course: str, person: str, valid_for: timedelta, actor: str) -> tuple[TokenInfo, str]:
         """Make a token for a member; return what is kept of it and the token itself.
@@ -72,7 +67,7 @@ class Tokens:
 
     def close_session(self, secret: str) -> None:
         """End a session, if there is such a one."""
-        own = (col(TokenRow.sha256) == _digest(secret), col(TokenRow.opened_by).is_not(None))
+        own = (col(TokenRow.sha256) == digest_of(secret), col(TokenRow.opened_by).is_not(None))
         with self._database.writing() as session:
             session.execute(delete(TokenRow).where(*own))
 
@@ -141,13 +136,8 @@ def new_session(  # noqa: PLR0913, PLR0917
 ) -> str:
     """Add a session of a member, in place of those that are over; return its secret.
 
-    Args:
-        session: the transaction.
-        course: where it is one.
-        person: whose it is.
-        opened_by: id of the token, or of the identity, that it ends with.
-        now: when it begins.
-        until: its latest end; None: half a day later.
+    It ends with the token, or the identity, of the id `opened_by`, and at the latest `until`; None: half a day
+    later.
     """
     secret, latest = secrets.token_urlsafe(_SECRET_BYTES), now + SESSION_LIFE
     session.execute(
@@ -166,7 +156,7 @@ def new_session(  # noqa: PLR0913, PLR0917
 def _open(secret: str, now: datetime) -> tuple[ColumnElement[bool], ...]:
     """Return what is true of the row that a secret opens."""
     return (
-        col(TokenRow.sha256) == _digest(secret),
+        col(TokenRow.sha256) == digest_of(secret),
         col(TokenRow.revoked_at).is_(None),
         col(TokenRow.expires_at) > now,
     )
@@ -177,7 +167,7 @@ def _row(  # noqa: PLR0913, PLR0917
 ) -> TokenRow:
     return TokenRow(
         id=secrets.token_hex(_ID_BYTES),
-        sha256=_digest(secret),
+        sha256=digest_of(secret),
         course=course,
         person=person,
         created_at=now,
@@ -186,5 +176,6 @@ def _row(  # noqa: PLR0913, PLR0917
     )
 
 
-def _digest(secret: str) -> str:
-    return hashlib.sha256(secret.encode()).hexdigest()
+def digest_of(secret: str) -> str:
+    """Return what is kept of a secret; of one that a browser made up, too, which may be no text at all."""
+    return hashlib.sha256(secret.encode(errors="replace")).hexdigest()

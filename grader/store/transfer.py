@@ -36,10 +36,7 @@ def transfer(source: Database, target: Database, *, replace: bool = False) -> tu
     The source is read from one snapshot and may be in use; nothing is written to it. The target is written in one
     transaction that locks its tables.
 
-    Args:
-        source: at the schema of this version.
-        target: at the schema of this version, too, and empty.
-        replace: delete what is in the target first.
+    Both have the schema of this version. The target is empty, or `replace`: what is in it is deleted first.
 
     Raises:
         SettingsError: one of them has another schema, the target is not empty, or cannot hold a row.

@@ -12,19 +12,15 @@ from sqlalchemy import delete, make_url, select
 from sqlmodel import col
 
 from grader.contracts.submission import WorkerState
-from grader.store.clock import Clock
-from grader.store.database import Database, one_at_a_time
+from grader.store.clock import TimedPart
+from grader.store.database import one_at_a_time
 from grader.store.tables import WorkerRow
 
 _FORGOTTEN_AFTER_S = 3_600.0
 
 
-class Workers:
+class Workers(TimedPart):
     """What worker processes say about themselves; safe to share between threads."""
-
-    def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
 
     def report(self, state: WorkerState) -> None:
         """Store what a worker says about itself; delete workers that have been silent for an hour."""

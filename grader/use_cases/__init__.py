@@ -5,7 +5,8 @@ like this (`grader.use_cases.handing_in` is a short example):
 
 - It takes `Services` first, then the `Caller` who asks, then plain values and contracts: a file's name and bytes,
   never a request or a form.
-- It decides by itself whether the caller may do this. A door that forgets to ask opens nothing.
+- It decides by itself whether the caller may do this. A door that forgets to ask opens nothing. "For staff." in a
+  docstring means that all others are refused (`forbidden`), "of a course" that there must be one (`no_course`).
 - It returns contracts. How they look as JSON or on a page is the door's business.
 - It refuses by raising `grader.contracts.errors.RefusedError` with a stable code. `grader.service.routes.problems`
   turns the code into a status, a title, advice and headers; pages show the same title and advice.

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from grader.contracts.appeal import ANSWERS, LONGEST_TEXT, Appeal, AppealState
 from grader.contracts.errors import AppealError, RefusedError
 from grader.contracts.identity import Caller, Role, Seen
-from grader.contracts.judgement import is_comment, judged
+from grader.contracts.judgement import judged
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.rules import is_hidden
 from grader.contracts.submission import StoredReport, Submission
@@ -18,6 +18,7 @@ from grader.contracts.text import Text
 from grader.store.appeals import AppealsWanted, Asked
 from grader.use_cases import judging
 from grader.use_cases.callers import require_staff
+from grader.use_cases.commenting import checked_text
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import graded, visible_submission
 
@@ -84,7 +85,7 @@ def ask(services: Services, caller: Caller, submission_id: str, item: str, reaso
         raise RefusedError("invalid_request", _WAITS if waits else _FULL, field="item")
     asked = Asked(
         item=item,
-        reason=_checked(reason, "reason"),
+        reason=checked_text(reason, LONGEST_TEXT, _TEXT, "reason"),
         attempt=stored.attempt,
         earned=found.earned,
         points=found.points,
@@ -163,11 +164,7 @@ def pending(services: Services, caller: Caller) -> Pending | None:
 def queue(
     services: Services, caller: Caller, wanted: AppealsWanted, *, offset: int, limit: int
 ) -> AppealPage:
-    """Return at most `limit` appeals of the caller's class.
-
-    Raises:
-        RefusedError: the caller may not see the class.
-    """
+    """Return at most `limit` appeals of the caller's class. For staff."""
     require_staff(caller)
     wanted = replace(wanted, students=caller.students)
     return AppealPage(
@@ -178,11 +175,7 @@ def queue(
 
 
 def waiting(services: Services, caller: Caller) -> int:
-    """Return how many appeals of the caller's class wait for an answer.
-
-    Raises:
-        RefusedError: the caller may not see the class.
-    """
+    """Return how many appeals of the caller's class wait for an answer. For staff."""
     require_staff(caller)
     return services.appeals.count(caller.course, AppealsWanted(students=caller.students))
 
@@ -206,7 +199,7 @@ def answer(  # noqa: PLR0913
     """
     require_staff(caller)
     submission = visible_submission(services, caller, submission_id)
-    text = _checked(given.text, "text")
+    text = checked_text(given.text, LONGEST_TEXT, _TEXT)
     if given.state not in ANSWERS or (given.points is not None) is not (given.state is AppealState.CORRECTED):
         raise RefusedError("invalid_request", _POINTS, field="points")
     known = {one.item: one for one in services.appeals.of(submission.id)}
@@ -235,10 +228,3 @@ def _shown(services: Services, caller: Caller, submission: Submission) -> tuple[
 
 def _can_gain(item: RubricItem) -> bool:
     return item.status is not ItemStatus.NEEDS_MANUAL and item.earned < item.points
-
-
-def _checked(text: str, field: str) -> str:
-    text = text.replace("\r\n", "\n").strip()
-    if not text or not is_comment(text, LONGEST_TEXT):
-        raise RefusedError("invalid_request", _TEXT, field=field)
-    return text

@@ -13,14 +13,10 @@ from grader.sim.bag import BagContents, bag
 def bagged(
     assignment: Assignment, report: GradeReport, content: bytes, trajectory: bytes, case: str | None = None
 ) -> bytes:
-    """Return one of the report's runs as an MCAP file.
+    """Return one of the report's runs, without a `case` the first, as an MCAP file.
 
-    Args:
-        assignment: the version that was graded, as the reader may see it.
-        report: the graded report.
-        content: its JSON, which goes into the file as it is.
-        trajectory: of that run, as `grader.contracts.encode_trajectory` wrote it.
-        case: which run; None: the first.
+    `assignment`: the version that was graded, as the reader may see it. `content`: the report's JSON, which goes
+    into the file as it is. `trajectory`: of that run, as `grader.contracts.encode_trajectory` wrote it.
 
     Raises:
         RefusedError: what writes such files is not installed.

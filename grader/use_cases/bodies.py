@@ -60,10 +60,15 @@ def _instant(value: object) -> object:
 Instant = Annotated[datetime, BeforeValidator(_instant), AfterValidator(_in_our_years)]
 
 
-class Described(BaseModel):
-    """The JSON of a contract whose fields have kinds."""
+class Body(BaseModel):
+    """What somebody writes as JSON: fields that it does not have are refused."""
 
     model_config = ConfigDict(extra="forbid")
+
+
+class Described(Body):
+    """The JSON of a contract whose fields have kinds."""
+
     contract: ClassVar[type]
 
     @classmethod

@@ -229,10 +229,7 @@ class Costly:
     def one_more(self, caller: Caller, otherwise: str, weight: int = 1) -> Iterator[None]:
         """Count a request until the context ends.
 
-        Args:
-            caller: whose it is.
-            otherwise: names a caller without a token.
-            weight: as how many it counts in its minute.
+        `otherwise` names a caller without a token; `weight`: as how many the request counts in its minute.
 
         Raises:
             RefusedError: there are too many, at once or in the last minute.

@@ -60,9 +60,7 @@ def add_comment(
     submission = visible_submission(services, caller, submission_id)
     if caller.course is None or caller.person is None:
         raise RefusedError("no_course")
-    text = text.replace("\r\n", "\n").strip()
-    if not text or not is_comment(text, LONGEST_COMMENT):
-        raise RefusedError("invalid_request", _TEXT, field="text")
+    text = checked_text(text, LONGEST_COMMENT, _TEXT)
     if line is not None:
         last = len(lines_of(text_of(services.submissions.source(submission.id) or b"")))
         if not 1 <= line <= last:
@@ -73,6 +71,18 @@ def add_comment(
     if added is None:
         raise RefusedError("invalid_request", _FULL)
     return added
+
+
+def checked_text(text: str, longest: int, otherwise: Text, field: str = "text") -> str:
+    """Return what somebody wrote, without the empty lines around it.
+
+    Raises:
+        RefusedError: `otherwise`: it is empty or longer, or has control characters.
+    """
+    text = text.replace("\r\n", "\n").strip()
+    if not text or not is_comment(text, longest):
+        raise RefusedError("invalid_request", otherwise, field=field)
+    return text
 
 
 def unread(services: Services, caller: Caller) -> Unread | None:

@@ -73,11 +73,7 @@ class _Kept(Generic[_Value]):
 
 
 class Comparer:
-    """One thread that compares, and what it found out lately.
-
-    Args:
-        scripts: reads what was handed in.
-    """
+    """One thread that compares, and what it found out lately. `scripts`: reads what was handed in."""
 
     def __init__(self, scripts: Scripts) -> None:
         self.scripts = scripts

@@ -27,11 +27,7 @@ _MANIFEST = "manifest.json"
 
 
 def export(services: Services, caller: Caller) -> Iterator[bytes]:
-    """Return the zip part by part.
-
-    Raises:
-        RefusedError: the caller is no instructor, or there is no course.
-    """
+    """Return the zip part by part. For instructors of a course."""
     require_instructor(caller)
     course = own_course(services, caller)
     return _Export(services, caller, course).parts()

@@ -29,11 +29,7 @@ class CopiedCourse:
 
 
 def own_course(services: Services, caller: Caller) -> Course:
-    """Return the caller's course.
-
-    Raises:
-        RefusedError: the caller may not see the class, or there is no course.
-    """
+    """Return the caller's course. For staff of a course."""
     require_staff(caller)
     if caller.course is None:
         raise RefusedError("no_course")
@@ -89,11 +85,7 @@ def forget_student(services: Services, caller: Caller, person: str, reason: str)
 
 
 def old_work(services: Services, caller: Caller, older_than_days: int) -> Space:
-    """Return what `erase_old_work` would erase.
-
-    Raises:
-        RefusedError: the caller is no instructor, or there is no course.
-    """
+    """Return what `erase_old_work` would erase. For instructors of a course."""
     require_instructor(caller)
     course = own_course(services, caller)
     return services.course_life.old_work(course.id, older_than_days).get(course.id, Space())
@@ -102,8 +94,7 @@ def old_work(services: Services, caller: Caller, older_than_days: int) -> Space:
 def erase_old_work(services: Services, caller: Caller, older_than_days: int, reason: str) -> Space:
     """Erase the submissions of the caller's course that arrived so long ago, with their grades; return them.
 
-    Raises:
-        RefusedError: the caller is no instructor, or there is no course.
+    For instructors of a course.
     """
     require_instructor(caller)
     course = own_course(services, caller)
@@ -112,11 +103,7 @@ def erase_old_work(services: Services, caller: Caller, older_than_days: int, rea
 
 
 def space(services: Services, caller: Caller) -> Space:
-    """Return what is stored of the caller's course.
-
-    Raises:
-        RefusedError: the caller may not see the class, or there is no course.
-    """
+    """Return what is stored of the caller's course. For staff of a course."""
     course = own_course(services, caller)
     return services.course_life.space(course.id).get(course.id, Space())
 
@@ -124,10 +111,7 @@ def space(services: Services, caller: Caller) -> Space:
 def counted_space(services: Services, caller: Caller) -> tuple[datetime, Space, Space] | None:
     """Return when it was counted lately, what was stored of the caller's course, and of all others together.
 
-    None: it is being counted for the first time.
-
-    Raises:
-        RefusedError: the caller may not see the class, or there is no course.
+    None: it is being counted for the first time. For staff of a course.
     """
     course = own_course(services, caller)
     counted = services.space.latest()

@@ -136,11 +136,7 @@ class _Told:
 
 
 def costs(services: Services, caller: Caller) -> tuple[PersonCost, ...]:
-    """Return what the gradings of each of the class cost in the last hour, whoever cost most first.
-
-    Raises:
-        RefusedError: the caller may not see the class.
-    """
+    """Return what the gradings of each of the class cost in the last hour, whoever cost most first. For staff."""
     require_staff(caller)
     return tuple(one for one in services.costs.lately(caller.course) if caller.looks_after(one.student))
 
@@ -148,10 +144,7 @@ def costs(services: Services, caller: Caller) -> tuple[PersonCost, ...]:
 def overview(services: Services, caller: Caller, state: ClassState, language: Language) -> Overview:
     """Return the whole class in `state`.
 
-    Assignments that are no longer published still show while they have submissions.
-
-    Raises:
-        RefusedError: the caller may not see the class.
+    Assignments that are no longer published still show while they have submissions. For staff.
     """
     require_staff(caller)
     pass_fraction = services.settings.pass_fraction
@@ -180,11 +173,7 @@ def overview(services: Services, caller: Caller, state: ClassState, language: La
 
 
 def class_state(services: Services, caller: Caller) -> ClassState:
-    """Return what is counted about the caller's class.
-
-    Raises:
-        RefusedError: the caller may not see the class.
-    """
+    """Return what is counted about the caller's class. For staff."""
     require_staff(caller)
     return services.dashboard.state(caller.course, caller.students)
 

@@ -49,9 +49,7 @@ class Estimates:
     def finish(self, submission: Submission | Standing, position: int | None) -> datetime | None:
         """Return when a submission will probably be graded; None when it is, or nobody can say.
 
-        Args:
-            submission: waiting or being graded.
-            position: how many are before it while it waits.
+        `position`: how many are before it while it waits.
         """
         now = self._clock()
         mean_s, slots = self._measured(now)
@@ -161,10 +159,7 @@ class Watching:
     def watch(self, subject: Subject, owner: str, address: str | None = None) -> Iterator[SubjectWatch]:
         """Watch `subject` in the running event loop, counted as one of `owner`'s streams.
 
-        Args:
-            subject: what is watched.
-            owner: whose stream it is.
-            address: where it comes from if `owner` is only what somebody says.
+        `address`: where it comes from if `owner` is only what somebody says.
 
         Raises:
             RefusedError: too many watch, or the service stops.

@@ -35,9 +35,7 @@ def book(services: Services, caller: Caller, section: str = "") -> tuple[Sequenc
     """Return everybody who has a line in the gradebook, and what they reached by student and assignment.
 
     Without courses, everybody who handed something in has one. With `section`, only those who are in it.
-
-    Raises:
-        RefusedError: the caller may not see the class.
+    For staff.
     """
     require_staff(caller)
     progress = services.dashboard.state(caller.course, caller.students).progress
@@ -48,11 +46,7 @@ def book(services: Services, caller: Caller, section: str = "") -> tuple[Sequenc
 
 
 def gradebook_csv(services: Services, caller: Caller, format: Format, section: str = "") -> str:
-    """Return the gradebook as CSV.
-
-    Raises:
-        RefusedError: the caller may not see the class.
-    """
+    """Return the gradebook as CSV. For staff."""
     members, scores = book(services, caller, section)
     assignments = in_course(services, caller)
     if format == "canvas":
@@ -61,11 +55,7 @@ def gradebook_csv(services: Services, caller: Caller, format: Format, section: s
 
 
 def gradebook_workbook(services: Services, caller: Caller, language: Language, section: str = "") -> bytes:
-    """Return the gradebook as a workbook: points in one sheet, what they mean in another.
-
-    Raises:
-        RefusedError: the caller may not see the class.
-    """
+    """Return the gradebook as a workbook: points in one sheet, what they mean in another. For staff."""
     members, scores = book(services, caller, section)
     assignments = in_course(services, caller)
     heading = partial(on_page, language)
@@ -101,13 +91,8 @@ def registry_workbook(  # noqa: PLR0913
 ) -> bytes:
     """Return what a registry takes: id, name, and one column of points, in order of id.
 
-    Args:
-        services: what use cases work with.
-        caller: who asks.
-        language: of the first two headers.
-        column: header of the third.
-        assignment: whose points; empty: the percentage of all points, where what was not handed in earns none.
-        section: only its students; empty: all.
+    `column` is the header of the points: those of `assignment`; empty: the percentage of all points, where what
+    was not handed in earns none. `section`: only its students; empty: all.
 
     Raises:
         RefusedError: the caller may not see the class, or there is no such assignment.

@@ -225,7 +225,7 @@ def _syntax_error(problem: SyntaxProblem, file_name: str, source: str) -> Refuse
     error = StudentError(type=kind, message=message or kind, line=problem.line, traceback=shown)
     _, text = meaning(error, "syntax_error", ScriptText(source))
     if "/" in file_name:  # of a package
-        text = Text(zh=f"{file_name}：{text.zh}", en=f"{file_name}: {text.en}")
+        text = text.about(file_name)
     return RefusedError(
         "syntax_error",
         text,

@@ -47,11 +47,7 @@ class WaitingPage:
 
 
 def waiting(services: Services, caller: Caller, which: WaitingFor, *, offset: int, limit: int) -> WaitingPage:
-    """Return at most `limit` of what waits in the caller's course.
-
-    Raises:
-        RefusedError: the caller may not see the class.
-    """
+    """Return at most `limit` of what waits in the caller's course. For staff."""
     require_staff(caller)
     which = replace(which, students=caller.students)
     return WaitingPage(
@@ -61,11 +57,7 @@ def waiting(services: Services, caller: Caller, which: WaitingFor, *, offset: in
 
 
 def neighbours(services: Services, caller: Caller, submission: Submission, item: str) -> Neighbours:
-    """Return which answers to the same question wait around a submission.
-
-    Raises:
-        RefusedError: the caller may not see the class.
-    """
+    """Return which answers to the same question wait around a submission. For staff."""
     require_staff(caller)
     which = WaitingFor(assignment=submission.assignment, item=item, students=caller.students)
     return services.judgements.around(submission.course, which, submission.id, submission.received_at)

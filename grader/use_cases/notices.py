@@ -48,11 +48,7 @@ class Setup:
 
 
 def setup_of(services: Services, caller: Caller) -> Setup:
-    """Return what the caller's course has set up.
-
-    Raises:
-        RefusedError: the caller is no instructor, or there is no course.
-    """
+    """Return what the caller's course has set up. For instructors of a course."""
     course = taught_course(caller)
     known = services.notices.webhooks(course).values()
     return Setup(

@@ -1,6 +1,7 @@
 """Assignments that instructors upload to their course: taken in, shown, downloaded, removed."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import replace
 
 from grader.catalog.files import SPEC_NAME
@@ -10,7 +11,7 @@ from grader.contracts.errors import AssignmentError, RefusedError, UnknownAssign
 from grader.contracts.identity import Caller
 from grader.contracts.own_assignment import Misfit, OwnAssignment, OwnState
 from grader.contracts.record import to_plain
-from grader.contracts.text import EMPTY, Text
+from grader.contracts.text import EMPTY, LANGUAGES, Text
 from grader.grading.examination.reading import declared_id, misfits_of, read_folder
 from grader.grading.examination.reference import wants_reference
 from grader.grading.examination.zipped import packed, unpacked
@@ -25,11 +26,7 @@ _TAKEN = Text(
 
 
 def own_assignments(services: Services, caller: Caller) -> tuple[OwnAssignment, ...]:
-    """Return what was uploaded to the caller's course; nothing without courses.
-
-    Raises:
-        RefusedError: the caller may not see the class.
-    """
+    """Return what was uploaded to the caller's course; nothing without courses. For staff."""
     require_staff(caller)
     if caller.course is None:
         return ()
@@ -40,18 +37,14 @@ def own_assignments(services: Services, caller: Caller) -> tuple[OwnAssignment, 
 def own_troubles(services: Services, caller: Caller) -> dict[str, Text]:
     """Return by id what is wrong with assignments of the caller's course: that the last upload was refused, too.
 
-    Raises:
-        RefusedError: the caller may not see the class.
+    For staff.
     """
     told = dict(services.assignments.of(caller.course).troubles())
     for one in own_assignments(services, caller):
         if one.state is OwnState.REFUSED:
             lines = [(place_of(each), each.told) for each in one.examined.misfits]
             lines += [(each.script, each.problem) for each in one.examined.verdicts if each.problem != EMPTY]
-            told[one.assignment] = Text(
-                zh="\n".join(f"{place}: {text.zh}" for place, text in lines),
-                en="\n".join(f"{place}: {text.en}" for place, text in lines),
-            )
+            told[one.assignment] = _listed(lines)
     return told
 
 
@@ -130,12 +123,14 @@ def _require_fit(services: Services, caller: Caller, new: Assignment) -> None:
 
 
 def _refused(found: tuple[Misfit, ...]) -> RefusedError:
-    lines = [(place_of(one), one.told) for one in found]
-    detail = Text(
-        zh="\n".join(f"{place}: {told.zh}" for place, told in lines),
-        en="\n".join(f"{place}: {told.en}" for place, told in lines),
-    )
+    detail = _listed([(place_of(one), one.told) for one in found])
     return RefusedError("invalid_assignment", detail, field="file", misfits=found)
+
+
+def _listed(lines: Sequence[tuple[str, Text]]) -> Text:
+    """Return several texts as lines of one, each behind its place."""
+    said = {one: "\n".join(f"{place}: {told.get(one)}" for place, told in lines) for one in LANGUAGES}
+    return Text(**said)
 
 
 def place_of(one: Misfit) -> str:

@@ -47,10 +47,7 @@ def myself(services: Services, caller: Caller) -> tuple[Course | None, Member | 
 def members(services: Services, caller: Caller, role: Role | None = None) -> Sequence[Member]:
     """Return who is in the caller's course, of one role or of all; nobody while there are no courses.
 
-    Of students those that the caller looks after.
-
-    Raises:
-        RefusedError: the caller may not see the class.
+    Of students those that the caller looks after. For staff.
     """
     require_staff(caller)
     found = services.courses.members(caller.course, role)
@@ -60,20 +57,14 @@ def members(services: Services, caller: Caller, role: Role | None = None) -> Seq
 def set_distro(services: Services, caller: Caller, distro: Distro, reason: str) -> Course:
     """Choose the release of ROS 2 of the caller's course; return the course. What is graded already stays.
 
-    Raises:
-        RefusedError: the caller is no instructor, or there is no course.
+    For instructors of a course.
     """
     taught_course(caller)
     return services.courses.set_distro(distro, services.signature(caller), reason)
 
 
 def plan_import(services: Services, caller: Caller, content: bytes) -> ImportPlan:
-    """Read a class list and return what importing it would do; nothing is changed.
-
-    Args:
-        services: what use cases work with.
-        caller: who asks.
-        content: a workbook or CSV, as `grader.formats.sheets.roster` reads them.
+    """Return what importing a list, as `grader.formats.sheets.roster` reads them, would do; nothing is changed.
 
     Raises:
         RefusedError: the caller is no instructor, there is no course, or the list cannot be read or imported.
@@ -95,15 +86,10 @@ def import_list(  # noqa: PLR0913
     remove: bool = False,
     seen: Seen | None = None,
 ) -> ImportPlan:
-    """Import a class list; return what that did.
+    """Import a class list as `plan_import` reads it; return what that did.
 
-    Args:
-        services: what use cases work with.
-        caller: who imports it.
-        content: as for `plan_import`.
-        skip: import the other rows if some are wrong.
-        remove: take students who are not in the list out of the course.
-        seen: the plan that the caller had looked at; None: whatever it is.
+    `skip`: import the other rows if some are wrong. `remove`: take students who are not in the list out of the
+    course. `seen`: the plan that the caller had looked at; None: whatever it is.
 
     Raises:
         RefusedError: as `plan_import`; rows are wrong and shall not be skipped; or the plan has changed.
@@ -180,8 +166,7 @@ def give_token(services: Services, caller: Caller, person: str, days: int) -> st
 def give_missing_tokens(services: Services, caller: Caller, days: int) -> list[tuple[Member, str]]:
     """Make a token for every member who has none that works; return them in order of id.
 
-    Raises:
-        RefusedError: the caller is no instructor, or there is no course.
+    For instructors of a course.
     """
     course = taught_course(caller)
     served = services.tokens.holders(course)
@@ -217,8 +202,7 @@ def changes(
 ) -> tuple[Sequence[AuditEntry], int | None]:
     """Return `limit` changes older than the id `before`, newest first, and the `before` of the next page.
 
-    Raises:
-        RefusedError: the caller is no instructor.
+    For instructors.
     """
     require_instructor(caller)
     entries = services.audit.entries(caller.course, limit + 1, before)
@@ -229,8 +213,7 @@ def changes(
 def names(services: Services, caller: Caller) -> dict[str, str]:
     """Return id and name of every student of the course, in order of id; nobody while there is no course.
 
-    Raises:
-        RefusedError: the caller may not see the class.
+    For staff.
     """
     return {member.id: member.name for member in members(services, caller, Role.STUDENT)}
 

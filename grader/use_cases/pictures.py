@@ -85,15 +85,10 @@ def draw(  # noqa: PLR0913
     *,
     case: str | None = None,
 ) -> bytes:
-    """Return the plot of one of the report's runs; the figure is measured again.
+    """Return the plot of one of the report's runs, without a `case` the first; the figure is measured again.
 
-    Args:
-        assignment: the version that was graded.
-        report: the graded report.
-        trajectory: of that run, as `grader.contracts.encode_trajectory` wrote it.
-        language: of all words in the plot.
-        form: file format.
-        case: which run; None: the first.
+    `assignment`: the version that was graded. `trajectory`: of that run, as `grader.contracts.encode_trajectory`
+    wrote it.
     """
     from grader.render.plot import plot  # matplotlib takes a second to import
 

@@ -84,29 +84,17 @@ def finish(services: Services, kept: Kept, token: str) -> Arrived:
 
 
 def platforms_of(services: Services, caller: Caller) -> tuple[Platform, ...]:
-    """Return the platforms of the caller's course.
-
-    Raises:
-        RefusedError: the caller is no instructor, or there is no course.
-    """
+    """Return the platforms of the caller's course. For instructors of a course."""
     return services.platforms.of_course(taught_course(caller))
 
 
 def links_of(services: Services, caller: Caller) -> tuple[PlatformLink, ...]:
-    """Return the activities of the caller's course's platforms.
-
-    Raises:
-        RefusedError: the caller is no instructor, or there is no course.
-    """
+    """Return the activities of the caller's course's platforms. For instructors of a course."""
     return services.platforms.links(taught_course(caller))
 
 
 def troubles_of(services: Services, caller: Caller) -> tuple[PlatformScore, ...]:
-    """Return which scores of the caller's course a platform does not take.
-
-    Raises:
-        RefusedError: the caller is no instructor, or there is no course.
-    """
+    """Return which scores of the caller's course a platform does not take. For instructors of a course."""
     return services.platform_scores.troubles(taught_course(caller))
 
 

@@ -48,8 +48,7 @@ def open_regrade(services: Services, caller: Caller, wanted: Wanted) -> Regrade:
 def all_regrades(services: Services, caller: Caller) -> tuple[Regrade, ...]:
     """Return the caller's course's re-grades, newest first, without those of other assistants' students only.
 
-    Raises:
-        RefusedError: the caller may not see the class.
+    For staff.
     """
     require_staff(caller)
     found = services.regrades.all(caller.course)

@@ -34,13 +34,7 @@ def change_rules(  # noqa: PLR0913
 ) -> None:
     """Put new rules in place of the old ones. They hold for what was handed in before, too.
 
-    Args:
-        services: what use cases work with.
-        caller: who changes them.
-        assignment_id: whose rules.
-        rules: the new ones.
-        reason: goes into the audit log.
-        seen: the rules that the caller had looked at; None: whatever they are.
+    `reason` goes into the audit log. `seen`: the rules that the caller had looked at; None: whatever they are.
 
     Raises:
         RefusedError: as `course_rules`; or a hidden item does not exist, or somebody else changed the rules.

@@ -110,11 +110,7 @@ def choose(services: Services, held: str, course: str) -> str:
 
 
 def ways_of(services: Services, caller: Caller, person: str) -> tuple[Identity, ...]:
-    """Return by which names a member of the caller's course signs in.
-
-    Raises:
-        RefusedError: the caller may not see the class.
-    """
+    """Return by which names a member of the caller's course signs in. For staff."""
     require_staff(caller)
     return () if caller.course is None else services.identities.of_member(caller.course, person)
 

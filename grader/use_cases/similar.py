@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
 from grader.contracts.trajectory import decode_commands
@@ -92,12 +93,17 @@ def _shown(caller: Caller, found: Similar) -> Similar:
     )
 
 
+def is_compared(assignment: Assignment | None) -> bool:
+    """Whether what is handed in for an assignment is compared: texts are not. None: it is no longer published."""
+    return assignment is None or assignment.input != "text"
+
+
 def _similar(services: Services, caller: Caller, assignment_id: str) -> Similar:
     state = services.dashboard.state(caller.course)
     own = [one for one in state.progress if one.assignment == assignment_id]
     look = published if own else require_published
     assignment = look(services, caller, assignment_id)
-    if assignment is not None and assignment.input == "text":
+    if not is_compared(assignment):
         raise RefusedError("no_scripts")
     latest = sorted(own, key=lambda one: (one.last_activity_at, one.student), reverse=True)[:MOST_SCRIPTS]
     scripts = services.comparer.scripts.of(

@@ -114,8 +114,7 @@ def read(services: Services, caller: Caller, submission_id: str) -> ShownSubmiss
 def student_in_class(services: Services, caller: Caller, submission: Submission) -> StudentInClass:
     """Return the name of a submission's student, and the submissions of the students before and after.
 
-    Raises:
-        RefusedError: the caller may not see the class.
+    For staff.
     """
     require_staff(caller)
     course, student = submission.course, submission.student

@@ -16,6 +16,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role
 from grader.contracts.judgement import judged, to_judge
+from grader.contracts.record import canonical
 from grader.contracts.report import GradeReport, GradeStatus, report_from
 from grader.contracts.rubric import ItemStatus, summed
 from grader.contracts.rules import is_hidden
@@ -114,7 +115,7 @@ def _shown(
     if not hidden or stored is None:
         return submission, stored
     report = _without(json.loads(stored.content), hidden)
-    content = json.dumps(report, ensure_ascii=False, sort_keys=True, separators=(",", ":")).encode()
+    content = canonical(report)
     digest = hashlib.sha256(content).hexdigest()
     told = replace(submission, score=report["score"], max_score=report["max_score"], report_sha256=digest)
     copy = replace(

@@ -39,7 +39,7 @@ def _values(kind: FieldKind) -> st.SearchStrategy[Any]:
         case fields.Share():
             return st.floats(_LEAST_SHARE if kind.positive else 0.0, 1.0).map(lambda share: round(share, 6))
         case fields.Count() | fields.Seconds():
-            return st.integers(int(kind.low), min(int(kind.high), _LONGEST_S))
+            return st.integers(1 if kind.positive else int(kind.low), min(int(kind.high), _LONGEST_S))
         case fields.Table() if kind.of is LateStep:
             return _steps()
     raise NotImplementedError(f"say how values of {kind} are drawn")

@@ -112,3 +112,28 @@ def test_goal_ids_are_the_same_in_every_run(run_script):
     first = run_lines(run_script, source)
     assert first == run_lines(run_script, source)
     assert len(set(eval(first[0]))) == 2
+
+
+def test_a_name_that_cannot_be_is_refused_as_upstreams_c_code_refuses_it(run_script):
+    run = run_script("""
+import rclpy
+from rclpy.action import ActionClient, ActionServer
+from turtlesim.action import RotateAbsolute
+rclpy.init()
+node = rclpy.create_node("n")
+for name in ("a b", ""):
+    for make in (ActionClient, lambda *args: ActionServer(*args, print)):
+        try:
+            make(node, RotateAbsolute, name)
+        except ValueError as error:
+            print(error)
+""")
+    assert run.stdout.splitlines() == [
+        "Failed to create action client due to invalid topic name 'a b' : topic name is invalid, at "
+        "./src/rcl/expand_topic_name.c:70",
+        "Failed to create action server due to invalid topic name 'a b' : : topic name is invalid, at "
+        "./src/rcl/expand_topic_name.c:70",
+        "Failed to create action client: failed to get goal service name, at ./src/rcl_action/action_client.c:217",
+        "Failed to create action server due to invalid topic name '' : : invalid empty action name, at "
+        "./src/rcl_action/names.c:36",
+    ]

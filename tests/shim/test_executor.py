@@ -429,3 +429,62 @@ def test_a_coroutine_object_is_a_task(run_script):
         "executor.spin_once(timeout_sec=0.1)\nprint(task.done(), task.result())\n"
     )
     assert run.stdout == "True 7\n"
+
+
+def test_a_timer_that_another_thread_destroys_when_it_is_due_is_not_called(run_script):
+    run = run_script("""
+import rclpy, threading, time
+rclpy.init()
+node = rclpy.create_node("n")
+threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+rate = node.create_rate(10)
+for _ in range(3):
+    rate.sleep()
+timer = node.create_timer(0.25, lambda: print("tick"))
+time.sleep(0.8)
+timer.cancel()
+time.sleep(0.5)
+timer.reset()
+time.sleep(0.4)
+rate.sleep()
+node.destroy_rate(rate)  # its timer is due at this instant, and the executor's thread has not got the turn yet
+time.sleep(0.5)
+""")
+    assert run.notes == []
+    assert run.stdout == "tick\n" * 6
+
+
+def test_a_cancelled_timer_that_another_thread_resets_wakes_the_waiting_executor(run_script):
+    run = run_script("""
+import rclpy, threading, time
+rclpy.init()
+node = rclpy.create_node("n")
+begun = time.monotonic()
+timer = node.create_timer(0.5, lambda: print(round(time.monotonic() - begun, 3)))
+timer.cancel()
+threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+time.sleep(1)
+timer.reset()
+time.sleep(0.7)
+""")
+    assert run.stdout == "1.5\n"
+
+
+def test_a_triggered_guard_condition_is_not_put_off_by_a_wait_with_another_timeout(run_script):
+    run = run_script("""
+import rclpy, time
+rclpy.init()
+node = rclpy.create_node("n")
+begun = time.monotonic()
+def tell(what):
+    return lambda: print(what, round(time.monotonic() - begun, 1))
+guard = node.create_guard_condition(tell("guard"))
+timers = [node.create_timer(0.1, tell("timer")), node.create_timer(0.1, tell("timer"))]
+time.sleep(0.15)
+guard.trigger()
+rclpy.spin_once(node, timeout_sec=1.0)
+for timer in timers:
+    timer.cancel()
+rclpy.spin_once(node, timeout_sec=2.0)
+""")
+    assert run.stdout.splitlines()[-1] == "guard 0.2"

@@ -2,6 +2,8 @@
 
 from textwrap import dedent
 
+import pytest
+
 PREFIX = """
 import rclpy
 from rclpy.node import Node
@@ -290,3 +292,57 @@ def test_methods_of_a_script_replace_none_of_the_nodes_own(run_script):
     names, destroyed = lines(run_script, source)
     assert set(names.split()) <= UPSTREAM
     assert destroyed == "None"
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("timers", "TypeError: 'method' object is not iterable"),
+        ("clients", "TypeError: 'method' object is not iterable"),
+        ("handle", "TypeError: 'method' object does not support the context manager protocol"),
+        (
+            "create_publisher",
+            "TypeError: Car.create_publisher() takes 1 positional argument but 4 were given",
+        ),
+        (
+            "create_service",
+            "TypeError: Car.create_service() got an unexpected keyword argument 'qos_profile'",
+        ),
+    ],
+)
+def test_a_method_under_the_name_of_one_of_nodes_is_called_by_node(run_script, name, text):
+    run = run_script(f"""
+import rclpy
+from rclpy.node import Node
+class Car(Node):
+    def __init__(self):
+        super().__init__("car")
+    def {name}(self):
+        print("mine")
+rclpy.init()
+rclpy.spin(Car())
+""")
+    assert run.stderr.splitlines()[-1] == text
+
+
+def test_a_dict_under_the_name_of_nodes_lists_serves_as_upstreams_loops_take_it(run_script):
+    run = run_script("""
+import rclpy
+from rclpy.node import Node
+rclpy.init()
+class Car(Node):
+    def __init__(self):
+        super().__init__("car")
+        self.tick = self.create_timer(1, lambda: print("tick"))
+        self._clients = {}
+        self._subscriptions = {}
+        self._guards = ()
+car = Car()
+rclpy.spin_once(car)
+car._timers = {"tick": car.tick}
+other = rclpy.executors.SingleThreadedExecutor()
+other.add_node(car)
+other.spin_once()
+""")
+    assert run.stdout == "tick\n"
+    assert run.stderr.splitlines()[-1] == "AttributeError: 'str' object has no attribute '_executor_event'"

@@ -13,7 +13,9 @@ EXPECTED = {
     "module_level": Expectation(plan=drive(0.0, *[(0.5, 2.0, 0.0), (0.9999, 0.0, pi / 2)] * 4)),
     "main_called_without_guard": Expectation(plan=(Leg(0.0, 3.0, -0.5),), exit_code=0),
     "main_never_called": Expectation(plan=(), stdout="", exit_code=0),
-    "shutdown_in_callback": Expectation(plan=(Leg(0.1, 2.0, 0.0, 1.0),), stdout="after spin False\n"),
+    "shutdown_in_callback": Expectation(
+        plan=(Leg(0.1, 2.0, 0.0, 1.0),), stdout="after spin False\n", notes=("shutdown_in_callback",)
+    ),
     "double_shutdown": Expectation(
         plan=(Leg(1.0, 1.0, 1.0),),
         status=CRASHED,

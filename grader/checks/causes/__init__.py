@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
-from grader.checks.causes import counts, flow, given, numbers, steering, times
+from grader.checks.causes import counts, flow, given, numbers, steering, ticks, times
 from grader.checks.causes.searched import Searched
 from grader.checks.measure import Findings, Mistake
 from grader.contracts.assignment import Assignment
@@ -34,13 +34,39 @@ def _cause(seen: Searched) -> Mistake:
     return seen.mistake
 
 
-_NO_MOTION: Final = frozenset(("only_stops", "no_turns", "zero_commands", "no_drive", "no_drive_by_pose"))
+_NO_MOTION: Final = frozenset(
+    (
+        "only_stops",
+        "only_stops_by_pose",
+        "only_stops_heard",
+        "no_turns",
+        "zero_commands",
+        "no_drive",
+        "no_drive_by_pose",
+    )
+)
+_STUCK: Final = frozenset(("side_never_ends",))
 _SILENT: Final = frozenset(("never_published", "publish_not_reached", "nothing_ran", "only_printed"))
 _SHORT_TURN: Final = frozenset(("turn_too_short", "turned_one_radian", "half_turn", "turn_too_slow"))
 _SHORT: Final = _SHORT_TURN | {"too_short", "turns_too_short", "one_radian"}
 _COUNT: Final = frozenset(("sides_missing", "sides_missing_by_timer", "path_count", "path_unfinished"))
 _LENGTHS: Final = frozenset(("wrong_lengths", "unequal_sides"))
 _CORNERS: Final = frozenset(("turns_too_short", "turns_too_far", "one_corner_off", "one_radian"))
+_LASTS: Final = frozenset(
+    ("endless_turn", "wall_hit", "piece_never_ends", "turned_instead", "turned_too", "never_stops")
+)
+_TIMED: Final = (
+    _STUCK
+    | _NO_MOTION
+    | _SHORT
+    | _COUNT
+    | _CORNERS
+    | _LENGTHS
+    | _LASTS
+    | {"too_brief", "drives_too_brief", "stopped_at_once", "stop_in_loop"}
+)
+"""Mistakes that a motion of the wrong length may cause."""
+
 _LOST: Final = frozenset(
     (
         "place_away",
@@ -56,8 +82,12 @@ _LOST: Final = frozenset(
 )
 
 _WRONG_WAY: Final = frozenset(("place_away", "place_lost", "place_circled", "place_missed", "place_wall"))
-_COUNTED: Final = _NO_MOTION | _COUNT | _LOST | {"endless_turn", "never_stops", "turned_instead", "wall_hit"}
+_COUNTED: Final = (
+    _STUCK | _NO_MOTION | _COUNT | _LOST | {"endless_turn", "never_stops", "turned_instead", "wall_hit"}
+)
 """Mistakes that a count or a state that never changes may cause."""
+
+_TURNED_LONG: Final = frozenset(("endless_turn", "turns_too_far", "too_slow"))
 
 _BY_POSE: Final = _LOST | {"side_goes_on", "turned_instead", "no_turns"}
 """Mistakes that a wrong comparison with a pose may cause."""
@@ -68,29 +98,40 @@ _WAITS: Final = frozenset(("waits_in_loop", "waits_without_spin"))
 _KEPT_BUSY: Final = frozenset(("waits_in_loop", "cpu_limit", "log_not_reached", "publish_not_reached"))
 
 _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (
-    (_NO_MOTION, flow.other_axis),
+    (_NO_MOTION | {"wall_hit_in_arc", "path_no_arc", "path_count", "path_unfinished"}, flow.other_axis),
     (_COUNTED, counts.set_to_plus),
     (_COUNTED | _BY_POSE | {"curved"}, flow.state_never_set),
+    (_STUCK | _NO_MOTION | {"turned_instead", "endless_turn", "never_stops"}, flow.compared_only),
+    (_STUCK | _TURNED_LONG | {"place_never_stops"}, ticks.sleeps_in_callback),
+    (_STUCK | {"endless_turn"}, ticks.ticks_too_long),
     (_BY_POSE | _COUNT | {"wall_hit"}, steering.equals_exactly),
     (_BY_POSE | _CORNERS | _COUNT | {"endless_turn", "degrees_as_radians"}, steering.degrees_added),
     (_NO_MOTION | _LOST | {"never_stops", "wall_hit", "side_goes_on", "endless_turn"}, flow.deaf_loop),
-    (_NO_MOTION | _LOST | _SILENT, flow.kept_local),
+    (_STUCK | _NO_MOTION | _LOST | _SILENT, flow.kept_local),
     (_NO_MOTION | _LOST | _SILENT | _BY_POSE, flow.kept_global),
     (_NO_MOTION | _LOST | _SILENT | _WAITS, flow.thread_runs_here),
     (_NO_MOTION | _SILENT | {"never_spun", "stalled"}, flow.thread_not_started),
     (_NO_MOTION | _SILENT, flow.never_filled),
+    (_TIMED, times.nanoseconds_unit),
+    (_TIMED, times.not_seconds),
+    (_TIMED, times.start_anew_each_tick),
+    (_SHORT | _COUNT | {"no_turns", "unequal_sides", "one_corner_off", "drives_too_brief"}, times.start_kept),
+    (_STUCK | _NO_MOTION | _LASTS, times.start_anew),
+    (_STUCK | _LASTS, times.reversed_time),
+    (frozenset(("turns_too_far",)), times.no_stop_between),
+    (_NO_MOTION | {"published_once", "too_brief", "stopped_at_once"}, times.publish_behind_loop),
     (_NO_MOTION | _SHORT, numbers.floor_is_zero),
     (_NO_MOTION | _SHORT, numbers.int_is_zero),
     (_NO_MOTION | _COUNT, numbers.negative_time),
     (_NO_MOTION | _SHORT, times.clock_before_sleep),
-    (_NO_MOTION | _COUNT, times.start_once),
+    (_NO_MOTION | _COUNT | {"turned_instead"}, times.start_once),
     (_NO_MOTION, times.since_1970),
     (_NO_MOTION, times.waits_for_past),
     (_NO_MOTION | {"never_stops", "endless_turn"}, counts.count_anew),
     (frozenset(("sides_missing", "sides_missing_by_timer")), counts.count_kept),
     (_NO_MOTION, flow.empty_function),
     (_NO_MOTION | _SILENT | {"never_spun"}, flow.never_called),
-    (_SHORT | _CORNERS, numbers.radians_twice),
+    (_SHORT | _CORNERS | {"path_count"}, numbers.radians_twice),
     (_SHORT | _CORNERS | _LOST | {"no_drive_by_pose"}, numbers.radians_of_pose),
     (
         frozenset(("endless_turn", "turns_too_far", "degrees_as_radians", "turned_instead")),
@@ -100,15 +141,20 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_LOST | _WRONG_WAY | {"no_drive_by_pose"}, steering.yaw_without_sign),
     (_LOST | _WRONG_WAY | {"no_drive_by_pose"}, steering.quaternion_for_yaw),
     (_WRONG_WAY, steering.arctan_exchanged),
+    (_LOST | _WRONG_WAY | {"no_drive_by_pose", "turned_instead"}, steering.turns_away),
     (_WRONG_WAY, steering.away_from_goal),
     (frozenset(("place_never_stops", "place_circled")), steering.tolerance_too_small),
     (frozenset(("turns_too_short", "one_corner_off")), steering.wide_tolerance),
     (_CORNERS - {"one_radian"}, times.wrong_time),
     (frozenset(("turns_too_short", "one_corner_off", "turn_too_short", "too_short")), numbers.ticks_cut),
-    (_SHORT, counts.counts_ticks),
+    (_SHORT | {"no_turns", "too_brief", "turned_instead"}, ticks.count_not_reset),
+    (_SHORT | _COUNT | {"unequal_sides", "drives_too_brief", "turned_instead"}, ticks.sum_not_reset),
+    (_SHORT, ticks.counts_ticks),
     (_COUNT | {"too_slow"}, times.sleeps_on),
     (_COUNT, flow.removes_in_loop),
     (_COUNT, flow.leaves_loop),
+    (_COUNT | {"no_turns"}, flow.skips_rest),
+    (frozenset(("no_turns",)), flow.branch_without_publish),
     (_COUNT, times.timer_ends),
     (_COUNT, flow.no_loop),
     (_LENGTHS | _CORNERS | _COUNT | {"other_figure"}, counts.always_true),
@@ -125,12 +171,17 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_NOT_ON, flow.ends_in_callback),
     (frozenset(("log_not_reached",)), flow.level_raised),
     (frozenset(("log_not_reached",)), flow.log_behind_spin),
-    (frozenset(("log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on")), flow.uncalled),
+    (frozenset(("log_not_reached",)), flow.long_period),
+    (
+        _NO_MOTION | {"log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on"},
+        flow.uncalled,
+    ),
     (frozenset(("wrong_topic",)), flow.lookalike),
     (frozenset(("never_published",)), flow.no_publish),
     (frozenset(("never_published", "publish_not_reached")), flow.long_period),
     (frozenset(("publisher_not_reached",)), flow.class_not_made),
     (frozenset(("publish_not_reached",)), flow.returns_before),
+    (frozenset(("publish_not_reached",)), flow.lambda_names),
     (_WAITS, flow.waits_for_two),
     (_KEPT_BUSY, flow.loop_for_spin),
     (frozenset(("cpu_limit",)), flow.timer_in_timer),

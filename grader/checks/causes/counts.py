@@ -4,52 +4,15 @@ import re
 from collections import Counter
 from typing import Final
 
-from grader.checks.causes.searched import LOGS, SHOWS, Searched, is_repeated, itself
+from grader.checks.causes.searched import SHOWS, Searched, is_repeated, itself
 from grader.checks.measure import Mistake, mistake
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
 from grader.messages.arithmetic import value_of
-from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
 
-def counts_ticks(seen: Searched) -> Mistake | None:
-    """Find a count of a timer's ticks whose limit is reached much too early."""
-    timers = seen.script.callbacks("timer")
-    if len(timers) != 1:
-        return None
-    made = re.search(r"create_timer\( ?([^,()]+),", seen.script.lines[timers[0][0] - 1])
-    period_s = value_of(made[1].strip(), seen.script) if made else None
-    begins = seen.script.definition(timers[0][1])
-    if period_s is None or begins is None or not 0.0 < period_s < 1.0:
-        return None
-    for line, text in enumerate(seen.script.block(begins.line), start=begins.line):
-        found = re.search(r"\bif ([\w.]+) ?(<=?|>=?|==) ?([\w.]+) ?:", text)
-        counted = found and _counted_each_tick(found[1], seen.script)
-        count = value_of(found[3], seen.script) if found and counted else None
-        if found and count and _only_logs(line, found[1], seen.script):
-            continue
-        if found and count and count >= 1 and (count * period_s <= _EARLY_S or count <= _FEW_TICKS):
-            took = number(count * period_s, "s")
-            period = number(period_s, "s", 4)
-            values = {"name": found[1], "count": f"{count:g}", "period": period, "took": took}
-            return mistake("counts_ticks", line=line, **values)
-    return None
-
-
-_EARLY_S: Final = 1.0  # a motion of more was counted in ticks, and has another fault
-
-_FEW_TICKS: Final = 10
-
-
-def _only_logs(line: int, name: str, script: ScriptText) -> bool:
-    """Whether what a count leads to is only shown: nothing moves or stops because of it."""
-    shown = rf"(?:.*{LOGS}|print\()|{re.escape(name)} ?= ?0$"
-    body = script.body(line)
-    return bool(body) and all(re.match(shown, text) for _, text in body)
-
-
-def _counted_each_tick(name: str, script: ScriptText) -> bool:
+def counted_each_tick(name: str, script: ScriptText) -> bool:
     """Whether a name is raised by 1 at each tick: not only when another count has come somewhere, as sides are."""
     others = "|".join(re.escape(other) for other in script.counters - {name})
     for line in script.lines_with(rf"(?<![\w.]){_raising(name)}\s*$"):
@@ -129,7 +92,7 @@ def grows(seen: Searched) -> Mistake | None:
         return None  # with a pose the counter gives the heading or place of the next side
     for loop, head in seen.script.matches(r"^[ \t]*for (\w+) in range\("):
         name = head[1]
-        grown = rf"\* ?(?:\( ?{name} ?[+-] ?\d ?\)|{name}\b)|(?<![\w.]){name} ?\*"
+        grown = rf"(?<!\*)\* ?(?!\*)(?:\( ?{name} ?[+-] ?\d ?\)|{name}\b)|(?<![\w.]){name} ?\*"
         for line, text in enumerate(seen.script.block(loop)[1:], start=loop + 1):
             found = re.search(grown, text)
             if (

@@ -11,7 +11,7 @@ from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import not_called
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
-from grader.messages.script import ScriptText
+from grader.messages.script import Definition, ScriptText
 
 
 def deaf_loop(seen: Searched) -> Mistake | None:
@@ -115,6 +115,41 @@ def leaves_loop(seen: Searched) -> Mistake | None:
     return None
 
 
+def branch_without_publish(seen: Searched) -> Mistake | None:
+    """Find a branch of a timer's callback that fills a new message, behind which no publish can be reached."""
+    script = seen.script
+    for _, callback in script.callbacks("timer"):
+        made = script.definition(callback)
+        block = script.block(made.line) if made is not None else []
+        for line, text in enumerate(block, start=made.line if made is not None else 0):
+            filled = re.match(r"[ \t]*(\w+)\.angular\.z ?=(?!=)(?! ?-?[0.]+ ?(;|$))", text)
+            if filled is None or not any(re.match(rf"[ \t]*{filled[1]} ?= ?Twist\(", one) for one in block):
+                continue
+            around = set(_around(line, script))
+            later = [at for at in script.lines_with(r"\.publish\(|\w\(.*\b" + filled[1]) if at > line]
+            if script.lines_with(r"\.publish\(") and not any(script.owner_of(at) in around for at in later):
+                return mistake("branch_without_publish", line=line, callback=callback)
+    return None
+
+
+def _around(line: int, script: ScriptText) -> Iterator[int]:
+    """Yield the first lines of the blocks in which a line stands."""
+    above = script.owner_of(line)
+    while above is not None:
+        yield above
+        above = script.owner_of(above)
+
+
+def skips_rest(seen: Searched) -> Mistake | None:
+    """Find a ``continue`` that ends each round of a loop, whatever happens, before what stands behind it."""
+    for loop in seen.script.lines_with(r"^[ \t]*(for|while)\b"):
+        body = seen.script.body(loop)
+        for (line, text), (behind, _) in itertools.pairwise(body):
+            if text == "continue":
+                return mistake("skips_rest", line=line, behind=behind)
+    return None
+
+
 def no_loop(seen: Searched) -> Mistake | None:
     """Recognise a script that writes a part of the figure once, and has no loop to repeat it."""
     count, item = seen.findings.measures.get("sides"), seen.assignment.item_on("sides")
@@ -207,7 +242,12 @@ def log_behind_spin(seen: Searched) -> Mistake | None:
 
 
 def uncalled(seen: Searched) -> Mistake | None:
-    """Find a function that the script never calls."""
+    """Find a function that is named and not called; where no motion came, one that is called nowhere else."""
+    named = seen.script.uncalled
+    loud = {"log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on"}
+    if named is not None and seen.mistake.code not in loud:
+        called = rf"(?<!def )\b{re.escape(named.name.rpartition('.')[2])}\("
+        return None if seen.script.lines_with(called) else not_called(seen.run)
     return not_called(seen.run)
 
 
@@ -270,6 +310,14 @@ def returns_before(seen: Searched) -> Mistake | None:
     return None
 
 
+def lambda_names(seen: Searched) -> Mistake | None:
+    """Find a lambda for a callback that names the function and does not call it."""
+    for line, found in seen.script.matches(r"\bcreate_\w+\(.*\blambda\b[^:]*: ?((?:\w+\.)?(\w+)) ?[,)]"):
+        if seen.script.definition(found[2]) is not None:
+            return mistake("not_called", line=line, name=found[1], call=f"{found[1]}()")
+    return None
+
+
 def waits_for_two(seen: Searched) -> Mistake | None:
     """Find a wait for more subscribers than there are."""
     lines = seen.script.lines_with(
@@ -320,13 +368,33 @@ def never_called(seen: Searched) -> Mistake | None:
         made = script.definition(name)
         if made is not None and _may_be_run(name, made.line, seen):
             continue
-        blocks = script.reached_from([made.line]) if made is not None else set()
+        blocks = (
+            script.reached_from([made.line, *_handed_over(made.line, script)]) if made is not None else set()
+        )
         does = any(
             begins <= line < begins + len(script.block(begins)) for line in wanted for begins in blocks
         )
-        if made is not None and ((lost and does) or _brings(made.line, asked, script)):
+        named = seen.mistake.code == "no_turns" and re.search(_TURNS, name) and _moves(made, script)
+        if made is not None and ((lost and does) or named or _brings(made.line, asked, script)):
             return mistake("never_called", name=name, begins=made.line)
     return None
+
+
+def _handed_over(begins: int, script: ScriptText) -> list[int]:
+    """Return the first lines of the callbacks that the timers and subscriptions made in a function call."""
+    inside = range(begins, begins + len(script.block(begins)))
+    made = (script.callbacks(kind) for kind in ("timer", "subscription"))
+    names = [name for known in made for line, name in known if line in inside]
+    return [one.line for name in names if (one := script.definition(name)) is not None]
+
+
+def _moves(made: Definition | None, script: ScriptText) -> bool:
+    """Whether a function, or one that it calls, publishes."""
+    blocks = script.reached_from([made.line]) if made is not None else set()
+    return any(".publish(" in text for begins in blocks for text in script.block(begins))
+
+
+_TURNS: Final = r"(?i)turn(?!le)|rotat|spin|left|right|corner|zhuan|转"
 
 
 def _may_be_run(name: str, begins: int, seen: Searched) -> bool:
@@ -410,6 +478,37 @@ def kept_local(seen: Searched) -> Mistake | None:
         if _only_in_init(kept[1], seen.script):
             written = kept[0].strip()
             return mistake("kept_local", line=line, name=kept[1], callback=callback, written=written)
+    return _state_in_vain(seen.script)
+
+
+def _state_in_vain(script: ScriptText) -> Mistake | None:
+    """Find a method that gives a state to a variable of its own, which it never reads, and not to the node's."""
+    for line, found in script.matches(rf"^[ \t]+(\w+) ?= ?({_VALUE})$"):
+        made = script.definition(script.function_around(line))
+        asked = script.lines_with(rf"\b(if|elif|while)\b.*\bself\.{found[1]}(?!\w)")
+        if made is None or not made.takes_self or not asked:
+            continue
+        block = "\n".join(script.block(made.line))
+        if len(re.findall(itself(found[1]), block)) == len(re.findall(rf"{itself(found[1])} ?=(?!=)", block)):
+            values = {"name": found[1], "callback": script.function_around(line)}
+            return mistake(
+                "kept_local", line=line, written=script.written(line).partition("#")[0].strip(), **values
+            )
+    return None
+
+
+_VALUE: Final = r"\"\"|True|False|\d+"
+
+
+def compared_only(seen: Searched) -> Mistake | None:
+    """Find a line that compares a state with what it should be set to, and does nothing with the result."""
+    for line, found in seen.script.matches(rf"^[ \t]*([\w.]+) ?== ?({_VALUE}|None|[\w.]+)$"):
+        before = "".join(seen.script.lines[line - 2 : line - 1]).rstrip()
+        if before.endswith(("(", "[", ",", "\\", "=", "and", "or", "not")):
+            continue  # the rest of a longer expression
+        if seen.script.lines_with(rf"\b(if|elif|while)\b.*{itself(found[1])}"):
+            right = seen.script.written(line).partition("#")[0].strip().replace("==", "=", 1)
+            return mistake("compares_for_assigns", line=line, right=right)
     return None
 
 
@@ -440,24 +539,38 @@ def _only_in_init(name: str, script: ScriptText) -> bool:
 
 
 def state_never_set(seen: Searched) -> Mistake | None:
-    """Find a state that is asked for, and never set: what is set is written in another way."""
+    """Find a state that is written in one way where it is set, and in another where it is asked for."""
     script = seen.script
-    if script.lines_with(r"\bstate\w* ?=(?!=)(?! ?(?:\"\"|None\b))|\bstate\w* ?,[^=]*=(?!=)"):
+    if script.lines_with(rf"{_STATE} ?=(?!=)(?! ?(?:\"\"|None\b))|{_STATE} ?,[^=]*=(?!=)"):
         return None  # it may be set to anything
-    written = [(line, script.written(line)) for line in script.lines_with(r"\bstate\w* ?[=!]=? ?\"\"")]
-    known = {found[1] for _, text in written for found in _STATE_SET.finditer(text)}
+    written = [(line, script.written(line)) for line in script.lines_with(rf"{_STATE} ?[=!]=? ?\"\"")]
+    known = {found[2] for _, text in written for found in _STATE_SET.finditer(text)}
     asked = {found[2] for _, text in written for found in _STATE_ASKED.finditer(text)}
-    unasked = sorted(known - asked)
-    for line, text in written if len(known) <= _MOST_STATES else ():
+    unset, unasked = sorted(asked - known), sorted(known - asked)
+    for line, text in written if len(known) + len(asked) <= _MOST_STATES else ():
         for found in _STATE_ASKED.finditer(text):
-            near = [one for one in unasked if one.lower() == found[2].lower()]
-            near = near or difflib.get_close_matches(found[2], unasked, 1, _NEAR)
-            if found[2] not in known and near:
+            only = len(unset) == len(unasked) == 1 and not re.match(_LAST, unasked[0])
+            near = unasked if only else _alike(found[2], unasked)
+            if found[2] in unset and near:
+                return mistake("state_never_set", line=line, name=found[1], asked=found[2], known=near[0])
+        for found in _STATE_SET.finditer(text):
+            if found[2] in unasked and (near := _alike(found[2], sorted(asked))):
                 return mistake("state_never_set", line=line, name=found[1], asked=found[2], known=near[0])
     return None
 
 
-_STATE_SET: Final = re.compile(r"(?<![\w.])(?:self\.)?\w*state\w* *= *[\"'](\w{1,40})[\"']")
-_STATE_ASKED: Final = re.compile(r"(?<![\w.])((?:self\.)?\w*state\w*) *== *[\"'](\w{1,40})[\"']")
+def _alike(name: str, others: list[str]) -> list[str]:
+    """Return those of other states that look the same: but for capitals, or else a letter or two."""
+    same = [one for one in others if one.lower() == name.lower()]
+    return same or difflib.get_close_matches(name, others, 1, _NEAR)
+
+
+_LAST: Final = r"(?i)(done|stop|fin|end|idle|over|exit|wait|init|start|arriv|reach)"
+"""How states begin that need no branch of their own."""
+
+_STATE: Final = r"\b\w*(?:state|status|mode|phase|stage)\w*"
+_NAMED: Final = r"(?<![\w.])((?:self\.)?\w*(?:state|status|mode|phase|stage)\w*)"
+_STATE_SET: Final = re.compile(_NAMED + r" *= *[\"'](\w{1,40})[\"']")
+_STATE_ASKED: Final = re.compile(_NAMED + r" *== *[\"'](\w{1,40})[\"']")
 _NEAR: Final = 0.8
 _MOST_STATES: Final = 20  # each that is asked for is compared with all of them

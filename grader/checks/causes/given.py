@@ -98,12 +98,20 @@ def rounded(seen: Searched) -> Mistake | None:
     given = _given_m(seen)
     if given is None or given == int(given):
         return None
-    for line, found in seen.script.matches(r"\b(int|round)\(.*(\binput\(|\bget_parameter\(.*value\b)"):
+    for line, found in seen.script.matches(r"\b(int|round)\((.*)"):
         whole = int(given) if found[1] == "int" else round(given)
-        if whole != given:
+        kept = re.match(r" ?(?:self\.)?(\w+) ?\)", found[2])
+        known = seen.script.assigned(kept[1]) if kept is not None else None
+        if known is not None and "side_error_pct" not in seen.findings.measures:
+            continue  # it may be a number of something else
+        read = re.search(_READ_IN, found[2] if known is None else known.value)
+        if read is not None and whole != given and _drove(whole, given, seen):
             values = {"written": f"{found[1]}()", "given": number(given, "m"), "whole": number(whole, "m")}
             return mistake("rounded", line=line, **values)
     return None
+
+
+_READ_IN: Final = r"\binput\(|\bget_parameter\(.*value\b"
 
 
 def other_kind(seen: Searched) -> Mistake | None:

@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
-from grader.checks.causes.searched import Searched
+from grader.checks.causes.searched import CLOCK, Searched, itself
 from grader.checks.drive import FAST_TURN_RADPS, fastest_radps
 from grader.checks.measure import Mistake, mistake
 from grader.messages.arithmetic import value_of
@@ -54,7 +54,25 @@ def negative_time(seen: Searched) -> Mistake | None:
         value = value_of(found[2].strip(), seen.script) if re.search(_TIME, found[1]) else None
         if value is not None and value < 0.0:
             return mistake("negative_time", line=line, name=found[1], value=number(value, "s"))
+    for line, found in seen.script.matches(rf"^(?![ \t]*def\b).*?(\w+)\({_INNER}\)"):
+        made = seen.script.definition(found[1])
+        given = seen.script.arguments(line, found[1]) if made else []
+        if len(given) > 1 and all(value_of(one, seen.script) in (0.0, None) for one in given[:-1]):
+            continue  # a pause
+        for place, written in enumerate(given):
+            value = value_of(written, seen.script)
+            if made and value is not None and value < 0.0 and _is_time(made.line, place, seen.script):
+                return mistake("negative_time", line=line, name=written, value=number(value, "s"))
     return None
+
+
+def _is_time(begins: int, place: int, script: ScriptText) -> bool:
+    """Whether a function waits for as long as the argument at that place says."""
+    inside = script.lines[begins - 1].partition("(")[2].removeprefix("self").lstrip(" ,").partition(")")[0]
+    names = [part.partition("=")[0].partition(":")[0].strip() for part in inside.split(",")]
+    name = itself(names[place]) if place < len(names) and names[place] else None
+    limit = rf"{CLOCK}.*{name}|{name}.*{CLOCK}|\bwhile\b.*{name}|\brange\(.*{name}"
+    return name is not None and any(re.search(limit, text) for text in script.block(begins)[1:])
 
 
 def ticks_cut(seen: Searched) -> Mistake | None:
@@ -152,9 +170,24 @@ def degrees_of_radians(seen: Searched) -> Mistake | None:
         before, after = found.string[: found.start()], found.string[found.end() :]
         beside = re.match(r" *- *([\w.]+)(?![\w.(]| *[*/])", after)
         mixed = beside is not None and _angle_of_pose(beside[1], script)
-        if mixed or (is_too_fast and _becomes_rate(before, after, script)):
+        if (
+            mixed
+            or _less_theta(before, after, script)
+            or (is_too_fast and _becomes_rate(before, after, script))
+        ):
             return mistake("degrees_of_radians", line=line, written=found[0])
     return None
+
+
+def _less_theta(before: str, after: str, script: ScriptText) -> bool:
+    """Whether a line gives a variable an angle in degrees, from which another one takes theta; as below."""
+    assigned = re.fullmatch(r"\s*([\w.]+) *= *", before)
+    if assigned is None or after.strip():
+        return False
+    beside = (
+        found[1] for _, found in script.matches(rf"{itself(assigned[1])} *- *([\w.]+)(?![\w.(]| *[*/])")
+    )
+    return any(_angle_of_pose(one, script) for one in beside)
 
 
 def _becomes_rate(before: str, after: str, script: ScriptText) -> bool:

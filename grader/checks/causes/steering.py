@@ -11,9 +11,8 @@ from grader.messages.quantity import exact, number
 from grader.messages.script import ScriptText
 
 _CONDITION: Final = r"\b(?:if|elif|while)\b.*?"
-_ANGLE: Final = (
-    r"[\w.]{0,40}(?:err|diff|delta|angle|theta|yaw)\w{0,40}"  # bounded: a hostile name takes long else
-)
+# The name is bounded: searching a hostile one would take long.
+_ANGLE: Final = r"[\w.]{0,40}(?:err|diff|delta|angle|theta|yaw)\w{0,40}"
 _MEASURED: Final = (
     r"(?<![\w.])([\w.]{0,40}(?:dist|err|angle|theta|yaw|diff|delta|pose\.[xy])\w{0,40}|d)(?![\w.])"
 )
@@ -117,11 +116,50 @@ _ALONG_Y: Final = _ALONG_X.replace("x", "y")
 
 def away_from_goal(seen: Searched) -> Mistake | None:
     """Find a direction that is computed from the goal to the car instead of from the car to the goal."""
-    for line, found in seen.script.matches(r"^[ \t]*([\w.]+) ?= ?([\w.]*pose\.x) ?- ?([^-+]+)$"):
-        name, near, far = (part.strip() for part in found.groups())
-        if "pose" not in far and seen.script.lines_with(rf"\batan2\([^()]*{itself(name)} ?\)"):
-            return mistake("away_from_goal", line=line, right=f"{name} = {far} - {near}")
+    for axis, place in (("x", r"[^()]*, ?{name} ?\)"), ("y", r" ?{name} ?,")):
+        for line, found in seen.script.matches(rf"^[ \t]*([\w.]+) ?= ?([\w.]*pose\.{axis}) ?- ?([^-+]+)$"):
+            name, near, far = (part.strip() for part in found.groups())
+            used = rf"\batan2\({place.format(name=itself(name))}"
+            if "pose" not in far and seen.script.lines_with(used):
+                return mistake("away_from_goal", line=line, right=f"{name} = {far} - {near}")
     return None
+
+
+def turns_away(seen: Searched) -> Mistake | None:
+    """Find an error of the heading that has the car turn away from where it should look.
+
+    The error is wanted less present, and the turn rate has its sign: one of the two is the other way round.
+    """
+    script = seen.script
+    for line, found in script.matches(
+        rf"^[ \t]*([\w.]+) ?=(?!=).*?(?<![\w.])({_TERM}) ?- ?({_TERM})(?![\w.(])"
+    ):
+        name, first, second = found.groups()
+        present = [bool(re.search(_PRESENT, one)) and not re.search(_WANTED, one) for one in (first, second)]
+        if sum(present) != 1 or re.search(r"- ?\($|- ?$|-\w+\.?\w*\($", found.string[: found.start(2)]):
+            continue
+        turned = script.matches(rf"\.angular\.z ?=(?!=) ?([^=]*{itself(name)}.*)$")
+        signs = [(at, sign) for at, one in turned if (sign := _sign(one[1], name))]
+        if {sign for _, sign in signs} == ({1} if present[0] else {-1}):
+            at = line if present[0] else signs[0][0]
+            return mistake("turns_away", line=at, name=name, wanted=(first, second)[present[0]])
+    return None
+
+
+def _sign(written: str, name: str) -> int:
+    """Return the sign of a turn rate for a positive error: 1 or -1, or 0 where that is not plain."""
+    error, factor = itself(name), r"[\w.]+"
+    if re.fullmatch(
+        rf"(?:{factor} ?\* ?)?{error}(?: ?\* ?{factor})?|{factor} if {error} ?>.* else ?- ?{factor}", written
+    ):
+        return 1
+    against = rf"- ?(?:{factor} ?\* ?)?{error}(?: ?\* ?{factor})?|- ?{factor} if {error} ?>.* else {factor}"
+    return -1 if re.fullmatch(against, written) else 0
+
+
+_TERM: Final = r"(?:math\.)?atan2\([^()]*\)|[\w.]{1,60}"
+_PRESENT: Final = r"(?i)(?:theta|yaw)$"
+_WANTED: Final = r"(?i)target|goal|want|desire|aim|ref|dest|next|end"
 
 
 def yaw_without_sign(seen: Searched) -> Mistake | None:

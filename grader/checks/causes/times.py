@@ -1,11 +1,12 @@
 """Times that are measured, waited for or passed wrongly."""
 
+import math
 import re
 from typing import Final
 
 from grader.checks.causes.searched import CLOCK, Searched, is_repeated, itself
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import sleep_at_end, sleeps_too_long
+from grader.checks.mistakes import sleep_at_end, sleeps_too_long, with_ends
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
@@ -41,15 +42,23 @@ def _loops_on(seen: Searched, name: str, after: int) -> bool:
 
 
 def start_once(seen: Searched) -> Mistake | None:
-    """Find a start time that only ``__init__`` sets, though several loops measure from it."""
-    for line, found in seen.script.matches(rf"^[ \t]*self\.(\w+) ?= ?.*{CLOCK}"):
-        name = found[1]
-        once = seen.script.assigned(name) is not None and seen.script.function_around(line) == "__init__"
-        waits = seen.script.lines_with(rf"\bwhile\b.*\bself\.{name}\b")
+    """Find a start time that only ``__init__`` or the module sets, though several motions are measured from it."""
+    for line, found in seen.script.matches(rf"^(?:[ \t]*(self\.)|)(\w+) ?= ?.*{CLOCK}"):
+        owner, name = found[1] or "", found[2]
+        once = not owner or seen.script.assigned(name) is not None
+        waits = seen.script.lines_with(rf"\bwhile\b.*{itself(owner + name)}")
         waits = [at for at in waits if len(re.findall(CLOCK, seen.script.lines[at - 1])) < 2]
-        if once and len(waits) > 1:
-            return mistake("start_once", line=line, name=name, again=found.string.strip())
+        waits = waits if owner else [at for at in waits if not _assigns(name, at, seen.script)]
+        around = "__init__" if owner else ""
+        if once and seen.script.function_around(line) == around and len(waits) > bool(owner):
+            return mistake("start_once", line=line, name=owner + name, again=found.string.strip())
     return None
+
+
+def _assigns(name: str, at: int, script: ScriptText) -> bool:
+    """Whether the function around a line assigns a name, or there is no function."""
+    made = script.definition(script.function_around(at))
+    return made is None or any(re.match(rf"[ \t]*{name} ?=(?!=)", text) for text in script.block(made.line))
 
 
 def since_1970(seen: Searched) -> Mistake | None:
@@ -71,6 +80,141 @@ def waits_for_past(seen: Searched) -> Mistake | None:
     for line in seen.script.lines_with(passed):
         if any("publish(" in text for text in seen.script.block(line)):
             return mistake("waits_for_past", line=line)
+    for _, found in seen.script.matches(rf"^[ \t]*([\w.]+) ?= ?{CLOCK} ?\+ ?[\w.]"):
+        for line in seen.script.lines_with(rf"\bwhile\b.*{CLOCK} ?>=? ?{re.escape(found[1])}(?![\w.])"):
+            return mistake("waits_for_past", line=line)
+    for line, found in seen.script.matches(rf"^[ \t]*([\w.]+) ?= ?({CLOCK}) ?- ?[\w.]+$"):
+        if seen.script.lines_with(rf"\bwhile\b.*{CLOCK} ?<=? ?{re.escape(found[1])}(?![\w.])"):
+            written = found[0].strip()
+            return mistake("ends_in_past", line=line, written=written, right=written.replace("-", "+"))
+    return None
+
+
+def nanoseconds_unit(seen: Searched) -> Mistake | None:
+    """Find nanoseconds that are compared with seconds, or with seconds times something else than 1e9."""
+    for line, found in seen.script.matches(rf"\.nanoseconds\)* ?[<>]=? ?({_TIMES_OR_NAME})\)* ?:"):
+        name, factor = found[1].partition("*")[0].strip(), found[1].partition("*")[2].strip()
+        value = value_of(found[1], seen.script)
+        right = f"{name} * 1e9"
+        if factor and value_of(factor, seen.script) not in (1e9, None):
+            return mistake("nanoseconds_unit", line=line, written=found[1], right=right)
+        if not factor and not re.search(r"(?i)ns|nano", name) and _is_seconds(value, name, seen.script):
+            return mistake("nanoseconds_unit", line=line, written=found[1], right=right)
+    return None
+
+
+def not_seconds(seen: Searched) -> Mistake | None:
+    """Find nanoseconds, or what is left of them by a wrong divisor, that are compared with a few seconds later."""
+    taken = r"^[ \t]*([\w.]+) ?= ?(.*\.nanoseconds\)*)(?: ?/ ?([\w.]+))?$"
+    for line, found in seen.script.matches(taken):
+        name, divisor = found[1], value_of(found[3], seen.script) if found[3] else 1.0
+        if divisor is None or not 1.0 <= divisor < _TO_SECONDS:
+            continue
+        compared = seen.script.matches(rf"\b(?:if|elif|while)\b.*{itself(name)} ?[<>]=? ?([\w.]+)")
+        limits = [value_of(one[1], seen.script) for _, one in compared]
+        if any(limit is not None and 0.0 < limit < _FEW_SECONDS for limit in limits):
+            return mistake("not_seconds", line=line, name=name, right=f"{name} = {found[2]} / 1e9")
+    return None
+
+
+_TO_SECONDS: Final = 0.99e9
+_FEW_SECONDS: Final = 60.0
+
+
+def start_kept(seen: Searched) -> Mistake | None:
+    """Find a branch that ends a motion at a time and keeps its start time, which another branch takes anew."""
+    for _, callback in seen.script.callbacks("timer")[:1]:
+        made = seen.script.definition(callback)
+        block = seen.script.block(made.line) if made is not None else []
+        kept, anew = [], {}
+        for line, text in enumerate(block, start=made.line if made is not None else 0):
+            ends = re.match(r"[ \t]*(?:if|elif) [^:]*>=? ?[\w.]+( ?[/*] ?[\w.]+)? ?:$", text)
+            inside = "\n".join(seen.script.block(line)[1:]) if ends is not None else ""
+            taken = re.search(rf"^[ \t]*(self\.\w+) ?= ?[\w.()]*{CLOCK}.*$", inside, re.MULTILINE)
+            if taken is not None:
+                anew[taken[1]] = taken[0].strip()
+            elif re.search(r"^[ \t]*self\.\w+ ?=(?!=)", inside, re.MULTILINE) and _passed(text, block):
+                kept.append(line)
+        if len(anew) == 1 and len(kept) == 1:
+            name, again = anew.popitem()
+            return mistake("start_kept", line=kept[0], name=name, again=again)
+    return None
+
+
+def _passed(condition: str, block: list[str]) -> bool:
+    """Whether a condition compares the time that has passed, itself or by a variable of the function."""
+    names = re.findall(r"[\w.]+", condition.partition(">")[0])
+    passed = rf"- ?self\.\w+|{CLOCK}"
+    return bool(re.search(passed, condition)) or any(
+        re.match(rf"[ \t]*{re.escape(name)} ?=(?!=).*(?:{passed})", text) for name in names for text in block
+    )
+
+
+def start_anew_each_tick(seen: Searched) -> Mistake | None:
+    """Find a callback that takes the start time anew each time it is called, so that hardly any time passes."""
+    for kind in ("timer", "subscription"):
+        for _, callback in seen.script.callbacks(kind):
+            made = seen.script.definition(callback)
+            block = "\n".join(seen.script.block(made.line)) if made is not None else ""
+            for line, text in seen.script.body(made.line) if made is not None else []:
+                taken = re.match(rf"(self\.\w+) ?= ?[\w.()]*{CLOCK}\S*$", text)
+                since = (
+                    re.search(rf"^[ \t]*(\w+) ?= ?.*{CLOCK}.*- ?{itself(taken[1])}", block, re.MULTILINE)
+                    if taken
+                    else None
+                )
+                if (
+                    taken and since and not re.search(rf"[+*] ?=? ?{itself(since[1])}", block)
+                ):  # no step of time
+                    values = {"name": taken[1], "callback": callback}
+                    return mistake("start_anew_each_tick", line=line, **values)
+    return None
+
+
+_TIMES_OR_NAME: Final = r"[\w.]+(?: ?\* ?(?:1e\d+|1\d{3,12}))?"
+_FEW_NS: Final = 1e6  # a millisecond: what is compared with less is meant as seconds
+_TO_NS: Final = r"(?i)\b1e9|10 ?\*\* ?9|1_?000_?000_?000|nanosec|\bns\b"
+
+
+def _is_seconds(value: float | None, name: str, script: ScriptText) -> bool:
+    """Whether a name has few, or no line that could make nanoseconds of it."""
+    if value is not None:
+        return 0.0 < value < _FEW_NS
+    made = script.lines_with(rf"{itself(name)} ?=(?!=)|^(?!.*\b(?:def|while|if)\b).*\w\(.")
+    return not any(re.search(_TO_NS, script.lines[at - 1]) for at in made)
+
+
+def start_anew(seen: Searched) -> Mistake | None:
+    """Find a loop that takes its own start time anew in each round, so that no time ever passes."""
+    for loop in seen.script.lines_with(rf"^[ \t]*while\b.*{CLOCK}"):
+        for line, text in seen.script.body(loop):
+            taken = re.match(rf"([\w.]+) ?= ?[\w.()]*{CLOCK}\S*$", text)
+            if taken and re.search(rf"- ?{itself(taken[1])}", seen.script.lines[loop - 1]):
+                return mistake("start_anew", line=line, name=taken[1], loop=loop)
+    return None
+
+
+def reversed_time(seen: Searched) -> Mistake | None:
+    """Find a loop on the start time less the present time, which is negative and stays below every limit."""
+    for line, found in seen.script.matches(rf"\bwhile\b.*?({_NAME}) ?- ?({CLOCK})\)*(?:\.nanoseconds)? ?<"):
+        taken = seen.script.lines_with(rf"^[ \t]*{re.escape(found[1])} ?= ?[\w.()]*{CLOCK}$")
+        if taken:
+            return mistake("reversed_time", line=line, right=f"{found[2]} - {found[1]}")
+    return None
+
+
+_NAME: Final = r"(?<![\w.])[\w.]{1,60}"
+
+
+def publish_behind_loop(seen: Searched) -> Mistake | None:
+    """Find a loop that only lets the time of a motion pass, and a publish behind it that belongs into it."""
+    for loop in seen.script.lines_with(rf"^[ \t]*while\b.*{CLOCK}"):
+        body = seen.script.body(loop)
+        waits = bool(body) and all(re.match(r"(time\.)?sleep\(|pass$", text) for _, text in body)
+        behind = loop + len(seen.script.block(loop))
+        text = seen.script.lines[behind - 1] if behind <= len(seen.script.lines) else ""
+        if waits and re.match(r"[ \t]*[\w.]+\.publish\( ?\w+ ?\)$", text):
+            return mistake("publish_behind_loop", line=behind, loop=loop)
     return None
 
 
@@ -118,6 +262,30 @@ def sleeps_on(seen: Searched) -> Mistake | None:
 
 
 _LONG_PAUSE_S: Final = 5.0
+
+
+def no_stop_between(seen: Searched) -> Mistake | None:
+    """Recognise turns that go on after their loop, because a pause comes and no stop."""
+    commands = seen.run.trajectory.commands
+    lasts = [(one, (until - one.t_ns) / 1e9) for one, until in with_ends(seen.run.trajectory)]
+    held = [
+        (one, lasted_s)
+        for (one, lasted_s), after in zip(lasts, commands[1:], strict=False)
+        if one.w_radps and not one.v_mps and after.v_mps and lasted_s >= _HELD_S
+    ]
+    usual_s = sorted(lasted_s for _, lasted_s in lasts)[len(lasts) // 2] if lasts else 0.0
+    corner, item = seen.findings.measures.get("corner_deg"), seen.assignment.item_on("corner_deg")
+    if len(held) < 2 or corner is None or item is None or item.low is None or item.high is None:
+        return None
+    extra_deg = min(math.degrees(abs(one.w_radps)) * (lasted_s - usual_s) for one, lasted_s in held)
+    if abs(corner.value - (item.low + item.high) / 2.0 - extra_deg) > _BESIDE_DEG:
+        return None
+    values = {"paused": number(held[0][1], "s"), "publisher": seen.script.publisher_name}
+    return mistake("no_stop_between", excess=number(extra_deg, "deg"), **values)
+
+
+_HELD_S: Final = 0.1
+_BESIDE_DEG: Final = 3.0
 
 
 def timer_ends(seen: Searched) -> Mistake | None:

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from grader.checks.fit import Misfit, is_number
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Mistake, mistake
 from grader.checks.offers import unanswered
 from grader.contracts.assignment import Assignment, ServiceCall
@@ -195,9 +196,7 @@ def _endless_turns(motions: list[_Motion]) -> Iterator[Mistake]:
 
 def _has_number(motion: _Motion) -> bool:
     """Return whether the request has a number: a tool that gets none cannot misread one."""
-    return any(
-        isinstance(each, int | float) and not isinstance(each, bool) for each in motion.step.values.values()
-    )
+    return any(map(is_number, motion.step.values.values()))
 
 
 def _single_commands(run: Run, motions: list[_Motion]) -> Iterator[Mistake]:
@@ -255,10 +254,11 @@ _NO_TURTLE = Text(
 )
 
 
-def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
+def _consult(assignment: Assignment) -> Iterator[Misfit]:
     if assignment.world.kind == "robot":
-        return (("world.kind", _NO_TURTLE),)
-    return () if assignment.agent else (("agent", _NO_STEPS),)
+        yield "world.kind", _NO_TURTLE
+    elif not assignment.agent:
+        yield "agent", _NO_STEPS
 
 
 CHECK = Check(kind="agent", measures=MEASURES, consult=_consult, examine=examine, sketch=sketch)

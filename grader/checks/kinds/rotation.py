@@ -7,7 +7,7 @@ import numpy as np
 
 from grader.checks.drive import FAST_TURN_RADPS, Drive, commanded_at_end, drive_of, fastest_radps, moves_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Mistake, mistake
-from grader.checks.mistakes import command_mistakes, driving_mistakes, unheard
+from grader.checks.mistakes import command_mistakes, driving_mistakes, steers, unheard
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel
@@ -142,6 +142,9 @@ def _short_turn(turned: float, drive: Drive, run: Run) -> Iterator[Mistake]:
         return
     held = commanded_at_end(run)
     slow = drive.cut_short or (held is not None and held.w_radps != 0.0)
+    if not slow and steers(run):
+        yield mistake("turn_too_short_by_pose", ("turned_deg",), turned=angle)
+        return
     codes = {} if slow else {math.degrees(1.0): ("turned_one_radian", 2.0), 180.0: ("half_turn", SAME_DEG)}
     for angle_deg, (code, within_deg) in codes.items():
         if abs(turned - angle_deg) <= within_deg:

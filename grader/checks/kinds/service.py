@@ -19,8 +19,8 @@ MEASURES = {
     "entries": MeasureKind(form="count"),
     "alive": MeasureKind(form="flag"),
 }
-_LISTED = 6
-_LONGEST = 40
+_SHOWN_ENTRIES = 6
+_SHOWN_CHARACTERS = 40
 
 
 def examine(assignment: Assignment, run: Run) -> Findings:
@@ -51,7 +51,7 @@ def _entries(assignment: Assignment, calls: tuple[ServiceResult, ...]) -> Measur
     """Count the entries of the answer that has fewest."""
     field = str(assignment.options.get("list_field", ""))
     fewest = min((listed_entries(result.values, field) for result in calls), key=len)
-    shown = ", ".join(text[:_LONGEST] for text in fewest[:_LISTED]) or "—"
+    shown = ", ".join(text[:_SHOWN_CHARACTERS] for text in fewest[:_SHOWN_ENTRIES]) or "—"
     return Measure(float(len(fewest)), {"field": field, "texts": shown})
 
 
@@ -85,7 +85,7 @@ def _mistakes(run: Run, list_field: str) -> tuple[Mistake, ...]:
 
 
 def _empty(run: Run, list_field: str) -> Iterator[Mistake]:
-    if list_field and any(not (result.values or {}).get(list_field) for result in run.calls):
+    if list_field and any(not listed_entries(result.values, list_field) for result in run.calls):
         yield mistake("empty_answer", ("entries",), field=list_field)
 
 

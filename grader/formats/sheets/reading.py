@@ -1,5 +1,6 @@
 """Reading tables of other programs as rows of text: workbooks (.xlsx, .xls, .ods), CSV as spreadsheets save it."""
 
+import codecs
 import csv
 import io
 import re
@@ -25,9 +26,13 @@ _MAX_UNPACKED_BYTES = 64 * 1024 * 1024
 _MAX_MEMBERS = 200
 _MAX_ANSWER_BYTES = 64 * 1024 * 1024
 _ZIP, _OLE = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
+_MARKUP, _PDF = b"<", b"%PDF"
+"""What registries call .xls, too: a web page, or Excel's XML of 2003. Spreadsheets save either as .xlsx."""
+
 _SEPARATORS = (",", "\t", ";", "，")
 _EXACT_BELOW = 10**15  # a spreadsheet keeps 15 digits of a number
 _FLOATED = re.compile(r"([0-9]{4,15})\.0")
+_KEPT_AS_TEXT = re.compile(r'="([^"]*)"')  # a formula, by which programs save leading zeros from Excel
 
 
 class ListedRow(Record):
@@ -60,15 +65,14 @@ class _Sheet(Record):
 def read_table(content: bytes, is_header: Callable[[Sequence[str]], bool]) -> ListedTable:
     """Return the table of a file: of a workbook, the first sheet one of whose first rows is a header.
 
-    Hidden sheets are passed over. Rows without any text are left out. CSV may be separated by commas (also
-    full-width ones), semicolons or tabs, in UTF-8, UTF-16 or GBK. Cells have no space around them.
+    If none is, the first table is returned, and the caller says what is missing. Hidden sheets are passed over.
+    Rows without any text are left out. CSV may be separated by commas (also full-width ones), semicolons or tabs,
+    in UTF-8, UTF-16 or GBK. Cells have no space around them.
 
-    Args:
-        content: the file.
-        is_header: whether a row names the columns that are needed.
+    `is_header` says whether a row names the columns that are needed.
 
     Raises:
-        CourseError: no table can be read, or it has no header, which the message then says.
+        CourseError: no table can be read.
         InfrastructureError: the host had no time or memory for reading it.
     """
     if len(content) > MAX_FILE_BYTES:
@@ -76,6 +80,8 @@ def read_table(content: bytes, is_header: Callable[[Sequence[str]], bool]) -> Li
             f"the file has more than {MAX_FILE_BYTES // 1024**2} MiB",
             f"文件超过 {MAX_FILE_BYTES // 1024**2} MiB",
         )
+    if content.removeprefix(codecs.BOM_UTF8).lstrip().startswith((_MARKUP, _PDF)):
+        raise _refused(DAMAGED)
     if content.startswith((_ZIP, _OLE)):
         tables: Iterable[ListedTable] = (_of_sheet(one) for one in _workbook(content) if one.visible)
     else:
@@ -99,7 +105,7 @@ def _of_sheet(sheet: _Sheet) -> ListedTable:
 
 
 def _text(cell: str | float) -> str:
-    """Return a cell as a spreadsheet shows it; a number that it cannot hold exactly as a shortened one."""
+    """Return a cell as a spreadsheet shows it: of 16 digits or more it has lost the last, so they are left out."""
     if isinstance(cell, str):
         return cell.strip().removeprefix("'")
     if cell == int(cell) and abs(cell) < _EXACT_BELOW:
@@ -167,8 +173,8 @@ def _csv_rows(text: str, separator: str) -> tuple[ListedRow, ...]:
     rows = []
     line = 1
     try:
-        for cells in reader:
-            row = ListedRow(number=reader.line_num, cells=tuple(map(_csv_text, cells)))
+        for number, cells in enumerate(reader, 1):
+            row = ListedRow(number=number, cells=tuple(map(_csv_text, cells)))
             if any(row.cells):
                 rows.append(row)
             line = reader.line_num + 1
@@ -182,6 +188,8 @@ def _csv_rows(text: str, separator: str) -> tuple[ListedRow, ...]:
 
 def _csv_text(cell: str) -> str:
     text = cell.strip().removeprefix("'")
+    if kept := _KEPT_AS_TEXT.fullmatch(text):
+        return kept[1].strip()
     floated = _FLOATED.fullmatch(text)  # a whole number, written by a program that keeps it as a float
     return floated[1] if floated else text
 

@@ -29,9 +29,7 @@ def as_text(value: str) -> str:
 def csv_table(rows: Sequence[Sequence[str]], *, safe: bool = True) -> str:
     """Return rows as CSV for spreadsheet programs.
 
-    Args:
-        rows: the cells.
-        safe: pass every cell through `as_text`; otherwise whoever made them has.
+    `safe`: pass every cell through `as_text`; otherwise whoever made them has.
     """
     out = io.StringIO()
     shown = [[as_text(cell) for cell in row] for row in rows] if safe else rows

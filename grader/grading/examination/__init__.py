@@ -90,11 +90,8 @@ def examine(
 ) -> Examination:
     """Grade the solution, the starter and every wrong file of one assignment.
 
-    Args:
-        own: the assignment, which fits its check, and its files.
-        grader: grades the files.
-        sensitive: also find out from which error on each item loses credit (a few seconds).
-        before_each: called before each file is graded; what it raises ends the examination.
+    `sensitive`: also find out from which error on each item loses credit (a few seconds). `before_each` is called
+    before each file is graded; what it raises ends the examination.
 
     Raises:
         GraderError: the grader failed.

@@ -36,17 +36,17 @@ class Perturbation:
 
     Attributes:
         name: in the printed table. spoil: returns the commands with an error of the given size.
-        full: size of the error 1.0, in `unit`.
-        must_cost_from: an error of this size must cost points in at least one direction; None: none must.
         applies: whether a motion of these kinds of stretches can be spoilt this way.
+        must_cost_from: an error of this size must cost points in at least one direction; None: none must.
+        full: size of the error 1.0, in `unit`.
     """
 
     name: Text
     spoil: Spoil
-    full: float
-    unit: Unit
-    must_cost_from: float | None
     applies: Callable[[list[str]], bool]
+    must_cost_from: float | None = 0.25
+    full: float = 100.0
+    unit: Unit = "%"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -274,74 +274,49 @@ PERTURBATIONS = (
     Perturbation(
         Text(zh="每段直行的长度", en="length of every straight"),
         _scaled("run"),
-        100.0,
-        "%",
-        None,
         lambda kinds: "run" in kinds,
+        must_cost_from=None,
     ),
     Perturbation(
         Text(zh="第一段直行的长度", en="length of the first straight"),
         _scaled("run", only_first=True),
-        100.0,
-        "%",
-        0.25,
         lambda kinds: kinds.count("run") > 1,
     ),
     Perturbation(
-        Text(zh="每次转弯的角度", en="angle of every turn"),
-        _scaled("turn"),
-        100.0,
-        "%",
-        0.25,
-        lambda kinds: "turn" in kinds,
+        Text(zh="每次转弯的角度", en="angle of every turn"), _scaled("turn"), lambda kinds: "turn" in kinds
     ),
     Perturbation(
         Text(zh="第一次转弯的角度", en="angle of the first turn"),
         _scaled("turn", only_first=True),
-        100.0,
-        "%",
-        0.25,
         lambda kinds: kinds.count("turn") > 1,
     ),
     Perturbation(
         Text(zh="每段直行末尾的朝向", en="heading at the end of every straight"),
         _veering,
-        90.0,
-        "deg",
-        1.0 / 3.0,
         lambda kinds: "run" in kinds,
+        must_cost_from=1.0 / 3.0,
+        full=90.0,
+        unit="deg",
     ),
     Perturbation(
         Text(zh="每段弧线的半径", en="radius of every arc"),
         _scaled("arc", turning=False),
-        100.0,
-        "%",
-        None,
         lambda kinds: "arc" in kinds,
+        must_cost_from=None,
     ),
     Perturbation(
         Text(zh="第一段弧线的半径", en="radius of the first arc"),
         _scaled("arc", only_first=True, turning=False),
-        100.0,
-        "%",
-        0.25,
         lambda kinds: kinds.count("arc") > 1,
     ),
     Perturbation(
-        Text(zh="每段弧线的角度", en="angle of every arc"),
-        _scaled("arc"),
-        100.0,
-        "%",
-        0.25,
-        lambda kinds: "arc" in kinds,
+        Text(zh="每段弧线的角度", en="angle of every arc"), _scaled("arc"), lambda kinds: "arc" in kinds
     ),
     Perturbation(
         Text(zh="每次停顿的时间", en="time of every rest"),
         _longer_rests,
-        100.0,
-        "%",
-        None,
         lambda kinds: "rest" in kinds[:-1],
+        must_cost_from=None,
     ),
 )
 

@@ -98,6 +98,10 @@ _NO_SPEC = Text(
     zh="没有 assignment.yaml：打包作业的整个文件夹",
     en="there is no assignment.yaml; pack the assignment's folder",
 )
+_SEVERAL = Text(
+    zh="有多个 assignment.yaml：每个作业单独打包",
+    en="there are several; pack each assignment's folder by itself",
+)
 _FAULT_TEXTS: Final = {
     Fault.MANY: _MANY,
     Fault.NAME: _NAME,
@@ -145,10 +149,14 @@ def _wanted(entries: Sequence[ZipEntry]) -> Collection[str]:
 
 def _without_folder(found: dict[str, bytes]) -> dict[str, bytes]:
     """Return the files seen from the folder that has the specification."""
-    specs = sorted((name for name in found if PurePosixPath(name).name == SPEC_NAME), key=len)
-    if not specs or specs[0].count("/") > 1:
+    specs = {name: name.count("/") for name in found if PurePosixPath(name).name == SPEC_NAME}
+    depth = min(specs.values(), default=None)
+    highest = [name for name in specs if specs[name] == depth]
+    if depth is None or depth > 1:
         raise refusals([(SPEC_NAME, _NO_SPEC)])
-    root = specs[0].removesuffix(SPEC_NAME)
+    if len(highest) > 1:
+        raise refusals([(SPEC_NAME, _SEVERAL)])
+    root = highest[0].removesuffix(SPEC_NAME)
     strange = [
         (_safe(name), _STRANGE)
         for name in sorted(found)

@@ -57,12 +57,8 @@ class _Registered(msgspec.Struct, frozen=True):
 def register(address: str, token: str, public_url: str, name: str, *, private: bool) -> NewPlatform:
     """Register with the platform whose configuration is at `address`; return what it is.
 
-    Args:
-        address: of the configuration.
-        token: by which the platform knows its own request again; may be empty.
-        public_url: where the service is.
-        name: what it is called there.
-        private: whether the platform may be in a private network.
+    The platform knows its own request again by `token`, which may be empty; the service is at `public_url` and is
+    called `name` there. `private`: the platform may be in a private network.
 
     Raises:
         RegistrationError: the platform does not answer, or says what cannot be used.

@@ -25,11 +25,7 @@ _PORTS = {_TLS: 465, _PLAIN: 587}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Letter:
-    """An e-mail to one person.
-
-    Attributes:
-        id: the same letter again has the same one, by which mailboxes know it.
-    """
+    """An e-mail to one person. `id`: the same letter again has the same one, by which mailboxes know it."""
 
     id: str
     to: str

@@ -112,15 +112,10 @@ def post_json(  # noqa: PLR0913
     public_only: bool = False,
     shown: str = "",
 ) -> tuple[int, bytes]:
-    """Send a document, with a bearer token if there is one; return status and answer.
+    """Send a document, with a bearer token unless that is empty; return status and answer.
 
-    Args:
-        address: where to.
-        content: the document.
-        media_type: of the document.
-        token: may be empty.
-        public_only: whether it must not lead into a private network.
-        shown: what errors call the address, where that is a secret.
+    `public_only`: the address must not lead into a private network. `shown`: what errors call it, where it is a
+    secret.
 
     Raises:
         UnreachableError: as `get`; but whatever is no fault of the other side's, below 500, is an answer.

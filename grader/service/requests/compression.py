@@ -13,11 +13,7 @@ def accepts_gzip(accept_encoding: str | None) -> bool:
 
 def trajectory_answer(recording: Recording, accept_encoding: str | None) -> Response:
     """Return the JSON of a recording; if the client accepts gzip, the bytes that are stored."""
-    headers = {
-        "ETag": f'"{recording.sha256}"',
-        "Vary": "Accept-Encoding",
-        "Cache-Control": "private, no-cache",
-    }
+    headers = {"ETag": f'"{recording.sha256}"', "Vary": "Accept-Encoding"}
     if not accepts_gzip(accept_encoding):
         return StreamingResponse(recording.parts(), media_type="application/json", headers=headers)
     headers["Content-Encoding"] = "gzip"

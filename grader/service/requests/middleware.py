@@ -128,6 +128,21 @@ class HeldToTheEnd:
         await self._app(scope, receive, send_in_two if scope["type"] == "http" else send)
 
 
+class HeadAsGet:
+    """ASGI middleware that has HEAD answered as GET; the server leaves the body out (RFC 9110, section 9.3.2).
+
+    It must be around everything else: what is told of the request by the router is written into the scope.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one request."""
+        is_head = scope["type"] == "http" and scope["method"] == "HEAD"
+        await self._app({**scope, "method": "GET"} if is_head else scope, receive, send)
+
+
 class BoundedBodies:
     """ASGI middleware that bounds every body, wherever it is sent, unless the route takes files."""
 

@@ -4,7 +4,7 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, status
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from grader.contracts.appeal import LONGEST_TEXT, Appeal, AppealState
 from grader.contracts.identity import Caller
@@ -28,7 +28,7 @@ from grader.store.appeals import AppealsWanted
 from grader.use_cases import appealing
 from grader.use_cases.appealing import AppealAnswer
 from grader.use_cases.assignments import item_title, published
-from grader.use_cases.bodies import Number
+from grader.use_cases.bodies import Body, Number
 from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/appeals", tags=["appeals"])
@@ -40,19 +40,15 @@ _MOST = 1_000_000
 _Words = Annotated[str, Field(min_length=1, max_length=LONGEST_TEXT, pattern=COMMENT_PATTERN)]
 
 
-class AppealBody(BaseModel):
+class AppealBody(Body):
     """What a student asks to be looked at again."""
-
-    model_config = ConfigDict(extra="forbid")
 
     item: Annotated[str, Field(max_length=128, description="Of the rubric.", examples=["closed"])]
     reason: _Words = Field(examples=["The replay shows that the car came back to its start."])
 
 
-class AnswerBody(BaseModel):
+class AnswerBody(Body):
     """What staff make of an open appeal."""
-
-    model_config = ConfigDict(extra="forbid")
 
     state: Literal["answered", "corrected", "refused"]
     text: _Words = Field(

@@ -4,21 +4,20 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, status
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from grader.contracts.comment import LONGEST_COMMENT, Comment
 from grader.contracts.judgement import COMMENT_PATTERN
 from grader.service.requests.dependencies import ENTRY_PROBLEMS, CallerDep, ServicesDep, SubmissionId
 from grader.service.routes.problems import responses
 from grader.use_cases import commenting
+from grader.use_cases.bodies import Body
 
 router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"])
 
 
-class CommentBody(BaseModel):
+class CommentBody(Body):
     """What somebody writes about a submission."""
-
-    model_config = ConfigDict(extra="forbid")
 
     text: Annotated[
         str,

@@ -2,27 +2,30 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Response, status
+from fastapi import APIRouter, Depends, Response, status
 from fastapi.responses import StreamingResponse
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
+from grader.service.requests.answers import PRIVATE, to_save
 from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep, StaffDep
 from grader.service.routes.people import CourseView, PersonId
 from grader.service.routes.problems import responses
 from grader.store.course_life import MOST_DAYS_MOVED, MOST_DAYS_OLD, NewCourse
 from grader.use_cases import course_export, course_life
-from grader.use_cases.bodies import Whole
+from grader.use_cases.bodies import Body, Whole
 
-router = APIRouter(prefix="/api/v1", tags=["course"])
-_PRIVATE = {"Cache-Control": "no-store", "Vary": "Authorization"}
+
+async def _keep_private(response: Response) -> None:
+    response.headers.update(PRIVATE)
+
+
+router = APIRouter(prefix="/api/v1", tags=["course"], dependencies=[Depends(_keep_private)])
 _READING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "invalid_request")
 _CHANGING = (*_READING, "malformed_body", "too_large")
 
 
-class NewCourseBody(BaseModel):
+class NewCourseBody(Body):
     """A course that begins with the rules of the caller's."""
-
-    model_config = ConfigDict(extra="forbid")
 
     id: str = Field(max_length=64, examples=["ros2-2027"])
     title: str = Field(default="", max_length=200, description="Empty: the id.", examples=["ROS 2 入门"])
@@ -39,10 +42,8 @@ class NewCourseView(BaseModel):
     token: str = Field(examples=["grader_..."])
 
 
-class ArchiveBody(BaseModel):
+class ArchiveBody(Body):
     """Whether the course can only be read."""
-
-    model_config = ConfigDict(extra="forbid")
 
     archived: bool
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
@@ -57,10 +58,8 @@ class SpaceView(BaseModel):
     trajectories_bytes: int = Field(examples=[80_000_000])
 
 
-class OldWorkBody(BaseModel):
+class OldWorkBody(Body):
     """Which submissions shall be erased."""
-
-    model_config = ConfigDict(extra="forbid")
 
     older_than_days: Annotated[Whole, Field(ge=1, le=MOST_DAYS_OLD)] = Field(examples=[400])
     dry_run: bool = Field(default=False, description="Only tell what would be erased.")
@@ -73,10 +72,8 @@ class OldWorkView(SpaceView):
     dry_run: bool = Field(description="Nothing was erased.")
 
 
-class ForgetBody(BaseModel):
+class ForgetBody(Body):
     """Why somebody is forgotten."""
-
-    model_config = ConfigDict(extra="forbid")
 
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
 
@@ -89,9 +86,8 @@ class ForgottenView(BaseModel):
 
 
 @router.get("/course", summary="The caller's course", responses=responses(*_READING))
-def read_course(services: ServicesDep, caller: StaffDep, response: Response) -> CourseView:
+def read_course(services: ServicesDep, caller: StaffDep) -> CourseView:
     """Return what the course is, and whether it is archived."""
-    response.headers.update(_PRIVATE)
     return CourseView.model_validate(course_life.own_course(services, caller), from_attributes=True)
 
 
@@ -101,11 +97,8 @@ def read_course(services: ServicesDep, caller: StaffDep, response: Response) -> 
     status_code=status.HTTP_201_CREATED,
     responses=responses(*_CHANGING, "invalid_course"),
 )
-def copy_course(
-    services: ServicesDep, caller: InstructorDep, body: NewCourseBody, response: Response
-) -> NewCourseView:
+def copy_course(services: ServicesDep, caller: InstructorDep, body: NewCourseBody) -> NewCourseView:
     """Make a course with the same rules and published assignments, without its people and work."""
-    response.headers.update(_PRIVATE)
     new = NewCourse(id=body.id, title=body.title or body.id, move_days=body.move_days)
     made = course_life.copy_course(services, caller, new)
     return NewCourseView(
@@ -120,11 +113,8 @@ def copy_course(
     summary="Archive or reopen the course",
     responses=responses(*_CHANGING, "regrade_open"),
 )
-def archive_course(
-    services: ServicesDep, caller: InstructorDep, body: ArchiveBody, response: Response
-) -> CourseView:
+def archive_course(services: ServicesDep, caller: InstructorDep, body: ArchiveBody) -> CourseView:
     """Let the course only be read (409 `course_archived` for changes and uploads), or be changed again."""
-    response.headers.update(_PRIVATE)
     return CourseView.model_validate(
         course_life.archive_course(services, caller, body.reason, archived=body.archived),
         from_attributes=True,
@@ -132,18 +122,14 @@ def archive_course(
 
 
 @router.get("/course/space", summary="What the course takes", responses=responses(*_READING))
-def read_space(services: ServicesDep, caller: StaffDep, response: Response) -> SpaceView:
+def read_space(services: ServicesDep, caller: StaffDep) -> SpaceView:
     """Return what is stored of the course's submissions; rows and indexes come on top."""
-    response.headers.update(_PRIVATE)
     return SpaceView.model_validate(course_life.space(services, caller), from_attributes=True)
 
 
 @router.post("/course/retention", summary="Erase what is old", responses=responses(*_CHANGING))
-def erase_old_work(
-    services: ServicesDep, caller: InstructorDep, body: OldWorkBody, response: Response
-) -> OldWorkView:
+def erase_old_work(services: ServicesDep, caller: InstructorDep, body: OldWorkBody) -> OldWorkView:
     """Erase submissions of an age, with reports, grades and comments; or tell what that would be."""
-    response.headers.update(_PRIVATE)
     if body.dry_run:
         space = course_life.old_work(services, caller, body.older_than_days)
     else:
@@ -159,10 +145,9 @@ def erase_old_work(
     responses=responses(*_CHANGING, "member_not_found", "only_students"),
 )
 def forget_student(
-    services: ServicesDep, caller: InstructorDep, person: PersonId, body: ForgetBody, response: Response
+    services: ServicesDep, caller: InstructorDep, person: PersonId, body: ForgetBody
 ) -> ForgottenView:
     """Erase what a student handed in and every trace of who they are; this cannot be undone."""
-    response.headers.update(_PRIVATE)
     found = course_life.forget_student(services, caller, person, body.reason)
     return ForgottenView.model_validate(found, from_attributes=True)
 
@@ -182,5 +167,5 @@ def forget_student(
 )
 def export_course(services: ServicesDep, caller: InstructorDep) -> StreamingResponse:
     """Return all that is stored of the course, made while it is sent."""
-    headers = {"Content-Disposition": f'attachment; filename="{caller.course}.zip"', **_PRIVATE}
+    headers = to_save(f"{caller.course}.zip", **PRIVATE)
     return StreamingResponse(course_export.export(services, caller), 200, headers, "application/zip")

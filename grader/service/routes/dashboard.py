@@ -218,12 +218,7 @@ def read_class(  # noqa: PLR0913
     selection = Selection(search=search, section=section, at_risk=at_risk, offset=offset, limit=limit)
     state = class_state(services, caller)
     tag = _tag(services, caller, state, language, selection)
-    headers = {
-        "Content-Language": language,
-        "Vary": "Accept-Language, Authorization",
-        "Cache-Control": "private, no-cache",
-        "ETag": tag,
-    }
+    headers = {"Content-Language": language, "Vary": "Accept-Language, Authorization", "ETag": tag}
     if if_none_match is not None and tag in (one.strip() for one in if_none_match.split(",")):
         return Response(status_code=304, headers=headers)
     shown = _view(selected(overview(services, caller, state, language), selection))

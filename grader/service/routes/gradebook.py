@@ -6,6 +6,7 @@ from fastapi import APIRouter, File, Query, Response, UploadFile
 from fastapi.responses import JSONResponse
 
 from grader.formats.sheets.writing import MEDIA_TYPE
+from grader.service.requests.answers import to_save
 from grader.service.requests.dependencies import (
     COSTLY,
     ENTRY_PROBLEMS,
@@ -63,11 +64,7 @@ def read_gradebook(
     section: SectionQuery = "",
 ) -> Response:
     """Return everybody's points; without courses of everybody who handed something in."""
-    headers = {
-        "Content-Disposition": f'attachment; filename="gradebook-{format}.csv"',
-        "Cache-Control": "no-store",
-        "Vary": "Authorization",
-    }
+    headers = to_save(f"gradebook-{format}.csv", Vary="Authorization")
     table = gradebook_csv(services, caller, format, section)
     return Response(table, media_type="text/csv; charset=utf-8", headers=headers)
 
@@ -141,12 +138,7 @@ def fill_sheet(
 
 def as_workbook(content: bytes, name: str) -> Response:
     """Return a workbook as an answer to be saved."""
-    headers = {
-        "Content-Disposition": f'attachment; filename="{name}"',
-        "Cache-Control": "no-store",
-        "Vary": "Accept-Language, Authorization",
-    }
-    return Response(content, media_type=MEDIA_TYPE, headers=headers)
+    return Response(content, 200, to_save(name, Vary="Accept-Language, Authorization"), MEDIA_TYPE)
 
 
 @exports.get(

@@ -63,7 +63,6 @@ class Health(BaseModel):
     )
 
 
-@router.head("/healthz", include_in_schema=False)  # what many monitors send
 @router.get(
     "/healthz",
     summary="State of the service",

@@ -4,7 +4,7 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Path, Query, Response
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from grader.contracts.comment import LONGEST_COMMENT
 from grader.contracts.errors import RefusedError
@@ -28,7 +28,7 @@ from grader.service.routes.problems import responses
 from grader.store.judgements import WaitingFor
 from grader.use_cases import judging
 from grader.use_cases.assignments import item_title
-from grader.use_cases.bodies import Number
+from grader.use_cases.bodies import Body, Number
 from grader.use_cases.judging import WaitingPage
 from grader.use_cases.services import Services
 
@@ -66,10 +66,8 @@ _MOST = 1_000_000
 _ETAG = {"ETag": {"description": "Of the item's state.", "schema": {"type": "string"}}}
 
 
-class JudgementBody(BaseModel):
+class JudgementBody(Body):
     """What a person gives for one rubric item."""
-
-    model_config = ConfigDict(extra="forbid")
 
     points: Annotated[
         Number,
@@ -92,10 +90,8 @@ class JudgementBody(BaseModel):
     ] = ""
 
 
-class ItemPoints(BaseModel):
+class ItemPoints(Body):
     """Points for one of several rubric items."""
-
-    model_config = ConfigDict(extra="forbid")
 
     item: Annotated[str, Field(max_length=128, examples=["closed"])]
     points: Annotated[Number, Field(ge=0.0, allow_inf_nan=False, examples=[4.0])]
@@ -109,10 +105,8 @@ class ItemPoints(BaseModel):
     ] = None
 
 
-class JudgementsBody(BaseModel):
+class JudgementsBody(Body):
     """What a person gives for several rubric items, with one comment."""
-
-    model_config = ConfigDict(extra="forbid")
 
     items: Annotated[list[ItemPoints], Field(min_length=1, max_length=200)]
     comment: Annotated[str, Field(max_length=LONGEST_COMMENT, pattern=COMMENT_PATTERN)] = ""

@@ -7,22 +7,23 @@ from fastapi import APIRouter, Path, Response, status
 from pydantic import BaseModel, ConfigDict, Field
 
 from grader.contracts.notice import MailWishes, NewWebhook, NoticeKind, Outlet, Vendor
+from grader.service.requests.answers import PRIVATE
 from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep
 from grader.service.routes.problems import responses
 from grader.use_cases import notices
+from grader.use_cases.bodies import Body
 
 router = APIRouter(prefix="/api/v1/course/notices", tags=["course"])
-_PRIVATE = {"Cache-Control": "no-store", "Vary": "Authorization"}
 _READING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "invalid_request")
 _CHANGING = (*_READING, "course_archived", "malformed_body", "too_large")
 Group = Annotated[Literal[Outlet.CLASS, Outlet.STAFF], Path(description="Whose group chat it is.")]
 AnyChannel = Annotated[Outlet, Path(description="A group chat, or the caller's own e-mail address.")]
 
 
-class WebhookBody(BaseModel):
+class WebhookBody(Body):
     """The bot of a group chat."""
 
-    model_config = ConfigDict(extra="forbid", hide_input_in_errors=True)
+    model_config = ConfigDict(hide_input_in_errors=True)
 
     vendor: Vendor = Field(examples=["feishu"])
     address: str = Field(
@@ -47,10 +48,8 @@ class WebhookView(BaseModel):
     changed_at: datetime
 
 
-class MailBody(BaseModel):
+class MailBody(Body):
     """What is e-mailed."""
-
-    model_config = ConfigDict(extra="forbid")
 
     due: bool = Field(description="A day before, to students who have handed nothing in.")
     graded: bool = Field(description="To students, what counts of theirs.")
@@ -84,7 +83,7 @@ class NoticesView(BaseModel):
 @router.get("", summary="What the course tells by itself", responses=responses(*_READING))
 def read_notices(services: ServicesDep, caller: InstructorDep, response: Response) -> NoticesView:
     """Return where notices go and how the latest fared."""
-    response.headers.update(_PRIVATE)
+    response.headers.update(PRIVATE)
     found = notices.setup_of(services, caller)
     return NoticesView(
         webhooks=[WebhookView.model_validate(one, from_attributes=True) for one in found.webhooks.values()],

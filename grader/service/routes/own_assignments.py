@@ -8,6 +8,7 @@ from pydantic import BaseModel, Field
 
 from grader.contracts.own_assignment import OwnAssignment, OwnState
 from grader.contracts.text import EMPTY, Language
+from grader.service.requests.answers import PRIVATE, to_save
 from grader.service.requests.dependencies import (
     ENTRY_PROBLEMS,
     InstructorDep,
@@ -20,7 +21,6 @@ from grader.service.routes.problems import responses
 from grader.use_cases import own_assignments
 
 router = APIRouter(prefix="/api/v1/course/assignments", tags=["course"])
-_PRIVATE = {"Cache-Control": "no-store", "Vary": "Authorization"}
 _READING = (*ENTRY_PROBLEMS, "forbidden", "invalid_request")
 _CHANGING = (*_READING, "no_course", "course_archived")
 Id = Annotated[str, Path(max_length=64, examples=["heptagon"])]
@@ -72,7 +72,7 @@ def read_all(
     services: ServicesDep, caller: StaffDep, language: LanguageDep, response: Response
 ) -> OwnAssignmentList:
     """Return what was uploaded, whether it can be used, and what its scripts scored."""
-    response.headers.update(_PRIVATE)
+    response.headers.update(PRIVATE)
     found = own_assignments.own_assignments(services, caller)
     return OwnAssignmentList(assignments=[_view(one, language) for one in found])
 
@@ -96,7 +96,7 @@ def upload(
 
     An assignment that is new in the course begins as a draft: `PUT …/rules` publishes it.
     """
-    response.headers.update(_PRIVATE)
+    response.headers.update(PRIVATE)
     return _view(own_assignments.upload(services, caller, file.file.read(MOST_BYTES + 1)), language)
 
 
@@ -112,8 +112,7 @@ def upload(
 def download(services: ServicesDep, caller: InstructorDep, assignment_id: Id) -> Response:
     """Return the folder that was uploaded last, with its solution and wrong scripts."""
     content = own_assignments.folder(services, caller, assignment_id)
-    headers = {"Content-Disposition": f'attachment; filename="{assignment_id}.zip"', **_PRIVATE}
-    return Response(content, 200, headers, "application/zip")
+    return Response(content, 200, to_save(f"{assignment_id}.zip", **PRIVATE), "application/zip")
 
 
 @router.delete(

@@ -4,10 +4,11 @@ from datetime import datetime
 from typing import Annotated, Any
 
 from fastapi import APIRouter, File, Path, Query, Response, UploadFile, status
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from grader.contracts.assignment import Distro
 from grader.contracts.identity import Role, RosterEntry
+from grader.service.requests.answers import PRIVATE
 from grader.service.requests.dependencies import (
     ENTRY_PROBLEMS,
     CallerDep,
@@ -20,14 +21,13 @@ from grader.service.requests.dependencies import (
 from grader.service.requests.middleware import MOST_BYTES
 from grader.service.routes.problems import responses
 from grader.use_cases import people, signing_in
-from grader.use_cases.bodies import Whole
+from grader.use_cases.bodies import Body, Whole
 from grader.use_cases.people import changes, members, myself
 
 router = APIRouter(prefix="/api/v1", tags=["people"])
 _PAGE = 100
 _LARGEST_ID = 2**63 - 1  # of a row in the database
 _CHANGING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "course_archived", "invalid_request")
-_PRIVATE = {"Cache-Control": "no-store", "Vary": "Authorization"}
 PersonId = Annotated[str, Path(max_length=64, description="Id of a member.", examples=["20260123"])]
 
 
@@ -43,10 +43,8 @@ class CourseView(BaseModel):
     archived_at: datetime | None = Field(description="Since when it can only be read; null: it is taught.")
 
 
-class CourseBody(BaseModel):
+class CourseBody(Body):
     """What a course shall be like, and why."""
-
-    model_config = ConfigDict(extra="forbid")
 
     distro: Distro = Field(
         description="Release of ROS 2 of its scripts; an assignment that names one keeps its own."
@@ -75,10 +73,8 @@ class MemberView(BaseModel):
     )
 
 
-class MemberBody(BaseModel):
+class MemberBody(Body):
     """What somebody shall be in the course. What is left out stays as it is."""
-
-    model_config = ConfigDict(extra="forbid")
 
     name: str = Field(default="", max_length=200, description="Empty: stays.", examples=["李雷"])
     role: Role | None = Field(default=None, description="A new member is a student unless this says more.")
@@ -111,10 +107,8 @@ class ImportView(BaseModel):
     dry_run: bool = Field(description="Nothing was changed.")
 
 
-class TokenBody(BaseModel):
+class TokenBody(Body):
     """How long a new token works."""
-
-    model_config = ConfigDict(extra="forbid")
 
     days: Annotated[Whole, Field(ge=1, le=3_660)] = 200
 
@@ -173,7 +167,7 @@ class AuditPage(BaseModel):
 @router.get("/me", summary="Who the token belongs to", responses=responses(*ENTRY_PROBLEMS))
 def read_me(services: ServicesDep, caller: CallerDep, response: Response) -> MeView:
     """Return the caller's course, name and role."""
-    response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
+    response.headers.update(PRIVATE)
     course, member = myself(services, caller)
     if course is None:
         return MeView(course=None, person=None, name=None, role=caller.role)
@@ -194,7 +188,7 @@ def put_course(
     services: ServicesDep, caller: InstructorDep, body: CourseBody, response: Response
 ) -> CourseView:
     """Choose the release of ROS 2 for what is graded from now on; a re-grade grades by it, too."""
-    response.headers.update(_PRIVATE)
+    response.headers.update(PRIVATE)
     course = people.set_distro(services, caller, body.distro, body.reason)
     return CourseView.model_validate(course, from_attributes=True)
 
@@ -211,7 +205,7 @@ def read_members(
     role: Annotated[Role | None, Query(description="Only those of this role.")] = None,
 ) -> MemberList:
     """Return who is in the caller's course; nobody while there are no courses."""
-    response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
+    response.headers.update(PRIVATE)
     found = members(services, caller, role)
     return MemberList(members=[MemberView.model_validate(one, from_attributes=True) for one in found])
 
@@ -232,7 +226,7 @@ def import_members(  # noqa: PLR0913, PLR0917
     remove: Annotated[bool, Query(description="Remove students who are not in the list.")] = False,
 ) -> ImportView:
     """Add and change members as a class list says, all or none; what it leaves out stays as it is."""
-    response.headers.update(_PRIVATE)
+    response.headers.update(PRIVATE)
     content = file.file.read(MOST_BYTES + 1)
     if dry_run:
         plan = people.plan_import(services, caller, content)
@@ -261,7 +255,7 @@ def put_member(
     services: ServicesDep, caller: InstructorDep, person: PersonId, body: MemberBody, response: Response
 ) -> MemberView:
     """Put somebody into the course, or change what the body names."""
-    response.headers.update(_PRIVATE)
+    response.headers.update(PRIVATE)
     sections = None if body.sections is None else tuple(body.sections)
     entry = RosterEntry(id=person, name=body.name, role=body.role, email=body.email, sections=sections)
     return MemberView.model_validate(people.set_member(services, caller, entry), from_attributes=True)
@@ -293,7 +287,7 @@ def make_token(
     services: ServicesDep, caller: InstructorDep, person: PersonId, body: TokenBody, response: Response
 ) -> TokenView:
     """Return a new token, which is shown this once; older ones work on."""
-    response.headers.update(_PRIVATE)
+    response.headers.update(PRIVATE)
     return TokenView(person=person, token=people.give_token(services, caller, person, body.days))
 
 
@@ -306,7 +300,7 @@ def read_identities(
     services: ServicesDep, caller: InstructorDep, person: PersonId, response: Response
 ) -> IdentityList:
     """Return what sign-in providers call a member."""
-    response.headers.update(_PRIVATE)
+    response.headers.update(PRIVATE)
     member = people.member_of(services, caller, person)
     found = signing_in.ways_of(services, caller, member.id)
     return IdentityList(identities=[IdentityView.model_validate(one, from_attributes=True) for one in found])
@@ -343,7 +337,7 @@ def read_audit(
     limit: Annotated[QueryWhole, Query(ge=1, le=1_000)] = _PAGE,
 ) -> AuditPage:
     """Return changes of grades and settings in the caller's course."""
-    response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
+    response.headers.update(PRIVATE)
     entries, more = changes(services, caller, before, limit)
     shown = [AuditView.model_validate(one, from_attributes=True) for one in entries]
     return AuditPage(entries=shown, next_before=more)

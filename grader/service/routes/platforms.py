@@ -4,25 +4,24 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Response, status
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from grader.contracts.identity import Seen
 from grader.contracts.platform import NewPlatform
+from grader.service.requests.answers import PRIVATE
 from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep
 from grader.service.routes.problems import responses
 from grader.use_cases import platform_people, platforms
+from grader.use_cases.bodies import Body
 
 router = APIRouter(prefix="/api/v1/course/platforms", tags=["course"])
-_PRIVATE = {"Cache-Control": "no-store", "Vary": "Authorization"}
 _READING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "invalid_request")
 _CHANGING = (*_READING, "course_archived", "malformed_body", "too_large", "platforms_not_set_up")
 PlatformId = Annotated[str, Path(max_length=16, description="Id of a platform.", examples=["1f0c9a7be2d4"])]
 
 
-class PlatformBody(BaseModel):
+class PlatformBody(Body):
     """What a platform shows of the tool that it made of this service."""
-
-    model_config = ConfigDict(extra="forbid")
 
     title: str = Field(max_length=200, examples=["Moodle"])
     issuer: str = Field(max_length=255, description="Platform ID.", examples=["https://moodle.example.edu"])
@@ -85,7 +84,7 @@ class PlatformsView(BaseModel):
 @router.get("", summary="The course's learning platforms", responses=responses(*_READING))
 def read_platforms(services: ServicesDep, caller: InstructorDep, response: Response) -> PlatformsView:
     """Return the platforms, which activities there lead here, and which scores they do not take."""
-    response.headers.update(_PRIVATE)
+    response.headers.update(PRIVATE)
     return PlatformsView(
         platforms=[_view(one) for one in platforms.platforms_of(services, caller)],
         activities=[
@@ -162,7 +161,7 @@ def read_people(
     services: ServicesDep, caller: InstructorDep, platform: PlatformId, response: Response
 ) -> PeopleView:
     """Ask the platform (NRPS 2.0). It has said where, once somebody opened an activity there."""
-    response.headers.update(_PRIVATE)
+    response.headers.update(PRIVATE)
     return _people(platform_people.plan(services, caller, platform))
 
 

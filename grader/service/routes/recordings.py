@@ -6,9 +6,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Header, Query, Response
 from pydantic import BaseModel, Field
 
-from grader.contracts.figure import PictureForm
-from grader.contracts.identity import Caller
-from grader.contracts.text import Language
+from grader.service.requests.answers import plot
 from grader.service.requests.compression import accepts_gzip, trajectory_answer
 from grader.service.requests.dependencies import (
     COSTLY,
@@ -21,11 +19,9 @@ from grader.service.requests.dependencies import (
 )
 from grader.service.routes.problems import responses
 from grader.use_cases import recordings
-from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/submissions", tags=["recordings"])
 CaseQuery = Annotated[str | None, Query(description="Which run; the first when left out.", max_length=64)]
-_MEDIA_TYPES: dict[PictureForm, str] = {"png": "image/png", "svg": "image/svg+xml"}
 _BAG_MEDIA_TYPE = "application/octet-stream"
 _PLOT_PROBLEMS = (
     *ENTRY_PROBLEMS,
@@ -124,7 +120,6 @@ def read_bag(
     headers = {
         "ETag": f'"{bag.tag}"',
         "Vary": "Accept-Encoding",
-        "Cache-Control": "private, no-cache",
         "Content-Disposition": f'attachment; filename="{bag.name}"',
     }
     if not accepts_gzip(accept_encoding):
@@ -149,7 +144,7 @@ async def read_plot(
     case: CaseQuery = None,
 ) -> Response:
     """Return a PNG with labels in the language asked for."""
-    return await _picture(services, caller, submission_id, case, language, "png")
+    return await plot(services, caller, submission_id, case, language, "png")
 
 
 @router.get(
@@ -168,22 +163,4 @@ async def read_drawing(
     case: CaseQuery = None,
 ) -> Response:
     """Return an SVG, text as outlines, with labels in the language asked for."""
-    return await _picture(services, caller, submission_id, case, language, "svg")
-
-
-async def _picture(  # noqa: PLR0913, PLR0917
-    services: Services,
-    caller: Caller,
-    submission_id: str,
-    case: str | None,
-    language: Language,
-    form: PictureForm,
-) -> Response:
-    drawn = await recordings.picture(services, caller, submission_id, case, language, form)
-    headers = {
-        "ETag": f'"{drawn.tag}"',
-        "Content-Language": language,
-        "Vary": "Accept-Language",
-        "Cache-Control": "private, no-cache",
-    }
-    return Response(drawn.content, media_type=_MEDIA_TYPES[form], headers=headers)
+    return await plot(services, caller, submission_id, case, language, "svg")

@@ -4,7 +4,7 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
-from pydantic import AliasPath, BaseModel, ConfigDict, Field
+from pydantic import AliasPath, BaseModel, Field
 
 from grader.contracts.regrade import Regrade, RegradeState, Wanted, Which
 from grader.service.requests.dependencies import (
@@ -21,6 +21,7 @@ from grader.service.requests.dependencies import (
 )
 from grader.service.routes.problems import responses
 from grader.use_cases import regrading
+from grader.use_cases.bodies import Body
 
 router = APIRouter(prefix="/api/v1/regrades", tags=["regrades"])
 of_submission = APIRouter(prefix="/api/v1/submissions", tags=["regrades"], dependencies=[SIGHT])
@@ -28,10 +29,8 @@ _MOST = 100_000
 _KNOWN = (*ENTRY_PROBLEMS, "forbidden", "invalid_request")
 
 
-class RegradeOrder(BaseModel):
+class RegradeOrder(Body):
     """Which submissions are graded again, with the assignment as it is now."""
-
-    model_config = ConfigDict(extra="forbid")
 
     assignment: Annotated[str, Field(max_length=64, examples=["square"])]
     which: Which = Field(
@@ -44,10 +43,8 @@ class RegradeOrder(BaseModel):
     )
 
 
-class Decision(BaseModel):
+class Decision(Body):
     """Why a re-grade is applied, discarded or undone."""
-
-    model_config = ConfigDict(extra="forbid")
 
     reason: Annotated[str, Field(min_length=1, max_length=1_000, examples=["the tolerance was too tight"])]
 

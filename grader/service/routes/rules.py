@@ -9,6 +9,7 @@ from pydantic import BaseModel, Field
 
 from grader.contracts.identity import Role
 from grader.contracts.rules import Extension
+from grader.service.requests.answers import PRIVATE
 from grader.service.requests.dependencies import (
     ENTRY_PROBLEMS,
     SUBMISSIONS,
@@ -95,7 +96,7 @@ def read_rules(
 ) -> StandingView:
     """Return dates, limits and what lateness costs; for a member also attempts and what counts so far."""
     visible_assignment(services, caller, assignment_id)
-    response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
+    response.headers.update(PRIVATE)
     terms = terms_of(services, caller, assignment_id)
     if caller.is_staff:  # a student could find out from a digest which items are hidden
         response.headers["ETag"] = etag(tag(terms.rules))

@@ -348,7 +348,18 @@ def upload(  # noqa: PLR0913
         key=idempotency_key,
     )
     submission, repeated = hand_in(services, caller, new)
-    added = Receipt(
+    added = _receipt(submission, repeated)
+    # checked when it was made: to be checked again, it would wait for a thread twice
+    return Response(
+        added.model_dump_json(),
+        status_code=status.HTTP_202_ACCEPTED,
+        headers={"Location": added.status_url},
+        media_type="application/json",
+    )
+
+
+def _receipt(submission: Submission, repeated: bool) -> Receipt:
+    return Receipt(
         id=submission.id,
         status=submission.state,
         status_url=SUBMISSIONS + submission.id,
@@ -357,13 +368,6 @@ def upload(  # noqa: PLR0913
         sha256=submission.sha256,
         received_at=submission.received_at,
         repeated=repeated,
-    )
-    # checked when it was made: to be checked again, it would wait for a thread twice
-    return Response(
-        added.model_dump_json(),
-        status_code=status.HTTP_202_ACCEPTED,
-        headers={"Location": added.status_url},
-        media_type="application/json",
     )
 
 
@@ -430,7 +434,7 @@ def read_report(services: ServicesDep, caller: CallerDep, submission_id: Submiss
 def read_source(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> Response:
     """Return what the student uploaded: a script, the answer to a question, or a package as a zip."""
     submission, source = submissions.read_source(services, caller, submission_id)
-    headers = {"ETag": f'"{submission.sha256}"', "Cache-Control": "private, no-cache"}
+    headers = {"ETag": f'"{submission.sha256}"'}
     kind = "application/zip" if is_package(source) else "text/plain; charset=utf-8"
     return Response(source, media_type=kind, headers=headers)
 

@@ -122,7 +122,7 @@ COSTLY, DRAWN = _costly(1), _costly(PLOT_WEIGHT)
 """Of pages that take time to make, and of plots: a student has few under way, and few in a minute."""
 
 
-def require_staff(visitor: VisitorDep) -> Visitor:
+async def require_staff(visitor: VisitorDep) -> Visitor:
     """Dependency of the class's pages.
 
     Raises:
@@ -139,7 +139,7 @@ def require_staff(visitor: VisitorDep) -> Visitor:
 StaffDep = Annotated[Visitor, Depends(require_staff)]
 
 
-def require_instructor(visitor: StaffDep) -> Visitor:
+async def require_instructor(visitor: StaffDep) -> Visitor:
     """Dependency of pages and forms that show or change what only instructors may.
 
     Raises:
@@ -153,34 +153,38 @@ def require_instructor(visitor: StaffDep) -> Visitor:
 InstructorDep = Annotated[Visitor, Depends(require_instructor)]
 
 
-def require_known(visitor: Visitor) -> None:
-    """Ask for the visitor's name before anything personal is looked up.
+async def require_known(visitor: VisitorDep) -> Visitor:
+    """Dependency of what is personal: the visitor is asked for their name before anything is looked up.
 
     Raises:
         EnterFirstError: the visitor has not said who they are.
     """
     if not visitor.known:
         raise EnterFirstError
+    return visitor
 
 
-def require_member(visitor: Visitor) -> None:
-    """Ask for the visitor's name where there are courses: their rules say which assignments members see.
+KnownDep = Annotated[Visitor, Depends(require_known)]
+
+
+async def require_member(visitor: VisitorDep) -> Visitor:
+    """Dependency of what rules show or hide: where there are courses, the visitor is asked for their name.
 
     Raises:
         EnterFirstError: there are courses, and the visitor has not said who they are.
     """
-    if not visitor.open:
-        require_known(visitor)
+    return visitor if visitor.open else await require_known(visitor)
+
+
+MemberDep = Annotated[Visitor, Depends(require_member)]
 
 
 def seen(services: Services, visitor: Visitor, submission_id: str) -> tuple[Submission, StoredReport | None]:
     """Return a submission and its grading, if there is one yet, to somebody who may see it.
 
     Raises:
-        EnterFirstError: the visitor has not said who they are.
         RefusedError: there is none of that id, or it is somebody else's: the visitor cannot tell which.
     """
-    require_known(visitor)
     submission, stored = found(services, visitor.caller, submission_id)
     require_own(visitor, submission)
     return submission, stored
@@ -190,9 +194,8 @@ def require_sight(services: Services, visitor: Visitor, submission_id: str) -> S
     """Return a submission, without its grading, to somebody who may see it.
 
     Raises:
-        EnterFirstError, RefusedError: as `seen`.
+        RefusedError: as `seen`.
     """
-    require_known(visitor)
     submission = visible_submission(services, visitor.caller, submission_id)
     require_own(visitor, submission)
     return submission

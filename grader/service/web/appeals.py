@@ -12,7 +12,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Role, Seen, sections_of
 from grader.contracts.judgement import JudgedItem
 from grader.service.web import access
-from grader.service.web.access import ServicesDep, StaffDep, SubmissionId, Visitor, VisitorDep, require_staff
+from grader.service.web.access import KnownDep, ServicesDep, StaffDep, SubmissionId, Visitor, require_staff
 from grader.service.web.forms import require_own_form
 from grader.service.web.judging import AT_FIELDS, typed_points
 from grader.service.web.pages import language_of, page
@@ -21,7 +21,7 @@ from grader.store.appeals import AppealsWanted
 from grader.use_cases import appealing, judging
 from grader.use_cases.appealing import AppealAnswer
 from grader.use_cases.assignments import item_title, published
-from grader.use_cases.people import members, named
+from grader.use_cases.people import members, named, names
 from grader.use_cases.services import Services
 
 HOME = "/class/appeals"
@@ -51,13 +51,12 @@ class AnswerForm(BaseModel):
 @of_submission.post("", dependencies=[Depends(require_own_form)])
 def ask(
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     item: Annotated[str, Form(max_length=128)] = "",
     reason: Annotated[str, Form(max_length=20_000)] = "",
 ) -> Response:
     """Keep what a student asks about an item, and lead back to it."""
-    access.require_known(visitor)
     appealing.ask(services, visitor.caller, submission_id, item, reason)
     return _back(submission_id, item)
 
@@ -65,12 +64,11 @@ def ask(
 @of_submission.post("/withdraw", dependencies=[Depends(require_own_form)])
 def take_back(
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     item: Annotated[str, Form(max_length=128)] = "",
 ) -> Response:
     """Take an open appeal back."""
-    access.require_known(visitor)
     appealing.take_back(services, visitor.caller, submission_id, item)
     return _back(submission_id, item)
 
@@ -176,9 +174,7 @@ def _one(  # noqa: PLR0913, PLR0917
         assignment=assignment,
         title=item_title(assignment, form.item, language_of(request)),
         appeal=found[form.item],
-        name=named(
-            {one.id: one.name for one in members(services, visitor.caller, Role.STUDENT)}, submission.student
-        ),
+        name=named(names(services, visitor.caller), submission.student),
         item=_judged(services, visitor, submission.id, form.item),
         corrects=judging.may_correct(services, visitor.caller, submission.assignment),
         form=form,

@@ -27,6 +27,7 @@ from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, co
 from grader.use_cases.own_assignments import own_troubles
 from grader.use_cases.people import members, names, person
 from grader.use_cases.services import Services
+from grader.use_cases.similar import is_compared
 
 router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
 _Id = Annotated[str, Query(max_length=64)]
@@ -68,7 +69,14 @@ def read_assignment(
         (one.code, outline(language, f"mistake.{one.code}") or one.code, one.students)
         for one in statistics.most_common_mistakes
     ]
-    return page(request, "class_assignment.html", overview=whole, statistics=statistics, mistakes=mistakes)
+    return page(
+        request,
+        "class_assignment.html",
+        overview=whole,
+        statistics=statistics,
+        mistakes=mistakes,
+        compared=is_compared(published(services, visitor.caller, assignment_id)),
+    )
 
 
 @router.get("/assignments/{assignment_id}/students")

@@ -7,6 +7,7 @@ from fastapi.responses import RedirectResponse, StreamingResponse
 from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
+from grader.service.requests.answers import to_save
 from grader.service.web.access import (
     InstructorDep,
     QueryWhole,
@@ -52,10 +53,7 @@ def read_course(
 @router.get("/export.zip")
 def export_course(services: ServicesDep, visitor: InstructorDep) -> Response:
     """Send everything of the course."""
-    headers = {
-        "Content-Disposition": f'attachment; filename="{visitor.caller.course}.zip"',
-        "Cache-Control": "no-store",
-    }
+    headers = to_save(f"{visitor.caller.course}.zip")
     return StreamingResponse(export(services, visitor.caller), 200, headers, "application/zip")
 
 

@@ -14,6 +14,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Member, sections_of
 from grader.contracts.rubric import summed
 from grader.formats.sheets.writing import MEDIA_TYPE
+from grader.service.requests.answers import to_save
 from grader.service.web.access import ServicesDep, StaffDep, Visitor, require_staff
 from grader.service.web.errors import FormProblem, form_problem
 from grader.service.web.forms import MOST_FILE_BYTES, require_own_form
@@ -136,12 +137,7 @@ def fill_in(  # noqa: PLR0913, PLR0917
 
 
 def _file(content: str | bytes, name: str, media_type: str) -> Response:
-    headers = {
-        "Content-Disposition": f'attachment; filename="{name}"',
-        "Cache-Control": "no-store",
-        "Vary": "Accept-Language, Authorization",
-    }
-    return Response(content, media_type=media_type, headers=headers)
+    return Response(content, 200, to_save(name, Vary="Accept-Language, Authorization"), media_type)
 
 
 def _gradebook_page(  # noqa: PLR0913, PLR0917

@@ -6,6 +6,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import JSONResponse
 
 from grader.contracts.judgement import judged
+from grader.service.requests.answers import to_save
 from grader.service.web import access
 from grader.service.web.access import QueryWhole, ServicesDep, StaffDep, SubmissionId, Visitor, require_staff
 from grader.service.web.comparison import compare
@@ -85,8 +86,4 @@ def _export(
 ) -> Response:
     submission, _ = access.seen(services, visitor, submission_id)
     document = exported(services, visitor.caller, submission.id, platform, language_of(request))
-    headers = {
-        "Content-Disposition": f'attachment; filename="{platform}-{submission.id}.json"',
-        "Cache-Control": "no-store",
-    }
-    return JSONResponse(document, headers=headers)
+    return JSONResponse(document, headers=to_save(f"{platform}-{submission.id}.json"))

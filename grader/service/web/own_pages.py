@@ -7,6 +7,7 @@ from fastapi.responses import RedirectResponse
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.own_assignment import OwnState
+from grader.service.requests.answers import to_save
 from grader.service.web.access import (
     InstructorDep,
     ServicesDep,
@@ -47,11 +48,7 @@ def upload(
 def download(services: ServicesDep, visitor: InstructorDep, assignment_id: Id) -> Response:
     """Send the folder that was uploaded last."""
     content = own_assignments.folder(services, visitor.caller, assignment_id)
-    headers = {
-        "Content-Disposition": f'attachment; filename="{assignment_id}.zip"',
-        "Cache-Control": "no-store",
-    }
-    return Response(content, 200, headers, "application/zip")
+    return Response(content, 200, to_save(f"{assignment_id}.zip"), "application/zip")
 
 
 @router.post("/{assignment_id}/remove", dependencies=[Depends(require_own_form)])

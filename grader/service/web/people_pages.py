@@ -13,6 +13,7 @@ from grader.contracts.identity import Member, Role, RosterEntry, Seen, sections_
 from grader.formats.sheets.roster import as_csv
 from grader.formats.sheets.writing import csv_table
 from grader.render.audit_lines import Teller
+from grader.service.requests.answers import to_save
 from grader.service.web.access import (
     InstructorDep,
     QueryWhole,
@@ -142,8 +143,8 @@ def make_missing_tokens(
     if form == "csv":
         head = ("id", "name", "role", "email", "token")
         rows = [(one.id, one.name, one.role.value, one.email, token) for one, token in made]
-        headers = {"Content-Disposition": 'attachment; filename="tokens.csv"', "Cache-Control": "no-store"}
-        return Response(csv_table([head, *rows]), media_type="text/csv; charset=utf-8", headers=headers)
+        table = csv_table([head, *rows])
+        return Response(table, 200, to_save("tokens.csv"), "text/csv; charset=utf-8")
     course, _ = people.myself(services, visitor.caller)
     return page(request, "token_slips.html", made=made, course=course, address=str(request.base_url))
 

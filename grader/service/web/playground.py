@@ -9,8 +9,7 @@ from grader.contracts.errors import RefusedError
 from grader.messages import on_page
 from grader.operation.context import note
 from grader.service.routes.live import address_of
-from grader.service.web import access
-from grader.service.web.access import COSTLY, DRAWN, ServicesDep, VisitorDep
+from grader.service.web.access import COSTLY, DRAWN, KnownDep, ServicesDep
 from grader.service.web.errors import form_problem
 from grader.service.web.forms import require_own_form
 from grader.service.web.pages import language_of, page
@@ -24,9 +23,8 @@ _SPEEDS_MPS = (0.5, 1, 2)
 
 
 @router.get("", dependencies=[COSTLY])
-def read(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
+def read(request: Request, services: ServicesDep, visitor: KnownDep) -> Response:
     """Show the car's controls, and which assignments have an editor."""
-    access.require_known(visitor)
     caller, language = visitor.caller, language_of(request)
     if caller.course is None:
         raise RefusedError("no_course")
@@ -46,9 +44,8 @@ def read(request: Request, services: ServicesDep, visitor: VisitorDep) -> Respon
 
 
 @router.post("/car", dependencies=[Depends(require_own_form), DRAWN])
-async def have_car(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
+async def have_car(request: Request, services: ServicesDep, visitor: KnownDep) -> Response:
     """Start the visitor's car, or find the one that is there; answer with its address."""
-    access.require_known(visitor)
     headers = {"Cache-Control": "no-store"}
     try:
         car = await open_car(services, visitor.caller, asyncio.get_running_loop().time())

@@ -11,8 +11,7 @@ from grader.contracts.errors import RefusedError
 from grader.messages import on_page
 from grader.service.requests.middleware import UploadRoute
 from grader.service.routes.practice import events
-from grader.service.web import access
-from grader.service.web.access import COSTLY, ServicesDep, VisitorDep
+from grader.service.web.access import COSTLY, KnownDep, ServicesDep
 from grader.service.web.errors import form_problem
 from grader.service.web.forms import require_own_form
 from grader.service.web.pages import fragment, language_of, page
@@ -29,9 +28,8 @@ _WORDS = ("next", "waiting", "running", "virtual_time", "done", "lost", "reset_s
 
 
 @router.get("", dependencies=[COSTLY])
-def read(request: Request, services: ServicesDep, visitor: VisitorDep, assignment_id: str) -> Response:
+def read(request: Request, services: ServicesDep, visitor: KnownDep, assignment_id: str) -> Response:
     """Show the editor with the assignment's starter, or what this browser had in it."""
-    access.require_known(visitor)
     caller, language = visitor.caller, language_of(request)
     assignment = practisable(services, caller, assignment_id)
     services.practice.warm_up()
@@ -52,11 +50,10 @@ def read(request: Request, services: ServicesDep, visitor: VisitorDep, assignmen
 
 async def _begun(
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     assignment_id: str,
     file: Annotated[UploadFile, File()],
 ) -> AsyncIterator[UnderWay]:
-    access.require_known(visitor)
     content = await file.read(most_upload_bytes(services) + 1)
     async with practising(services, visitor.caller, assignment_id, file.filename or "", content) as run:
         yield run

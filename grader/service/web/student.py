@@ -15,7 +15,7 @@ from grader.operation.context import note
 from grader.render.audit_lines import Teller
 from grader.service.requests.middleware import UploadRoute, arrival_of
 from grader.service.web import access
-from grader.service.web.access import COSTLY, ServicesDep, Visitor, VisitorDep
+from grader.service.web.access import COSTLY, KnownDep, MemberDep, ServicesDep, Visitor
 from grader.service.web.errors import form_problem
 from grader.service.web.forms import require_own_form
 from grader.service.web.pages import language_of, page
@@ -34,9 +34,8 @@ _MOST_ATTEMPTS = 50
 
 
 @router.get("/", dependencies=[COSTLY])
-def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
+def read_assignments(request: Request, services: ServicesDep, visitor: MemberDep) -> Response:
     """Show the checklist, with what the student reached so far."""
-    access.require_member(visitor)
     own = [one.submission for one in _attempts(services, visitor)]
     return page(
         request,
@@ -54,10 +53,9 @@ def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDe
 
 @router.get("/assignments/{assignment_id}", dependencies=[COSTLY])
 def read_assignment(
-    request: Request, services: ServicesDep, visitor: VisitorDep, assignment_id: str
+    request: Request, services: ServicesDep, visitor: MemberDep, assignment_id: str
 ) -> Response:
     """Show what is asked and how it earns points, and take a file."""
-    access.require_member(visitor)
     return _assignment_page(request, visible_assignment(services, visitor.caller, assignment_id))
 
 
@@ -65,13 +63,12 @@ def read_assignment(
 def take_file(  # noqa: PLR0913, PLR0917
     request: Request,
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: MemberDep,
     assignment_id: str,
     file: Annotated[UploadFile, File()],
     student: Annotated[str, Form(max_length=200)] = "",
 ) -> Response:
     """Take a file and lead to its result; on a refusal show the same page with the reason."""
-    access.require_member(visitor)
     assignment = visible_assignment(services, visitor.caller, assignment_id)
     given = visitor.student or student.strip()
     upload = Upload(
@@ -94,9 +91,8 @@ def take_file(  # noqa: PLR0913, PLR0917
 
 
 @router.get("/submissions", dependencies=[COSTLY])
-def read_attempts(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
+def read_attempts(request: Request, services: ServicesDep, visitor: KnownDep) -> Response:
     """Show the student's earlier attempts, newest first."""
-    access.require_known(visitor)
     titles = {one.id: one.title for one in services.assignments.of(visitor.caller.course).all()}
     own = _attempts(services, visitor)
     return page(

@@ -24,10 +24,11 @@ from grader.contracts.report import report_from
 from grader.contracts.submission import StoredReport, Submission
 from grader.formats.packages.bundle import line_in_text, text_of
 from grader.messages import on_page
+from grader.service.requests.answers import plot
 from grader.service.requests.compression import trajectory_answer
 from grader.service.routes.events import LastEventId, events, owner_of, watched
 from grader.service.web import access
-from grader.service.web.access import COSTLY, DRAWN, ServicesDep, SubmissionId, Visitor, VisitorDep
+from grader.service.web.access import COSTLY, DRAWN, KnownDep, ServicesDep, SubmissionId, Visitor
 from grader.service.web.comparison import DiffLine, changes
 from grader.service.web.forms import require_own_form
 from grader.service.web.pages import language_of, page
@@ -67,14 +68,13 @@ class Changed:
 def read(  # noqa: PLR0913
     request: Request,
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     case: Case = None,
     *,
     same: bool = False,
 ) -> Response:
     """Show where a submission stands, and its grading once there is one. `same`: the file was sent again."""
-    access.require_known(visitor)
     found = submissions.read(services, visitor.caller, submission_id)
     submission = found.submission
     access.require_own(visitor, submission)
@@ -109,26 +109,24 @@ def read(  # noqa: PLR0913
 @router.post("/comments", dependencies=[Depends(require_own_form)])
 def write_comment(
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     text: Annotated[str, Form(max_length=20_000)] = "",
     line: Annotated[str, Form(max_length=20)] = "",
 ) -> Response:
     """Keep what staff or the student write about a submission, and lead back to it."""
-    access.require_known(visitor)
     number = None if not line.strip() else int(line) if line.strip().isdecimal() else 0  # there is no line 0
     added = commenting.add_comment(services, visitor.caller, submission_id, text, number)
     return RedirectResponse(f"/submissions/{submission_id}#comment-{added.number}", status_code=303)
 
 
 @router.get("/source")
-def download_source(services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId) -> Response:
+def download_source(services: ServicesDep, visitor: KnownDep, submission_id: SubmissionId) -> Response:
     """Send the file as it was handed in, to be kept: a browser must not show what a student wrote."""
     submission = access.require_sight(services, visitor, submission_id)
     headers = {
         "Content-Disposition": f"attachment; filename*=UTF-8''{quote(submission.file_name, safe='')}",
         "X-Content-Type-Options": "nosniff",
-        "Cache-Control": "private, no-cache",
     }
     content = services.submissions.source(submission.id) or b""
     return Response(content, media_type="application/octet-stream", headers=headers)
@@ -136,7 +134,7 @@ def download_source(services: ServicesDep, visitor: VisitorDep, submission_id: S
 
 @router.get("/state.json")
 def read_state(
-    request: Request, services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId
+    request: Request, services: ServicesDep, visitor: KnownDep, submission_id: SubmissionId
 ) -> Response:
     """Say where a submission stands: what the progress display asks for again and again."""
     submission = access.require_sight(services, visitor, submission_id)
@@ -154,7 +152,7 @@ def read_state(
 async def _watched(
     request: Request,
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     last_event_id: LastEventId = None,
 ) -> AsyncIterator[SubjectWatch]:
@@ -186,7 +184,7 @@ async def follow(
 @router.get("/trajectory.json", dependencies=[COSTLY])
 def read_trajectory(
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     case: Case = None,
     accept_encoding: Annotated[str | None, Header()] = None,
@@ -201,44 +199,39 @@ def read_trajectory(
 def read_sketch(
     request: Request,
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     case: Case = None,
 ) -> Response:
     """Return what the checks saw in the motion; an empty object when they cannot say."""
     _, stored = access.seen(services, visitor, submission_id)
     run = None if stored is None else judged(stored).run_of(case)
-    figure = (
-        None
-        if stored is None or run is None
-        else recordings.measured_figure(services, access.visitor_of(request).caller, stored, run)
-    )
+    if stored is None or run is None:
+        return JSONResponse({})
+    figure = recordings.measured_figure(services, visitor.caller, stored, run)
     document = {} if figure is None else figure_document(figure, language_of(request))
-    return JSONResponse(document, headers={"Cache-Control": "private, no-cache"})
+    return JSONResponse(document)
 
 
 @router.get("/recording.mcap", dependencies=[COSTLY])
 def read_bag(
-    services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId, case: Case = None
+    services: ServicesDep, visitor: KnownDep, submission_id: SubmissionId, case: Case = None
 ) -> Response:
     """Return one run as a ROS bag, to be saved."""
     access.require_sight(services, visitor, submission_id)
     bag = recordings.bag(services, visitor.caller, submission_id, case)
-    headers = {
-        "Content-Disposition": f'attachment; filename="{bag.name}"',
-        "Cache-Control": "private, no-cache",
-    }
+    headers = {"Content-Disposition": f'attachment; filename="{bag.name}"'}
     return Response(bag.content, media_type="application/octet-stream", headers=headers)
 
 
 @router.get("/film.png", dependencies=[COSTLY])
 def read_film(
-    services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId, case: Case = None
+    services: ServicesDep, visitor: KnownDep, submission_id: SubmissionId, case: Case = None
 ) -> Response:
     """Return the pictures of a PyBullet world as one that moves."""
     access.require_sight(services, visitor, submission_id)
     drawn = recordings.film(services, visitor.caller, submission_id, case)
-    headers = {"ETag": f'"{drawn.tag}"', "Cache-Control": "private, no-cache"}
+    headers = {"ETag": f'"{drawn.tag}"'}
     return Response(drawn.content, media_type="image/png", headers=headers)
 
 
@@ -246,21 +239,13 @@ def read_film(
 async def read_plot(
     request: Request,
     services: ServicesDep,
-    visitor: VisitorDep,
+    visitor: KnownDep,
     submission_id: SubmissionId,
     case: Case = None,
 ) -> Response:
     """Return the picture of one run, for browsers without scripts and for comparing."""
     await run_in_threadpool(access.require_sight, services, visitor, submission_id)
-    language = language_of(request)
-    drawn = await recordings.picture(services, visitor.caller, submission_id, case, language, "png")
-    headers = {
-        "ETag": f'"{drawn.tag}"',
-        "Content-Language": language,
-        "Vary": "Accept-Language",
-        "Cache-Control": "private, no-cache",
-    }
-    return Response(drawn.content, media_type="image/png", headers=headers)
+    return await plot(services, visitor.caller, submission_id, case, language_of(request), "png")
 
 
 def _corrections(
@@ -363,11 +348,8 @@ def _result(
     run = report.run_of(case)
     if run is None and case is not None:
         raise RefusedError("no_trajectory", field="case", allowed=list(stored.cases))
-    figure = (
-        None
-        if run is None
-        else recordings.measured_figure(services, access.visitor_of(request).caller, stored, run)
-    )
+    caller = access.visitor_of(request).caller
+    figure = None if run is None else recordings.measured_figure(services, caller, stored, run)
     names = {name: on_page(language, f"figure.{name}") for name in _FIGURE_WORDS}
     result = result_page(report, assignment, language)
     in_room = assignment is not None and assignment.world.kind == "robot"

@@ -18,12 +18,8 @@ def progress(
 ) -> dict[str, Any]:
     """Return where a submission stands, with the sentence that says so.
 
-    Args:
-        state: of the submission.
-        position: how many are before it while it waits.
-        left_s: seconds until it will probably be graded; None: nobody can say.
-        language: of the sentence.
-        is_open: whether more will happen by itself.
+    `position`: how many are before it while it waits. `left_s`: seconds until it will probably be graded; None:
+    nobody can say. `is_open`: more will happen by itself.
     """
     parts = [status_word(state, language)]
     if is_open and position is not None:

@@ -281,8 +281,7 @@ class Kernel:
         always be some microseconds short, and every phase of the script one period too long; at home chance
         decides. If each tick is later than the last, a whole number of periods is never short.
 
-        Args:
-            most_ns: bound at which the lateness starts again from 0; 0: never late.
+        At `most_ns` the lateness starts again from 0; 0: never late.
         """
         if most_ns:
             self.now_ns += self._spent_ns % most_ns

@@ -40,10 +40,7 @@ class Context:
     ) -> None:
         """Initialise.
 
-        Args:
-            args: command line, default `sys.argv`.
-            initialize_logging: whether log levels of the command line apply.
-            domain_id: DDS domain.
+        `args`: default `sys.argv`. `initialize_logging`: its log levels apply.
 
         Raises:
             RuntimeError: the domain is negative, or the context was initialised before.

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from typing import Any
 
     from rclpy._rcl.endpoints import EndpointHandle
-    from rclpy.callback_groups import CallbackGroup
 
     Callback = Callable[[Any], Any]
 
@@ -140,7 +139,11 @@ class QoSEventHandler(EventHandler):
         super().__init__(*args, **kwargs)
 
 
-def _type_warning_of(handle: EndpointHandle, topic_name: str) -> Callback:
+def _or_type_warning(callbacks: Any, handle: EndpointHandle, topic_name: str) -> Callback | None:
+    """Return the callback for another type; without one a warning is logged."""
+    given: Callback | None = callbacks.incompatible_type
+    if given or not callbacks.use_default_callbacks:
+        return given
     logger = get_logger(handle.get_logger_name())
 
     def warn(_: Any) -> None:
@@ -149,110 +152,43 @@ def _type_warning_of(handle: EndpointHandle, topic_name: str) -> Callback:
     return warn
 
 
-def _handlers(
-    group: CallbackGroup, handle: EndpointHandle, callbacks: list[tuple[Any, Callback | None]]
-) -> list[EventHandler]:
-    return [
-        EventHandler(callback_group=group, callback=callback, event_type=kind, parent_impl=handle)
-        for kind, callback in callbacks
-        if callback
-    ]
+class SubscriptionEventCallbacks(qos_event.SubscriptionEventCallbacks):
+    """Callbacks for events of a subscription."""
 
-
-class SubscriptionEventCallbacks:
-    """Callbacks for events of a subscription; without one for incompatible QoS a warning is logged."""
+    _handler_class = EventHandler
 
     def __init__(
-        self,
-        *,
-        deadline: Callback | None = None,
-        incompatible_qos: Callback | None = None,
-        liveliness: Callback | None = None,
-        message_lost: Callback | None = None,
-        incompatible_type: Callback | None = None,
-        matched: Callback | None = None,
-        use_default_callbacks: bool = True,
+        self, *, incompatible_type: Callback | None = None, matched: Callback | None = None, **humble: Any
     ) -> None:
-        self.deadline = deadline
-        self.incompatible_qos = incompatible_qos
-        self.liveliness = liveliness
-        self.message_lost = message_lost
+        super().__init__(**humble)
         self.incompatible_type = incompatible_type
         self.matched = matched
-        self.use_default_callbacks = use_default_callbacks
 
-    def create_event_handlers(
-        self, callback_group: CallbackGroup, subscription: EndpointHandle, topic_name: str
-    ) -> list[EventHandler]:
-        """Return the handlers of one subscription."""
-        incompatible = self.incompatible_qos
-        if not incompatible and self.use_default_callbacks:
-            incompatible = qos_event._warning_of(
-                subscription,
-                f"New publisher discovered on topic '{topic_name}', offering incompatible QoS. "
-                "No messages will be received from it. Last incompatible policy: ",
-            )
-        other_type = self.incompatible_type
-        if not other_type and self.use_default_callbacks:
-            other_type = _type_warning_of(subscription, topic_name)
+    def _callbacks(self, endpoint: EndpointHandle, topic_name: str) -> list[tuple[Any, Callback | None]]:
         kinds = QoSSubscriptionEventType
-        return _handlers(
-            callback_group,
-            subscription,
-            [
-                (kinds.RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED, self.deadline),
-                (kinds.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS, incompatible),
-                (kinds.RCL_SUBSCRIPTION_LIVELINESS_CHANGED, self.liveliness),
-                (kinds.RCL_SUBSCRIPTION_MESSAGE_LOST, self.message_lost),
-                (kinds.RCL_SUBSCRIPTION_INCOMPATIBLE_TYPE, other_type),
-                (kinds.RCL_SUBSCRIPTION_MATCHED, self.matched),
-            ],
-        )
+        return [
+            *((kinds[kind.name], callback) for kind, callback in super()._callbacks(endpoint, topic_name)),
+            (kinds.RCL_SUBSCRIPTION_INCOMPATIBLE_TYPE, _or_type_warning(self, endpoint, topic_name)),
+            (kinds.RCL_SUBSCRIPTION_MATCHED, self.matched),
+        ]
 
 
-class PublisherEventCallbacks:
-    """Callbacks for events of a publisher; without one for incompatible QoS a warning is logged."""
+class PublisherEventCallbacks(qos_event.PublisherEventCallbacks):
+    """Callbacks for events of a publisher."""
+
+    _handler_class = EventHandler
 
     def __init__(
-        self,
-        *,
-        deadline: Callback | None = None,
-        liveliness: Callback | None = None,
-        incompatible_qos: Callback | None = None,
-        incompatible_type: Callback | None = None,
-        matched: Callback | None = None,
-        use_default_callbacks: bool = True,
+        self, *, incompatible_type: Callback | None = None, matched: Callback | None = None, **humble: Any
     ) -> None:
-        self.deadline = deadline
-        self.liveliness = liveliness
-        self.incompatible_qos = incompatible_qos
+        super().__init__(**humble)
         self.incompatible_type = incompatible_type
         self.matched = matched
-        self.use_default_callbacks = use_default_callbacks
 
-    def create_event_handlers(
-        self, callback_group: CallbackGroup, publisher: EndpointHandle, topic_name: str
-    ) -> list[EventHandler]:
-        """Return the handlers of one publisher."""
-        incompatible = self.incompatible_qos
-        if not incompatible and self.use_default_callbacks:
-            incompatible = qos_event._warning_of(
-                publisher,
-                f"New subscription discovered on topic '{topic_name}', requesting incompatible QoS. "
-                "No messages will be sent to it. Last incompatible policy: ",
-            )
-        other_type = self.incompatible_type
-        if not other_type and self.use_default_callbacks:
-            other_type = _type_warning_of(publisher, topic_name)
+    def _callbacks(self, endpoint: EndpointHandle, topic_name: str) -> list[tuple[Any, Callback | None]]:
         kinds = QoSPublisherEventType
-        return _handlers(
-            callback_group,
-            publisher,
-            [
-                (kinds.RCL_PUBLISHER_OFFERED_DEADLINE_MISSED, self.deadline),
-                (kinds.RCL_PUBLISHER_LIVELINESS_LOST, self.liveliness),
-                (kinds.RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS, incompatible),
-                (kinds.RCL_PUBLISHER_INCOMPATIBLE_TYPE, other_type),
-                (kinds.RCL_PUBLISHER_MATCHED, self.matched),
-            ],
-        )
+        return [
+            *((kinds[kind.name], callback) for kind, callback in super()._callbacks(endpoint, topic_name)),
+            (kinds.RCL_PUBLISHER_INCOMPATIBLE_TYPE, _or_type_warning(self, endpoint, topic_name)),
+            (kinds.RCL_PUBLISHER_MATCHED, self.matched),
+        ]

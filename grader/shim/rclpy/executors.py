@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections import deque
 
+from rclpy import _distro
 from rclpy._forwarding import passed_on
 from rclpy._kernel import kernel, skip_to_pose
+from rclpy._link import link
 from rclpy._rcl.errors import GUARD_CONTEXT, WAIT_CONTEXT, RCLError
 from rclpy._rcl.handles import changes
 from rclpy._rcl.watch import CLIENT, GUARD, SERVICE, SUBSCRIPTION, TIMER, Watch
@@ -38,6 +40,11 @@ CPU_COUNT = 4
 
 def _never() -> bool:
     return False
+
+
+def _members_of(node: Node) -> tuple[Any, ...]:
+    """Return what a node consists of: iterators, unless `node` is a class or has methods of these names."""
+    return node.subscriptions, node.timers, node.clients, node.services, node.guards, node.waitables
 
 
 def _is_done(future: Any) -> bool:
@@ -104,8 +111,8 @@ class _WorkTracker:
     def wait(self, timeout_sec: float | None = None) -> bool:
         """Block until no other thread runs one; False when the timeout (None or negative: never) came first.
 
-        The caller's own callback does not count: `rclpy.shutdown()` in a callback ends the spin
-        (ros2/rclpy#944, mended in Humble).
+        The caller's own callback does not count, as on Jazzy. Humble waits for it, too, and so for ever
+        (ros2/rclpy#944, #1646); the student is told.
         """
         me = kernel.running
 
@@ -113,6 +120,10 @@ class _WorkTracker:
             return all(thread is me for thread in self.running)
 
         if idle():
+            if self.running and _distro.chosen == _distro.HUMBLE and (timeout_sec is None or timeout_sec < 0):
+                from rclpy._patches.tracebacks import line_now
+
+                link.note("shutdown_in_callback", str(line_now()))
             return True
         deadline_ns = None
         if timeout_sec is not None and timeout_sec >= 0:
@@ -161,6 +172,10 @@ class Executor:
             self.wake()
         if not self._work_tracker.wait(timeout_sec):
             return False
+        self._forget()
+        return True
+
+    def _forget(self) -> None:
         self._nodes = {}
         self._busy_watches.clear()
         if self._guard is not None:
@@ -169,7 +184,6 @@ class Executor:
         self._cb_iter = None
         self._last_args = None
         self._last_kwargs = None
-        return True
 
     def add_node(self, node: Node) -> bool:
         """Serve a node from now on; False when it is served already."""
@@ -177,7 +191,8 @@ class Executor:
             return False
         self._nodes = {**self._nodes, node: None}
         node.executor = self
-        iter(node.subscriptions)  # of a class instead of a node it is a property, as the first wait finds
+        for members in _members_of(node):  # as upstream's first wait asks for them
+            iter(members)
         self.wake()
         return True
 

@@ -23,7 +23,7 @@ class LoggingService:
         ):
             full_name = TOPIC_SEPARATOR_STRING.join((node.get_name(), name))
             lazy = LazyType(f"rcl_interfaces/srv/{kind}")
-            node._rcl_add_service(lazy, full_name, callback, qos_profile_services_default, None)
+            node._rcl_add_own_service(lazy, full_name, callback, qos_profile_services_default)
 
     def _get_logger_levels(self, request: Any, response: Any) -> Any:
         from rcl_interfaces.msg import LoggerLevel

@@ -5,7 +5,7 @@ from __future__ import annotations
 from _weakref import ref
 
 from rclpy._forwarding import passed_on
-from rclpy._interfaces.messages import class_of
+from rclpy._interfaces.messages import class_of, interface_class
 from rclpy._interfaces.own import LazyType
 from rclpy._rcl.endpoints import PublisherHandle, SubscriptionHandle
 from rclpy._rcl.errors import NodeNameNonExistentError as NodeNameNonExistentError
@@ -135,7 +135,8 @@ class Node:
         self.__node = self._rcl_create_handle(
             node_name, namespace or "", cli_args, use_global_arguments, enable_rosout
         )
-        self._logger = get_logger(self.__node.logger_name())
+        with self.handle:  # a script's own method of that name fails here, as at home
+            self._logger = get_logger(self.__node.logger_name())
         self._parameter_event_publisher: Publisher | None = self._rcl_create_event_publisher()
         self._parameter_overrides = self.__node.get_parameters(Parameter)
         self._parameter_overrides.update({p.name: p for p in parameter_overrides or ()})
@@ -192,8 +193,13 @@ class Node:
         return handle
 
     def _rcl_create_event_publisher(self) -> Publisher:
-        kind = LazyType("rcl_interfaces/msg/ParameterEvent")
         qos = qos_profile_parameter_events
+        if type(self).create_publisher is not Node.create_publisher:
+            # A script has a method of that name, which upstream calls here.
+            from rclpy._interfaces.own import ParameterEvent
+
+            return self.create_publisher(ParameterEvent, "/parameter_events", qos)
+        kind = LazyType("rcl_interfaces/msg/ParameterEvent")
         impl = PublisherHandle(self.__node, kind, "/parameter_events", qos.get_c_qos_profile())
         return self._rcl_add_publisher(
             Publisher, impl, (kind, "/parameter_events", qos), None, self.default_callback_group
@@ -391,11 +397,16 @@ class Node:
         except Exception:
             impl.destroy_when_not_in_use()
             raise
-        self._publishers.append(publisher)
-        self._wake_executor(added=True)
-        for handler in publisher.event_handlers:
-            self.add_waitable(handler)
+        self._rcl_add(self._publishers, publisher)
         return publisher
+
+    def _rcl_add(self, members: list[Any], entity: Any, group: CallbackGroup | None = None) -> None:
+        if group is not None:
+            group.add_entity(entity)
+        members.append(entity)
+        self._wake_executor(added=True)
+        for handler in getattr(entity, "event_handlers", ()):
+            self.add_waitable(handler)
 
     def create_subscription(
         self,
@@ -423,11 +434,7 @@ class Node:
         except Exception:
             impl.destroy_when_not_in_use()
             raise
-        group.add_entity(subscription)
-        self._subscriptions.append(subscription)
-        self._wake_executor(added=True)
-        for handler in subscription.event_handlers:
-            self.add_waitable(handler)
+        self._rcl_add(self._subscriptions, subscription, group)
         return subscription
 
     def create_client(
@@ -443,9 +450,7 @@ class Node:
         check_is_valid_srv_type(srv_type)
         impl = self._rcl_service_endpoint(ClientHandle, srv_type, srv_name, qos_profile)
         client = Client(self.context, impl, srv_type, srv_name, qos_profile, group)
-        group.add_entity(client)
-        self._clients.append(client)
-        self._wake_executor(added=True)
+        self._rcl_add(self._clients, client, group)
         return client
 
     def create_service(
@@ -461,6 +466,15 @@ class Node:
         check_is_valid_srv_type(srv_type)
         return self._rcl_add_service(srv_type, srv_name, callback, qos_profile, callback_group)
 
+    def _rcl_add_own_service(
+        self, kind: LazyType, name: str, callback: Callable[[Any, Any], Any], qos: QoSProfile
+    ) -> None:
+        """Offer a service of the library's own: by a script's `create_service`, where it has one, as upstream."""
+        if type(self).create_service is Node.create_service:
+            self._rcl_add_service(kind, name, callback, qos, None)
+        else:
+            self.create_service(interface_class(kind.full_name), name, callback, qos_profile=qos)
+
     def _rcl_add_service(
         self,
         srv_type: Any,
@@ -472,9 +486,7 @@ class Node:
         group = self.default_callback_group if callback_group is None else callback_group
         impl = self._rcl_service_endpoint(ServiceHandle, srv_type, srv_name, qos_profile)
         service = Service(impl, srv_type, srv_name, callback, group, qos_profile)
-        group.add_entity(service)
-        self._services.append(service)
-        self._wake_executor(added=True)
+        self._rcl_add(self._services, service, group)
         return service
 
     def _rcl_service_endpoint(self, kind: Any, srv_type: Any, name: str, qos: QoSProfile) -> Any:
@@ -493,13 +505,16 @@ class Node:
         clock: Clock | None = None,
     ) -> Timer:
         """Have `callback` called every period (seconds), first after one; RCLError when it is negative."""
-        period_ns = int(float(timer_period_sec) * S_TO_NS)
-        group = self.default_callback_group if callback_group is None else callback_group
+        return self._rcl_add_timer(timer_period_sec, callback, callback_group, clock)
+
+    def _rcl_add_timer(
+        self, period_s: float, callback: Any, group: CallbackGroup | None, clock: Clock | None, **options: Any
+    ) -> Timer:
+        period_ns = int(float(period_s) * S_TO_NS)
+        group = self.default_callback_group if group is None else group
         chosen = self._clock if clock is None else clock
-        timer = Timer(callback, group, period_ns, chosen, context=self.context)
-        group.add_entity(timer)
-        self._timers.append(timer)
-        self._wake_executor(added=True)
+        timer = Timer(callback, group, period_ns, chosen, context=self.context, **options)
+        self._rcl_add(self._timers, timer, group)
         return timer
 
     def create_guard_condition(
@@ -508,9 +523,7 @@ class Node:
         """Create a guard condition: `callback` is executed after each trigger."""
         group = self.default_callback_group if callback_group is None else callback_group
         guard = GuardCondition(callback, group, context=self.context)
-        group.add_entity(guard)
-        self._guards.append(guard)
-        self._wake_executor(added=True)
+        self._rcl_add(self._guards, guard, group)
         return guard
 
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
@@ -914,19 +927,19 @@ class Node:
         """Return the names, namespaces and security enclaves of all nodes."""
         return self._rcl_graph_handle().get_node_names_and_namespaces_with_enclaves()
 
-    def _rcl_full_topic_name(self, topic_name: str) -> str:
+    def _rcl_full_name(self, name: str, *, is_service: bool = False) -> str:
         handle = self._rcl_graph_handle()
-        full = expand(topic_name, handle.name, handle.namespace)
-        validate_full_topic_name(full)
+        full = expand(name, handle.name, handle.namespace)
+        validate_full_topic_name(full, is_service=is_service)
         return full
 
     def count_publishers(self, topic_name: str) -> int:
         """Return how many publishers a topic has."""
-        return self._rcl_graph_handle().get_count_publishers(self._rcl_full_topic_name(topic_name))
+        return self._rcl_graph_handle().get_count_publishers(self._rcl_full_name(topic_name))
 
     def count_subscribers(self, topic_name: str) -> int:
         """Return how many subscriptions a topic has."""
-        return self._rcl_graph_handle().get_count_subscribers(self._rcl_full_topic_name(topic_name))
+        return self._rcl_graph_handle().get_count_subscribers(self._rcl_full_name(topic_name))
 
     def _rcl_infos(self, topic_name: str, no_mangle: bool, *, writers: bool) -> list[TopicEndpointInfo]:
         from rclpy.topic_endpoint_info import TopicEndpointInfo
@@ -934,7 +947,7 @@ class Node:
         handle = self._rcl_graph_handle()
         name = topic_name
         if not no_mangle:
-            name = handle.remap(self._rcl_full_topic_name(topic_name), "topic")
+            name = handle.remap(self._rcl_full_name(topic_name), "topic")
         what = "publishers" if writers else "subscriptions"
         handle.require_context(f"Failed to get information by topic for {what}")
         kind = handle.graph.writers if writers else handle.graph.readers

@@ -139,7 +139,7 @@ class AsyncParameterClient:
             callback,
             qos_profile,
             callback_group=callback_group,
-            event_callbacks=event_callbacks,  # type: ignore[arg-type]
+            event_callbacks=event_callbacks,
             qos_overriding_options=qos_overriding_options,
             raw=raw,
         )

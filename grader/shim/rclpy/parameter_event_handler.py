@@ -105,7 +105,7 @@ class ParameterEventHandler:
             self._callbacks.event_callback,
             qos_profile,
             callback_group=callback_group,
-            event_callbacks=event_callbacks,  # type: ignore[arg-type]
+            event_callbacks=event_callbacks,
             qos_overriding_options=qos_overriding_options,
             raw=raw,
         )

@@ -37,7 +37,7 @@ class ParameterService:
         ):
             full_name = TOPIC_SEPARATOR_STRING.join((node.get_name(), name))
             lazy = LazyType(f"rcl_interfaces/srv/{kind}")
-            node._rcl_add_service(lazy, full_name, callback, qos_profile_parameters, None)
+            node._rcl_add_own_service(lazy, full_name, callback, qos_profile_parameters)
 
     def _describe_parameters_callback(self, request: Any, response: Any) -> Any:
         node = self._get_node()

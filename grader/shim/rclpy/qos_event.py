@@ -204,18 +204,30 @@ def _warning_of(handle: EndpointHandle, text: str) -> Callback:
     return warn
 
 
-def _handlers(
-    group: CallbackGroup, handle: EndpointHandle, callbacks: list[tuple[Any, Callback | None]]
-) -> list[QoSEventHandler]:
-    return [
-        QoSEventHandler(callback_group=group, callback=callback, event_type=kind, parent_impl=handle)
-        for kind, callback in callbacks
-        if callback
-    ]
+class _EventCallbacks:
+    """Callbacks for events of one endpoint; without one for incompatible QoS a warning is logged."""
+
+    _handler_class: type[QoSEventHandler] = QoSEventHandler
+
+    def create_event_handlers(
+        self, callback_group: CallbackGroup, endpoint: EndpointHandle, topic_name: str
+    ) -> list[QoSEventHandler]:
+        """Return the handlers of one endpoint."""
+        return [
+            self._handler_class(
+                callback_group=callback_group, callback=callback, event_type=kind, parent_impl=endpoint
+            )
+            for kind, callback in self._callbacks(endpoint, topic_name)
+            if callback
+        ]
+
+    def _callbacks(self, endpoint: EndpointHandle, topic_name: str) -> list[tuple[Any, Callback | None]]:
+        """Return what is called for each kind of event."""
+        raise NotImplementedError
 
 
-class SubscriptionEventCallbacks:
-    """Callbacks for events of a subscription; without one for incompatible QoS a warning is logged."""
+class SubscriptionEventCallbacks(_EventCallbacks):
+    """Callbacks for events of a subscription."""
 
     def __init__(
         self,
@@ -232,32 +244,25 @@ class SubscriptionEventCallbacks:
         self.message_lost = message_lost
         self.use_default_callbacks = use_default_callbacks
 
-    def create_event_handlers(
-        self, callback_group: CallbackGroup, subscription: EndpointHandle, topic_name: str
-    ) -> list[QoSEventHandler]:
-        """Return the handlers of one subscription."""
+    def _callbacks(self, endpoint: EndpointHandle, topic_name: str) -> list[tuple[Any, Callback | None]]:
         incompatible = self.incompatible_qos
         if not incompatible and self.use_default_callbacks:
             incompatible = _warning_of(
-                subscription,
+                endpoint,
                 f"New publisher discovered on topic '{topic_name}', offering incompatible QoS. "
                 "No messages will be received from it. Last incompatible policy: ",
             )
         kinds = QoSSubscriptionEventType
-        return _handlers(
-            callback_group,
-            subscription,
-            [
-                (kinds.RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED, self.deadline),
-                (kinds.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS, incompatible),
-                (kinds.RCL_SUBSCRIPTION_LIVELINESS_CHANGED, self.liveliness),
-                (kinds.RCL_SUBSCRIPTION_MESSAGE_LOST, self.message_lost),
-            ],
-        )
+        return [
+            (kinds.RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED, self.deadline),
+            (kinds.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS, incompatible),
+            (kinds.RCL_SUBSCRIPTION_LIVELINESS_CHANGED, self.liveliness),
+            (kinds.RCL_SUBSCRIPTION_MESSAGE_LOST, self.message_lost),
+        ]
 
 
-class PublisherEventCallbacks:
-    """Callbacks for events of a publisher; without one for incompatible QoS a warning is logged."""
+class PublisherEventCallbacks(_EventCallbacks):
+    """Callbacks for events of a publisher."""
 
     def __init__(
         self,
@@ -272,24 +277,17 @@ class PublisherEventCallbacks:
         self.incompatible_qos = incompatible_qos
         self.use_default_callbacks = use_default_callbacks
 
-    def create_event_handlers(
-        self, callback_group: CallbackGroup, publisher: EndpointHandle, topic_name: str
-    ) -> list[QoSEventHandler]:
-        """Return the handlers of one publisher."""
+    def _callbacks(self, endpoint: EndpointHandle, topic_name: str) -> list[tuple[Any, Callback | None]]:
         incompatible = self.incompatible_qos
         if not incompatible and self.use_default_callbacks:
             incompatible = _warning_of(
-                publisher,
+                endpoint,
                 f"New subscription discovered on topic '{topic_name}', requesting incompatible QoS. "
                 "No messages will be sent to it. Last incompatible policy: ",
             )
         kinds = QoSPublisherEventType
-        return _handlers(
-            callback_group,
-            publisher,
-            [
-                (kinds.RCL_PUBLISHER_OFFERED_DEADLINE_MISSED, self.deadline),
-                (kinds.RCL_PUBLISHER_LIVELINESS_LOST, self.liveliness),
-                (kinds.RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS, incompatible),
-            ],
-        )
+        return [
+            (kinds.RCL_PUBLISHER_OFFERED_DEADLINE_MISSED, self.deadline),
+            (kinds.RCL_PUBLISHER_LIVELINESS_LOST, self.liveliness),
+            (kinds.RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS, incompatible),
+        ]

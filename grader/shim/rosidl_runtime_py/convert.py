@@ -16,11 +16,8 @@ def message_to_ordereddict(
 ) -> OrderedDict[str, Any]:
     """Return a message's fields in order; nested messages become dicts, arrays lists.
 
-    Args:
-        msg: the message.
-        truncate_length: longest text and list; what is cut off shows as ``...``.
-        no_arr: show only type and length of arrays.
-        no_str: show only the length of texts.
+    `truncate_length`: of the longest text and list; what is cut off shows as ``...``. `no_arr`: show only type and
+    length of arrays. `no_str`: show only the length of texts.
     """
     show = _Shown(truncate_length, no_arr, no_str)
     return OrderedDict(

@@ -17,11 +17,8 @@ def set_message_fields(
 ) -> list[Any]:
     """Set the fields of `msg` named in `values`; nested dicts fill nested messages.
 
-    Args:
-        msg: the message.
-        values: of the fields.
-        expand_header_auto: take ``auto`` for a Header with a time that is set later.
-        expand_time_now: take ``now`` for a Time that is set later.
+    `expand_header_auto`: take ``auto`` for a Header with a time that is set later, `expand_time_now`: ``now`` for
+    a Time.
 
     Returns:
         Functions that set these times when they are called with one.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from rosidl_parser.definition import NamespacedType
@@ -25,8 +26,7 @@ def get_message(identifier: str) -> Any:
     Raises:
         ValueError: not a message.
     """
-    found = import_message_from_namespaced_type(get_message_namespaced_type(identifier))
-    return _checked(is_message(found), found, identifier, "a message")
+    return _imported(identifier, get_message_namespaced_type, is_message, "a message")
 
 
 def get_service(identifier: str) -> Any:
@@ -35,8 +35,7 @@ def get_service(identifier: str) -> Any:
     Raises:
         ValueError: not a service.
     """
-    found = import_message_from_namespaced_type(get_service_namespaced_type(identifier))
-    return _checked(is_service(found), found, identifier, "a service")
+    return _imported(identifier, get_service_namespaced_type, is_service, "a service")
 
 
 def get_action(identifier: str) -> Any:
@@ -45,8 +44,7 @@ def get_action(identifier: str) -> Any:
     Raises:
         ValueError: not an action.
     """
-    found = import_message_from_namespaced_type(get_action_namespaced_type(identifier))
-    return _checked(is_action(found), found, identifier, "an action")
+    return _imported(identifier, get_action_namespaced_type, is_action, "an action")
 
 
 def get_namespaced_type(identifier: str) -> NamespacedType:
@@ -95,7 +93,10 @@ def _namespaced(identifier: str, default: str = "") -> NamespacedType:
     return NamespacedType([*spaces, default] if default and len(spaces) == 1 else spaces, name)
 
 
-def _checked(holds: bool, interface: Any, identifier: str, kind: str) -> Any:
-    if not holds:
+def _imported(
+    identifier: str, type_of: Callable[[str], NamespacedType], is_kind: Callable[[Any], bool], kind: str
+) -> Any:
+    found = import_message_from_namespaced_type(type_of(identifier))
+    if not is_kind(found):
         raise ValueError(f"Expected the full name of {kind}, got '{identifier}'")
-    return interface
+    return found

@@ -31,12 +31,8 @@ def read_points(
 ) -> Any:
     """Return the points as a structured array.
 
-    Args:
-        cloud: the PointCloud2.
-        field_names: only these fields; all when left out.
-        skip_nans: leave out points with a NaN (unless the cloud says it is dense).
-        uvs: only the points of these indices.
-        reshape_organized_cloud: as (height, width) when the cloud has rows.
+    `field_names`: only these. `skip_nans`: leave out points with a NaN (unless the cloud says it is dense). `uvs`:
+    only the points of these indices. `reshape_organized_cloud`: as (height, width) when the cloud has rows.
     """
     numpy = _numpy()
     assert isinstance(cloud, PointCloud2), "Cloud is not a sensor_msgs.msg.PointCloud2"

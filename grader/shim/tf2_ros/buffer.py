@@ -17,7 +17,7 @@ from tf2_py import BufferCore
 
 from tf2_ros.buffer_interface import BufferInterface
 
-_NO_TIME = Duration()
+_NO_TIMEOUT = Duration()
 _POLL_NS = 20_000_000  # tf2_ros polls every 20 ms while it waits
 
 __getattr__ = forwarding(__name__, {"geometry_msgs.msg": "TransformStamped", "rclpy.node": "Node"})
@@ -53,7 +53,7 @@ class Buffer(BufferCore, BufferInterface):
         self._settle()
 
     def lookup_transform(
-        self, target_frame: str, source_frame: str, time: Time, timeout: Duration = _NO_TIME
+        self, target_frame: str, source_frame: str, time: Time, timeout: Duration = _NO_TIMEOUT
     ) -> Any:
         """Return the pose of `source_frame` in `target_frame`, waiting up to `timeout` for it.
 
@@ -75,7 +75,7 @@ class Buffer(BufferCore, BufferInterface):
         source_frame: str,
         source_time: Time,
         fixed_frame: str,
-        timeout: Duration = _NO_TIME,
+        timeout: Duration = _NO_TIMEOUT,
     ) -> Any:
         """Return the pose of `source_frame` at one time in `target_frame` at another.
 
@@ -99,7 +99,7 @@ class Buffer(BufferCore, BufferInterface):
         target_frame: str,
         source_frame: str,
         time: Time,
-        timeout: Duration = _NO_TIME,
+        timeout: Duration = _NO_TIMEOUT,
         return_debug_tuple: bool = False,
     ) -> Any:
         """Return whether the transform is or becomes known within `timeout`; with the reason if asked for."""
@@ -113,7 +113,7 @@ class Buffer(BufferCore, BufferInterface):
         source_frame: str,
         source_time: Time,
         fixed_frame: str,
-        timeout: Duration = _NO_TIME,
+        timeout: Duration = _NO_TIMEOUT,
         return_debug_tuple: bool = False,
     ) -> Any:
         """Return whether `lookup_transform_full` would succeed within `timeout`, and why not if asked for."""
@@ -140,7 +140,8 @@ class Buffer(BufferCore, BufferInterface):
 
     def _wait(self, ask: Callable[[], tuple[bool, str]], timeout: Duration) -> tuple[bool, str]:
         deadline_ns = kernel.now_ns
-        if timeout != _NO_TIME:  # on Humble this refuses what is no Duration, on Jazzy the next line does
+        # What is no Duration is a TypeError, as upstream: on Humble by the comparison, on Jazzy by the sum.
+        if timeout != _NO_TIMEOUT:
             Clock().now() + timeout
             deadline_ns += timeout.nanoseconds
         answer = ask()

@@ -10,7 +10,7 @@ from rclpy.duration import Duration
 from rclpy.time import Time
 from std_msgs.msg import Header
 
-_NO_TIME = Duration()
+_NO_TIMEOUT = Duration()
 
 
 class TypeException(Exception):
@@ -34,7 +34,7 @@ class BufferInterface:
         self.registration = TransformRegistration()
 
     def transform(
-        self, object_stamped: Any, target_frame: str, timeout: Duration = _NO_TIME, new_type: Any = None
+        self, object_stamped: Any, target_frame: str, timeout: Duration = _NO_TIMEOUT, new_type: Any = None
     ) -> Any:
         """Return a stamped object in another frame, at its own time, converted to `new_type` if given.
 
@@ -55,7 +55,7 @@ class BufferInterface:
         target_frame: str,
         target_time: Time,
         fixed_frame: str,
-        timeout: Duration = _NO_TIME,
+        timeout: Duration = _NO_TIMEOUT,
         new_type: Any = None,
     ) -> Any:
         """Return a stamped object in another frame at another time, by way of a frame fixed in time.
@@ -72,7 +72,7 @@ class BufferInterface:
         return moved if new_type is None else convert(moved, new_type)
 
     def lookup_transform(
-        self, target_frame: str, source_frame: str, time: Time, timeout: Duration = _NO_TIME
+        self, target_frame: str, source_frame: str, time: Time, timeout: Duration = _NO_TIMEOUT
     ) -> Any:
         """Return the pose of `source_frame` in `target_frame`."""
         raise NotImplementedException
@@ -84,13 +84,13 @@ class BufferInterface:
         source_frame: str,
         source_time: Time,
         fixed_frame: str,
-        timeout: Duration = _NO_TIME,
+        timeout: Duration = _NO_TIMEOUT,
     ) -> Any:
         """Return the pose of `source_frame` at one time in `target_frame` at another."""
         raise NotImplementedException
 
     def can_transform(
-        self, target_frame: str, source_frame: str, time: Time, timeout: Duration = _NO_TIME
+        self, target_frame: str, source_frame: str, time: Time, timeout: Duration = _NO_TIMEOUT
     ) -> Any:
         """Return whether `lookup_transform` would succeed."""
         raise NotImplementedException
@@ -102,7 +102,7 @@ class BufferInterface:
         source_frame: str,
         source_time: Time,
         fixed_frame: str,
-        timeout: Duration = _NO_TIME,
+        timeout: Duration = _NO_TIMEOUT,
     ) -> Any:
         """Return whether `lookup_transform_full` would succeed."""
         raise NotImplementedException

@@ -20,9 +20,7 @@ class StaticTransformBroadcaster:
     On Humble that has the transforms of one call. On Jazzy (tf2_ros_py 0.36) it has those of all calls, of each
     child frame the first that was sent: a frame that is sent again does not move.
 
-    Args:
-        node: on which the publisher is made.
-        qos: profile or depth of the publisher.
+    `qos`: profile or depth of the publisher.
     """
 
     def __init__(self, node: Any, qos: Any = None) -> None:

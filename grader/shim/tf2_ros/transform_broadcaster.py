@@ -16,9 +16,7 @@ __getattr__ = forwarding(__name__, {"geometry_msgs.msg": "TransformStamped", "rc
 class TransformBroadcaster:
     """Publishes transforms of moving frames.
 
-    Args:
-        node: on which the publisher is made.
-        qos: profile or depth of the publisher.
+    `qos`: profile or depth of the publisher.
     """
 
     def __init__(self, node: Any, qos: Any = None) -> None:

@@ -21,11 +21,8 @@ __getattr__ = forwarding(__name__, {"rclpy.node": "Node"})
 class TransformListener:
     """Subscribes to the transforms and passes them to a buffer.
 
-    Args:
-        buffer: what is filled.
-        node: on which the subscriptions are made; somebody must spin it.
-        spin_thread: spin the node in a thread of its own.
-        qos, static_qos: profile or depth of the two subscriptions.
+    Somebody must spin `node`; `spin_thread`: a thread of its own does. `qos` and `static_qos` are profiles or
+    depths.
     """
 
     def __init__(

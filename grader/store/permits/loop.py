@@ -93,10 +93,7 @@ class PermitLoop:
     def __init__(self, database: Database, clock: Clock, poll_s: float) -> None:
         """Prepare; nothing is opened yet.
 
-        Args:
-            database: on PostgreSQL.
-            clock: says when an unused permit is to be tried again.
-            poll_s: how often to look for permits that no notification announced.
+        `poll_s`: how often to look for permits that no notification announced.
         """
         self._database = database
         self._arguments = _connect_arguments(database)

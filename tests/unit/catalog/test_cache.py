@@ -117,6 +117,16 @@ def test_other_code_validates_anew(
     assert AssignmentCache(tmp_path / "cache").find(SQUARE) is None
 
 
+def test_every_module_that_validates_is_in_the_key() -> None:
+    program = (
+        "import sys, grader.catalog.document\n"
+        "print(*(m.__file__ for n, m in sys.modules.items() if n.startswith('grader.')), sep='\\n')"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    loaded = {Path(one) for one in done.stdout.split() if not one.endswith("geometry/__init__.py")}
+    assert loaded - set(cache._VALIDATORS) == set()
+
+
 def test_a_folder_that_cannot_be_written_is_no_matter(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     blocked = AssignmentCache(tmp_path / "file" / "cache")

@@ -81,6 +81,7 @@ def test_a_room_is_read_and_drawn_for_each_case(tmp_path: Path) -> None:
         ("[-1, -1.5, [2.5, 3], 1.5]", "[-0.05, -1.5, 3, 1.5]", "world.room.bounds: the robot's start"),
         ("to: [1, -0.9]", "too: [1, -0.9]", "world.room.walls.0.too: unknown field; did you mean to?"),
         ("at: [-0.6, 1.1]", "at: [0, 0.1]", "world.room.cylinders.0: in 200 draws"),
+        ("[[0, 0], [1, 0]]", "[[no, 0], [1, 0]]", "world.room.lines.0.points: write a number"),
         ("radius: 0.1", "radius: 0.1, colour: red", "world.room.cylinders.0.colour: unknown field"),
     ],
 )

@@ -160,6 +160,7 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("turns_too_short", "turn_time = 1.57\nturn(move_time)\ngo(turn_time)", "times_exchanged"),
         ("turns_too_short", "turn_time = 1.57\nturn(turn_time)\ngo(move_time)", "turns_too_short"),
         ("unequal_sides", GROWS.format(line="drive(1.0 * i)"), "grows_in_loop"),
+        ("one_corner_off", GROWS.format(line="drive((-1.0) ** i)"), "one_corner_off"),
         ("unequal_sides", GROWS.format(line="target = start + i * 1.57"), "unequal_sides"),
         ("never_spun", "node.create_timer(0.1, tick)\nrclpy.spin_once(node)\n", "spin_once"),
         ("not_spinning", "rclpy.spin_once(node)\n", "spin_once"),

@@ -84,6 +84,13 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
             "bad_name",
             ("must not",),
         ),
+        (
+            error(
+                "ValueError", "Failed to create action client due to invalid topic name 'a b' : topic name is"
+            ),
+            "bad_name",
+            ("17", "'a b'"),
+        ),
         (error("TypeError", "'NoneType' object is not callable"), "callback_called", ("create_timer",)),
         (error("TypeError", "'property' object is not iterable"), "class_for_object", ("Twist()",)),
         (error("AttributeError", "'property' object has no attribute 'x'"), "class_for_object", ("Twist()",)),
@@ -126,7 +133,7 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
             "with_init",
             ("with rclpy.init()", "Humble"),
         ),
-        (error("TypeError", ""), "no_response", ("return response",)),
+        (error("TypeError", ""), "no_request", ("return response",)),
         (
             error("TypeError", "RcutilsLogger.info() takes 2 positional arguments but 3 were given"),
             "log_not_text",
@@ -227,6 +234,41 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
             "field_of_class",
             ("self.pose.x", "17"),
         ),
+        (
+            error("TypeError", "init() takes 0 positional arguments but 1 was given", "    rclpy.init('a')"),
+            "init_arguments",
+            ("rclpy.init(args=args)", "Node('my_node')"),
+        ),
+        (
+            error("TypeError", "create_node() missing 1 required positional argument: 'node_name'"),
+            "no_node_name",
+            ("rclpy.create_node('my_node')",),
+        ),
+        (error("AttributeError", "'int' object has no attribute 'remove_node'"), "spin_timeout", ("17",)),
+        (error("TypeError", "'float' object is not subscriptable"), "number_index", ("(1.2, 0.6)",)),
+        (
+            error("TypeError", "float() argument must be a string or a real number, not 'list'"),
+            "list_for_number",
+            ("float(input())",),
+        ),
+        (
+            error("TypeError", "'int' object is not iterable", "    for i in 4:"),
+            "not_iterable",
+            ("range(4)",),
+        ),
+        (
+            error("TypeError", "'int' object is not iterable", "    x.declare_parameters('a', 2)"),
+            "crashed",
+            ("17",),
+        ),
+        (error("TypeError", "'Twist' object is not subscriptable"), "vector_index", ("msg.linear.x",)),
+        (error("error", "Cannot load URDF file."), "urdf_not_found", ("plane.urdf",)),
+        (error("error", "Not connected to physics server."), "bullet_not_connected", ("p.connect(p.GUI)",)),
+        (
+            error("AttributeError", "type object 'Time' has no attribute 'now'"),
+            "ros_1_habit",
+            ("get_clock()",),
+        ),
         (None, "killed", ("SIGSEGV",)),
     ],
 )
@@ -244,6 +286,7 @@ def test_crashes(problem: StudentError | None, code: str, words: tuple[str, ...]
         ("SyntaxError", "'(' was never closed", "unbalanced"),
         ("SyntaxError", "invalid character '（' (U+FF08)", "foreign_character"),
         ("SyntaxError", "invalid non-printable character U+00A0", "foreign_character"),
+        ("SyntaxError", "multiple exception types must be parenthesized", "except_comma"),
         ("TabError", "inconsistent use of tabs and spaces in indentation", "indentation"),
     ],
 )
@@ -252,6 +295,37 @@ def test_what_is_not_python(kind: str, message: str, code: str) -> None:
     assert scoring.mistakes == (code,)
     assert "17" in scoring.hint.zh
     assert "17" in scoring.hint.en
+
+
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [
+        ("<?xml version='1.0'?>", "markup_file"),
+        ("<html lang='en'>", "markup_file"),
+        ("else i > 3:", "else_condition"),
+        ("else if i > 3:", "else_if"),
+        ("elif i > 3:", "else_alone"),
+        ("int main(int argc, char **argv)", "c_syntax"),
+        ("In [3]: import rclpy", "pasted_mark"),
+        ("%matplotlib inline", "pasted_mark"),
+        ("x = a < b > > c", "syntax_error"),
+    ],
+)
+def test_lines_that_python_does_not_take(line: str, code: str) -> None:
+    shown = f'  File "a.py", line 1\n    {line}\n    ^\nSyntaxError: invalid syntax\n'
+    wrong = StudentError(type="SyntaxError", message="invalid syntax", line=1, traceback=shown)
+    assert silent(RunStatus.SYNTAX_ERROR, error=wrong).mistakes == (code,)
+
+
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [("好的，下面是代码：", "prose"), ("x = 1，2", "foreign_character"), ("print（x）", "foreign_character")],
+)
+def test_a_sentence_is_told_from_code_with_a_foreign_character(line: str, code: str) -> None:
+    message = "invalid character '，' (U+FF0C)"
+    shown = f'  File "a.py", line 1\n    {line}\n    ^\nSyntaxError: {message}\n'
+    wrong = StudentError(type="SyntaxError", message=message, line=1, traceback=shown)
+    assert silent(RunStatus.SYNTAX_ERROR, error=wrong).mistakes == (code,)
 
 
 @pytest.mark.parametrize("line", ["```python", "$ python3 a.py", ">>> import rclpy"])

@@ -185,3 +185,9 @@ def test_a_drive_that_nobody_hears_at_home_does_not_count(idle_s: float) -> None
         "straight", drive([(0.5, 2.0, 0.0)]), notes=(Note(code="discovery", text="/turtle1/cmd_vel"),)
     )
     assert score(kept_on) == 100
+
+
+def test_a_car_that_creeps_is_told_to_drive_faster() -> None:
+    creeping = drive([(60.0, 0.0005, 0.0)], horizon_s=20.0)
+    assert graded("straight", creeping, INTERRUPTED).mistakes == ("drive_too_slow",)
+    assert graded("straight", drive([(0.01, 1.0, 0.0)])).mistakes[:1] != ("drive_too_slow",)

@@ -91,6 +91,43 @@ def test_a_closed_path_may_begin_at_any_piece() -> None:
     assert score(graded_as(only, drive(legs([*TRIANGLE[2:], ("turn", 135.0), TRIANGLE[0]])))) < 90
 
 
+@pytest.mark.parametrize(
+    ("name", "way", "to_zero_m"),
+    [
+        ("right_triangle", [*TRIANGLE, ("turn", 135.0)], 1.1),
+        ("right_triangle", [*TRIANGLE, ("turn", -45.0)], 1.1),
+        ("figure_eight", EIGHT, 1.6),
+    ],
+)
+def test_a_way_on_from_a_path_costs_the_more_the_longer_it_is(
+    name: str, way: list[tuple[object, ...]], to_zero_m: float
+) -> None:
+    ons = (0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.3, 1.6, 2.5)
+    earned = [score(graded(name, drive(legs([*way, ("line", on_m)])))) for on_m in ons]
+    assert earned[0] == 100
+    assert earned == sorted(earned, reverse=True)
+    assert [points > 85 for points, on_m in zip(earned, ons, strict=True)] == [
+        on_m < to_zero_m for on_m in ons
+    ]
+    assert score(graded(name, drive(legs([*way, ("line", 0.6)])))) < 95  # a tenth of a lap counted as a lap
+
+
+def test_a_last_line_that_leads_past_the_start_is_too_long() -> None:
+    scoring = graded("right_triangle", drive(legs([*TRIANGLE[:4], ("line", 4.0)])))
+    assert scoring.mistakes[0] == "path_length"
+    assert "line 3: 4 m instead of 2.83 m" in item(scoring, "lengths").message.en
+    assert score(scoring) == 65
+
+
+def test_an_arc_that_goes_too_far_round_costs_its_end() -> None:
+    earned = [
+        score(graded("figure_eight", drive(legs([EIGHT[0], ("arc", -360.0 - over, 1.0)]))))
+        for over in (0.0, 20.0, 40.0, 60.0, 80.0)
+    ]
+    assert earned == sorted(earned, reverse=True)
+    assert earned[3] < 90  # a metre beyond the start
+
+
 def test_an_eight_may_begin_at_its_top() -> None:
     for side in (1.0, -1.0):
         way = [("arc", side * 180.0, 1.0), ("arc", side * -360.0, 1.0), ("arc", side * 180.0, 1.0)]
@@ -307,3 +344,20 @@ def test_a_mirror_image_is_named_whatever_the_rubric_measures() -> None:
     assert len(pieces.items) < len(task.items)
     for each in (task, pieces):
         assert graded_as(each, drive(legs(TRIANGLE, sense=-1.0))).mistakes[0] == "path_mirrored"
+
+
+def test_a_path_of_arcs_that_was_never_bent_and_a_first_piece_without_end_are_told() -> None:
+    straight = graded("figure_eight", drive([(5.0, 1.0, 0.0)]))
+    assert straight.mistakes[0] == "path_no_arc"
+    for_ever = drive([(360.0, 1.0, 1.0)], horizon_s=60.0)
+    assert graded("figure_eight", for_ever, RunStatus.INTERRUPTED).mistakes[0] == "piece_never_ends"
+    assert "piece_never_ends" not in graded("figure_eight", drive([(6.28, 1.0, 1.0)])).mistakes
+    line = drive([(300.0, 1.0, 0.0)], horizon_s=60.0)
+    assert graded("letter_l", line, RunStatus.INTERRUPTED).mistakes[0] == "piece_never_ends"
+
+
+def test_another_size_is_told_with_how_large_it_is() -> None:
+    told = graded("figure_eight", drive(legs(EIGHT, 0.5)))
+    assert told.mistakes[0] == "path_size"
+    assert "50 %" in told.hint.en
+    assert "50 %" in told.hint.zh

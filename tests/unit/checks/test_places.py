@@ -1,5 +1,6 @@
 """Check ``places``: what counts as a visit, in which order, and what is said when one is missing."""
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -151,6 +152,33 @@ def test_a_goal_missed_by_less_than_half_of_its_size_counts_half(offs_m: list[fl
     assert reached == sum(off_m <= 0.2 for off_m in offs_m)
     assert share == pytest.approx(100.0 * (reached + 0.5 * nearly) / 3.0, abs=0.001)
     assert ("nearly" in scoring.items[1].message.en) == (nearly > 0)
+
+
+def test_beyond_half_of_its_size_a_missed_goal_counts_less_and_less() -> None:
+    asked = task(*goals((8.0, 3.0)), measures="reached_pct")
+    shares = []
+    for short_m in (0.21, 0.29, 0.305, 0.31, 0.32, 0.33, 0.34, 0.345, 0.36):
+        share = value(graded(asked, through((8.0 - short_m, 3.0))), "reached_pct")
+        assert share is not None
+        shares.append(share)
+    assert shares[:2] == [50.0, 50.0]
+    assert shares == sorted(shares, reverse=True)
+    assert len(set(shares)) > 6
+    assert shares[-1] == 0.0
+
+
+def test_who_stops_just_before_the_goal_does_not_lose_all_that_needs_it() -> None:
+    asked = replace(
+        assignment("go_to_goal"), cases=(Case(),), world=World(start=StartPose(x_m=START[0], y_m=START[1]))
+    )
+    earned = []
+    for short_m in (0.15, 0.21, 0.25, 0.295, 0.31, 0.33, 0.345, 0.4, 0.7, 1.0, 1.5):
+        scoring = graded(asked, through((8.0 - short_m, 3.0)))
+        earned.append(sum(item.earned for item in scoring.items))
+    assert earned[0] == 100
+    assert earned[1] == pytest.approx(61, abs=0.5)  # 35 while all else needed the whole goal
+    assert earned == sorted(earned, reverse=True)
+    assert max(one - other for one, other in itertools.pairwise(earned[1:])) < 22
 
 
 @pytest.mark.parametrize(
@@ -309,3 +337,23 @@ def test_how_near_a_box_was_is_told_from_its_edge() -> None:
     scoring = graded(task(away, WantedGoal(region=box)), drive([(2.0, 1.0, 0.0)], start_m=START))
     assert scoring.mistakes[0] == "place_missed"
     assert "0.5 m from its edge" in scoring.hint.en
+
+
+def test_who_backs_away_is_told_the_sign_and_not_the_direction() -> None:
+    asked = task(*goals((8.0, 3.0)))
+    backing = drive([(3.0, -1.0, 0.0)], start_m=START)
+    assert graded(asked, backing, "/turtle1/pose").mistakes[0] == "path_backwards"
+    turned = drive([(math.pi, 0.0, 1.0), (3.0, 1.0, 0.0)], start_m=START)
+    assert graded(asked, turned, "/turtle1/pose").mistakes[0] == "place_away"
+
+
+def test_an_end_heading_in_degrees_is_told_from_any_other() -> None:
+    asked = task(*goals((8.0, 3.0)), measures="heading_error_deg", end_heading_deg=-90.0)
+    arrived: Leg = (5.0, 1.0, 0.0)
+    as_radians = graded(asked, drive([arrived, (math.radians(116.62), 0.0, -1.0)], start_m=START))
+    assert as_radians.mistakes == ("place_heading",)
+    assert "math.radians(-90)" in as_radians.hint.en
+    assert "math.radians(-90)" in as_radians.hint.zh
+    other = graded(asked, drive([arrived, (1.57, 0.0, 1.0)], start_m=START))
+    assert other.mistakes == ("place_heading",)
+    assert "math.radians" not in other.hint.en

@@ -231,3 +231,67 @@ def test_one_side_that_was_corrected_on_its_way_is_one_side() -> None:
 def test_a_fast_turn_by_pose_is_neither_degrees_nor_endless() -> None:
     fast = by_pose([(2.0, 1.0, 0.0), (0.1, 0.0, 15.0), (2.0, 1.0, 0.0)])
     assert not {"degrees_as_radians", "endless_turn_by_pose"} & set(fast.mistakes)
+
+
+def with_source(
+    name: str, trajectory: Trajectory, source: str, status: RunStatus = RunStatus.FINISHED
+) -> Scoring:
+    return evaluate(assignment(name), [replace(run_of(trajectory, status), source=source)])
+
+
+def at_wall(legs: list[Leg], hit_s: float) -> Trajectory:
+    hit_ns = round(hit_s * 1e9)
+    return replace(drive(legs), contacts=(Contact(wall="right", start_ns=hit_ns, end_ns=hit_ns + 1),))
+
+
+@pytest.mark.parametrize(
+    ("source", "horizon_s", "code"),
+    [
+        ("msg.angular.z = 1.0", 60.0, "side_never_ends"),
+        ("msg.angular.z = 0.0", 60.0, "no_turns"),  # nothing in it ever turns
+        ("msg.angular.z = 1.0", 70.0, "no_turns"),  # the drive was over before
+    ],
+)
+def test_a_first_side_without_end_is_told_from_a_missing_turn(
+    source: str, horizon_s: float, code: str
+) -> None:
+    track = drive([(60.0, 1.0, 0.0)], horizon_s=horizon_s)
+    assert with_source("square", track, source, RunStatus.INTERRUPTED).mistakes[0] == code
+
+
+def test_several_drives_after_the_last_turn_are_told_before_the_wall_they_lead_to() -> None:
+    side: list[Leg] = [(2.0, 1.0, 0.0), (0.2, 0.0, 0.0)]
+    once = [*side, (1.57, 0.0, 1.0), (0.2, 0.0, 0.0), *side, *side, *side]
+    assert graded("square", at_wall(once, 11.0)).mistakes[0] == "turns_end"
+    assert (
+        graded("square", at_wall([*side, (1.57, 0.0, 1.0), (9.0, 1.0, 0.0)], 9.0)).mistakes[0] == "wall_hit"
+    )
+
+
+def test_a_turn_after_one_long_drive_to_the_wall_stands_behind_the_loop() -> None:
+    legs: list[Leg] = [(8.0, 1.0, 0.0), (1.57, 0.0, 1.0), (5.0, 0.0, 0.0)]
+    waiting = evaluate(assignment("square"), [run_of(at_wall(legs, 5.5), RunStatus.INTERRUPTED)])
+    assert waiting.mistakes[0] == "turns_behind_loop"
+
+
+def test_drives_that_end_at_once_are_told() -> None:
+    assert graded("square", drive([(0.02, 1.0, 0.0), (1.57, 0.0, 1.0)] * 4)).mistakes[0] == "drives_too_brief"
+    assert "drives_too_brief" not in graded("square", drive([(0.2, 1.0, 0.0), (1.57, 0.0, 1.0)] * 4)).mistakes
+
+
+def test_tiny_corners_are_no_arcs_of_a_car_that_slips() -> None:
+    tiny = drive([(0.2, 1.0, 0.0), (0.16, 0.0, 1.0)] * 4)
+    assert graded("square", tiny).mistakes[0] == "turns_too_short"
+
+
+@pytest.mark.parametrize(
+    ("source", "code"),
+    [
+        ("m.angular.z = v", "no_drive"),
+        ("m.linear.x = v\nm.angular.z = w", "endless_turn"),
+        ("", "endless_turn"),
+    ],
+)
+def test_a_script_without_a_linear_speed_is_told_to_drive(source: str, code: str) -> None:
+    turning = drive([(14.0, 0.0, 1.0), (0.2, 0.0, 0.0)])
+    assert with_source("square", turning, source).mistakes[0] == code

@@ -178,3 +178,144 @@ def test_four_corners_of_a_star_are_four_corners_and_no_way_there_and_back() -> 
         for one in (143.0, 144.0, 145.0)
     ]
     assert max(corners) - min(corners) < 1.0
+
+
+@pytest.mark.parametrize(
+    ("name", "sides", "corners_deg"),
+    [
+        ("octagon", 8, (42.5, 48.4, 49.0)),
+        ("hexagon", 6, (57.0, 63.0, 65.6)),
+        ("square", 4, (88.0, 93.0, 103.0)),
+    ],
+)
+@pytest.mark.parametrize("laps", [2, 3])
+def test_corners_that_are_off_cost_no_more_in_several_laps(
+    name: str, sides: int, corners_deg: tuple[float, ...], laps: int
+) -> None:
+    """After several laps the direction has come round a side too early, or too late."""
+    for corner_deg in corners_deg:
+        once = polygon_legs(sides, 1.0, corners_deg=[corner_deg] * sides)
+        again = graded(name, drive(once * laps))
+        for_ever = graded(name, drive(once * 4, horizon_s=4.4 * sides), RunStatus.INTERRUPTED)
+        assert score(again) == score(graded(name, drive(once))), corner_deg
+        if corner_deg < 103.0:  # four sides of 103° may as well be a triangle driven on and on
+            assert score(for_ever) == score(again), corner_deg
+
+
+@pytest.mark.parametrize("corner_deg", [48.4, 49.3, 50.3])
+def test_as_many_sides_as_are_wanted_are_no_approach_to_another_figure(corner_deg: float) -> None:
+    """Eight sides with corners of 49 degrees: the last seven nearly close a heptagon."""
+    legs = polygon_legs(
+        8, 1.0, corners_deg=[corner_deg - 0.4, corner_deg, corner_deg + 1.1, *[corner_deg] * 5]
+    )
+    scoring = graded("octagon", drive(legs))
+    assert item(scoring, "sides").earned == 15
+    assert score(scoring) > 84
+
+
+def test_the_laps_of_another_figure_are_another_figure() -> None:
+    assert score(graded("octagon", drive(polygon_legs(7, 1.0) * 2))) == score(
+        graded("octagon", drive(polygon_legs(7, 1.0)))
+    )
+
+
+@pytest.mark.parametrize("sides", POLYGONS)
+def test_a_way_on_from_the_figure_costs_the_more_the_longer_it_is(sides: int) -> None:
+    earned = []
+    for on_m in (0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 1.3, 1.6):
+        scoring = graded(POLYGONS[sides], drive([*polygon_legs(sides), side(on_m)]))
+        earned.append(score(scoring))
+    assert earned == sorted(earned, reverse=True)
+    assert earned[0] == 100
+    assert earned[2] > 88  # 0.3 m: it cost 20 points
+    assert earned[-1] == 80
+    assert max(one - other for one, other in itertools.pairwise(earned)) < 9
+
+
+@pytest.mark.parametrize("laps", [1.25, 1.5, 2.25, 2.5])
+def test_a_part_of_a_lap_that_the_script_ended_is_driven_after_the_figure(laps: float) -> None:
+    scoring = graded("square", drive(polygon_legs(4, 1.0, laps=laps)))
+    assert 75 < score(scoring) <= 80
+
+
+def test_a_third_side_counts_as_far_as_it_was_driven() -> None:
+    earned = []
+    for share in (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0):
+        lengths = [2.0, 2.0, 2.0 * share] if share else [2.0, 2.0]
+        legs = polygon_legs(4, lengths_m=lengths, laps=len(lengths) / 4, last_turn=False)
+        earned.append(score(graded("square", drive(legs))))
+    assert earned == sorted(earned)
+    assert earned[0] == 5
+    assert earned[-1] == 77.5
+    said = item(
+        graded("square", drive(polygon_legs(4, lengths_m=[2.0, 2.0, 0.8], laps=0.75))), "sides"
+    ).message
+    assert said.en.startswith("Straight sides driven: 2.5 (lengths: 2 m, 2 m, 0.8 m). The last one counts")
+    assert max(other - one for one, other in itertools.pairwise(earned)) < 22
+
+
+@pytest.mark.parametrize("middle_m", [1.0, 2.0])
+def test_an_approach_may_lead_to_the_middle_of_a_side(middle_m: float) -> None:
+    """From the middle of the field to a side, round a square about the middle, back to that side."""
+    half, whole = side(middle_m), side(2 * middle_m)
+    legs = [half, TURN, half, TURN, whole, TURN, whole, TURN, whole, TURN, half]
+    scoring = graded("square", drive(legs))
+    assert item(scoring, "lengths").earned == 20
+    assert scoring.mistakes == ("approach",)
+    assert score(scoring) == pytest.approx(88.6, abs=1)
+
+
+def test_of_two_figures_the_one_that_closes_is_taken() -> None:
+    for first_m in (1.6, 1.75, 2.25, 2.4):
+        scoring = graded("square", drive([side(first_m), TURN, *polygon_legs(4)]))
+        assert score(scoring) == pytest.approx(85, abs=0.5), first_m
+
+
+def oblong(first_m: float, second_m: float, corner_deg: float = 90.0) -> list[Leg]:
+    return polygon_legs(4, lengths_m=[first_m, second_m] * 2, corners_deg=[corner_deg] * 4)
+
+
+def test_the_longer_a_rectangle_the_less_of_a_square_it_is() -> None:
+    earned = [score(graded("square", drive(oblong(2.0, 2.0 + 0.05 * i)))) for i in range(24)]
+    assert earned == sorted(earned, reverse=True)
+    assert earned[-1] == 45
+    assert max(one - other for one, other in itertools.pairwise(earned)) < 6
+
+
+def test_the_nearer_a_rectangle_to_a_square_the_less_it_is_the_wanted_one() -> None:
+    earned = [score(graded("rectangle", drive(oblong(3.0, 2.0 + 0.05 * i)))) for i in range(21)]
+    assert earned == sorted(earned, reverse=True)
+    assert earned[-1] == 45
+    assert max(one - other for one, other in itertools.pairwise(earned)) < 8
+
+
+@pytest.mark.parametrize(("name", "lengths"), [("square", (2.0, 3.0)), ("rectangle", (2.5, 2.5))])
+def test_another_figure_does_not_earn_much_more_for_corners_that_are_off(
+    name: str, lengths: tuple[float, float]
+) -> None:
+    earned = [score(graded(name, drive(oblong(*lengths, 90.0 + 0.5 * i)))) for i in range(12)]
+    assert max(earned) < 60
+    assert max(abs(one - other) for one, other in itertools.pairwise(earned)) < 4
+
+
+@pytest.mark.parametrize("sides", POLYGONS)
+def test_the_rounder_the_corners_the_nearer_is_the_figure_to_a_circle(sides: int) -> None:
+    arc: Leg = (math.tau / sides, 1.0, 1.0)
+    earned = []
+    for i in range(1, 25):
+        legs = [(0.1 * i, 1.0, 0.0), arc] * sides
+        earned.append(score(graded(POLYGONS[sides], drive(legs))))
+    assert earned == sorted(earned)
+    assert earned[0] == 5
+    assert earned[19] >= 70
+    assert max(other - one for one, other in itertools.pairwise(earned)) < 32  # 65 points for one decimetre
+
+
+@pytest.mark.parametrize("sides", POLYGONS)
+def test_a_side_that_is_left_out_between_its_turns_is_one_side_missing(sides: int) -> None:
+    """Two turns follow the last side that was driven, as if there were one between them."""
+    turn: Leg = (math.tau / sides, 0.0, 1.0)
+    scoring = graded(POLYGONS[sides], drive([*polygon_legs(sides, laps=(sides - 1) / sides), turn]))
+    assert item(scoring, "angles").earned == 25
+    assert score(scoring) == 72.5
+    assert scoring.mistakes[0] == "sides_missing"

@@ -172,3 +172,29 @@ def test_the_check_needs_a_robot_and_its_band() -> None:
     turtle = replace(task("contacts"), world=World())
     assert "world" in [field for field, _ in problems(turtle)]
     assert problems(task("band_pct", band_low_m=-1.0, band_high_m=1.0)) != ()
+
+
+@pytest.mark.parametrize(
+    ("speeds", "code"),
+    [([0.1, 0.15, 0.2], "room_drove_on"), ([0.2, 0.2, 0.2], "room_drove_on"), ([0.2, 0.15, 0.1], "room_hit")],
+)
+def test_who_never_slows_down_is_told_that_the_ranges_made_no_difference(
+    speeds: list[float], code: str
+) -> None:
+    hit_ns = 3_000_000_000
+    run = straight(1.5, contacts=(Contact(wall="right", start_ns=hit_ns, end_ns=hit_ns + 1),))
+    commands = tuple(Command(t_ns=(i + 1) * 10**9, v_mps=v, w_radps=0.0) for i, v in enumerate(speeds))
+    scan = Endpoint(kind="subscription", node="/a", name="/scan", type="sensor_msgs/msg/LaserScan")
+    run = replace(run, trajectory=replace(run.trajectory, commands=commands))
+    run = replace(
+        run, outcome=replace(run.outcome, endpoints=(*run.outcome.endpoints, scan), command_count=3)
+    )
+    assert examine(task("ahead_m"), run).mistakes[0].code == code
+
+
+def test_who_only_turns_is_told_to_drive() -> None:
+    run = straight(0.0)
+    turning = (Command(t_ns=10**9, v_mps=0.0, w_radps=0.2),)
+    run = replace(run, trajectory=replace(run.trajectory, commands=turning))
+    run = replace(run, outcome=replace(run.outcome, command_count=1))
+    assert examine(task("ahead_m"), run).mistakes[0].code == "no_drive"

@@ -101,8 +101,9 @@ def test_an_executor_without_the_node_answers_nothing() -> None:
     assert scoring.mistakes == ("executor_without_node",)
 
 
-def test_an_empty_answer() -> None:
-    scoring = judged(answered(capabilities=[]), services=RIGHT)
+@pytest.mark.parametrize("listed", [[], ["", " "]])
+def test_an_empty_answer(listed: list[str]) -> None:
+    scoring = judged(answered(capabilities=listed), services=RIGHT)
     assert scoring.mistakes == ("empty_answer",)
     assert score(scoring) == 80
 

@@ -13,6 +13,19 @@ from grader.commands import cli
 from grader.commands import run as run_command
 
 
+def test_a_setting_names_the_language_of_commands(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("GRADER_DEFAULT_LANGUAGE", "en")
+    assert cli.run(["assignments", "show", "square"]) == 0
+    assert "正方形" not in capsys.readouterr().out
+    assert cli.run(["assignments", "show", "square", "--lang", "zh"]) == 0
+    assert "正方形" in capsys.readouterr().out
+    monkeypatch.setenv("GRADER_DEFAULT_LANGUAGE", "fr")
+    assert cli.run(["check", "square.py"]) == cli.EXIT_NOT_DONE
+    assert capsys.readouterr().err == "grader: GRADER_DEFAULT_LANGUAGE 只能是 zh 或 en，不能是 'fr'\n"
+
+
 @pytest.mark.parametrize(
     ("arguments", "chinese", "english"),
     [

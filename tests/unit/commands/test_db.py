@@ -105,6 +105,18 @@ def test_a_database_is_its_owners_only_and_stays_whose_it_is(database: Database,
     assert oct(files[0].stat().st_mode & 0o777) == "0o640"
 
 
+@pytest.mark.parametrize("folder", [".", "kept"])
+def test_a_backup_is_a_file(
+    database: Database, db, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, folder: str
+) -> None:
+    add(database, "s1")
+    place = tmp_path / "place"
+    (place / "kept").mkdir(parents=True)
+    monkeypatch.chdir(place)
+    assert "is a folder: name a file in it" in db("backup", folder, status=2)
+    assert list(place.rglob("*")) == [place / "kept"]
+
+
 @on_sqlite
 def test_a_backup_does_not_take_the_place_of_the_database(database: Database, db, tmp_path: Path) -> None:
     before = (tmp_path / "grader.db").stat().st_ino

@@ -164,9 +164,16 @@ def test_in_a_course_the_token_says_who(
     assert submit("good")[0] == 1
     assert services.dashboard.state("ros").progress[0].student == "li"
     path = tmp_path / "token"
-    path.write_text(token + "\n")
     monkeypatch.delenv("GRADER_TOKEN")
-    assert submit("good", "--token-file", str(path))[0] == 1
+    for encoding in (
+        "utf-8",
+        "utf-8-sig",
+        "utf-16",
+    ):  # the last as PowerShell's `echo TOKEN > FILE` writes it
+        path.write_text(token + "\n", encoding=encoding)
+        assert submit("good", "--token-file", str(path))[0] == 1
+    path.write_bytes("令牌".encode("gbk"))
+    assert "这不是令牌" in submit("good", "--token-file", str(path))[2]
 
 
 def test_a_token_is_not_sent_in_the_clear(submit, monkeypatch: pytest.MonkeyPatch) -> None:

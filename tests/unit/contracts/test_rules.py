@@ -1,9 +1,11 @@
 from datetime import UTC, datetime, timedelta
+from pathlib import Path
 from zoneinfo import ZoneInfo
 
 import pytest
 
 from grader.contracts.rules import (
+    LATE_PARAMETERS,
     NO_EXTENSION,
     NO_RULES,
     Attempt,
@@ -16,6 +18,7 @@ from grader.contracts.rules import (
 )
 from tests.fakes.late_rules import EXAMPLES
 
+DOCS = Path(__file__).resolve().parents[3] / "docs"
 SHANGHAI = ZoneInfo("Asia/Shanghai")
 DUE = datetime(2026, 3, 20, 23, 59, 59, tzinfo=SHANGHAI)
 HOUR = timedelta(hours=1)
@@ -160,6 +163,7 @@ def test_rules_that_make_no_sense(values: dict[str, object], why: str) -> None:
     [
         {"kind": "linear"},
         {"kind": "linear", "per_day": float("nan")},
+        {"kind": "none", "per_day": -3.0},
         {"kind": "steps"},
         {"kind": "steps", "steps": (LateStep(after_s=1, keep=float("nan")),)},
         {"kind": "steps", "steps": (LateStep(after_s=1, keep=0.5), LateStep(after_s=2, keep=0.6))},
@@ -169,3 +173,9 @@ def test_rules_that_make_no_sense(values: dict[str, object], why: str) -> None:
 def test_late_rules_that_make_no_sense(values: dict[str, object]) -> None:
     with pytest.raises(ValueError, match="late"):
         LateRule(**values)
+
+
+@pytest.mark.parametrize("page", ["instructor.md", "instructor.zh.md"])
+def test_every_kind_of_late_rule_stands_in_the_instructors_guide(page: str) -> None:
+    text = (DOCS / page).read_text(encoding="utf-8")
+    assert [kind for kind in LATE_PARAMETERS if f"`{kind}`" not in text] == []

@@ -159,7 +159,7 @@ def test_a_triangle_that_closes_by_chance_is_not_the_figure() -> None:
     assert len(figure.sides_m) == 4
 
 
-@pytest.mark.parametrize(("sides", "repeated"), [(6, False), (7, False), (8, True), (9, True)])
+@pytest.mark.parametrize(("sides", "repeated"), [(6, False), (7, False), (8, True), (9, False), (12, True)])
 def test_a_lap_given_up_is_no_repetition(sides: int, repeated: bool) -> None:
     figure = figure_of(polygon_legs(4, 1.0, laps=sides / 4))
     assert len(figure.sides_m) == 4

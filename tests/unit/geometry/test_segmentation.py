@@ -115,3 +115,18 @@ def test_a_side_that_bends_is_a_run_unless_its_arc_is_narrower_than_the_path() -
     narrow = segment(path_of([(2.0, 1.0, 0.0), (1.0, 1.0, 1.0), (2.0, 1.0, 0.0)]))
     assert len(narrow.straights) == 2
     assert all(run.bend_rad < 0.05 for run in narrow.straights)
+
+
+@pytest.mark.parametrize("swing_deg", [6, 8, 9.5])
+@pytest.mark.parametrize("sides", [3, 4])
+def test_a_heading_that_is_corrected_too_far_on_the_spot_is_straight(sides: int, swing_deg: float) -> None:
+    """Ten steps to a side, aside by the swing to the left and to the right in turn."""
+    swing = math.radians(swing_deg)
+    legs = []
+    for _ in range(sides):
+        legs.append((swing, 0.0, 1.0))
+        for i in range(10):
+            legs += [(0.2, 1.0, 0.0), (2.0 * swing, 0.0, -1.0 if i % 2 == 0 else 1.0)]
+        legs[-1] = (math.tau / sides + swing, 0.0, 1.0)
+    path = path_of(legs)
+    assert len(segment(path).straights) == sides

@@ -7,7 +7,7 @@ from pydantic.fields import FieldInfo
 
 from grader.contracts.errors import SettingsError
 from grader.operation.settings import Settings, is_loopback, load
-from grader.store.queue import LONGEST_PAUSE
+from grader.store.clock import LONGEST_PAUSE
 
 
 @pytest.fixture(autouse=True)

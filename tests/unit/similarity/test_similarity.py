@@ -14,7 +14,7 @@ from grader.catalog import Catalog
 from grader.contracts.trajectory import Command
 from grader.formats.packages.bundle import code_of
 from grader.similarity.commands import SentCommands, drive_of
-from grader.similarity.fingerprints import Fingerprints, Hashes, fingerprints, grams, likeness
+from grader.similarity.fingerprints import Fingerprints, Hashes, fingerprints, grams
 from grader.similarity.places import MOST_PLACES
 from grader.similarity.ranking import FEWEST_OWN, MOST_PAIRS, Ranking, Script, rank
 from grader.similarity.tokens import MOST_TOKENS, tokens_of
@@ -33,7 +33,10 @@ def script(source: str, drive: SentCommands | None = None) -> Script:
 
 
 def alike(first: str, second: str) -> float:
-    return likeness(prints(first), prints(second))
+    """Dice's coefficient of two scripts' sets of hashes."""
+    hashes, others = np.unique(prints(first).hashes), np.unique(prints(second).hashes)
+    together = len(hashes) + len(others)
+    return 2 * len(np.intersect1d(hashes, others)) / together if together else 0.0
 
 
 @pytest.fixture(scope="module")

@@ -264,7 +264,7 @@ def test_an_appeal_is_answered_once(
             appeals.answer(id_, "closed", AppealState.REFUSED, "no", signed)
         else:
             given = Given(item="closed", points=2.0, comment="yes", corrects=True, answers=True)
-            judgements.judge(id_, given, None, signed)
+            judgements.judge_all(id_, [(given, None)], signed)
 
     made = at_once(answer)
     assert made.count(None) == 1

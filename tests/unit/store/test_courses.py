@@ -46,11 +46,12 @@ def test_a_database_begins_without_courses(database: Database, clock: FakeClock)
     assert [course.id for course in Courses(database, clock).all()] == ["ros"]
 
 
-@pytest.mark.sweep(6)
+@pytest.mark.sweep(7)
 @pytest.mark.parametrize(
     ("course", "title", "zone", "why"),
     [
         ("ros", "x", "UTC", "already"),
+        ("Ros", "x", "UTC", "there is a course ros already"),
         ("a b", "x", "UTC", "id of a course"),
         ("new", "a\nb", "UTC", "no name"),
         ("new", "x", "Mars/Olympus", "time zone"),

@@ -94,8 +94,8 @@ def taught(database: Database) -> Class:
     other = made.hand_in("20260124", b"good # hers_alone")
     made.work()
     essay = made.submissions.of_student("20260123", "essay", course="ros")[0].id
-    Judgements(database).judge(
-        essay, Given(item="timer", points=0.1, comment="well, 李雷"), None, made.signed
+    Judgements(database).judge_all(
+        essay, [(Given(item="timer", points=0.1, comment="well, 李雷"), None)], made.signed
     )
     comments = Comments(database)
     comments.add(first, "I am 李雷", 1, Signature(made.clock(), "ros", "20260123"), by_student=True)

@@ -58,10 +58,10 @@ def test_what_is_judged_leads_on_to_what_waits(
     first, second, third, last = essays
     for one in (second, last):
         given = Given(item="timer", points=1.0, comment="")
-        Judgements(database).judge(one.id, given, None, signed)
+        Judgements(database).judge_all(one.id, [(given, None)], signed)
     assert around(database, second) == Neighbours(previous=first.id, next=third.id, waiting=2)
     assert around(database, third) == Neighbours(previous=first.id, next=first.id, waiting=2)
     assert around(database, last) == Neighbours(previous=third.id, next=first.id, waiting=2)
     for one in (first, third):
-        Judgements(database).judge(one.id, given, None, signed)
+        Judgements(database).judge_all(one.id, [(given, None)], signed)
     assert around(database, last) == Neighbours(previous=None, next=None, waiting=0)

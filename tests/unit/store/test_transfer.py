@@ -113,8 +113,8 @@ def fill(database: Database) -> str:
     submissions.add(essay)
     claim = queue.claim("w")
     queue.finish(claim, grade_essay(GradingJob(file_name="a.txt", source=ANSWER, assignment=question())))
-    Judgements(database).judge(
-        claim.submission_id, Given(item="timer", points=0.1, comment="好"), None, signed
+    Judgements(database).judge_all(
+        claim.submission_id, [(Given(item="timer", points=0.1, comment="好"), None)], signed
     )
     Comments(database).add(claim.submission_id, "好", 1, signed, by_student=False)
     asked = Asked(item="timer", reason="为什么？", attempt=1, earned=0.1, points=45.0)

@@ -64,7 +64,7 @@ class World:
 
     def correct(self, points: float) -> None:
         given = Given(item="closed", points=points, comment="seen", corrects=True)
-        self.judgements.judge(self.id, given, Seen(None), self.signed)
+        self.judgements.judge_all(self.id, [(given, Seen(None))], self.signed)
 
 
 @pytest.fixture

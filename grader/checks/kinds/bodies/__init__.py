@@ -5,11 +5,12 @@ what motors and gravity are to do, unless the assignment allows that.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
+from grader.checks.fit import Misfit, is_number, unmet
 from grader.checks.kinds.bodies.mistakes import STARTS_AWAY_M, bodies_mistakes
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option, one_of
 from grader.contracts.assignment import Assignment
@@ -227,21 +228,16 @@ _OF_ROBOT = ("reach_m", "lifted_m")
 _OF_OBJECT = ("fell_m", "height_m", "rest_s", "travel_m", "turned_deg", "wheels_turned", "lifted_m")
 
 
-def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
+def _consult(assignment: Assignment) -> Iterable[Misfit]:
     if assignment.world.kind != "pybullet":
         return (("world", _NO_WORLD),)
-    return tuple(_missing(assignment))
-
-
-def _missing(assignment: Assignment) -> Iterator[tuple[str, Text]]:
     watch, has_target = assignment.world.watch, assignment.options.keys() >= set(_TARGET)
-    for i, item in enumerate(assignment.items):
-        if item.measure == "reach_m" and not has_target:
-            yield f"items.{i}.measure", _NO_TARGET
-        if item.measure in _OF_ROBOT and not (watch and watch.robot):
-            yield f"items.{i}.measure", _NO_ROBOT
-        if item.measure in _OF_OBJECT and not (watch and watch.object):
-            yield f"items.{i}.measure", _NO_OBJECT
+    return unmet(
+        assignment,
+        (("reach_m",), has_target, _NO_TARGET),
+        (_OF_ROBOT, bool(watch and watch.robot), _NO_ROBOT),
+        (_OF_OBJECT, bool(watch and watch.object), _NO_OBJECT),
+    )
 
 
 _NUMBER = Text(zh="要写一个数", en="must be a number")
@@ -249,11 +245,11 @@ _TIME = Text(zh="要写大于 0 的时间，单位 s", en="must be a time above 
 
 
 def _problem_with_number(value: Option) -> Text | None:
-    return None if isinstance(value, int | float) and not isinstance(value, bool) else _NUMBER
+    return None if is_number(value) else _NUMBER
 
 
 def _problem_with_time(value: Option) -> Text | None:
-    return _TIME if _problem_with_number(value) is not None or not float(value) > 0.0 else None
+    return None if is_number(value) and value > 0.0 else _TIME
 
 
 def _problem_with_tricks(value: Option) -> Text | None:

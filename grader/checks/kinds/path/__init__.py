@@ -2,11 +2,12 @@
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
 from grader.checks.drive import Drive, drive_of
+from grader.checks.fit import Misfit, unmet
 from grader.checks.kinds.path.driven import (
     DrivenStretch,
     Figure,
@@ -24,7 +25,7 @@ from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchLabel, SketchSide
 from grader.contracts.scoring import Run
-from grader.contracts.text import Text
+from grader.contracts.text import EMPTY, Text
 from grader.messages import say
 from grader.messages.quantity import number
 
@@ -51,9 +52,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     measures = {"distance_m": Measure(float(np.max(drive.path.along_m))), "settled": _settled(drive, figure)}
     stretches = [] if figure is None else driven_stretches(figure, drive)
     if figure is not None:
-        measures |= _of_the_whole(figure) | _of_the_pieces(figure, stretches)
-        if figure.overrun and not drive.cut_short:
-            measures["gap_pct"] = Measure(math.nan, {"why": say("path.goes_on")})
+        measures |= _of_the_whole(figure, _drove_on_m(drive, figure)) | _of_the_pieces(figure, stretches)
     return Findings(measures, driving_mistakes(run, path_mistakes(assignment, run, drive, figure, stretches)))
 
 
@@ -63,11 +62,19 @@ def _settled(drive: Drive, figure: Figure | None) -> Measure:
     return Measure(0.0 if drive.moving_at_end or (figure is not None and figure.overrun) else 1.0)
 
 
-def _of_the_whole(figure: Figure) -> dict[str, Measure]:
+def _drove_on_m(drive: Drive, figure: Figure) -> float:
+    """Return how far the car drove on after the path, before it came to rest by itself."""
+    if not figure.overrun or drive.cut_short:
+        return 0.0
+    return float(np.max(drive.path.along_m)) - figure.end_m
+
+
+def _of_the_whole(figure: Figure, on_m: float) -> dict[str, Measure]:
     size, length = figure.size_m, figure.track.length_m * figure.placed.scale
     away, nearest = max(figure.apart_m, figure.strayed_m), figure.distances_m
     mean = float(np.mean(nearest))
     gap = abs((figure.driven[-1] - figure.driven[0]) - (figure.wanted[-1] - figure.wanted[0]))
+    after = say("path.drove_on", length=number(on_m, "m")) if on_m > 0.0 else EMPTY
     if size <= 0.0 or length <= 0.0:
         return {}
     return {
@@ -75,7 +82,8 @@ def _of_the_whole(figure: Figure) -> dict[str, Measure]:
         "mean_off_pct": Measure(100.0 * mean / size, {"away": number(mean, "m"), "size": number(size, "m")}),
         "covered_pct": Measure(100.0 * figure.covered_share),
         "gap_pct": Measure(
-            100.0 * gap / length, {"gap": number(float(gap), "m"), "length": number(length, "m")}
+            100.0 * max(float(gap), on_m) / length,
+            {"gap": number(float(gap), "m"), "length": number(length, "m"), "after": after},
         ),
     }
 
@@ -144,7 +152,9 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
         corners=_sketched_corners(assignment, figure, stretches),
         ideal_m=tuple(_point(point) for point in figure.wanted.tolist()),
         ideal_closed=False,
-        labels=tuple(_radius(assignment, each, scale) for each in stretches if not math.isnan(each.radius_m)),
+        labels=tuple(
+            _radius_label(assignment, each, scale) for each in stretches if not math.isnan(each.radius_m)
+        ),
         end_ns=end_ns(figure, drive),
     )
 
@@ -166,7 +176,7 @@ def _sketched_corners(
     return tuple(found)
 
 
-def _radius(assignment: Assignment, one: DrivenStretch, scale: float) -> SketchLabel:
+def _radius_label(assignment: Assignment, one: DrivenStretch, scale: float) -> SketchLabel:
     ok = fits(assignment, "radius_error_pct", _error_pct(one.radius_m, scale * one.wanted.radius_m))
     text = Text(zh=f"r = {number(one.radius_m, 'm')}", en=f"r = {number(one.radius_m, 'm')}")
     return SketchLabel(at_m=_point(one.centre), text=text, ok=ok)
@@ -194,7 +204,7 @@ _NO_ARCS = Text(zh="路径里没有 arc：删掉这一项", en="the path has no 
 _NO_CORNERS = Text(zh="路径里没有转角：删掉这一项", en="the path has no corner; remove this item")
 
 
-def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
+def _consult(assignment: Assignment) -> Iterable[Misfit]:
     if assignment.path is None:
         return (("path", _NO_PATH),)
     if assignment.path.by_solution and not assignment.path.trace:
@@ -202,16 +212,13 @@ def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
     track = track_of(assignment.path)
     if track is None:
         return (("path.pieces", _NOTHING_DRIVEN),)
-    found = []
     kinds = {each.kind for each in track.stretches}
-    for i, item in enumerate(assignment.items):
-        if item.measure == "length_error_pct" and "line" not in kinds:
-            found.append((f"items.{i}.measure", _NO_LINES))
-        if item.measure in ("radius_error_pct", "round_pct") and "arc" not in kinds:
-            found.append((f"items.{i}.measure", _NO_ARCS))
-        if item.measure == "corner_error_deg" and not track.has_corners:
-            found.append((f"items.{i}.measure", _NO_CORNERS))
-    return tuple(found)
+    return unmet(
+        assignment,
+        (("length_error_pct",), "line" in kinds, _NO_LINES),
+        (("radius_error_pct", "round_pct"), "arc" in kinds, _NO_ARCS),
+        (("corner_error_deg",), track.has_corners, _NO_CORNERS),
+    )
 
 
 CHECK = Check(kind="path", measures=MEASURES, consult=_consult, examine=examine, sketch=sketch)

@@ -44,9 +44,8 @@ BACK_SHARE = 0.2  # of the drive's size: a car that comes nearer to its start th
 ON_IT_SHARE = 0.08  # of the figure's size: what stays this near to it after its end repeats it
 LONGER_SHARE = 1.1  # a shorter part replaces a longer one only if it fits better by this factor
 UNFINISHED_SHARE = 0.8  # of the wanted length: a shorter drive has left something out
-COVERED_SHARE = (
-    0.05  # of the size: a part of the wanted path that is further from the driven one was left out
-)
+# Share of the path's size: a part of the wanted path that is further from the driven one was left out.
+COVERED_SHARE = 0.05
 BEGUN_SHARE = 0.02  # of the size: a part that is nowhere further off is the first part of the path
 NEARLY_SHARE = 0.002  # of the size: residuals that differ by less count as equal
 LIKELY = 4  # ways of driving that are matched, those that fit best at equal distances
@@ -122,6 +121,7 @@ class Figure:
         begun: the share of its first part, if that was driven well and nothing else; otherwise 0.
         repeated: what follows is the same figure again. overrun: something else follows.
         strayed_m: how far what follows an open path leads away from it.
+        on_m: how far what follows goes straight on from the last piece.
     """
 
     track: Track
@@ -136,6 +136,7 @@ class Figure:
     repeated: bool = False
     overrun: bool = False
     strayed_m: float = 0.0
+    on_m: float = 0.0
 
     @property
     def size_m(self) -> float:
@@ -368,10 +369,21 @@ def _with_what_follows(
     later = resampled(points, along, np.linspace(figure.end_m, float(along[-1]), SAMPLES))
     away = _nearest_m(later, figure.driven)
     laps = left_m / figure.end_m
-    whole = drive.cut_short or abs(laps - round(laps)) < 0.1
+    whole = drive.cut_short or abs(laps - max(round(laps), 1)) < 0.1
     again = wanted.laps and whole and float(np.max(away)) <= ON_IT_SHARE * figure.size_m
     strayed_m = 0.0 if figure.track.is_closed else float(np.max(_nearest_m(later, figure.wanted)))
-    return replace(figure, repeated=again, overrun=not again, strayed_m=strayed_m)
+    on_m = 0.0 if again else _straight_on_m(figure, drive.path)
+    return replace(figure, repeated=again, overrun=not again, strayed_m=strayed_m, on_m=on_m)
+
+
+def _straight_on_m(figure: Figure, path: Path) -> float:
+    """Return how far the straight that leads to the figure's end goes beyond it; 0 if the car turned there."""
+    along = np.maximum.accumulate(path.along_m)
+    for straight in segment(path).straights:
+        begin_m, end_m = float(along[straight.first]), float(along[straight.last])
+        if begin_m < (1.0 - NO_LINE_SHARE) * figure.end_m < end_m:
+            return max(end_m - figure.end_m, 0.0)
+    return 0.0
 
 
 def _nearest_m(points: Points, others: Points) -> Floats:
@@ -397,7 +409,16 @@ def driven_stretches(figure: Figure, drive: Drive) -> list[DrivenStretch]:
     for stretch, first, last in zip(figure.track.stretches, ends, ends[1:], strict=False):
         if last - first >= 5:
             found.append(_measured(stretch, figure.fine[first : last + 1]))
-    return _from_corner_to_corner(found)
+    return _with_the_way_on(_from_corner_to_corner(found), figure.on_m)
+
+
+def _with_the_way_on(found: list[DrivenStretch], on_m: float) -> list[DrivenStretch]:
+    """Let a last line end where the car turned or stopped, which may be beyond the end of the path."""
+    if not found or found[-1].wanted.kind != "line":
+        return found
+    *others, last = found
+    end = last.end + cmath.rect(on_m, last.ends_rad)
+    return [*others, replace(last, end=end, length_m=last.length_m + on_m)]
 
 
 def _line_ends(figure: Figure, drive: Drive) -> list[int]:

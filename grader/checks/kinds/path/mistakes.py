@@ -24,9 +24,17 @@ from grader.checks.kinds.path.driven import (
 )
 from grader.checks.kinds.path.wanted import MIN_CORNER_RAD, Stretch, corner_rad, track_of, tracks
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import command_mistakes, no_final_stop, only_turned, with_ends
+from grader.checks.mistakes import (
+    command_mistakes,
+    motions_of,
+    no_final_stop,
+    only_turned,
+    share_backwards,
+    with_ends,
+)
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment, WantedPath
+from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
 from grader.contracts.trajectory import Trajectory
@@ -138,11 +146,27 @@ def path_mistakes(
     """Yield what probably went wrong on the way."""
     yield from command_mistakes(run, assignment.world, turns=_SHAPE_MEASURES, drives=_DRIVE_MEASURES)
     yield from only_turned(run, _DRIVE_MEASURES)
+    yield from _one_motion(assignment, run)
     yield from _wall(assignment, run, drive, figure)
     if figure is not None:
         seen = _Seen(assignment, run, drive, figure, stretches)
         yield from _shape(seen)
         yield from _ending(seen)
+
+
+def _one_motion(assignment: Assignment, run: Run) -> Iterator[Mistake]:
+    """Recognise a path of several pieces of which the first was never over, and one whose arcs were never bent."""
+    track = None if assignment.path is None or assignment.path.by_solution else track_of(assignment.path)
+    commanded = list(motions_of(run.trajectory))
+    if track is None or not commanded:
+        return
+    if any(each.kind == "arc" for each in track.stretches) and not any(one.w_radps for one, _ in commanded):
+        yield mistake("path_no_arc", _SHAPE_MEASURES)
+    (first, lasted_ns), ended_ns = commanded[0], run.outcome.duration_ns
+    endless = run.outcome.status is RunStatus.INTERRUPTED and first.t_ns + lasted_ns >= ended_ns
+    if endless and len(commanded) == 1 and len(track.stretches) > 1:
+        speeds = {"speed": number(first.v_mps, "1"), "rate": number(first.w_radps, "1")}
+        yield mistake("piece_never_ends", _SHAPE_MEASURES, time=number(ended_ns / 1e9, "s"), **speeds)
 
 
 def _wall(assignment: Assignment, run: Run, drive: Drive, figure: Figure | None) -> Iterator[Mistake]:
@@ -165,8 +189,8 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
     off = seen.loses("off_pct", 100.0 * away / size)
     # A rubric without `off_pct` scores the pieces: one cause may spoil them all, so it is looked for as well.
     has_one_cause = off or seen.assignment.item_on("off_pct") is None
-    if not seen.figure.begun and has_one_cause and (code := _other_way(seen, away / size)) is not None:
-        yield mistake(code, _SHAPE_MEASURES)
+    if not seen.figure.begun and has_one_cause and (other := _other_way(seen, away / size)) is not None:
+        yield other
         return
     if off and (closer := _backwards(seen) or _swept(seen)) is not None:
         yield closer
@@ -187,7 +211,7 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
         yield mistake("path_apart", _SHAPE_MEASURES, away=number(away, "m"))
 
 
-def _other_way(seen: _Seen, share: float) -> str | None:
+def _other_way(seen: _Seen, share: float) -> Mistake | None:
     """Return what the whole path was driven as instead: mirrored, from its end, elsewhere or in another size."""
     wanted = seen.assignment.path
     if wanted is None or share < FAR_SHARE:
@@ -211,7 +235,8 @@ def _other_way(seen: _Seen, share: float) -> str | None:
             continue
         left = figure.apart_m / figure.size_m
         if left < LEFT_SHARE * share and not seen.loses("off_pct", 100.0 * left):
-            return code
+            factor = number(100.0 * figure.placed.scale, "%")
+            return mistake(code, _SHAPE_MEASURES, **({"factor": factor} if code == "path_size" else {}))
     return None
 
 
@@ -220,12 +245,7 @@ def _backwards(seen: _Seen) -> Mistake | None:
     wanted = seen.assignment.path
     if wanted is None or wanted.by_solution or any(piece.length_m < 0.0 for piece in wanted.pieces):
         return None
-    ways_m = [
-        command.v_mps * (until_ns - command.t_ns) / 1e9
-        for command, until_ns in with_ends(seen.run.trajectory)
-    ]
-    back_m = -math.fsum(way for way in ways_m if way < 0.0)
-    mostly = back_m > BACK_SHARE * math.fsum(map(abs, ways_m))
+    mostly = share_backwards(seen.run) > BACK_SHARE
     return mistake("path_backwards", _SHAPE_MEASURES) if mostly else None
 
 

@@ -1,11 +1,12 @@
 """Check ``places``: go to places, in order or in any order, stay there, and keep away from others."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
 from grader.checks.drive import Drive, drive_of
+from grader.checks.fit import Misfit, unmet
 from grader.checks.kinds.places.mistakes import place_mistakes
 from grader.checks.kinds.places.visits import (
     Visit,
@@ -27,7 +28,6 @@ from grader.contracts.text import EMPTY, Text
 from grader.messages import say
 from grader.messages.quantity import number
 
-NEARLY_COUNTS = 0.5  # of a goal: one that was nearly reached, in `reached_pct`
 JOLT_S = 0.1  # within which a change of speed is one jolt
 _CIRCLE_POINTS = 36
 MEASURES = {
@@ -70,12 +70,13 @@ def _of_the_goals(wanted: WantedPlaces, way: Way, seen: list[Visit]) -> dict[str
     missed = [visit for visit in seen if visit.done_s is None]
     last = wanted.visit[-1].region
     off_m = math.hypot(float(way.x_m[-1]) - last.x_m, float(way.y_m[-1]) - last.y_m)
-    nearly = nearly_reached(wanted, way, seen) if missed else 0
-    more = say("places.nearly", count=nearly) if nearly else EMPTY
+    nearly = [share for share in nearly_reached(wanted, way, seen) if share] if missed else []
+    worth = math.fsum(nearly)
+    more = say("places.nearly", count=len(nearly), worth=number(worth, "1")) if nearly else EMPTY
     found = {
         "reached": Measure(float(len(done)), {"goals": len(seen)}),
         "reached_pct": Measure(
-            100.0 * (len(done) + NEARLY_COUNTS * nearly) / len(seen),
+            100.0 * (len(done) + worth) / len(seen),
             {"goals": len(seen), "reached": len(done), "nearly": more},
         ),
         "missed_m": Measure(max((visit.outside_m for visit in missed), default=0.0)),
@@ -219,31 +220,29 @@ _AT_START = Text(
 )
 
 
-def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
+def _consult(assignment: Assignment) -> Iterable[Misfit]:
     if assignment.places is None:
         return (("places", _NO_PLACES),)
     return (*_wrong_items(assignment, assignment.places), *_wrong_goals(assignment))
 
 
-def _wrong_items(assignment: Assignment, wanted: WantedPlaces) -> Iterator[tuple[str, Text]]:
-    has_walls = assignment.world.window or assignment.world.room is not None
-    needs = {
-        "heading_error_deg": (wanted.end_heading_deg is not None, _NO_HEADING),
-        "entered": (bool(wanted.avoid), _NOTHING_TO_AVOID),
-        "contacts": (has_walls, _NO_WALLS),
-        "clearance_m": (has_walls or bool(wanted.avoid), _NOTHING_TO_AVOID),
-    }
+def _wrong_items(assignment: Assignment, wanted: WantedPlaces) -> Iterator[Misfit]:
     most = max(len(case.visit) or len(wanted.visit) for case in assignment.cases)
     for i, item in enumerate(assignment.items):
-        there, told = needs.get(item.measure, (True, _NO_PLACES))
-        if not there:
-            yield f"items.{i}.measure", told
         if item.measure == "reached" and (item.low or 0.0) > most:
             zh, en = f"只有 {most} 个目标：写 {most}", f"there are only {most} goals; write {most}"
             yield f"items.{i}.low", Text(zh=zh, en=en)
+    has_walls = assignment.world.window or assignment.world.room is not None
+    yield from unmet(
+        assignment,
+        (("heading_error_deg",), wanted.end_heading_deg is not None, _NO_HEADING),
+        (("entered",), bool(wanted.avoid), _NOTHING_TO_AVOID),
+        (("contacts",), has_walls, _NO_WALLS),
+        (("clearance_m",), has_walls or bool(wanted.avoid), _NOTHING_TO_AVOID),
+    )
 
 
-def _wrong_goals(assignment: Assignment) -> Iterator[tuple[str, Text]]:
+def _wrong_goals(assignment: Assignment) -> Iterator[Misfit]:
     for case_number, case in enumerate(assignment.cases):
         task = assignment.in_case(case.id)
         start = task.world.start

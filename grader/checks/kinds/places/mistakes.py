@@ -8,20 +8,29 @@ import numpy as np
 from grader.checks.drive import Drive
 from grader.checks.kinds.places.visits import Visit, Way, entered
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import command_mistakes, only_turned, swings
+from grader.checks.mistakes import command_mistakes, loop_in_callback, only_turned, share_backwards, swings
 from grader.checks.scoring import fits
 from grader.checks.surroundings import name_of
 from grader.contracts.assignment import Assignment, outside_m
 from grader.contracts.scoring import Run
-from grader.contracts.text import Text
+from grader.contracts.text import EMPTY, Text
 from grader.messages import say
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
 _GOAL_MEASURES = ("reached", "reached_pct", "missed_m", "time_s", "detour_pct")
 _END_MEASURES = ("end_off_m", "heading_error_deg")
-_WRONG_WAY = ("place_no_feedback", "place_away", "place_lost", "place_exchanged")
+_WRONG_WAY = (
+    "loop_in_callback",
+    "path_backwards",
+    "place_no_feedback",
+    "place_away",
+    "place_lost",
+    "place_exchanged",
+)
 _DRIVE_MEASURES = ("distance_m", *_GOAL_MEASURES, *_END_MEASURES)
+_SAME_HEADING_DEG = 3.0
+_MOSTLY = 0.5  # of the way
 LEAST_M = 0.02  # a shorter way is no drive
 AWAY_SHARE = 0.9  # of the distance at the start: a car that never came nearer drove the wrong way
 CIRCLED_RAD = 2.5 * math.tau  # a car that turned further than this and did not arrive circles the goal
@@ -46,7 +55,7 @@ def place_mistakes(
         yield from only_turned(run, _DRIVE_MEASURES)
         yield from touched  # otherwise `command_mistakes` says to drive; where to is the next question
     else:
-        cause = _missed(assignment, run, drive, way, visits)
+        cause = loop_in_callback(run) or _missed(assignment, run, drive, way, visits)
         # A car on the wrong way met the wall because of it; otherwise the wall may be why the goal was missed.
         yield from [cause, *touched] if cause.code in _WRONG_WAY else [*touched, cause]
 
@@ -102,7 +111,8 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, visits: Se
         return mistake("place_exchanged", spoilt, goal=first.number, x=x, y=y)
     stayed_away = first.nearest_m > AWAY_SHARE * first.first_m and values["reached"] == 0
     if stayed_away and not _was_approaching(first, last_m):
-        return mistake("place_away", spoilt, first=number(first.first_m, "m"), **values)
+        code = "path_backwards" if share_backwards(run) > _MOSTLY else "place_away"
+        return mistake(code, spoilt, first=number(first.first_m, "m"), **values)
     if drive.cut_short and last_m > LOST_TIMES * first.nearest_m + LOST_M:
         return mistake("place_lost", spoilt, **values)
     if drive.cut_short:
@@ -209,4 +219,7 @@ def _ending(
         error_deg = abs(math.remainder(looks_deg - wanted_deg, 360.0))
         if fits(assignment, "heading_error_deg", error_deg) is False:
             looks, wanted = number(looks_deg, "deg"), number(wanted_deg, "deg")
-            yield mistake("place_heading", ("heading_error_deg",), looks=looks, wanted=wanted)
+            off_deg = math.remainder(looks_deg - math.degrees(wanted_deg), 360.0)
+            as_radians = abs(off_deg) < _SAME_HEADING_DEG  # the number was taken for radians
+            reason = say("detail.as_radians", number=f"{wanted_deg:g}") if as_radians else EMPTY
+            yield mistake("place_heading", ("heading_error_deg",), looks=looks, wanted=wanted, reason=reason)

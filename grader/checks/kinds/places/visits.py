@@ -10,12 +10,15 @@ from grader.contracts.assignment import Region, WantedGoal, WantedPlaces
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats, Trajectory
 
-NEAR_M = (
-    0.02  # points of the way are no further apart, so that a small goal is not passed between two samples
-)
+# Points of the way are no further apart, so that a small goal is not passed between two samples.
+NEAR_M = 0.02
 MOST_PARTS = 8  # into which the way between two samples is divided for that
 SAME_M = 0.01  # jumps that are shorter, all together, do not count as being put elsewhere
-NEARLY_TIMES = 1.5  # the size of a goal: a car that comes within this has nearly reached it
+# The size of a goal: a car that comes within the first has nearly reached it, which counts half. From there on it
+# counts less, and from the second on nothing.
+NEARLY_TIMES, NOT_TIMES = 1.5, 1.75
+NEARLY_COUNTS = 0.5
+NEARLY_STEPS = 10  # from half a goal to nothing
 FOR_EVER_S = math.inf
 
 
@@ -130,22 +133,26 @@ def visits(wanted: WantedPlaces, way: Way) -> list[Visit]:
     return found
 
 
-def nearly_reached(wanted: WantedPlaces, way: Way, seen: Sequence[Visit]) -> int:
-    """Return how many of the goals that were missed would count if each goal were `NEARLY_TIMES` as large."""
-    larger = replace(wanted, visit=tuple(_enlarged(goal) for goal in wanted.visit))
-    return sum(
-        there.done_s is not None and here.done_s is None
-        for here, there in zip(seen, visits(larger, way), strict=True)
-    )
+def nearly_reached(wanted: WantedPlaces, way: Way, seen: Sequence[Visit]) -> list[float]:
+    """Return how much of each missed goal counts: the less, the larger all goals must be for it to be reached."""
+    shares = [0.0] * len(seen)
+    for step in range(NEARLY_STEPS):
+        times = NEARLY_TIMES + (NOT_TIMES - NEARLY_TIMES) * step / NEARLY_STEPS
+        larger = replace(wanted, visit=tuple(_enlarged(goal, times) for goal in wanted.visit))
+        stays = [_stays(outside_of(goal.region, way), way) for goal in larger.visit]
+        for i, done_s in enumerate(_done(larger, stays)):
+            if done_s is not None and seen[i].done_s is None and not shares[i]:
+                shares[i] = NEARLY_COUNTS * (1.0 - step / NEARLY_STEPS)
+    return shares
 
 
-def _enlarged(goal: WantedGoal) -> WantedGoal:
+def _enlarged(goal: WantedGoal, times: float) -> WantedGoal:
     region = goal.region
     larger = replace(
         region,
-        radius_m=NEARLY_TIMES * region.radius_m,
-        width_m=NEARLY_TIMES * region.width_m,
-        height_m=NEARLY_TIMES * region.height_m,
+        radius_m=times * region.radius_m,
+        width_m=times * region.width_m,
+        height_m=times * region.height_m,
     )
     return replace(goal, region=larger)
 

@@ -2,11 +2,13 @@
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from grader.checks.drive import pushed_m
+from grader.checks.fit import Misfit, is_number
 from grader.checks.kinds.polygon.figures import DrivenPolygon, WantedPolygon, driven_polygon, wanted_polygon
 from grader.checks.kinds.polygon.mistakes import polygon_mistakes
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
@@ -53,20 +55,17 @@ def _measures(wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float) -> di
     figure = driven.figure
     taken = {
         "distance_m": Measure(float(driven.drive.path.along_m[-1])),
-        "sides": Measure(0.0, {"lengths": "—", "bent": EMPTY}),
+        "sides": Measure(0.0, {"lengths": "—", "bent": EMPTY, "part": EMPTY}),
         "settled": _settled(driven),
     }
     if figure is None:
         return taken
-    taken["sides"] = _side_count(figure, len(figure.sides_m))
+    taken["sides"] = _side_count(figure, len(figure.sides_m), driven.left_out(wanted))
     taken["side_spread_pct"] = _spread(figure.sides_m, wall_m)
     if wanted.lengths_m is not None:
         taken["side_error_pct"] = _side_error(wanted, figure.sides_m)
     taken["curved_pct"] = Measure(100.0 * figure.curved_share)
-    taken["gap_pct"] = Measure(
-        100.0 * figure.gap_m / figure.perimeter_m if figure.perimeter_m > 0.0 else math.nan,
-        {"gap": number(figure.gap_m, "m"), "perimeter": number(figure.perimeter_m, "m")},
-    )
+    taken["gap_pct"] = _gap_measure(driven, figure)
     taken |= _corner_measures(wanted, driven)
     if driven.is_unfinished(wanted) and not driven.is_other(
         wanted
@@ -76,23 +75,40 @@ def _measures(wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float) -> di
         if wanted.lengths_m is not None:
             taken["side_error_pct"] = _side_error(wanted, figure.sides_m[:-1])
         taken["gap_pct"] = Measure(math.nan, {"why": say("polygon.unfinished")})
-    if driven.is_other(wanted):  # another figure earns nothing for being driven well
+    if (otherness := driven.otherness(wanted)) > 0.0:
         spoilt = _OF_THE_FIGURE if len(figure.sides_m) == wanted.sides else (*_OF_THE_FIGURE, *_LENGTHS)
-        taken |= dict.fromkeys(spoilt, Measure(math.nan, {"why": say("polygon.other")}))
-    elif figure.overrun and not driven.drive.cut_short:
-        taken["gap_pct"] = Measure(math.nan, {"why": say("polygon.goes_on")})
+        taken |= {name: _of_another(taken[name], otherness) for name in spoilt if name in taken}
     return taken
 
 
-def _side_count(figure: PolygonFigure, count: int) -> Measure:
-    """Return the number of sides, less a part for bent ones.
+def _of_another(measure: Measure, otherness: float) -> Measure:
+    """Return a measure of another figure, which earns nothing for being driven well."""
+    if otherness >= 1.0:
+        return Measure(math.nan, {"why": say("polygon.other")})
+    why = {"why": say("polygon.near_another")}
+    return replace(measure, details={**measure.details, **why}, share=1.0 - otherness)
+
+
+def _side_count(figure: PolygonFigure, count: int, left_out: float = 0.0) -> Measure:
+    """Return the number of sides, less a part for bent ones and for what was left out of the last one.
 
     From some bend on, a side is taken for a turn, and the corners beside it are lost as well. So that the score
     does not jump there, one side that bends almost that much takes 1.5 off the number, and all of them together 2.
     """
     lost = 1.5 * max(figure.bows) + 0.5 * min(figure.bows)
     bent = say("polygon.bent_sides") if lost > 0.0 else EMPTY
-    return Measure(count - lost, {"lengths": listed(figure.sides_m, "m"), "bent": bent})
+    part = say("polygon.part_of_side") if left_out > 0.0 else EMPTY
+    details = {"lengths": listed(figure.sides_m, "m"), "bent": bent, "part": part}
+    return Measure(count - lost - left_out, details)
+
+
+def _gap_measure(driven: DrivenPolygon, figure: PolygonFigure) -> Measure:
+    """Return the gap, or the way that was driven after the figure if that is longer."""
+    on_m = driven.drove_on_m
+    gap = 100.0 * max(figure.gap_m, on_m) / figure.perimeter_m if figure.perimeter_m > 0.0 else math.nan
+    after = say("polygon.drove_on", length=number(on_m, "m")) if on_m > 0.0 else EMPTY
+    details = {"gap": number(figure.gap_m, "m"), "perimeter": number(figure.perimeter_m, "m"), "after": after}
+    return Measure(gap, details)
 
 
 def _settled(driven: DrivenPolygon) -> Measure:
@@ -256,20 +272,18 @@ def _problem_with_sides(value: Option) -> Text | None:
 
 
 def _problem_with_length(value: Option) -> Text | None:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.1 <= value <= 10.0:
+    if not is_number(value) or not 0.1 <= value <= 10.0:
         return Text(zh="要填 0.1 到 10 米的长度", en="must be a length from 0.1 to 10 m")
     return None
 
 
-def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
-    found = []
+def _consult(assignment: Assignment) -> Iterator[Misfit]:
     for case in assignment.cases:
         options = {**assignment.options, **case.options}
         if "other_side_m" in options and (options.get("sides") != 4 or "side_m" not in options):
-            found.append(("options.other_side_m", _ONLY_RECTANGLES))
+            yield "options.other_side_m", _ONLY_RECTANGLES
         if "side_m" not in options and assignment.item_on("side_error_pct") is not None:
-            found.append(("options.side_m", _NO_SIDE))
-    return tuple(found)
+            yield "options.side_m", _NO_SIDE
 
 
 CHECK = Check(

@@ -16,7 +16,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.record import PositionalRecord
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
-from grader.geometry.figure import CLOSED_SHARE, PolygonFigure, measure_polygon
+from grader.geometry.figure import PolygonFigure, measure_polygon
 from grader.geometry.path import Segments, bare, median, segment, without_overshoots
 
 FULL_TURN_DEG = 360.0
@@ -97,9 +97,10 @@ SAME_DEG = 4.0  # corners this close to the value of a known mistake count as th
 OTHER_GAP_SHARE = 0.1  # of the perimeter: a figure that ends this near to its start was meant as it is
 UNFINISHED_SHARE = 0.8  # a last side below this was not driven to its end: then its length costs everything
 EQUAL_RATIO = 1.2  # of the longest to the shortest side: halfway to the rectangle of 3 m by 2 m
-ALIKE_PCT = (
-    12.0  # of difference between opposite sides: with more, the figure is no rectangle with a short side
-)
+ALIKE_RATIO = 1.02  # up to here they are equal
+OBLONG_RATIO = 1.5  # from here on a rectangle is nothing of a square
+# Opposite sides that differ by more belong to no rectangle with a short side.
+ALIKE_PCT = 12.0
 LIKE_DEG = 1.0  # a last turn that is worse than the worst corner by no more than this was meant as a corner
 # Of a corner: a smaller change of direction after the last side is nearer to none than to a corner. It is how the
 # car came to rest, or how a script that steers came to its last goal.
@@ -128,23 +129,30 @@ class DrivenPolygon:
     turned_on: bool = False
 
     def is_other(self, wanted: WantedPolygon) -> bool:
-        """Whether a complete figure with equal corners was driven that is not the wanted one.
+        """Whether another figure than the wanted one was driven, rather than that one badly."""
+        return self.otherness(wanted) >= 0.5
+
+    def otherness(self, wanted: WantedPolygon) -> float:
+        """Return from 0 to 1 how far a complete figure with equal corners was driven that is not the wanted one.
 
         It has another number of sides, equal sides where they should differ, or is a rectangle where a square is
         wanted.
         """
         figure, corners = self.figure, self.corners_deg
         if figure is None or len(corners) == 0 or figure.perimeter_m <= 0.0:
-            return False
-        count, gap = len(figure.sides_m), figure.gap_m / figure.perimeter_m
-        off_deg, spread_deg = abs(float(np.mean(corners)) - FULL_TURN_DEG / count), float(np.ptp(corners))
-        if gap > OTHER_GAP_SHARE or off_deg > SAME_DEG or spread_deg > 2.0 * SAME_DEG:
-            return False
-        if count != wanted.sides:
-            return True
+            return 0.0
+        sides, own_deg = figure.sides_m, FULL_TURN_DEG / len(figure.sides_m)
+        apart_deg = abs(own_deg - wanted.corner_deg) or FULL_TURN_DEG
+        complete = min(
+            _fading(figure.gap_m / figure.perimeter_m, OTHER_GAP_SHARE),
+            _fading(abs(float(np.mean(corners)) - own_deg), min(SAME_DEG, apart_deg / 3.0)),
+            _fading(float(np.ptp(corners)), 2.0 * SAME_DEG),
+        )
+        if len(sides) != wanted.sides:
+            return complete
         if wanted.differing:
-            return max(figure.sides_m) <= EQUAL_RATIO * min(figure.sides_m)
-        return gap <= CLOSED_SHARE and _is_oblong(figure.sides_m)
+            return complete * (1.0 - _from(max(sides) / min(sides), ALIKE_RATIO, EQUAL_RATIO))
+        return complete * _oblong(sides)
 
     def is_unfinished(self, wanted: WantedPolygon) -> bool:
         """Whether the figure ends within its last side, and its other sides have one length."""
@@ -152,8 +160,29 @@ class DrivenPolygon:
         if figure is None or len(figure.sides_m) != wanted.sides or figure.repeated or figure.overrun:
             return False
         *whole, last = figure.sides_m
+        if wanted.lengths_m is not None and wanted.side_error_pct(whole) > 100.0 * (1.0 - UNFINISHED_SHARE):
+            return False  # the whole ones earn nothing for their lengths that the last one could take away
         alike, across = (whole[::2], whole[1]) if wanted.differing else (whole, median(whole))
         return max(alike) <= EQUAL_RATIO * min(alike) and last < UNFINISHED_SHARE * across
+
+    def left_out(self, wanted: WantedPolygon) -> float:
+        """Return which share of its last side a figure with too few sides left out, against the shortest other.
+
+        Where the next side begins must not decide about all that needs the number of sides.
+        """
+        if self.figure is None or not 1 < len(self.figure.sides_m) < wanted.sides:
+            return 0.0
+        *whole, last = self.figure.sides_m
+        differ = 1.0 if wanted.lengths_m is None else min(wanted.lengths_m) / max(wanted.lengths_m)
+        done_m = UNFINISHED_SHARE * differ * min(whole)
+        return max(1.0 - last / done_m, 0.0) if done_m > 0.0 else 0.0
+
+    @property
+    def drove_on_m(self) -> float:
+        """How far the car drove on after the figure, before it came to rest by itself."""
+        if self.figure is None or not self.figure.overrun or self.drive.cut_short:
+            return 0.0
+        return float(self.drive.path.along_m[-1] - self.drive.path.along_m[self.figure.end])
 
     @property
     def long_way(self) -> Bools:
@@ -166,12 +195,23 @@ class DrivenPolygon:
         return far
 
 
-def _is_oblong(sides_m: Sequence[float]) -> bool:
-    """Whether these are the sides of a rectangle that is no square."""
-    if len(sides_m) != 4 or _worst_pct(sides_m[:2], sides_m[2:]) > ALIKE_PCT:
-        return False
+def _oblong(sides_m: Sequence[float]) -> float:
+    """Return from 0 to 1 how far these are the sides of a rectangle that is no square."""
+    if len(sides_m) != 4:
+        return 0.0
     pairs = sides_m[0] + sides_m[2], sides_m[1] + sides_m[3]
-    return max(pairs) > EQUAL_RATIO * min(pairs)
+    opposite = _fading(_worst_pct(sides_m[:2], sides_m[2:]), ALIKE_PCT)
+    return opposite * _from(max(pairs) / min(pairs), EQUAL_RATIO, OBLONG_RATIO)
+
+
+def _from(value: float, none: float, full: float) -> float:
+    """Return how far `value` is from `none` to `full`, as a share between 0 and 1."""
+    return min(max((value - none) / (full - none), 0.0), 1.0)
+
+
+def _fading(value: float, full: float) -> float:
+    """Return 1 up to `full`, and less from there on, down to 0 at twice that: no score may hang by a hair."""
+    return 1.0 - _from(value, full, 2.0 * full)
 
 
 def driven_polygon(assignment: Assignment, wanted: WantedPolygon, run: Run) -> DrivenPolygon | None:

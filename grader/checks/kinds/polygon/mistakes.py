@@ -19,12 +19,14 @@ from grader.checks.drive import (
 from grader.checks.kinds.polygon.figures import FULL_TURN_DEG, SAME_DEG, DrivenPolygon, WantedPolygon
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import (
+    TOO_BRIEF_NS,
     command_mistakes,
     defined_twice,
     loop_in_callback,
     no_final_stop,
     noted,
     only_turned,
+    steers,
     swings,
     with_ends,
 )
@@ -42,14 +44,12 @@ from grader.messages.script import ScriptText
 
 ONE_RADIAN_DEG = math.degrees(1.0)
 NEAR_DEG = 6.0  # corners this close to the wanted ones show that this figure was meant
-RADIAN_OFF_DEG = (
-    2.0  # a turn by 1 rad by mistake is exact: 54° is something else, such as one tick of 10 Hz too many
-)
+# A turn by 1 rad by mistake is exact: 54° is something else, such as one tick of 10 Hz too many.
+RADIAN_OFF_DEG = 2.0
 _SEEN_M = 0.1
 _SLOW_M = 1.5  # a car that has driven less by the horizon may still be on its first side
-MOSTLY_ROUND_SHARE = (
-    0.25  # from here on, the arcs explain wrong angles and lengths, so they are mentioned first
-)
+# From this share of arcs on, they explain wrong angles and lengths, so they are mentioned first.
+MOSTLY_ROUND_SHARE = 0.25
 _LENGTHS = ("side_spread_pct", "side_error_pct")
 _COASTED = ("settled", "gap_pct", *_LENGTHS)
 _TURNS = ("corner_deg", "sides", "gap_pct", "opposite_corners")
@@ -57,9 +57,6 @@ _DRIVES = ("distance_m", *_LENGTHS, "gap_pct")
 _EQUAL_DRIVES = ("distance_m", "side_error_pct")
 _EQUAL_RATIO = 1.02  # of the longest to the shortest drive: a third of what costs points
 _SHAPE = ("sides", "corner_deg", *_LENGTHS, "gap_pct", "curved_pct", "opposite_corners", "settled")
-
-
-_BY_HEADING = r"\b(theta|yaw|heading)\)? ?[-+<>]|[-+<>]=? ?(abs\()?[\w.]*\b(theta|yaw|heading)\b"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,7 +80,7 @@ class _Seen:
     @property
     def steers(self) -> bool:
         """Whether the script computes or compares with the heading that it hears."""
-        return self.run.outcome.hears and bool(ScriptText(self.run.source).lines_with(_BY_HEADING))
+        return steers(self.run)
 
     @property
     def ideal_deg(self) -> float:
@@ -101,10 +98,12 @@ def polygon_mistakes(
     seen = _Seen(assignment, run, wanted, driven)
     if noted(run.outcome, "lateral_command") is None:  # or a figure was meant to be driven sideways
         yield from _never_turned(seen)
-    yield from list(_degrees(seen)) or only_turned(run, ("distance_m", *_SHAPE))
+    turned = list(only_turned(run, ("distance_m", *_SHAPE)))
+    yield from turned if _never_drives(run) else list(_degrees(seen)) or turned
     yield from _kept_driving(seen)
     yield from _kept_turning(seen)
     yield from command_mistakes(run, assignment.world, turns=_TURNS, drives=_spoilt_by_short_drives(run))
+    yield from _brief_drives(seen)
     yield from _little_turns(seen)
     yield from _wall(seen)
     cut = _cut_at_the_end(seen)
@@ -117,6 +116,13 @@ def polygon_mistakes(
     yield from _shape(seen)
     if not cut:
         yield from _ending(seen)
+
+
+def _never_drives(run: Run) -> bool:
+    """Whether the script's text has no linear speed that is not 0."""
+    written = r"\.linear\.x ?[-+]?=(?!=)(?! ?-?[0.]+ ?(;|$))|\blinear ?=(?!=)|\bVector3\("
+    script = ScriptText(run.source)
+    return script.has_code and script.is_short and not script.lines_with(written)
 
 
 def _drives_m(run: Run) -> list[float]:
@@ -156,6 +162,10 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
             closer = loop_in_callback(seen.run) or defined_twice(seen.run)
             if closer is None and contacts and _goes_on(seen, contacts[0].start_ns):
                 return  # `_wall` says what by pose never ended
+            if closer is None and _drives_to_the_end(seen):
+                closer = mistake(
+                    "side_never_ends", _SHAPE, time=number(seen.run.outcome.duration_ns / 1e9, "s")
+                )
             yield closer or mistake("no_turns", _SHAPE, ideal=_degree(seen.ideal_deg), sides=seen.sides)
         return
     drives = _straight_drives([command for command in commands if command.t_ns < turning[0]])
@@ -163,11 +173,25 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
     if drives <= 1 and not hit:
         return
     turns = _stretches([_turns(command) for command in commands])
-    at_last = hit and turns == 1 and seen.run.outcome.status is RunStatus.FINISHED
+    over = seen.run.outcome.status is RunStatus.FINISHED or _turns(moves[-1])
+    at_last = hit and turns == 1 and over
     if at_last or (drives > 1 and (hit or turns == 1)):
         wall = say("detail.wall_hit") if hit else EMPTY
         ideal = _degree(seen.ideal_deg)
         yield mistake("turns_behind_loop", _SHAPE, count=drives, wall=wall, ideal=ideal, sides=seen.sides)
+
+
+_TURN_WRITTEN = r"\.angular\.z ?=(?!=)(?! ?-?[0.]+ ?(;|$))"
+
+
+def _drives_to_the_end(seen: _Seen) -> bool:
+    """Whether one drive was commanded from the beginning to the end of the run, by a script that has a turn."""
+    commands, outcome = seen.run.trajectory.commands, seen.run.outcome
+    lasts = bool(commands) and is_motion(commands[-1]) and _straight_drives(list(commands)) == 1
+    on_time = outcome.status is RunStatus.INTERRUPTED and any(
+        until_ns >= outcome.duration_ns for _, until_ns in list(with_ends(seen.run.trajectory))[-1:]
+    )
+    return lasts and on_time and bool(ScriptText(seen.run.source).lines_with(_TURN_WRITTEN))
 
 
 def _on_first_side(seen: _Seen) -> bool:
@@ -223,11 +247,25 @@ def _turns(command: Command) -> bool:
 _FAR_OFF_DEG = 15.0  # turns this much too short lead the car away from the wanted figure
 
 
+def _brief_drives(seen: _Seen) -> Iterator[Mistake]:
+    """Recognise drives that all end as soon as they have begun."""
+    drives = itertools.groupby(
+        with_ends(seen.run.trajectory), lambda commanded: abs(commanded[0].v_mps) > MOVING_MPS
+    )
+    lasted_ns = [sum(until - one.t_ns for one, until in drive) for drives_on, drive in drives if drives_on]
+    if lasted_ns and max(lasted_ns) < TOO_BRIEF_NS:
+        yield mistake("drives_too_brief", _SHAPE, longest=number(max(lasted_ns) / 1e6, "ms"))
+
+
 def _little_turns(seen: _Seen) -> Iterator[Mistake]:
-    """Recognise turns that are all far too short, before the car meets a wall: they lead it there."""
-    contacts = seen.run.trajectory.contacts
-    turned = _commanded_turns(seen, contacts[0].start_ns) if contacts else []
-    if len(turned) < 2 or max(turned) - min(turned) > SAME_DEG or max(turned) > seen.ideal_deg - _FAR_OFF_DEG:
+    """Recognise turns that are all far too short, before the car meets a wall: they lead it there, or round."""
+    contacts, figure = seen.run.trajectory.contacts, seen.driven.figure
+    until_ns = contacts[0].start_ns if contacts else seen.run.outcome.duration_ns
+    round_by_corners = seen.rigid and (figure is None or figure.curved_share > MOSTLY_ROUND_SHARE)
+    looks = contacts or (round_by_corners and not any(map(_is_arc, seen.run.trajectory.commands)))
+    turned = _commanded_turns(seen, until_ns) if looks else []
+    most_deg = seen.ideal_deg - _FAR_OFF_DEG if contacts else seen.ideal_deg / 2.0
+    if len(turned) < 2 or max(turned) - min(turned) > SAME_DEG or max(turned) > most_deg:
         return
     ideal, mean = seen.ideal_deg, float(np.mean(turned))
     yield mistake(
@@ -251,7 +289,10 @@ def _commanded_turns(seen: _Seen, until_ns: int) -> list[float]:
         turning = _turns(command) and abs(command.v_mps) <= MOVING_MPS
         if turning:
             angle = math.degrees(abs(command.w_radps)) * (end_ns - command.t_ns) / 1e9
-            turned[-1:] = [turned[-1] + angle] if going else [*turned[-1:], angle]
+            if going:
+                turned[-1] += angle
+            else:
+                turned.append(angle)
         going = turning
     return turned
 
@@ -262,8 +303,18 @@ def _wall(seen: _Seen) -> Iterator[Mistake]:
     contacts = seen.run.trajectory.contacts
     if contacts and contacts[0].start_ns <= int(seen.driven.drive.t_ns[end]):
         wall = contacts[0]
+        if (drives := _drives_since_turn(seen, wall.start_ns)) > 1:
+            yield mistake("turns_end", _SHAPE, count=drives, ideal=_degree(seen.ideal_deg), sides=seen.sides)
+            return
         code = "side_goes_on" if _goes_on(seen, wall.start_ns) else "wall_hit"
         yield mistake(code, _SHAPE, time=number(wall.start_ns / 1e9, "s"), wall=say(f"wall.{wall.wall}"))
+
+
+def _drives_since_turn(seen: _Seen, hit_ns: int) -> int:
+    """Return how many drives began between the last turn before a wall was hit, and that."""
+    commands = [command for command in seen.run.trajectory.commands if command.t_ns <= hit_ns]
+    last = max((at for at, command in enumerate(commands) if _turns(command)), default=-1)
+    return _straight_drives(commands[last + 1 :])
 
 
 def _goes_on(seen: _Seen, hit_ns: int) -> bool:
@@ -365,9 +416,8 @@ def _drives_blindly(seen: _Seen) -> bool:
     return bool(blind) and wrong and not seen.rigid
 
 
-_SLIP_DEG = (
-    12.0  # what a car that slips adds to the mean corner of a script that steers by its heading, at most
-)
+# The most that slipping adds to the mean corner of a script that steers by its heading.
+_SLIP_DEG = 12.0
 
 
 def _is_beyond_slip(seen: _Seen, figure: PolygonFigure) -> bool:

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from grader.checks.drive import MOVING_MPS, Drive, drive_of
+from grader.checks.fit import Misfit, is_number, unmet
 from grader.checks.kinds.room.mistakes import room_mistakes
-from grader.checks.kinds.room.way import POINT_M, SIDES, Band, band_of, points_of
+from grader.checks.kinds.room.way import POINT_M, SIDES, WallFollowing, points_of, wall_following
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
 from grader.checks.mistakes import driving_mistakes
 from grader.checks.surroundings import clearance
@@ -42,7 +43,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     drive, room = drive_of(run), assignment.world.room
     if drive is None or room is None:
         return Findings(mistakes=driving_mistakes(run, room_mistakes(assignment, run, None, {})))
-    trajectory, band = run.trajectory, band_of(assignment, room, drive)
+    trajectory, band = run.trajectory, wall_following(assignment, room, drive)
     measures = {
         "distance_m": Measure(float(np.max(drive.path.along_m))),
         "contacts": Measure(float(len(trajectory.contacts))),
@@ -88,7 +89,7 @@ def _covered(room: Room, drive: Drive) -> float:
     return float(np.sum(been & free)) / max(int(np.sum(free)), 1)
 
 
-def _band(band: Band | None) -> dict[str, Measure]:
+def _band(band: WallFollowing | None) -> dict[str, Measure]:
     """Measure which share of the way ran along a wall as it should, and how far the robot got on it."""
     if band is None:
         return {}
@@ -147,36 +148,25 @@ _NO_LINE = Text(
 )
 
 
-def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
+def _consult(assignment: Assignment) -> Iterator[Misfit]:
     if assignment.world.kind != "robot":
-        return (("world", _NO_ROBOT),)
-    return (*_without_band(assignment), *_without_line(assignment))
-
-
-def _without_line(assignment: Assignment) -> Iterator[tuple[str, Text]]:
-    room = assignment.world.room
-    has_line = "line_within_m" in assignment.options and room is not None and bool(room.stripes)
-    for i, item in enumerate(assignment.items):
-        if item.measure in ("line_pct", "line_covered_pct") and not has_line:
-            yield f"items.{i}.measure", _NO_LINE
-
-
-def _without_band(assignment: Assignment) -> Iterator[tuple[str, Text]]:
-    has_band = {"band_low_m", "band_high_m"} <= assignment.options.keys()
-    low, high = (assignment.options.get(name) for name in ("band_low_m", "band_high_m"))
-    if isinstance(low, int | float) and isinstance(high, int | float) and low >= high:
+        yield "world", _NO_ROBOT
+        return
+    room, options = assignment.world.room, assignment.options
+    low, high = (options.get(name) for name in ("band_low_m", "band_high_m"))
+    if is_number(low) and is_number(high) and low >= high:
         yield "options.band_low_m", _SWAPPED
-    for i, item in enumerate(assignment.items):
-        if item.measure in ("band_pct", "band_m") and not has_band:
-            yield f"items.{i}.measure", _NO_BAND
+    has_band = {"band_low_m", "band_high_m"} <= options.keys()
+    has_line = "line_within_m" in options and room is not None and bool(room.stripes)
+    yield from unmet(assignment, (("band_pct", "band_m"), has_band, _NO_BAND))
+    yield from unmet(assignment, (("line_pct", "line_covered_pct"), has_line, _NO_LINE))
 
 
 _LENGTH = Text(zh="要写大于 0 的长度，单位 m", en="must be a length above 0, in m")
 
 
 def _problem_with_length(value: Option) -> Text | None:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return None if is_number and float(value) > 0.0 else _LENGTH
+    return None if is_number(value) and value > 0.0 else _LENGTH
 
 
 _SIDE = Text(zh="要写 left 或 right", en="must be left or right")

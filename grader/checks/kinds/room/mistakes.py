@@ -1,11 +1,12 @@
 """Mistakes of a drive in a room, recognised from what was touched and where the robot ended."""
 
+import itertools
 from collections.abc import Iterator, Mapping
 
 from grader.checks.drive import Drive, is_motion
-from grader.checks.kinds.room.way import Band
+from grader.checks.kinds.room.way import WallFollowing
 from grader.checks.measure import UNMEASURED, Measure, Mistake, mistake
-from grader.checks.mistakes import robot_mistakes
+from grader.checks.mistakes import only_turned, robot_mistakes, share_backwards
 from grader.checks.scoring import fits
 from grader.checks.surroundings import name_of
 from grader.contracts.assignment import Assignment
@@ -25,14 +26,18 @@ def room_mistakes(
     run: Run,
     drive: Drive | None,
     measures: Mapping[str, Measure],
-    band: Band | None = None,
+    band: WallFollowing | None = None,
 ) -> Iterator[Mistake]:
     """Yield what probably went wrong in a room."""
     yield from robot_mistakes(run, assignment.world)
+    yield from only_turned(run, _TOUCH)
     if drive is not None:
+        strayed = list(_strayed(assignment, measures, band))
+        beside_line = strayed if "line_pct" in measures else []  # the line leads past the walls
+        yield from beside_line
         yield from _touched(run)
         yield from _ended(assignment, drive, measures)
-        yield from _strayed(assignment, measures, band)
+        yield from () if beside_line else strayed
 
 
 def _touched(run: Run) -> Iterator[Mistake]:
@@ -46,7 +51,8 @@ def _touched(run: Run) -> Iterator[Mistake]:
         elif (silent_ns := _silent_since(run, contact)) is not None:
             yield mistake("room_no_stop", _TOUCH, since=number(silent_ns / 1e9, "s"), **values)
         elif any(one.type == _SCAN for one in run.outcome.endpoints) and _drove_on(run, contact):
-            yield mistake("room_drove_on", _TOUCH, **values)
+            code = "path_backwards" if share_backwards(run) > 0.5 else "room_drove_on"
+            yield mistake(code, _TOUCH, **values)
         else:
             yield mistake("room_hit", _TOUCH, **values)
 
@@ -64,11 +70,12 @@ _MANY_COMMANDS = 3  # a script that publishes once has another fault
 
 
 def _drove_on(run: Run, contact: Contact) -> bool:
-    """Whether the robot got a single command from its first motion until it had touched something."""
+    """Whether the robot was never told to slow down or to turn until it had touched something."""
     until_ns = contact.start_ns + _REACTION_NS
     commands = [each for each in run.trajectory.commands if each.t_ns <= until_ns]
     moving = next((i for i, each in enumerate(commands) if is_motion(each)), len(commands))
-    return len({(each.v_mps, each.w_radps) for each in commands[moving:]}) == 1
+    rates, speeds = {each.w_radps for each in commands[moving:]}, [each.v_mps for each in commands[moving:]]
+    return len(rates) == 1 and all(one <= other for one, other in itertools.pairwise(speeds))
 
 
 def _ended(assignment: Assignment, drive: Drive, measures: Mapping[str, Measure]) -> Iterator[Mistake]:
@@ -83,7 +90,9 @@ def _ended(assignment: Assignment, drive: Drive, measures: Mapping[str, Measure]
     yield mistake("room_too_early" if too_far else "room_too_late", ("ahead_m",), ahead=number(ahead, "m"))
 
 
-def _strayed(assignment: Assignment, measures: Mapping[str, Measure], band: Band | None) -> Iterator[Mistake]:
+def _strayed(
+    assignment: Assignment, measures: Mapping[str, Measure], band: WallFollowing | None
+) -> Iterator[Mistake]:
     kept = measures.get("band_pct")
     if band is not None and kept is not None and fits(assignment, "band_pct", kept.value) is False:
         spoilt = ("band_pct", "band_m")

@@ -17,9 +17,8 @@ POINT_M: Final = 0.01
 
 SIDES: Final = {"left": 1.0, "right": -1.0}
 _ASIDE_M = 0.005  # how far beside the way the distance is measured as well, to know where the nearest wall is
-_AHEAD_COS = math.cos(
-    math.radians(135.0)
-)  # up to 45 degrees to the other side: a corner that it drives up to
+# The wall may lie up to 135° from the wanted side: 90° is straight ahead, more is a corner in front of the robot.
+_WIDEST_COS = math.cos(math.radians(135.0))
 
 
 class WayPoints(NamedTuple):
@@ -40,12 +39,12 @@ def points_of(drive: Drive) -> WayPoints:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Band:
+class WallFollowing:
     """How a robot drove along walls, from where it was first as near as it should be.
 
     Attributes:
         low_m, high_m: between which the nearest wall should be.
-        kept_share: of the way, forwards and with the wall on the right side.
+        kept_share: of the way, forwards and with the wall on the wanted side.
         way_m: how far that led; what was driven backwards leads back.
         backwards_share: of the way, driven in reverse gear.
         other_side_share: of the way, near enough to a wall, but with it on the other side.
@@ -59,7 +58,7 @@ class Band:
     other_side_share: float = 0.0
 
 
-def band_of(assignment: Assignment, room: Room, drive: Drive) -> Band | None:
+def wall_following(assignment: Assignment, room: Room, drive: Drive) -> WallFollowing | None:
     """Return how a robot drove along the walls, None where the assignment gives no distance from them."""
     options = assignment.options
     if not {"band_low_m", "band_high_m"} <= options.keys():
@@ -69,17 +68,17 @@ def band_of(assignment: Assignment, room: Room, drive: Drive) -> Band | None:
     near = _nearest_m(room, way.x_m, way.y_m)
     within = (near >= low_m) & (near <= high_m)
     if not within.any():
-        return Band(low_m=low_m, high_m=high_m)
+        return WallFollowing(low_m=low_m, high_m=high_m)
     side = SIDES.get(str(options.get("wall_side")))
     beside = np.ones(len(near), dtype=bool) if side is None else _on_side(room, way, side)
     first = int(np.argmax(within))
-    kept, gear = (within & beside)[first:], _gear(way)[first:]
-    return Band(
+    kept, direction = (within & beside)[first:], _direction(way)[first:]
+    return WallFollowing(
         low_m=low_m,
         high_m=high_m,
-        kept_share=float(np.mean(kept & (gear > 0.0))),
-        way_m=max(0.0, POINT_M * float(np.sum(gear[kept]))),
-        backwards_share=float(np.mean(gear < 0.0)),
+        kept_share=float(np.mean(kept & (direction > 0.0))),
+        way_m=max(0.0, POINT_M * float(np.sum(direction[kept]))),
+        backwards_share=float(np.mean(direction < 0.0)),
         other_side_share=float(np.mean((within & ~beside)[first:])),
     )
 
@@ -91,13 +90,13 @@ def _nearest_m(room: Room, x_m: Floats, y_m: Floats) -> Floats:
 
 
 def _on_side(room: Room, way: WayPoints, side: float) -> NDArray[np.bool_]:
-    """Whether the nearest wall is to the wanted side (1 left, -1 right) or ahead of the robot, at each point."""
+    """Whether the nearest wall is not clearly on the wrong side, at each point; `side`: 1 is left, -1 right."""
     dx, dy = -_ASIDE_M * np.sin(way.heading_rad), _ASIDE_M * np.cos(way.heading_rad)  # to the left
     nearer = _nearest_m(room, way.x_m - dx, way.y_m - dy) - _nearest_m(room, way.x_m + dx, way.y_m + dy)
-    return np.asarray(side * nearer / (2.0 * _ASIDE_M) > _AHEAD_COS)
+    return np.asarray(side * nearer / (2.0 * _ASIDE_M) > _WIDEST_COS)
 
 
-def _gear(way: WayPoints) -> Floats:
+def _direction(way: WayPoints) -> Floats:
     """Return 1 where the robot drove forwards, -1 where it drove backwards."""
     if len(way.x_m) < 2:
         return np.ones(len(way.x_m))

@@ -56,13 +56,7 @@ class Executor(executors.Executor):
         if not self._is_shutdown:
             self._is_shutdown = True
             self.wake()
-        self._nodes = {}
-        if self._guard is not None:
-            self._guard.destroy()
-            self._guard = None
-        self._cb_iter = None
-        self._last_args = None
-        self._last_kwargs = None
+        self._forget()
         return True
 
     def _take_subscription(self, sub: Any) -> Any:
@@ -104,10 +98,7 @@ class SingleThreadedExecutor(executors.SingleThreadedExecutor):
             executors.ConditionReachedException,
         ):
             return
-        handler()
-        error = handler.exception()
-        if error is not None:
-            raise error
+        executors._run(handler)
 
     def spin_once_until_future_complete(
         self, future: Future, timeout_sec: float | executors.TimeoutObject | None = None

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from typing import Any
 
 _humble_try_match = graph._try_match
+_humble_remove_writer = graph.Graph.remove_writer
 _humble_remove_reader = graph.Graph.remove_reader
 
 
@@ -60,7 +61,7 @@ class Graph(graph.Graph):
 
     def remove_writer(self, writer: Any) -> None:
         """Remove a publisher."""
-        self.writers.remove(writer)
+        _humble_remove_writer(self, writer)
         for reader in self.readers.at(writer.name):
             if _fits(writer, reader):
                 matches_of(reader).change(-1)

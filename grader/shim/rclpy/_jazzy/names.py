@@ -41,5 +41,4 @@ _rclpy_pybind11._HOMES |= {
         "rcl_publisher_event_type_t": "QoSPublisherEventType",
         "rcl_subscription_event_type_t": "QoSSubscriptionEventType",
     },
-    "_jazzy": {"service_introspection": "service_introspection"},
 }

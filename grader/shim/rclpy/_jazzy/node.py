@@ -8,15 +8,12 @@ from rclpy._jazzy.descriptions import hash_of
 from rclpy._jazzy.overlay import extends, replace
 from rclpy._kernel import kernel
 from rclpy._rcl import node_handle
-from rclpy._rcl.names import expand
 from rclpy.constants import S_TO_NS
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.logging_service import LoggingService
 from rclpy.parameter import PARAMETER_SEPARATOR_STRING, Parameter
-from rclpy.timer import Timer
 from rclpy.type_description_service import TypeDescriptionService
-from rclpy.validate_full_topic_name import validate_full_topic_name
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -26,6 +23,7 @@ if TYPE_CHECKING:
     from rclpy.callback_groups import CallbackGroup
     from rclpy.clock import Clock
     from rclpy.context import Context
+    from rclpy.timer import Timer
     from rclpy.topic_endpoint_info import TopicEndpointInfo
 
     Callback = Callable[[list[Parameter]], Any]
@@ -114,15 +112,7 @@ class Node(node.Node):
         autostart: bool = True,
     ) -> Timer:
         """Have `callback` called every period (seconds), without `autostart` only after `reset`."""
-        period_ns = int(float(timer_period_sec) * S_TO_NS)
-        group = self.default_callback_group if callback_group is None else callback_group
-        chosen = self._clock if clock is None else clock
-        new: Any = Timer
-        timer: Timer = new(callback, group, period_ns, chosen, context=self.context, autostart=autostart)
-        group.add_entity(timer)
-        self._timers.append(timer)
-        self._wake_executor()
-        return timer
+        return self._rcl_add_timer(timer_period_sec, callback, callback_group, clock, autostart=autostart)
 
     # Parameters -----------------------------------------------------------------------------------
 
@@ -232,21 +222,15 @@ class Node(node.Node):
             kernel.sleep_ns(_POLL_NS)
         return found
 
-    def _full_service_name(self, service_name: str) -> str:
-        handle = self._rcl_graph_handle()
-        full = expand(service_name, handle.name, handle.namespace)
-        validate_full_topic_name(full, is_service=True)
-        return full
-
     def count_clients(self, service_name: str) -> int:
         """Return how many clients a service has."""
         handle: Any = self._rcl_graph_handle()
-        return int(handle.get_count_clients(self._full_service_name(service_name)))
+        return int(handle.get_count_clients(self._rcl_full_name(service_name, is_service=True)))
 
     def count_services(self, service_name: str) -> int:
         """Return how many servers a service has."""
         handle: Any = self._rcl_graph_handle()
-        return int(handle.get_count_services(self._full_service_name(service_name)))
+        return int(handle.get_count_services(self._rcl_full_name(service_name, is_service=True)))
 
     def _rcl_infos(self, topic_name: str, no_mangle: bool, *, writers: bool) -> list[TopicEndpointInfo]:
         infos: list[Any] = _humble_infos(self, topic_name, no_mangle, writers=writers)

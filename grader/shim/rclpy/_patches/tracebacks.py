@@ -240,6 +240,14 @@ def main_thread_at(kernel: Kernel) -> str:
     return f"{line} {call or '-'} {kernel.main.deadline_ns}"
 
 
+def line_now() -> int:
+    """Return the line at which this thread is in the script; 0 when it is in none."""
+    frame: FrameType | None = sys._getframe()
+    while frame is not None and not script.owns(frame.f_code.co_filename):
+        frame = frame.f_back
+    return 0 if frame is None else frame.f_lineno
+
+
 def _call(frame: FrameType | None) -> tuple[str, FrameType | None]:
     """Return what the student's innermost frame calls, and that frame."""
     call = ""

@@ -27,8 +27,7 @@ _MISSPELT = 0.8  # as like a package of the workspace as that, a name is a misty
 def launch(guard: Any) -> None:
     """Evaluate the launch file and call its nodes.
 
-    Args:
-        guard: calls one of several nodes and takes what it raises for its end.
+    `guard` calls one of several nodes and takes what it raises for its end.
 
     Raises:
         SystemExit, and whatever the launch file or its one node raises.

@@ -147,9 +147,7 @@ def read_value(text: str, value: Value) -> None:
 def read_file(text: str, value_of: Callable[[str, str], Value]) -> None:
     """Read a parameter file.
 
-    Args:
-        text: what stands in it.
-        value_of: called with a pattern of node names and the name of a parameter, returns what to fill.
+    `value_of` is called with a pattern of node names and the name of a parameter; it returns what to fill.
 
     Raises:
         ValueError: the file is no YAML, or has not the form ``node: {ros__parameters: {name: value}}``.

@@ -35,11 +35,7 @@ class ServiceInfo:
 
 
 class ClientHandle(EndpointHandle):
-    """Caller of a service.
-
-    Attributes:
-        backlog: responses received and not yet taken.
-    """
+    """Caller of a service. `backlog`: responses received and not yet taken."""
 
     what = "client"
 
@@ -85,11 +81,7 @@ class ClientHandle(EndpointHandle):
 
 
 class ServiceHandle(EndpointHandle):
-    """Server of a service.
-
-    Attributes:
-        backlog: requests received and not yet taken.
-    """
+    """Server of a service. `backlog`: requests received and not yet taken."""
 
     what = "service"
 

@@ -88,10 +88,10 @@ class Watch:
                 self._add_timer(timer.handle, (number, TIMER, place, timer, node))
         for kind in (SUBSCRIPTION, CLIENT, SERVICE):
             for place, entity in enumerate(members[kind][known[kind] :], known[kind]):
-                handle = entity.handle
+                counts, handle = self._counts(entity), entity.handle
                 if kind != CLIENT and handle.link_id:
                     self.open = True
-                if self._counts(entity):
+                if counts:
                     self._backlogs.append(handle.backlog)
                     self._others.append((handle.backlog, (number, kind, place, entity, node)))
         if len(members[GUARD]) > known[GUARD]:
@@ -108,16 +108,17 @@ class Watch:
         if len(self._nodes) != 1 or changes.count - self._seen != changes.additions - self._seen_additions:
             return False
         node = self._nodes[0]
-        if len(node._guards) != self._known[GUARD]:
+        if len(_members(node)[GUARD]) != self._known[GUARD]:
             return False
         self._seen, self._seen_additions = changes.count, changes.additions
         self._add_node(0, node)
         return self.lasting
 
     def _counts(self, entity: Any) -> bool:
+        free = self._can_execute(entity)  # first: of what is no entity, upstream misses what this looks at
         if self.lasting and type(entity.callback_group) not in _PLAIN_GROUPS:
             self.lasting = False
-        return self._can_execute(entity) and not entity.handle.doomed
+        return free and not entity.handle.doomed
 
     def _add_timer(self, handle: Any, place: Place | None) -> None:
         self._reset.append(handle.backlog)
@@ -189,8 +190,10 @@ class Watch:
 
     def ready(self) -> bool:
         """Whether something can be served; cheap, asked by the kernel whenever it looks for a thread to run."""
-        if any(self._backlogs) or (self._reset and any(self._reset)):
-            return True
+        if changes.count != self._seen or any(self._backlogs) or (self._reset and any(self._reset)):
+            return True  # a change during the wait: another thread may have reset a timer, which wakes as at home
+        if self._guards and any(guard._executor_triggered for guards, _ in self._guards for guard in guards):
+            return True  # the last wait found it, and what else that wait found was given up before its turn came
         return bool(self._checked) and any(handle.is_timer_ready() for handle, _ in self._checked)
 
     def is_plain(self, callback: Any) -> bool:
@@ -217,8 +220,7 @@ class Watch:
 
         None: call `settle` and `lone` instead.
 
-        Args:
-            heard: all that got it. Nothing was ready before, no timer is due, and nothing of the script has run.
+        `heard` are all that got it. Nothing was ready before, no timer is due, and nothing of the script has run.
         """
         if len(heard) == 1 and self._quiet and changes.count == self._seen:
             for backlog, place in self._others:
@@ -236,7 +238,13 @@ class Watch:
         if len(self._ready) != 1 or self._ready_waitables:
             return None
         place = self._ready[0]
-        return place if place[1] in (TIMER, SUBSCRIPTION) and _free(place[3]) else None
+        _, kind, _, entity, node = place
+        plain = kind in (TIMER, SUBSCRIPTION) and self._is_there(kind, entity, node)
+        return place if plain and _free(entity) else None
+
+    def _is_there(self, kind: int, entity: Any, node: Node) -> bool:
+        """Whether the node still has the entity: a callback, or another thread during the wait, may destroy it."""
+        return changes.count == self._seen or entity in _members(node)[kind]
 
     def settle(self) -> None:
         """Note what is ready now, consuming triggers."""
@@ -256,7 +264,6 @@ class Watch:
         if len(ready) > 1:
             ready.sort(key=_order)
         self._ready = ready
-        self._settled = changes.count
         if not self._calm or any(self._events):
             self._ready_waitables = [
                 (waitable, node)
@@ -288,16 +295,18 @@ class Watch:
         Each is looked at again when its turn comes: a callback may have cancelled or destroyed it.
         """
         for waitable, node in self._ready_waitables:
-            if _free(waitable):
+            if self._is_there(WAITABLE, waitable, node) and _free(waitable):
                 yield WAITABLE, waitable, node
         for _, kind, _, entity, node in self._ready:
             if kind == GUARD:
                 for guard in tuple(node._guards):  # callbacks create and destroy some
                     if guard._executor_triggered and _free(guard):
                         yield GUARD, guard, node
-            elif changes.count != self._settled and entity not in _members(node)[kind]:
-                continue
-            elif (kind != TIMER or entity.handle.is_timer_ready()) and _free(entity):
+            elif (
+                self._is_there(kind, entity, node)
+                and (kind != TIMER or entity.handle.is_timer_ready())
+                and _free(entity)
+            ):
                 yield kind, entity, node
 
 
@@ -306,8 +315,16 @@ def _order(place: Place) -> tuple[int, int, int]:
 
 
 def _members(node: Node) -> tuple[list[Any], ...]:
-    """Return what a node consists of, by kind."""
-    return node._timers, node._subscriptions, node._guards, node._clients, node._services, node._rcl_waitables
+    """Return what a node consists of, by kind. A script may keep a dict of its own under one of the names."""
+    members: tuple[Any, ...] = (
+        node._timers,
+        node._subscriptions,
+        node._guards,
+        node._clients,
+        node._services,
+        node._rcl_waitables,
+    )
+    return tuple(each if type(each) is list else list(each) for each in members)
 
 
 def _free(entity: Any) -> bool:

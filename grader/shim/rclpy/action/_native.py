@@ -72,6 +72,26 @@ class _Members(Handle):
             member.destroy_when_not_in_use()
 
 
+def _check_name(node: NodeHandle, what: str, name: str) -> None:
+    """Raise what upstream's action_client.cpp and action_server.cpp raise for a name that cannot be."""
+    if not isinstance(name, str):
+        raise TypeError("__init__(): incompatible constructor arguments.")
+    is_server = what == "server"
+    if not name and not is_server:
+        fault = "failed to get goal service name, at ./src/rcl_action/action_client.c:217"
+        raise ValueError(f"Failed to create action client: {fault}")
+    try:
+        if name:
+            node.expand_and_remap(f"{name}/_action/send_goal", service=True)
+            return
+        fault = "invalid empty action name, at ./src/rcl_action/names.c:36"
+    except ValueError as error:
+        text = str(error)
+        fault = text.partition("is invalid: ")[2] or text
+    intro = f"Failed to create action {what} due to invalid topic name '{name}' : "
+    raise ValueError(f"{intro}{': ' if is_server else ''}{fault}")
+
+
 def _require_context(node: NodeHandle, failure: str) -> None:
     """Raise what upstream's action_client.cpp and action_server.cpp raise after shutdown: a ValueError."""
     try:
@@ -96,6 +116,7 @@ class ActionClientHandle(_Members):
     ) -> None:
         super().__init__()
         _require_context(node, "Failed to create action client")
+        _check_name(node, "client", name)
         kinds, base = action_type.Impl, f"{name}/_action/"
         self.goal = ClientHandle(node, kinds.SendGoalService, base + "send_goal", goal_qos)
         self.cancel = ClientHandle(node, kinds.CancelGoalService, base + "cancel_goal", cancel_qos)
@@ -166,6 +187,7 @@ class ActionServerHandle(_Members):
     ) -> None:
         super().__init__()
         _require_context(node, "Failed to create action server")
+        _check_name(node, "server", name)
         goal_qos, result_qos, cancel_qos, feedback_qos, status_qos = profiles
         kinds, base = action_type.Impl, f"{name}/_action/"
         self.goal = ServiceHandle(node, kinds.SendGoalService, base + "send_goal", goal_qos)

@@ -274,10 +274,7 @@ class ActionClient(Waitable):
     ) -> Future:
         """Send a goal; the future gets its ClientGoalHandle.
 
-        Args:
-            goal: the goal.
-            feedback_callback: called with each feedback message.
-            goal_uuid: id of the goal, default a new one.
+        `feedback_callback` is called with each feedback message; `goal_uuid`: default a new one.
 
         Raises:
             TypeError: `goal` is no Goal of this action.

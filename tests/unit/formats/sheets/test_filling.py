@@ -54,6 +54,12 @@ def test_ids_keep_their_zeros_and_text_is_never_a_formula() -> None:
     assert rows(fill(content, "成绩", {"007": 1.0}))[1] == ["007", "=1+1", 1.0]
 
 
+def test_a_line_break_in_a_cell_begins_no_row() -> None:
+    content = csv([("学号", "备注", "成绩"), ("1", '"a\nb"', ""), ("2", "", "")])
+    filled = rows(fill(content, "成绩", {"1": 1.0, "2": 2.0}))
+    assert [row[2] for row in filled] == ["成绩", 1.0, 2.0]
+
+
 @pytest.mark.parametrize(
     ("content", "why"),
     [

@@ -111,9 +111,11 @@ def test_every_layout_gives_the_same_people(rows: Rows) -> None:
 @pytest.mark.parametrize("separator", [",", ";", "\t", "，"])
 def test_csv_comes_in_many_forms(encoding: str, separator: str) -> None:
     content = csv(
-        [("学号", "姓名"), ("'20260001", "李雷"), ("20260002.0", "Han; Mei"[:3])], separator, encoding
+        [("学号", "姓名"), ("'20260001", "李雷"), ("20260002.0", "Han; Mei"[:3]), ('="00260003"', "王")],
+        separator,
+        encoding,
     )
-    assert [one.id for one in read_roster(content).checked()] == ["20260001", "20260002"]
+    assert [one.id for one in read_roster(content).checked()] == ["20260001", "20260002", "00260003"]
 
 
 def test_old_workbooks_are_read() -> None:
@@ -233,6 +235,8 @@ def test_what_is_wrong_with_a_roster_is_told_in_its_own_words() -> None:
         (b'id,name\n1,"a\n2,b\n3,c\n', "line 2: its quotation marks do not match"),
         (b'id,name\n1,a\n2,"b"c\n', "line 3: its quotation marks do not match"),
         (b"PK\x03\x04 no zip", "damaged"),
+        (b"\xef\xbb\xbf\n<html><table><tr><td>id</td></tr></table>", "no workbook"),
+        (b"%PDF-1.7\n", "no workbook"),
         (b"\xd0\xcf\x11\xe0" + bytes(600), "damaged"),
         (workbook([]), "no column"),
         (bytes(MAX_FILE_BYTES + 1), "more than 4 MiB"),

@@ -133,6 +133,7 @@ REFUSED = {
     "very many": (zipped_as({**SPECIFIED, **{f"a{n}/": b"" for n in range(401)}}), "more than 200 files"),
     "twice": (zipped_as({**SPECIFIED, "wrong/a.py": b"", "wrong/A.py": b""}), "two files have this name"),
     "strange": (zipped_as({**SPECIFIED, "evil.so": b"x"}), "no assignment has such a file"),
+    "two": (zipped_as({"a/assignment.yaml": SPEC, "b/assignment.yaml": SPEC}), "there are several"),
     "beside": (zipped_as({"a/assignment.yaml": SPEC, "b/starter.py": b"x"}), "no assignment has such a file"),
 }
 

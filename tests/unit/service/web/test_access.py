@@ -288,3 +288,10 @@ def test_a_browser_keeps_no_token_but_a_session_that_ends(
     (own,) = (one.id for one in services.tokens.of_course("ros") if one.person == "li")
     assert services.tokens.revoke("ros", "wang", token_id=own) == 1
     assert not opens(kept)
+
+
+@pytest.mark.parametrize("path", ["/", "/class", "/healthz", "/no-such-page", "/static/style.css"])
+def test_head_tells_what_get_would(browser: Browser, path: str) -> None:
+    told, page = browser.client.head(path), browser.client.get(path)
+    assert (told.status_code, told.content) == (page.status_code, b"")
+    assert told.headers["Content-Length"] == page.headers["Content-Length"]

@@ -119,6 +119,13 @@ def test_an_assignment_shows_scores_items_and_mistakes(instructor: Browser, scho
     assert instructor.get("/class/assignments/nothing").status_code == 404
 
 
+@pytest.mark.parametrize(("assignment", "offered"), [("square", True), ("calculation", False)])
+def test_only_scripts_are_offered_to_be_compared(instructor: Browser, assignment: str, offered: bool) -> None:
+    address = f"/class/similar/{assignment}"
+    assert (address in instructor.get(f"/class/assignments/{assignment}").text) == offered
+    assert (instructor.get(address).status_code == 200) == offered
+
+
 def test_the_service_page_tells_queue_and_workers(instructor: Browser, school: dict[str, str]) -> None:
     text = instructor.get("/class/service?lang=en").text
     assert "No worker is alive." in text

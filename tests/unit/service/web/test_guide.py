@@ -13,5 +13,5 @@ def test_the_guide_is_html_without_links_that_lead_nowhere(language: str) -> Non
     assert title
     assert content.count("<tr>") == 21
     assert content.count("<h2>") >= 6
-    assert "<pre><code>grader check square_mover.py" in content
+    assert "\ngrader check square_mover.py" in content
     assert re.findall(r'href="(?!https?:)', content) == []

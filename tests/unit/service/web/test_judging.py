@@ -155,7 +155,9 @@ def test_two_people_do_not_overwrite_each_other(
 ) -> None:
     seen = state(ta, desk(answers["li"]))
     signed = Signature(services.clock(), "ros", "wang")
-    services.judgements.judge(answers["li"], Given(item="timer", points=1.0, comment="first"), None, signed)
+    services.judgements.judge_all(
+        answers["li"], [(Given(item="timer", points=1.0, comment="first"), None)], signed
+    )
     answer = give(ta, answers["li"], seen=seen)
     assert answer.status_code == 422
     assert "judged or graded again meanwhile" in answer.text

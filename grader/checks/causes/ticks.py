@@ -1,0 +1,179 @@
+"""Ticks of a timer: what they count, and how long that takes."""
+
+import math
+import re
+from collections.abc import Iterator
+from typing import Final, NamedTuple
+
+from grader.checks.causes.counts import counted_each_tick
+from grader.checks.causes.searched import LOGS, Searched
+from grader.checks.measure import Mistake, mistake
+from grader.checks.mistakes import motions_of
+from grader.messages.arithmetic import value_of
+from grader.messages.quantity import number
+from grader.messages.script import ScriptText
+
+
+class _Timer(NamedTuple):
+    """The only timer of a script: its callback, where that begins, and its period."""
+
+    callback: str
+    begins: int
+    period_s: float
+
+
+class _Limit(NamedTuple):
+    """A condition on a count of ticks: the line, the count's name, and its limit."""
+
+    line: int
+    name: str
+    ticks: float
+
+
+def _timer(script: ScriptText) -> _Timer | None:
+    timers = script.callbacks("timer")
+    if len(timers) != 1:
+        return None
+    written = script.arguments(timers[0][0], "create_timer")[:1]
+    period_s = value_of(written[0], script) if written else None
+    made = script.definition(timers[0][1])
+    return _Timer(timers[0][1], made.line, period_s) if made and period_s and period_s > 0.0 else None
+
+
+def _limits(timer: _Timer, script: ScriptText) -> Iterator[_Limit]:
+    """Yield the conditions in the timer's callback that compare a count of its ticks with a known number."""
+    for line, text in enumerate(script.block(timer.begins), start=timer.begins):
+        found = re.search(r"\bif ([\w.]+) ?(?:<=?|>=?|==) ?([\w.]+) ?:", text)
+        count = value_of(found[2], script) if found and counted_each_tick(found[1], script) else None
+        if found and count and count >= 1.0:
+            yield _Limit(line, found[1], count)
+
+
+def counts_ticks(seen: Searched) -> Mistake | None:
+    """Find a count of a timer's ticks whose limit is the number of seconds that the motion should take."""
+    timer = _timer(seen.script)
+    if timer is None or timer.period_s >= 1.0:
+        return None
+    for limit in _limits(timer, seen.script):
+        took_s = limit.ticks * timer.period_s
+        early = took_s <= _EARLY_S or limit.ticks <= _FEW_TICKS
+        if early and not _only_logs(limit, seen.script) and _meant_seconds(limit, timer, seen):
+            values = {"name": limit.name, "count": f"{limit.ticks:g}", "took": number(took_s, "s")}
+            period = number(timer.period_s, "s", 4)
+            return mistake("counts_ticks", line=limit.line, period=period, **values)
+    return None
+
+
+def _meant_seconds(limit: _Limit, timer: _Timer, seen: Searched) -> bool:
+    """Whether a motion lasted for a count of ticks, and would have been right as long as that many seconds.
+
+    True where that is not known: no motion was commanded, or the check has no such measure.
+    """
+    measures = [("corner_deg", True), ("turned_deg", True), ("advance_m", False)]
+    items = [(seen.assignment.item_on(name), turns) for name, turns in measures]
+    item, turns = next(((item, turns) for item, turns in items if item is not None), (None, False))
+    motions = [one for one in motions_of(seen.run.trajectory) if (one[0].w_radps if turns else one[0].v_mps)]
+    if not motions or item is None or item.low is None:
+        return True
+    off_ns = limit.ticks * timer.period_s * 1e9, _TICKS_OFF * timer.period_s * 1e9
+    lasted = [first for first, lasted_ns in motions if abs(lasted_ns - off_ns[0]) <= off_ns[1]]
+    amounts = [abs(math.degrees(one.w_radps) if turns else one.v_mps) * limit.ticks for one in lasted]
+    most = math.inf if item.high is None else _ABOUT * item.high
+    return any(item.low / _ABOUT <= amount <= most for amount in amounts)
+
+
+_EARLY_S: Final = 1.0  # a motion of more was counted in ticks, and has another fault
+_FEW_TICKS: Final = 10
+_TICKS_OFF: Final = 3  # what a timer's first tick and the tick that changes the command may add
+_ABOUT: Final = 1.3  # times what is wanted: 2 s for a turn of 90 degrees at 1 rad/s
+
+
+def _only_logs(limit: _Limit, script: ScriptText) -> bool:
+    """Whether what a count leads to is only shown: nothing moves or stops because of it."""
+    shown = rf"(?:.*{LOGS}|print\()|{re.escape(limit.name)} ?= ?0$"
+    body = script.body(limit.line)
+    return bool(body) and all(re.match(shown, text) for _, text in body)
+
+
+def ticks_too_long(seen: Searched) -> Mistake | None:
+    """Find a count of ticks that takes longer than the run, or as long as the longest motion in it."""
+    timer = _timer(seen.script)
+    if timer is None:
+        return None
+    longest_ns = max((lasted_ns for _, lasted_ns in motions_of(seen.run.trajectory)), default=0)
+    for limit in _limits(timer, seen.script):
+        took_ns = limit.ticks * timer.period_s * 1e9
+        lasted = abs(took_ns - longest_ns) <= _TICKS_OFF * timer.period_s * 1e9
+        if took_ns > seen.run.outcome.duration_ns or (lasted and took_ns >= _LONG_NS):
+            values = {"count": f"{limit.ticks:g}", "took": number(took_ns / 1e9, "s")}
+            period = number(timer.period_s, "s", 4)
+            return mistake("ticks_too_long", line=limit.line, name=limit.name, period=period, **values)
+    return None
+
+
+_LONG_NS: Final = 5e9
+
+
+def sleeps_in_callback(seen: Searched) -> Mistake | None:
+    """Find a pause in a timer's callback that drives step by step: each tick takes as long as the pause."""
+    timer = _timer(seen.script)
+    block = seen.script.block(timer.begins) if timer is not None else []
+    pauses = [text for text in block if re.search(r"\bsleep\(", text)]
+    if timer is None or len(pauses) != 1 or _drives_in_loop(timer, seen.script):
+        return None
+    for line, text in seen.script.body(timer.begins):
+        slept = re.match(r"(?:time\.)?sleep\((.+)\)$", text)
+        pause_s = value_of(slept[1], seen.script) if slept else None
+        if pause_s is not None and pause_s >= _PAUSE_S:
+            values = {"callback": timer.callback, "pause": number(pause_s, "s")}
+            return mistake("sleeps_in_callback", line=line, **values)
+    return None
+
+
+_PAUSE_S: Final = 0.2
+
+
+def _drives_in_loop(timer: _Timer, script: ScriptText) -> bool:
+    """Whether a callback drives the whole way in a loop of its own: then its pauses are meant."""
+    inside = range(timer.begins, timer.begins + len(script.block(timer.begins)))
+    loops = [line for line in script.lines_with(r"^[ \t]*(while|for)\b") if line in inside]
+    return any("publish(" in text for line in loops for text in script.block(line))
+
+
+def count_not_reset(seen: Searched) -> Mistake | None:
+    """Find a branch that ends a motion at a count and leaves the count, which another branch sets to 0."""
+    timer = _timer(seen.script)
+    if timer is None:
+        return None
+    limits = list(_limits(timer, seen.script))
+    for limit in limits:
+        same = [other for other in limits if other.name == limit.name]
+        zeroed = [other for other in same if _sets(rf"{re.escape(limit.name)} ?=", other, seen.script)]
+        ended = any(
+            abs(lasted_ns / 1e9 - limit.ticks * timer.period_s) <= _TICKS_OFF * timer.period_s
+            for _, lasted_ns in motions_of(seen.run.trajectory)
+        )
+        goes_on = _sets(r"self\.\w+ ?=(?!=)", limit, seen.script) and limit not in zeroed
+        if ended and goes_on and zeroed:
+            return mistake("count_not_reset", line=limit.line, name=limit.name)
+    return None
+
+
+def sum_not_reset(seen: Searched) -> Mistake | None:
+    """Find a sum of time or way that ends one motion after the other, and that nothing ever sets back to 0."""
+    timer = _timer(seen.script)
+    block = seen.script.block(timer.begins) if timer is not None else []
+    for line, text in enumerate(block, start=timer.begins if timer is not None else 0):
+        found = re.match(r"[ \t]*(?:if|elif) (self\.(\w+)) ?>=? ?[\w.]+ ?:$", text)
+        if found is None or not seen.script.lines_with(rf"{re.escape(found[1])} ?\+=(?! ?1$)"):
+            continue
+        given = seen.script.lines_with(rf"{re.escape(found[1])} ?(?:[-%] ?)?=(?!=)")
+        goes_on = any(re.match(r"[ \t]*self\.\w+ ?\+?=(?!=)", one) for one in seen.script.block(line)[1:])
+        if goes_on and all(seen.script.function_around(at) == "__init__" for at in given):
+            return mistake("count_not_reset", line=line, name=found[1])
+    return None
+
+
+def _sets(assignment: str, limit: _Limit, script: ScriptText) -> bool:
+    """Whether the block of a condition has such an assignment."""
+    return any(re.match(rf"[ \t]*{assignment}", text) for text in script.block(limit.line)[1:])

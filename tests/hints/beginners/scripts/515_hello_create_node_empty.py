@@ -1,0 +1,6 @@
+import rclpy
+
+rclpy.init()
+node = rclpy.create_node()
+node.get_logger().info('hello')
+rclpy.spin(node)
