@@ -710,7 +710,7 @@ def _longest_motion_ns(trajectory: Trajectory) -> int:
             continue
         begun_ns = command.t_ns if begun_ns is None else begun_ns
         longest_ns = max(longest_ns, until_ns - begun_ns)
-        if longest_ns >= _TOO_BRIEF_NS:
+        if longest_ns >= TOO_BRIEF_NS:
             break
     return longest_ns if trajectory.commands else COMMAND_LIFE_NS
 
