@@ -701,7 +701,7 @@ def _motions(trajectory: Trajectory) -> int:
 
 
 def _longest_motion_ns(trajectory: Trajectory) -> int:
-    """Return the longest time for which motions were commanded without a stop between them."""
+    """Return the longest time for which motions were commanded without a stop between them, or one long enough."""
     longest_ns, begun_ns = 0, None
     for command, until_ns in with_ends(trajectory):
         if not (command.v_mps or command.w_radps):
@@ -709,6 +709,8 @@ def _longest_motion_ns(trajectory: Trajectory) -> int:
             continue
         begun_ns = command.t_ns if begun_ns is None else begun_ns
         longest_ns = max(longest_ns, until_ns - begun_ns)
+        if longest_ns >= TOO_BRIEF_NS:
+            break
     return longest_ns if trajectory.commands else COMMAND_LIFE_NS
 
 
