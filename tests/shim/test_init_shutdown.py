@@ -142,6 +142,47 @@ def test_shutdown_in_a_callback_ends_the_spin_and_the_student_is_told_that_humbl
     assert run.notes == ([("shutdown_in_callback", "6")] if distro == "humble" else [])
 
 
+def test_a_line_that_calls_no_shutdown_in_a_callback_is_not_blamed_for_it(run_script):
+    source = """
+        import rclpy
+        from rclpy.callback_groups import ReentrantCallbackGroup
+        rclpy.init()
+        node = rclpy.create_node("n")
+        node.create_timer(0.5, rclpy.shutdown)
+        rclpy.spin(node)
+        rclpy.init()
+        node = rclpy.create_node("m")
+        async def wait_for_ever(): await rclpy.task.Future()
+        def leave(): raise SystemExit
+        node.create_timer(0.1, wait_for_ever)
+        node.create_timer(0.5, leave, callback_group=ReentrantCallbackGroup())
+        try:
+            rclpy.spin(node)
+        finally:
+            rclpy.shutdown()
+            print("end")
+    """
+    run = run_script(dedent(source))
+    assert (run.stdout, run.notes) == ("end\n", [])
+
+
+def test_a_coroutine_that_calls_shutdown_is_told_too(run_script):
+    source = """
+        import rclpy
+        rclpy.init()
+        node = rclpy.create_node("n")
+        later = rclpy.task.Future()
+        async def tick():
+            await later
+            rclpy.shutdown()
+        node.create_timer(0.5, tick)
+        group = rclpy.callback_groups.ReentrantCallbackGroup()
+        node.create_timer(0.7, lambda: later.set_result(None), callback_group=group)
+        rclpy.spin(node)
+    """
+    assert run_script(dedent(source)).notes == [("shutdown_in_callback", "8")]
+
+
 def test_shutdown_from_another_thread_ends_the_spin(run_script):
     source = """
         import threading, time, rclpy

@@ -121,14 +121,25 @@ class _WorkTracker:
 
         if idle():
             if self.running and _distro.chosen == _distro.HUMBLE and (timeout_sec is None or timeout_sec < 0):
-                from rclpy._patches.tracebacks import line_now
-
-                link.note("shutdown_in_callback", str(line_now()))
+                _tell_that_humble_hangs()
             return True
         deadline_ns = None
         if timeout_sec is not None and timeout_sec >= 0:
             deadline_ns = kernel.now_ns + timeout_sec_to_nsec(timeout_sec)
         return kernel.wait(idle, deadline_ns, "executor.shutdown() waits for callbacks to end")
+
+
+def _tell_that_humble_hangs() -> None:
+    """Note the line of the callback that calls shutdown().
+
+    There is none where `shutdown` itself is the callback, or where another callback, a coroutine, awaits something
+    for ever: that hangs at home, too, but the line that is in the script now is to blame for neither.
+    """
+    from rclpy._patches.tracebacks import line_called_from
+
+    line = line_called_from(_tell_that_humble_hangs.__code__.co_filename)
+    if line:
+        link.note("shutdown_in_callback", str(line))
 
 
 class Executor:

@@ -240,12 +240,17 @@ def main_thread_at(kernel: Kernel) -> str:
     return f"{line} {call or '-'} {kernel.main.deadline_ns}"
 
 
-def line_now() -> int:
-    """Return the line at which this thread is in the script; 0 when it is in none."""
+def line_called_from(file_name: str) -> int:
+    """Return the line at which this thread is in the script, if code of `file_name` called the script; else 0."""
+    line = 0
     frame: FrameType | None = sys._getframe()
-    while frame is not None and not script.owns(frame.f_code.co_filename):
+    while frame is not None:
+        if script.owns(frame.f_code.co_filename):
+            line = line or frame.f_lineno
+        elif line and frame.f_code.co_filename == file_name:
+            return line
         frame = frame.f_back
-    return 0 if frame is None else frame.f_lineno
+    return 0
 
 
 def _call(frame: FrameType | None) -> tuple[str, FrameType | None]:
