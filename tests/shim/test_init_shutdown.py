@@ -166,6 +166,20 @@ def test_a_line_that_calls_no_shutdown_in_a_callback_is_not_blamed_for_it(run_sc
     assert (run.stdout, run.notes) == ("end\n", [])
 
 
+def test_only_the_first_shutdown_in_a_callback_is_told(run_script):
+    source = """
+        import rclpy
+        rclpy.init()
+        node = rclpy.create_node("n")
+        def tick():
+            node.executor.shutdown()
+            rclpy.shutdown()
+        node.create_timer(0.5, tick)
+        rclpy.spin(node)
+    """
+    assert run_script(dedent(source)).notes == [("shutdown_in_callback", "6")]
+
+
 def test_a_coroutine_that_calls_shutdown_is_told_too(run_script):
     source = """
         import rclpy

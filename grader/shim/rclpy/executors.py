@@ -130,7 +130,7 @@ class _WorkTracker:
 
 
 def _tell_that_humble_hangs() -> None:
-    """Note the line of the callback that calls shutdown().
+    """Note the line of the callback that calls shutdown(), the first time: at home nothing comes after it.
 
     There is none where `shutdown` itself is the callback, or where another callback, a coroutine, awaits something
     for ever: that hangs at home, too, but the line that is in the script now is to blame for neither.
@@ -139,7 +139,7 @@ def _tell_that_humble_hangs() -> None:
 
     line = line_called_from(_tell_that_humble_hangs.__code__.co_filename)
     if line:
-        link.note("shutdown_in_callback", str(line))
+        link.note_once("shutdown_in_callback", str(line))
 
 
 class Executor:
