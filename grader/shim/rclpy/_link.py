@@ -460,3 +460,4 @@ class Link:
 link = Link(kernel)
 
 publish = link.publish
+"""See `_kernel.charge`."""

@@ -274,7 +274,7 @@ class ActionClient(Waitable):
     ) -> Future:
         """Send a goal; the future gets its ClientGoalHandle.
 
-        `feedback_callback` is called with each feedback message; `goal_uuid`: default a new one.
+        `feedback_callback` is called with each feedback message. The goal has the id `goal_uuid`, or a new one.
 
         Raises:
             TypeError: `goal` is no Goal of this action.
