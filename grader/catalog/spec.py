@@ -25,7 +25,19 @@ class SpecModel(BaseModel):
 
 
 def _has_truth(value: object) -> bool:
-    return any(map(_has_truth, value)) if isinstance(value, list) else isinstance(value, bool)
+    """Whether a value is true or false, or a list, of lists, that holds one.
+
+    Each list is looked at once: aliases let a few lines of YAML stand for any number of them.
+    """
+    pending, seen = [value], set[int]()
+    while pending:
+        one = pending.pop()
+        if isinstance(one, bool):
+            return True
+        if isinstance(one, list) and id(one) not in seen:
+            seen.add(id(one))
+            pending.extend(one)
+    return False
 
 
 def _leaves(annotation: Any) -> set[Any]:

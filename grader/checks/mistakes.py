@@ -29,8 +29,6 @@ from grader.messages.script import ScriptText
 
 _IN_THREAD = re.compile(r"[^:]*?(?:, line (\d{1,7}))?: (\w+)(?:: (.*))?", re.DOTALL | re.ASCII)
 _SPACE = Text(zh="", en=" ")
-_REPEATED_LINES = 40
-_MOST_DIFFERENT = 4  # lines in one round of a loop that asks again
 
 _ENDINGS = {
     RunStatus.STALLED: "stalled",
@@ -48,7 +46,7 @@ def script_mistakes(run: Run) -> tuple[Mistake, ...]:
         return (Mistake(*meaning(error, "crashed", script)) if error is not None else _killed(outcome),)
     if outcome.status is RunStatus.SYNTAX_ERROR and error is not None:
         return (Mistake(*meaning(error, "syntax_error", script)),)
-    if outcome.status is RunStatus.OUTPUT_LIMIT and _asks_again(outcome, script):
+    if noted(outcome, "asks_again") is not None:
         return (mistake("asks_again"),)
     if outcome.status is RunStatus.OUTPUT_LIMIT:
         told = explained(outcome.status, outcome.detail)
@@ -71,14 +69,6 @@ def _amount(outcome: RunOutcome) -> Text:
     lines = kept.count("\n") * (size + dropped) / size
     rounded = round(lines, -2) if lines >= 1_000 else round(lines)  # the middle was not kept
     return say("detail.printed", lines=f"{rounded:.0f}", time=number(outcome.duration_ns / 1e9, "s", 3))
-
-
-def _asks_again(outcome: RunOutcome, script: ScriptText) -> bool:
-    """Whether a loop that prints all the output asks for an input that nobody gives any more."""
-    last = outcome.stdout.text.splitlines()[-_REPEATED_LINES:-1]
-    repeats = len(last) > 2 * _MOST_DIFFERENT and len(set(last)) <= _MOST_DIFFERENT
-    asks = all(script.lines_with(word) for word in (r"\binput\(", r"\bexcept\b", r"\bwhile\b"))
-    return repeats and asks
 
 
 def noted(outcome: RunOutcome, code: str) -> str | None:
@@ -369,6 +359,8 @@ def without_node(run: Run) -> Mistake:
         return mistake("main_guard", given=guard[1], line=run.source.count("\n", 0, guard.start()) + 1)
     if (uncalled := not_called(run)) is not None:
         return uncalled
+    if (twice := defined_twice(run)) is not None:
+        return twice
     if inside := ScriptText(run.source).lines_with(r"^[ \t]+if __name__ ?=="):
         return mistake("guard_inside", line=inside[0])
     exits = _exits(ScriptText(run.source), run.outcome)
@@ -702,7 +694,7 @@ def _motions(trajectory: Trajectory) -> int:
 
 
 def _longest_motion_ns(trajectory: Trajectory) -> int:
-    """Return the longest time for which motions were commanded without a stop between them."""
+    """Return the longest time for which motions were commanded without a stop between them, or one long enough."""
     longest_ns, begun_ns = 0, None
     for command, until_ns in with_ends(trajectory):
         if not (command.v_mps or command.w_radps):
@@ -710,6 +702,8 @@ def _longest_motion_ns(trajectory: Trajectory) -> int:
             continue
         begun_ns = command.t_ns if begun_ns is None else begun_ns
         longest_ns = max(longest_ns, until_ns - begun_ns)
+        if longest_ns >= TOO_BRIEF_NS:
+            break
     return longest_ns if trajectory.commands else COMMAND_LIFE_NS
 
 

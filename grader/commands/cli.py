@@ -9,6 +9,7 @@ could not be done.
 import argparse
 import errno
 import importlib
+import io
 import os
 import re
 import sys
@@ -157,6 +158,8 @@ def run(argv: Sequence[str]) -> int:
     """Run one command and return the process's exit code. Bad input is reported in one line, with no traceback."""
     if sys.stdout is None:  # closed by the shell: `>&-`
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - open until the process ends
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # the encoding of a terminal may lack a sign, as GBK does ✓
     try:
         Parser.language = _language(argv)
     except GraderError as error:

@@ -106,7 +106,7 @@ def _create(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     instructor = RosterEntry(id=teacher, name=name, role=Role.INSTRUCTOR)
     entries = [instructor, *(entry for entry in listed if entry.id != instructor.id)]
     course = storage.courses.create(
-        arguments.id, arguments.title or arguments.id, arguments.time_zone, actor(), arguments.distro
+        arguments.id, arguments.title, arguments.time_zone, actor(), arguments.distro
     )
     storage.courses.import_roster(course.id, entries, actor())
     tell(

@@ -89,7 +89,7 @@ def _copy(storage: OpenedStore, arguments: argparse.Namespace) -> None:
         role=Role.INSTRUCTOR,
         email="" if known is None else known.email,
     )
-    new = NewCourse(id=arguments.id, title=arguments.title or arguments.id, move_days=arguments.move_days)
+    new = NewCourse(id=arguments.id, title=arguments.title, move_days=arguments.move_days)
     made = CourseLife(storage.database, utc_now).copy(original, new, member, actor())
     tell(
         arguments,

@@ -26,6 +26,7 @@ from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.report import GradeReport
 from grader.contracts.text import Language, Text
 from grader.contracts.upload import MAX_SOURCE_BYTES
+from grader.formats.packages.archives import name_in_zip
 from grader.formats.sheets.writing import csv_table
 from grader.grading.slot import Slot, SlotConfig
 from grader.messages import quantity
@@ -84,7 +85,10 @@ def run(arguments: argparse.Namespace) -> int:
         require_folder("--output", arguments.output)
     rows: list[dict[str, str]] = []
     with unpacked(arguments.export) as folder, Slot(SlotConfig(mode=arguments.isolation)) as slot:
-        for entry in entries(folder, SUFFIXES[assignment.input]):
+        found = entries(folder, SUFFIXES[assignment.input])
+        if not found:
+            raise _refused(arguments.export, zh="里没有提交", en="has no submissions")
+        for entry in found:
             rows.append(_row(slot, assignment, entry, arguments))
             if arguments.output is not None:
                 tell(arguments, zh=_line(rows[-1]), en=_line(rows[-1]))
@@ -133,14 +137,11 @@ def _unpack(archive: zipfile.ZipFile, folder: Path, export: Path) -> None:
             en="is too large: too many files, or over 1 GiB unpacked",
         )
     for member in members:
-        parts = PurePosixPath(member.filename.replace("\\", "/")).parts
+        name = name_in_zip(member)
+        parts = PurePosixPath(name.replace("\\", "/")).parts
         kind = member.external_attr >> 28  # of a Unix file: 8 is an ordinary one, 0 is not said
-        if not parts or parts[0] == "/" or ".." in parts or "\0" in member.filename or kind not in (0, 8):
-            raise _refused(
-                export,
-                zh=f"里有不该有的文件名 {member.filename!r}",
-                en=f"has a file called {member.filename!r}",
-            )
+        if not parts or parts[0] == "/" or ".." in parts or "\0" in name or kind not in (0, 8):
+            raise _refused(export, zh=f"里有不该有的文件名 {name!r}", en=f"has a file called {name!r}")
         # One byte too many is enough for `read_file` to refuse the file.
         most = _MOST_METADATA_BYTES if parts[-1] == _METADATA else MAX_SOURCE_BYTES + 1
         place = folder.joinpath(*parts)
@@ -154,10 +155,10 @@ def _refused(export: Path, *, zh: str, en: str) -> RefusedError:
 
 
 def entries(folder: Path, endings: tuple[str, ...]) -> list[Entry]:
-    """Return the submissions of an unpacked export, in the order of their names.
+    """Return the submissions of an unpacked export, in the order of their names; none behind links.
 
     Raises:
-        RefusedError: the metadata cannot be read, or there is no submission.
+        RefusedError: the metadata cannot be read.
     """
     inner = [path for path in folder.iterdir() if not path.name.startswith((".", "__"))]
     if len(inner) == 1 and inner[0].is_dir() and not (folder / _METADATA).exists():
@@ -167,11 +168,9 @@ def entries(folder: Path, endings: tuple[str, ...]) -> list[Entry]:
         path
         for path in folder.iterdir()
         if not path.name.startswith((".", "__")) and (path.is_dir() or path.name.lower().endswith(endings))
+        if not path.is_symlink()
     )
-    found = [Entry(name=path.name, path=path, about=known.get(path.name, {})) for path in paths]
-    if not found:
-        raise _refused(folder, zh="里没有提交", en="has no submissions")
-    return found
+    return [Entry(name=path.name, path=path, about=known.get(path.name, {})) for path in paths]
 
 
 def _metadata(path: Path) -> dict[str, dict[str, str]]:
@@ -182,7 +181,7 @@ def _metadata(path: Path) -> dict[str, dict[str, str]]:
         content = path.read_bytes()[:_MOST_METADATA_BYTES].decode("utf-8")
         document = yaml.load(content, Loader=yaml.BaseLoader)  # noqa: S506  (texts only)
     except (OSError, UnicodeDecodeError, yaml.YAMLError, RecursionError) as error:
-        raise _refused(path, zh="读不懂", en="cannot be read") from error
+        raise _refused(Path(path.name), zh="读不懂", en="cannot be read") from error
     if not isinstance(document, dict):
         return {}
     return {str(name): _about(each) for name, each in document.items() if isinstance(each, dict)}

@@ -69,7 +69,7 @@ class PolygonFigure(PositionalRecord):
         vertices: sample indices: start of the first side, each corner, end of the last side.
         sides_m: length of each side, from vertex to vertex.
         corners_rad: signed change of direction at the end of each side. The last side has one only where the
-            figure needs it: it is repeated, or does not come round without it, and that turn is like the others.
+            figure needs it: it is repeated, or does not come round without it, and that turn is not much wider.
         last_turn_rad: the turn after the last side where it is no corner, without whole turns on the spot;
             0 if there was none.
         last_turned_rad: that turn with them.
@@ -410,10 +410,18 @@ def _shaping(corners: list[float], extent: _Extent, *, turned: bool) -> tuple[li
     if not turned or extent.joined:
         return inner, 0.0
     about = extent.retraced and _turned_between(corners)
-    needed = _comes_round(inner) != extent.count and (not inner or _alike(corners))
+    needed = _comes_round(inner) != extent.count and not _further(inner, corners[-1])
     if (extent.repeated and not about) or needed:
         return corners, 0.0
     return inner, corners[-1]
+
+
+def _further(inner: list[float], last: float) -> bool:
+    """Whether the last turn goes the way of the corners, which are alike, and clearly further."""
+    if not inner or not _alike(inner):
+        return False
+    mean = sum(map(bare, inner)) / len(inner)
+    return last * mean > 0.0 and abs(last) > abs(mean) + ALIKE_RAD
 
 
 def _set_out(path: Path, segments: Segments) -> int:

@@ -191,6 +191,12 @@ MIN_TURN_RAD = math.radians(15.0)
 # as a side; doubled, a weaving side falls apart.
 MIN_STRAIGHT_SHARE = 0.06
 
+# Of the extent: how wide the strip may be in which a car that steers to and fro drives straight, and how long it
+# must be. Who steers in steps of 0.1 s at 0.5 m/s and 3 rad/s swings by 17 degrees, and is 1 cm off its line.
+STRIP_SHARE, MIN_STRIP_SHARE = 0.015, 0.12
+MIN_SWINGS = 4  # an S has two
+MOST_ASIDE_RAD = math.radians(60.0)
+
 MIN_EXTENT_M = 0.02  # keeps the tolerances of a car that turned on the spot from shrinking to its noise
 MAX_VERTICES = 1000  # bounds the work for a path that never goes straight; a dodecagon needs 25
 STILL_RAD, STILL_M = 1e-3, 1e-3  # less than this is rest, not motion
@@ -255,11 +261,36 @@ class _Piece:
 def segment(path: Path) -> Segments:
     """Cut `path` into alternating turns and straights."""
     extent_m = max(path.extent_m, MIN_EXTENT_M)
+    path = _steadied(path, extent_m)
     corners = _simplify(
         path.along_m / (DISTANCE_TOLERANCE_SHARE * extent_m), path.travel_rad / HEADING_TOLERANCE_RAD
     )
     pieces = _classify(path, _without_wobble(path, corners), extent_m)
     return _assemble(path, _join(path, pieces))
+
+
+def _steadied(path: Path, extent_m: float) -> Path:
+    """Return the path with one direction of travel wherever the car steered to and fro within a narrow strip.
+
+    However far a car swings, what it draws there is a line. Of its turn on the spot at an end, that part is left
+    out which lies within the width of a swing.
+    """
+    tolerance_m = STRIP_SHARE * extent_m
+    travel_rad = path.travel_rad
+    for first, last in itertools.pairwise(_simplify(path.x_m / tolerance_m, path.y_m / tolerance_m)):
+        dx, dy = float(path.x_m[last] - path.x_m[first]), float(path.y_m[last] - path.y_m[first])
+        along, travel = path.along_m[first : last + 1], path.travel_rad[first : last + 1]
+        inner = travel[(along > along[0] + tolerance_m) & (along < along[-1] - tolerance_m)]
+        if math.hypot(dx, dy) < MIN_STRIP_SHARE * extent_m or len(inner) == 0:
+            continue
+        line_rad = math.atan2(dy, dx)
+        line_rad += FULL_TURN_RAD * round((float(np.mean(inner)) - line_rad) / FULL_TURN_RAD)
+        widest_rad = float(np.max(np.abs(inner - line_rad)))
+        swings = int(np.count_nonzero(np.diff(np.sign(inner - line_rad))))
+        if swings >= MIN_SWINGS and widest_rad < MOST_ASIDE_RAD:
+            travel_rad = travel_rad.copy()
+            travel_rad[first : last + 1][np.abs(travel - line_rad) <= widest_rad] = line_rad
+    return replace(path, travel_rad=travel_rad)
 
 
 def _simplify(across: Floats, up: Floats) -> list[int]:
@@ -328,21 +359,9 @@ def _join(path: Path, pieces: list[_Piece]) -> list[_Piece]:
         ):
             detours = (*before.detours, (turn.first, turn.last), *after.detours)
             joined[i - 1 : i + 2] = [_Piece(before.first, after.last, True, detours)]
-        elif _weaves(path, joined[i - 1 : i + 4]):
-            back = joined[i + 2]
-            detours = (*before.detours, (turn.first, turn.last), *after.detours, (back.first, back.last))
-            joined[i - 1 : i + 4] = [_Piece(before.first, joined[i + 3].last, True, detours)]
         else:
             i += 1
     return joined
-
-
-def _weaves(path: Path, pieces: Sequence[_Piece]) -> bool:
-    """Whether of three straight pieces the third goes on like the first, and the second is aside by a wobble."""
-    if len(pieces) < 5 or [piece.straight for piece in pieces] != [True, False, True, False, True]:
-        return False
-    aside_rad, change_rad = _change(path, pieces[0], pieces[2]), _change(path, pieces[0], pieces[4])
-    return abs(aside_rad) <= 2.0 * WOBBLE_RAD and abs(change_rad) < MIN_TURN_RAD
 
 
 def _change(path: Path, before: _Piece, after: _Piece) -> float:

@@ -55,6 +55,7 @@ def confine(layers: Layers, budget: Budget, channel: int, stdout: int, stderr: i
     _place_descriptors(channel, stdout, stderr)
     _limit_resources(budget)
     if sys.platform == "linux":
+        _wake_without_haste()
         _drop_privileges(layers)
         libc.prctl(libc.PR_SET_DUMPABLE, 0)
         libc.prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL)
@@ -92,6 +93,14 @@ def _limit_resources(budget: Budget) -> None:
         except (OSError, ValueError):
             if sys.platform == "linux":
                 raise  # macOS, in dev mode, lacks some of them
+
+
+def _wake_without_haste() -> None:
+    """Let a thread that is handed the turn not interrupt the one that hands it over, and is about to wait."""
+    try:
+        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
+    except OSError:
+        return  # a host may forbid it; it is only for speed
 
 
 def _drop_privileges(layers: Layers) -> None:

@@ -193,6 +193,19 @@ def set_without_global(error: StudentError, written: str, script: ScriptText) ->
     return None
 
 
+def no_return(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Find the function of the script whose result a variable keeps, and that returns nothing."""
+    around = script.function_around(error.line or 0)
+    for name in re.findall(r"(?<![\w.])((?:self\.)?\w+)\.\w", written):
+        for line, kept in script.matches(rf"^[ \t]*{re.escape(name)} ?= ?(?:\w+\.)?(\w+)\("):
+            made = script.definition(kept[1])
+            is_own = name.startswith("self.") or script.function_around(line) == around
+            block = script.block(made.line) if made is not None and is_own else ["return x"]
+            if made is not None and not any(re.search(r"\b(return|yield) ?\S", one) for one in block):
+                return "no_return", {"name": name, "function": kept[1], "begins": made.line}
+    return None
+
+
 def future_not_done(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Recognise the result of a future that is taken before the answer has come."""
     found = re.search(r"(?<![\w.])([\w.]{1,60})\.result\( ?\)\.", written)
@@ -522,7 +535,7 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "ros_1_habit": (rate_of_ros_1,),
     "self_outside": (class_body,),
     "shell_line": (only_shell,),
-    "still_none": (future_not_done, none_in_init, none_before_spin, set_without_global),
+    "still_none": (no_return, future_not_done, none_in_init, none_before_spin, set_without_global),
     "text_for_number": (text_plus_number,),
     "time_and_number": (time_to_sleep,),
     "unknown_field": (message_replaced,),

@@ -248,9 +248,9 @@ class ScriptText:
 
     @property
     def defined_twice(self) -> tuple[str, int, int] | None:
-        """A method that is written twice in its class, where both begin: the second replaces the first."""
+        """A function or method that is written twice, where both begin: the second replaces the first."""
         seen: dict[tuple[int | None, str], int] = {}
-        for number in self.lines_with(r"^[ \t]+def \w+ ?\("):
+        for number in self.lines_with(r"^[ \t]*def \w+ ?\("):
             name = self.lines[number - 1].split("def ")[1].partition("(")[0].strip()
             key = (self.owner_of(number), name)
             if key in seen and not any("@" in line for line in self.lines[number - 2 : number - 1]):

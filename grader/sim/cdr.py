@@ -84,12 +84,12 @@ class _FieldType(NamedTuple):
     """What a field's type says.
 
     Attributes:
-        bound: most characters of a text.
+        bound: most characters of a text; infinite without one. What is read is bounded as a whole.
         size: elements of an array, or the most of a sequence; None: it is a single value.
     """
 
     base: str
-    bound: int
+    bound: float
     size: int | None
     is_sequence: bool
 
@@ -102,7 +102,7 @@ def _parse(text: str) -> _FieldType:
     count = number.strip("<=]")
     is_sequence = bracket != "" and (not count or number[0] == "<")
     most = min(int(count or MAX_SEQUENCE_LENGTH), MAX_SEQUENCE_LENGTH) if is_sequence else int(count or 0)
-    return _FieldType(base, int(bound[:-1] or MAX_MESSAGE_BYTES), most if bracket else None, is_sequence)
+    return _FieldType(base, float(bound[:-1] or "inf"), most if bracket else None, is_sequence)
 
 
 class _Reader:
@@ -140,7 +140,7 @@ class _Reader:
             return self.structure(kind.base)
         text = self._text() if kind.base == "string" else self._wide_text()
         if len(text) > kind.bound:
-            raise ProtocolError(f"text of {len(text)} characters, {kind.bound} allowed")
+            raise ProtocolError(f"text of {len(text)} characters, {kind.bound:.0f} allowed")
         return text
 
     def _wide_text(self) -> str:
@@ -216,7 +216,7 @@ class _Writer:
         elif kind.base not in _TEXTS:
             self.structure(kind.base, value)
         elif len(value) > kind.bound:
-            raise ProtocolError(f"text of {len(value)} characters, {kind.bound} allowed")
+            raise ProtocolError(f"text of {len(value)} characters, {kind.bound:.0f} allowed")
         elif kind.base == "string":
             self._text(value)
         else:

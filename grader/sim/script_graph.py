@@ -157,6 +157,8 @@ class ServiceCalls:
 
     def next_ns(self) -> int | None:
         """Return when the next call is due, or None while the script offers no service that waits for one."""
+        if not self._results:  # as in most assignments, and asked at each pose
+            return None
         return min((result.call.at_ns for result, _ in self._ready()), default=None)
 
     def due(self, t_ns: int) -> list[Event]:

@@ -37,6 +37,7 @@ class NewCourse:
     """A course that begins as a copy of another one.
 
     Attributes:
+        title: blank: the id.
         move_days: how many days later than in the other one every date is.
     """
 

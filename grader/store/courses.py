@@ -77,7 +77,7 @@ class Courses:
     def create(
         self, course_id: str, title: str, time_zone: str, actor: str, distro: Distro = DEFAULT_DISTRO
     ) -> Course:
-        """Create a course without members.
+        """Create a course without members; a blank `title` is the id.
 
         Raises:
             CourseError: there is one of that id, or id, title or time zone are not fit.
@@ -199,7 +199,7 @@ def add_course(session: Session, new: Course, actor: str, copy_of: str | None = 
     """
     row = CourseRow(
         id=checked_id(new.id, "id of a course"),
-        title=checked_name(new.title, "title"),
+        title=checked_name(new.title, "title") or new.id,
         time_zone=_checked_zone(new.time_zone),
         created_at=new.created_at,
         distro=new.distro,

@@ -52,8 +52,8 @@ def test_goal_feedback_and_result(run_script):
     assert run_lines(run_script, source) == [
         "False",
         "True [('/fib', ['example_interfaces/action/Fibonacci'])]",
-        "0 [0]",
         "True",
+        "0 [0]",
         "1 [1]",
         "2 4 array('i', [7]) 4",
     ]
@@ -137,3 +137,29 @@ for name in ("a b", ""):
         "Failed to create action server due to invalid topic name '' : : invalid empty action name, at "
         "./src/rcl_action/names.c:36",
     ]
+
+
+def test_what_comes_while_the_server_runs_waits_for_the_clients_next_turn(run_script):
+    run = run_script("""
+import rclpy
+from rclpy.action import ActionClient, ActionServer
+from example_interfaces.action import Fibonacci
+rclpy.init()
+node = rclpy.create_node("n")
+handles = []
+def work(goal):
+    if handles:
+        handles[0].cancel_goal_async().add_done_callback(lambda future: print("cancelled"))
+    goal.succeed()
+    return Fibonacci.Result()
+server = ActionServer(node, Fibonacci, "fib", work)
+client = ActionClient(node, Fibonacci, "fib")
+def accepted(future):
+    print("accepted")
+    handles.append(future.result())
+for _ in range(2):
+    client.send_goal_async(Fibonacci.Goal()).add_done_callback(accepted)
+    for _ in range(12):
+        rclpy.spin_once(node, timeout_sec=0.01)
+""")
+    assert run.stdout == "accepted\naccepted\ncancelled\n"

@@ -488,3 +488,37 @@ for timer in timers:
 rclpy.spin_once(node, timeout_sec=2.0)
 """)
     assert run.stdout.splitlines()[-1] == "guard 0.2"
+
+
+def test_a_coroutine_may_end_in_another_thread_than_it_began_in(run_script):
+    run = run_script("""
+import rclpy, time
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import MultiThreadedExecutor
+from rclpy.task import Future
+rclpy.init()
+node = rclpy.create_node("n")
+group = ReentrantCallbackGroup()
+executor = MultiThreadedExecutor(2)
+executor.add_node(node)
+asked = Future()
+async def ask():
+    timers[0].cancel()
+    await asked
+    print("answered")
+def occupy():
+    timers[1].cancel()
+    time.sleep(1)
+def answer():
+    timers[2].cancel()
+    asked.set_result(1)
+timers = [
+    node.create_timer(at, callback, callback_group=group)
+    for at, callback in ((0.1, ask), (0.2, occupy), (0.3, answer), (0.35, lambda: None))
+]
+end = time.time() + 2
+while time.time() < end:
+    executor.spin_once(timeout_sec=0.2)
+print("end")
+""")
+    assert run.stdout == "answered\nend\n", run.stderr

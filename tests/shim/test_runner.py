@@ -49,6 +49,35 @@ def test_without_stdin_input_ends_at_once(run_bare: RunScript) -> None:
 
 
 @pytest.mark.parametrize(
+    "ask",
+    [
+        "try: float(input()); break\n    except (ValueError, EOFError): pass",
+        "if sys.stdin.readline().strip(): break",
+        "if sys.stdin.read(): break",
+        "for line in sys.stdin: break",
+    ],
+)
+def test_a_loop_that_asks_again_and_again_gets_ctrl_c(run_bare: RunScript, ask: str) -> None:
+    source = f"import sys\nprint(sys.stdin.mode, sys.stdin.encoding)\nwhile True:\n    {ask}\n"
+    run = run_bare(source, steps=1_500_000)
+    assert (run.stdout, run.exit["reason"], run.exit["after_interrupt"]) == ("r utf-8\n", 0, 1)
+    assert ("asks_again", "") in run.notes
+    assert "runner" not in run.stderr
+
+
+def test_a_thread_that_asks_for_ever_keeps_nobody_from_the_end(run_bare: RunScript) -> None:
+    """At home it waits in a terminal, and says nothing about what the others do."""
+    run = run_bare(
+        "import threading, time\ndef ask():\n    while True:\n        try: input()\n"
+        "        except EOFError: pass\nthreading.Thread(target=ask, daemon=True).start()\n"
+        "for _ in range(20): time.sleep(1)\nprint('done')\n",
+        steps=1_500_000,
+    )
+    assert (run.stdout, run.exit["reason"]) == ("done\n", 0)
+    assert "asks_again" not in dict(run.notes)
+
+
+@pytest.mark.parametrize(
     ("call", "code", "stderr"),
     [
         ("sys.exit()", 0, ""),

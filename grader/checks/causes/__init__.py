@@ -145,6 +145,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_WRONG_WAY, steering.away_from_goal),
     (frozenset(("place_never_stops", "place_circled")), steering.tolerance_too_small),
     (frozenset(("turns_too_short", "one_corner_off")), steering.wide_tolerance),
+    (_CORNERS | _COUNT | {"no_turns", "wall_hit", "curved", "arcs"}, flow.timers_overrule),
     (_CORNERS - {"one_radian"}, times.wrong_time),
     (frozenset(("turns_too_short", "one_corner_off", "turn_too_short", "too_short")), numbers.ticks_cut),
     (_SHORT | {"no_turns", "too_brief", "turned_instead"}, ticks.count_not_reset),

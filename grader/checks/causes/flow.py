@@ -189,6 +189,28 @@ def timer_stops(seen: Searched) -> Mistake | None:
     return mistake("timer_stops", line=stops[0][0], name=stops[0][1])
 
 
+def timers_overrule(seen: Searched) -> Mistake | None:
+    """Find two timers of which one drives and the other turns: the faster replaces what the slower sends."""
+    script = seen.script
+    timers = script.callbacks("timer")
+    known: list[tuple[float, str, bool]] = []
+    for line, name in timers if len(timers) == 2 else ():
+        period_s = value_of((script.arguments(line, "create_timer") or [""])[0], script)
+        made = script.definition(name)
+        body = "\n".join(script.block(made.line)[1:]) if made else ""
+        moves = [bool(re.search(_MOTION.replace(r"linear\.x|angular\.z", axis), body)) for axis in _AXES]
+        if period_s is None or ".publish(" not in body or sum(moves) != 1:
+            return None
+        known.append((period_s, name, moves[0]))
+    if len(known) != 2 or known[0][2] == known[1][2]:
+        return None
+    (fast_s, fast, _), (_, slow, _) = sorted(known)
+    return mistake("timers_overrule", fast=fast, slow=slow, period=number(fast_s, "s", 4))
+
+
+_AXES: Final = (r"linear\.x", r"angular\.z")
+
+
 def spin_once(seen: Searched) -> Mistake | None:
     """Find a ``spin_once`` that stands in no loop; where commands were lost, callbacks must have sent them."""
     callbacks = seen.script.lines_with(r"\bcreate_(timer|subscription|service)\(")
@@ -341,8 +363,10 @@ def thread_not_started(seen: Searched) -> Mistake | None:
     script = seen.script
     if script.lines_with(r"\.start\("):
         return None
-    for line, found in script.matches(r"(?:(?<![\w.])([\w.]+) ?= ?)?(?:threading\.)?\bThread\("):
-        return mistake("thread_not_started", line=line, call=f"{found[1] or 'Thread(...)'}.start()")
+    made = r"(?:(?<![\w.])([\w.]+) ?= ?)?(?:(?:threading\.)?\b(Thread)|\bthreading\.(Timer))\("
+    for line, found in script.matches(made):
+        kept = found[1] or f"{found[2] or found[3]}(...)"
+        return mistake("thread_not_started", line=line, call=f"{kept}.start()")
     return None
 
 

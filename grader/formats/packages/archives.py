@@ -185,9 +185,7 @@ def _path(info: zipfile.ZipInfo, bounds: ZipBounds) -> str:
     Raises:
         ArchiveError: it does not stay inside the archive's own tree.
     """
-    name = info.orig_filename
-    if not info.flag_bits & _UTF8_NAME:
-        name = _decoded(name)
+    name = name_in_zip(info)
     if bounds.backslashes:
         name = name.replace("\\", "/")
     name = unicodedata.normalize("NFC", name)
@@ -204,10 +202,14 @@ def _path(info: zipfile.ZipInfo, bounds: ZipBounds) -> str:
     return "/".join(parts) + ("/" if name.endswith("/") else "")
 
 
-def _decoded(name: str) -> str:
-    """Return a name without the flag for UTF-8: `zipfile` takes it for code page 437."""
+def name_in_zip(info: zipfile.ZipInfo) -> str:
+    """Return an entry's name as it was packed, in whichever coding: it may be any text.
+
+    `zipfile` takes a name without the flag for UTF-8 for code page 437.
+    """
+    name = info.orig_filename
     raw = name.encode("cp437", "replace")
-    if raw.isascii():
+    if info.flag_bits & _UTF8_NAME or raw.isascii():
         return name
     for coding in _CODINGS:
         try:

@@ -99,7 +99,7 @@ def read_course(services: ServicesDep, caller: StaffDep) -> CourseView:
 )
 def copy_course(services: ServicesDep, caller: InstructorDep, body: NewCourseBody) -> NewCourseView:
     """Make a course with the same rules and published assignments, without its people and work."""
-    new = NewCourse(id=body.id, title=body.title or body.id, move_days=body.move_days)
+    new = NewCourse(id=body.id, title=body.title, move_days=body.move_days)
     made = course_life.copy_course(services, caller, new)
     return NewCourseView(
         course=CourseView.model_validate(made.course, from_attributes=True),

@@ -4,7 +4,7 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
-from pydantic import AliasPath, BaseModel, Field
+from pydantic import AliasPath, BaseModel, Field, StringConstraints
 
 from grader.contracts.regrade import Regrade, RegradeState, Wanted, Which
 from grader.service.requests.dependencies import (
@@ -46,7 +46,11 @@ class RegradeOrder(Body):
 class Decision(Body):
     """Why a re-grade is applied, discarded or undone."""
 
-    reason: Annotated[str, Field(min_length=1, max_length=1_000, examples=["the tolerance was too tight"])]
+    reason: Annotated[
+        str,
+        StringConstraints(strip_whitespace=True, min_length=1, max_length=1_000),
+        Field(examples=["the tolerance was too tight"]),
+    ]
 
 
 class ItemChangeView(BaseModel):

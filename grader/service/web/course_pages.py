@@ -62,7 +62,7 @@ def copy_course(
     request: Request, services: ServicesDep, visitor: InstructorDep, form: Annotated[CopyForm, Form()]
 ) -> Response:
     """Make a course with the rules of this one and show its token, this once."""
-    new = NewCourse(id=form.id.strip(), title=form.title.strip() or form.id.strip(), move_days=form.move_days)
+    new = NewCourse(id=form.id.strip(), title=form.title, move_days=form.move_days)
     try:
         copied = course_life.copy_course(services, visitor.caller, new)
     except RefusedError as error:

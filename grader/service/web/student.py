@@ -65,17 +65,20 @@ def take_file(  # noqa: PLR0913, PLR0917
     services: ServicesDep,
     visitor: MemberDep,
     assignment_id: str,
-    file: Annotated[UploadFile, File()],
+    file: Annotated[UploadFile | None, File()] = None,
     student: Annotated[str, Form(max_length=200)] = "",
 ) -> Response:
-    """Take a file and lead to its result; on a refusal show the same page with the reason."""
+    """Take a file and lead to its result; on a refusal show the same page with the reason.
+
+    None was chosen where a browser does not insist on it: it is refused as any file without a name.
+    """
     assignment = visible_assignment(services, visitor.caller, assignment_id)
     given = visitor.student or student.strip()
     upload = Upload(
         assignment=assignment.id,
         student=given,
-        file_name=file.filename or "",
-        content=file.file.read(most_upload_bytes(services) + 1),
+        file_name="" if file is None else file.filename or "",
+        content=b"" if file is None else file.file.read(most_upload_bytes(services) + 1),
         arrived_at=arrival_of(request),
     )
     try:

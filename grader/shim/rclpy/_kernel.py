@@ -247,6 +247,11 @@ class Kernel:
         self.charge()
         return self.now_ns
 
+    @property
+    def streak(self) -> int:
+        """Charges since a thread waited last."""
+        return self._streak
+
     def charge(self) -> None:
         """Advance time by the charge of one publish, poll or reading of a clock.
 

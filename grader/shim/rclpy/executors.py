@@ -97,16 +97,10 @@ class _Spinning:
 
 
 class _WorkTracker:
-    """Which threads are running callbacks."""
+    """Which threads have begun callbacks that have not ended."""
 
     def __init__(self) -> None:
         self.running: list[object] = []
-
-    def __enter__(self) -> None:
-        self.running.append(kernel.running)
-
-    def __exit__(self, *_: object) -> None:
-        self.running.remove(kernel.running)
 
     def wait(self, timeout_sec: float | None = None) -> bool:
         """Block until no other thread runs one; False when the timeout (None or negative: never) came first.
@@ -493,7 +487,9 @@ class Executor:
                 changes.executing.remove(entity)
                 self.wake()
                 return
-            with self._work_tracker:
+            running, begun_by = self._work_tracker.running, kernel.running
+            running.append(begun_by)
+            try:
                 taken = take_from_wait_list(entity)
                 entity._executor_event = False
                 self.wake()
@@ -503,6 +499,8 @@ class Executor:
                     entity.callback_group.ending_execution(entity)
                     changes.executing.remove(entity)
                     self.wake()
+            finally:
+                running.remove(begun_by)  # what has awaited may end in another thread
 
         task = Task(handler, (entity, self._is_shutdown), executor=self)
         self._tasks.append((task, entity, node))

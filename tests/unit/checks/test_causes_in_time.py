@@ -245,3 +245,24 @@ def test_a_pause_without_a_stop_lengthens_the_turn_by_as_much(corner_deg: float,
         **{**{name: getattr(held, name) for name in Trajectory.__slots__}, "commands": moves}
     )
     assert _cause("turns_too_far", "pub.publish(m)", changed, corner_deg) == wanted
+
+
+TIMERS = (
+    "class A(Node):\n    def __init__(self):\n        self.create_timer(0.1, self.go)\n"
+    "        self.create_timer(2.0, self.turn)\n    def go(self):\n        m.linear.x = 1.0\n"
+    "        pub.publish(m)\n"
+    "    def turn(self):\n        {turned}\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("turned", "wanted"),
+    [
+        ("m.angular.z = 1.57\n        pub.publish(m)", "timers_overrule"),
+        ("m.linear.x = 0.0\n        m.angular.z = 1.57\n        pub.publish(m)", "timers_overrule"),
+        ("self.turning = True", "turns_too_short"),
+        ("m.linear.x = 1.0\n        pub.publish(m)", "turns_too_short"),
+    ],
+)
+def test_two_timers_that_send_commands_of_their_own(turned: str, wanted: str) -> None:
+    assert cause("turns_too_short", TIMERS.format(turned=turned)) == wanted

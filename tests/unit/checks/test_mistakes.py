@@ -49,6 +49,12 @@ def test_other_ends(status: RunStatus, code: str) -> None:
             "no_arguments",
             "argparse",
         ),
+        (
+            RunStatus.INTERRUPTED,
+            {"nodes": (), "notes": (Note(code="asks_again", text=""),)},
+            "asks_again",
+            "float(",
+        ),
         (RunStatus.FINISHED, {}, "no_publisher", "/turtle1/cmd_vel"),
         (RunStatus.FINISHED, {"endpoints": (publisher("/rosout"),)}, "no_publisher", "/turtle1/cmd_vel"),
         (

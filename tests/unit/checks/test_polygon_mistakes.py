@@ -295,3 +295,15 @@ def test_tiny_corners_are_no_arcs_of_a_car_that_slips() -> None:
 def test_a_script_without_a_linear_speed_is_told_to_drive(source: str, code: str) -> None:
     turning = drive([(14.0, 0.0, 1.0), (0.2, 0.0, 0.0)])
     assert with_source("square", turning, source).mistakes[0] == code
+
+
+def test_sides_that_were_backed_in_turn_are_told_before_the_corners_they_draw() -> None:
+    legs: list[Leg] = [
+        (2.0, 1.0, 0.0),
+        (2.0944, 0.0, 1.0),
+        (2.0, -1.0, 0.0),
+        (2.0944, 0.0, 1.0),
+        (2.0, 1.0, 0.0),
+    ]
+    assert graded("triangle", drive(legs)).mistakes[0] == "to_and_fro"
+    assert "to_and_fro" not in graded("triangle", drive([(2.0, 1.0, 0.0), (1.05, 0.0, 1.0)] * 3)).mistakes

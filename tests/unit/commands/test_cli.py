@@ -1,6 +1,7 @@
 """What the command line itself says."""
 
 import argparse
+import io
 import re
 import shlex
 import subprocess
@@ -121,3 +122,13 @@ def test_a_file_that_a_command_cannot_use_is_named(
     arguments = ["regrade-folder", str(tmp_path / "class"), "-a", "square", "--lang", "en"]
     assert cli.run([*arguments, "--reports", str(tmp_path / "file")]) == cli.EXIT_NOT_DONE
     assert capsys.readouterr().err == f"grader: {tmp_path / 'file'}: File exists\n"
+
+
+@pytest.mark.parametrize(("encoding", "title"), [("gbk", "正方形"), ("ascii", "???")])
+def test_a_terminal_that_lacks_a_sign_shows_the_others(
+    encoding: str, title: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(shown, encoding=encoding))
+    assert cli.run(["assignments", "show", "square"]) == 0
+    assert title in shown.getvalue().decode(encoding)

@@ -230,6 +230,30 @@ def test_an_export_writes_nowhere_else(name: str, tmp_path: Path, capsys: pytest
     assert "has a file called" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("coding", ["gbk", "utf-8"])
+def test_names_of_an_export_are_read_as_windows_packs_them(tmp_path: Path, coding: str) -> None:
+    path, name = tmp_path / "export.zip", "张伟"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("X" * len(name.encode(coding)) + "/mine.py", HELLO)
+    content = path.read_bytes()
+    path.write_bytes(content.replace(b"X" * len(name.encode(coding)), name.encode(coding)))
+    with regrade_folder.unpacked(path) as folder:
+        assert [entry.name for entry in regrade_folder.entries(folder, (".py",))] == ["mine.py"]
+        assert [one.name for one in folder.iterdir()] == [name]
+
+
+def test_an_export_without_submissions_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Links lead out of it: what they show is nobody's."""
+    path = tmp_path / "export.zip"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("li.txt", "none")
+    (tmp_path / "class").mkdir()
+    (tmp_path / "class" / "li.py").symlink_to(__file__)
+    for export in (path, tmp_path / "class"):
+        assert cli.run(["regrade-folder", str(export), "-a", "hello", "--lang", "en"]) == 2
+        assert capsys.readouterr().err == f"grader: {export}: has no submissions\n"
+
+
 @pytest.mark.usefixtures("lent")
 def test_classroom_50_is_told_what_its_runner_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -117,7 +117,7 @@ def test_a_side_that_bends_is_a_run_unless_its_arc_is_narrower_than_the_path() -
     assert all(run.bend_rad < 0.05 for run in narrow.straights)
 
 
-@pytest.mark.parametrize("swing_deg", [6, 8, 9.5])
+@pytest.mark.parametrize("swing_deg", [6, 8, 10])
 @pytest.mark.parametrize("sides", [3, 4])
 def test_a_heading_that_is_corrected_too_far_on_the_spot_is_straight(sides: int, swing_deg: float) -> None:
     """Ten steps to a side, aside by the swing to the left and to the right in turn."""
@@ -130,3 +130,19 @@ def test_a_heading_that_is_corrected_too_far_on_the_spot_is_straight(sides: int,
         legs[-1] = (math.tau / sides + swing, 0.0, 1.0)
     path = path_of(legs)
     assert len(segment(path).straights) == sides
+
+
+@pytest.mark.parametrize("swing_deg", [10, 17, 30])
+@pytest.mark.parametrize("sides", [3, 4, 6])
+def test_steering_that_swings_far_within_a_narrow_strip_is_straight(sides: int, swing_deg: float) -> None:
+    """As steering at 10 Hz by the sign of the error does: 5 cm to one side, 5 cm to the other."""
+    swing = math.radians(swing_deg)
+    steps = [(0.05, 1.0, 2.0 * swing / 0.05), (0.05, 1.0, -2.0 * swing / 0.05)] * 15
+    side = [(swing, 0.0, -1.0), *steps, (swing, 0.0, 1.0)]
+    path = path_of([*side, (math.tau / sides, 0.0, 1.0)] * sides)
+    figure = measure_polygon(path, segment(path), sides=sides, cut_short=False)
+    assert figure is not None
+    assert len(figure.sides_m) == sides
+    assert [math.degrees(corner) for corner in figure.corners_rad] == pytest.approx(
+        [360 / sides] * (sides - 1), abs=3.0
+    )

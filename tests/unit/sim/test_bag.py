@@ -2,6 +2,7 @@
 
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -79,6 +80,14 @@ def test_rosbags_reads_what_was_recorded(tmp_path: Path) -> None:
     assert (transform.header.frame_id, transform.child_frame_id) == ("world", "turtle1")
     assert transform.header.stamp.sec * 10**9 + transform.header.stamp.nanosec == EPOCH_NS + 2 * UPDATE_NS
     assert json.loads(seen["/rubric"][0][1].data)[0]["earned"] == 3.0
+
+
+def test_a_long_rubric_is_kept_whole() -> None:
+    """Ten cases of ten items have some 700 characters each."""
+    items = [{"id": f"item{k}", "message": "长" * 700} for k in range(100)]
+    reader = make_reader(io.BytesIO(bag(replace(_contents(DRIVE), items=items))))
+    ((_, _, message),) = reader.iter_messages(topics=["/rubric"])
+    assert len(message.data) > 200_000
 
 
 def test_a_bag_tells_what_its_channels_offer_and_carries_the_report() -> None:

@@ -46,6 +46,13 @@ def test_a_database_begins_without_courses(database: Database, clock: FakeClock)
     assert [course.id for course in Courses(database, clock).all()] == ["ros"]
 
 
+def test_a_course_without_a_title_is_called_by_its_id(courses: Courses) -> None:
+    assert [courses.create(f"c{len(blank)}", blank, "UTC", "me").title for blank in ("", " \u3000")] == [
+        "c0",
+        "c2",
+    ]
+
+
 @pytest.mark.sweep(7)
 @pytest.mark.parametrize(
     ("course", "title", "zone", "why"),

@@ -26,6 +26,7 @@ from grader.checks.mistakes import (
     no_final_stop,
     noted,
     only_turned,
+    share_backwards,
     steers,
     swings,
     with_ends,
@@ -384,6 +385,7 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
         yield _arcs(seen, figure)
     elif _is_astray(figure) and max(figure.bows) > 0.0:
         yield _astray(seen, figure)
+    yield from _backed_sides(seen)
     wrong = (_angles(seen, figure), _count(seen, figure))
     for mistakes in (
         wrong if seen.rigid else reversed(wrong)
@@ -461,6 +463,18 @@ def _long_way(seen: _Seen, values: Mapping[str, object]) -> Mistake:
         return mistake("long_way", ("opposite_corners",), turned=listed(turned_deg, "deg"), **values)
     turned = listed(np.abs(turned_deg), "deg")
     return mistake("long_way_by_time", ("opposite_corners",), turned=turned, **values)
+
+
+def _backed_sides(seen: _Seen) -> Iterator[Mistake]:
+    """Recognise corners that are off because some of the sides were backed: what is drawn is then no turn."""
+    speeds = [one.v_mps for one in moves_of(seen.run.trajectory) if abs(one.v_mps) > MOVING_MPS]
+    changes = sum(before * after < 0.0 for before, after in itertools.pairwise(speeds))
+    off = any(seen.loses("corner_deg", corner) for corner in seen.driven.corners_deg.tolist())
+    if off and changes > 1 and _BACKED < share_backwards(seen.run) < 1.0 - _BACKED:
+        yield mistake("to_and_fro", ("corner_deg", "gap_pct", "sides", "opposite_corners"), times=changes)
+
+
+_BACKED = 0.2  # of the way: less corrects a side that was too long
 
 
 def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:

@@ -159,6 +159,9 @@ class ActionClient(Waitable):
         self._results = PendingRequests(self, "result")
         self._feedback_callbacks: dict[bytes, Callable[[Any], Any]] = {}
         self._backlogs = tuple(member.backlog for member in self._client_handle.members)
+        self._ready = [False] * len(
+            self._backlogs
+        )  # at the last wait: what comes after it waits for the next
         self._node.add_waitable(self)
 
     # Waitable ------------------------------------------------------------------------------------
@@ -167,27 +170,29 @@ class ActionClient(Waitable):
         return self._client_handle.doomed
 
     def _poll(self) -> bool:
-        return any(self._backlogs)
+        self._ready = list(map(bool, self._backlogs))
+        return any(self._ready)
 
     def is_ready(self, wait_set: WaitSet) -> bool:
         return self._poll()
 
     def take_data(self) -> dict[str, Any]:
         handle, impl = self._client_handle, self._action_type.Impl
+        feedback, status, goal, cancel, result = self._ready
         data: dict[str, Any] = {}
-        for key, client, kind in (
-            ("goal", handle.goal, impl.SendGoalService),
-            ("cancel", handle.cancel, impl.CancelGoalService),
-            ("result", handle.result, impl.GetResultService),
+        for key, ready, client, kind in (
+            ("goal", goal, handle.goal, impl.SendGoalService),
+            ("cancel", cancel, handle.cancel, impl.CancelGoalService),
+            ("result", result, handle.result, impl.GetResultService),
         ):
-            header, response = client.take_response(kind.Response)
+            header, response = client.take_response(kind.Response) if ready else (None, None)
             if header is not None:
                 data[key] = (header.request_id.sequence_number, response)
-        for key, topic, kind in (
-            ("feedback", handle.feedback, impl.FeedbackMessage),
-            ("status", handle.status, impl.GoalStatusMessage),
+        for key, ready, topic, kind in (
+            ("feedback", feedback, handle.feedback, impl.FeedbackMessage),
+            ("status", status, handle.status, impl.GoalStatusMessage),
         ):
-            taken = topic.take_message(kind, False)
+            taken = topic.take_message(kind, False) if ready else None
             if taken is not None:
                 data[key] = taken[0]
         return data

@@ -15,7 +15,7 @@ from rclpy.waitable import NumberOfEntities, Waitable
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from typing import Any
 
     from rclpy._rcl.wait_set import WaitSet
@@ -150,6 +150,8 @@ class ActionServer(Waitable):
         feedback_pub_qos_profile, status_pub_qos_profile: of the topics.
         result_timeout: seconds for which results are kept.
     """
+
+    _ready: Sequence[bool] = (False, False, False)  # at the last wait: what comes after it waits for the next
 
     def __init__(
         self,
@@ -310,7 +312,8 @@ class ActionServer(Waitable):
         return self._handle.timer
 
     def _poll(self) -> bool:
-        return any(self._backlogs) or self._handle.timer.is_timer_ready()
+        self._ready = list(map(bool, self._backlogs))
+        return any(self._ready) or self._handle.timer.is_timer_ready()
 
     def is_ready(self, wait_set: WaitSet) -> bool:
         return self._poll()
@@ -319,8 +322,9 @@ class ActionServer(Waitable):
         impl = self._action_type.Impl
         kinds = (impl.SendGoalService, impl.CancelGoalService, impl.GetResultService)
         data: dict[str, Any] = {}
-        for key, service, kind in zip(("goal", "cancel", "result"), self._services, kinds, strict=True):
-            request, header = service.service_take_request(kind.Request)
+        keys = ("goal", "cancel", "result")
+        for key, service, kind, ready in zip(keys, self._services, kinds, self._ready, strict=True):
+            request, header = service.service_take_request(kind.Request) if ready else (None, None)
             if header is not None:
                 data[key] = (header.request_id, request)
         if self._handle.timer.is_timer_ready():

@@ -197,7 +197,8 @@ def test_reading_has_bounds() -> None:
     bomb = "id: x\nbrief: &a [x,x,x,x,x,x,x,x,x]\n" + "".join(
         f"{after}: &{after} [{','.join([f'*{before}'] * 9)}]\n" for before, after in pairwise(names)
     )
-    reading = read_folder({"assignment.yaml": f"{bomb}title: {{zh: *j, en: *j}}\nitems: *j\n".encode()})
+    fields = "title: {zh: *j, en: *j}\nitems: *j\nhorizon_s: *j\n"
+    reading = read_folder({"assignment.yaml": f"{bomb}{fields}".encode()})
     assert reading.assignment is None
     assert 0 < len(reading.misfits) <= 50
 

@@ -100,6 +100,7 @@ def test_applied_it_counts_and_the_old_grading_stays(
 ) -> None:
     tighten(services)
     url = post(assignment="square").headers["Location"]
+    assert post(f"{url}/apply", reason=" \n").json()["code"] == "invalid_request"
     assert post(f"{url}/apply", reason="too early").json()["code"] == "regrade_running"
     work(services, grade)
     applied = post(f"{url}/apply", reason="the rubric grew").json()

@@ -127,6 +127,18 @@ def test_a_refused_file_leads_back_to_the_form(
     assert "grader_student" not in answer.headers.get("set-cookie", "")
 
 
+def test_a_form_without_a_file_is_shown_again(browser: Browser) -> None:
+    fields = {"student": "s1"}
+    for answer in (
+        browser.post("/assignments/square", fields, files={"other": ("", b"")}),  # no such part at all
+        browser.hand_in("square", b"", name="", **fields),  # as a browser sends what was not chosen
+    ):
+        assert answer.status_code == 415
+        assert 'name="file"' in answer.text
+        assert 'value="s1"' in answer.text
+        assert ".py" in answer.text
+
+
 def test_a_syntax_error_shows_its_line(browser: Browser) -> None:
     answer = browser.hand_in("square", b"x = 1\n" + BROKEN, student="s1")
     assert "<b>2</b> def broken(" in answer.text
