@@ -124,14 +124,14 @@ class _WorkTracker:
 
 
 def _tell_that_humble_hangs() -> None:
-    """Note the line of the callback that calls shutdown(), the first time: at home nothing comes after it.
+    """Note the line that calls shutdown(), the first time: at home nothing comes after it.
 
-    There is none where `shutdown` itself is the callback, or where another callback, a coroutine, awaits something
-    for ever: that hangs at home, too, but the line that is in the script now is to blame for neither.
+    There is none where `shutdown` itself is the callback.
     """
-    from rclpy._patches.tracebacks import line_called_from
+    from rclpy._patches.tracebacks import line_of_call
 
-    line = line_called_from(_tell_that_humble_hangs.__code__.co_filename)
+    here = _tell_that_humble_hangs.__code__
+    line = line_of_call(here.co_filename, (here.co_name, "wait", "shutdown"))
     if line:
         link.note_once("shutdown_in_callback", str(line))
 

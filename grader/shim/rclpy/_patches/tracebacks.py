@@ -8,7 +8,7 @@ from rclpy._kernel import Kernel, Thread
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Collection, Iterable
     from types import FrameType, TracebackType
     from typing import Any
 
@@ -240,15 +240,15 @@ def main_thread_at(kernel: Kernel) -> str:
     return f"{line} {call or '-'} {kernel.main.deadline_ns}"
 
 
-def line_called_from(file_name: str) -> int:
-    """Return the line at which this thread is in the script, if code of `file_name` called the script; else 0."""
-    line = 0
+def line_of_call(file_name: str, functions: Collection[str]) -> int:
+    """Return the line of the script that has called `functions` of a file; 0 if other code of that file has."""
     frame: FrameType | None = sys._getframe()
     while frame is not None:
-        if script.owns(frame.f_code.co_filename):
-            line = line or frame.f_lineno
-        elif line and frame.f_code.co_filename == file_name:
-            return line
+        code = frame.f_code
+        if script.owns(code.co_filename):
+            return frame.f_lineno
+        if code.co_filename == file_name and code.co_name not in functions:
+            return 0
         frame = frame.f_back
     return 0
 
