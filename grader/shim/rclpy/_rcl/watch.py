@@ -57,16 +57,14 @@ class Watch:
         self._backlogs: list[Any] = []
         self._reset: list[Any] = []  # backlogs of timers, which a reset before the wait has filled
         self._checked: list[Any] = []
-        self._clockwork: list[
-            tuple[Any, int, Place | None]
-        ] = []  # handle, how far its clock leads, whose it is
+        # Handle, how far its clock leads, whose it is.
+        self._clockwork: list[tuple[Any, int, Place | None]] = []
         self._heap: list[tuple[int, int]] = []  # when it is due, number in the clockwork
         self._others: list[tuple[Any, Place]] = []
         self._guards: list[tuple[Any, Place]] = []
         self._waitables: list[tuple[Any, WaitSet | None, Node]] = []
-        self._events: list[
-            Any
-        ] = []  # backlogs of waitables, if these are ready only when they hold something
+        # Backlogs of waitables, if these are ready only when they hold something.
+        self._events: list[Any] = []
         self._plain: Any = None  # the last callback that was found to be no coroutine function
         self._first: Place | None = None  # the timer of `deadline_ns`
         self._timed = False  # whether a waitable may become ready without one

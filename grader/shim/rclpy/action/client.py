@@ -159,9 +159,8 @@ class ActionClient(Waitable):
         self._results = PendingRequests(self, "result")
         self._feedback_callbacks: dict[bytes, Callable[[Any], Any]] = {}
         self._backlogs = tuple(member.backlog for member in self._client_handle.members)
-        self._ready = [False] * len(
-            self._backlogs
-        )  # at the last wait: what comes after it waits for the next
+        # At the last wait: what comes after it waits for the next.
+        self._ready = [False] * len(self._backlogs)
         self._node.add_waitable(self)
 
     # Waitable ------------------------------------------------------------------------------------
