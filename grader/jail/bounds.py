@@ -26,7 +26,7 @@ counts by ticks: on a busy host it took 4.3 s for 5, and its kill cannot be told
 def resource_limits(cpu_s: float, memory_bytes: int, threads: int | None) -> dict[int, int]:
     """Return the rlimits of a confined process, soft = hard.
 
-    `threads`: at most, or None where the kernel could not count this process alone.
+    `threads`: how many it may have; None where the kernel could not count this process alone.
     """
     limits = {
         resource.RLIMIT_AS: memory_bytes + ADDRESS_SPACE_OVERHEAD_BYTES,

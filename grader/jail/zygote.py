@@ -145,8 +145,8 @@ def _prepare(config: Json) -> tuple[Layers, Entry]:
         readable: list[str] = config["readable"]
         ruleset = landlock.create_ruleset([*readable, *bounds.READABLE_DEVICES], bounds.WRITABLE_DEVICES)
         ruleset = fcntl.fcntl(ruleset, fcntl.F_DUPFD_CLOEXEC, _FIRST_FREE_FD)  # out of the channel's place
-    # A child takes them away: a script that lists or imports modules sees what it would see at home. It does not
-    # look for them, because a look at the names of all modules touches, and so copies, the pages they lie on.
+    # Each child takes these away, so that a script that lists or imports modules sees what it would see at home.
+    # They are looked up here: in a child, a look at the names of all modules would copy the pages they lie on.
     _own_modules.extend(name for name in sys.modules if name.partition(".")[0] == "jail")
     # A collection in a child would touch, and so copy, every page of what all children share.
     gc.collect()

@@ -54,7 +54,10 @@ class Recorder:
         self._samples.append((self._t_ns, *pose, v_mps, w_radps))
 
     def command(self, came: Iterable[tuple[int, int]], v_mps: float, w_radps: float) -> None:
-        """Add a command for each update that takes it and time at which it came; the last of an update counts."""
+        """Add a command that came once or several times: for each, the update that takes it, and when it came.
+
+        Of several for one update the last counts.
+        """
         commands, before = self._commands, self._command_update
         for update, t_ns in came:
             if update == before:

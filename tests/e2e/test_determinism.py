@@ -81,3 +81,15 @@ def test_a_run_that_is_told_of_is_the_same_run(slot: Slot) -> None:
     assert followed.trajectories == alone.trajectories
     assert told[-1].t_ns > 0
     assert "44999850000" in told[-1].stderr
+
+
+def test_clocks_copied_by_modules_are_looked_for_in_all_that_a_process_is_forked_with(
+    grader: Grader,
+) -> None:
+    source = b"""
+import sys
+from rclpy._patches import install
+print([name for name in sys.modules if name not in install._searched and not name.startswith(install._OURS)])
+"""
+    (run,) = grade(grader, "hello", source).runs
+    assert run.outcome.stdout.text == "[]\n"

@@ -142,6 +142,68 @@ def test_shutdown_in_a_callback_ends_the_spin_and_the_student_is_told_that_humbl
     assert run.notes == ([("shutdown_in_callback", "6")] if distro == "humble" else [])
 
 
+@pytest.mark.parametrize("called", ["rclpy.shutdown", "executor.shutdown"])
+def test_no_line_is_blamed_where_shutdown_itself_is_the_callback(run_script, called):
+    source = f"""
+        import rclpy
+        rclpy.init()
+        node = rclpy.create_node("n")
+        executor = rclpy.get_global_executor()
+        executor.add_node(node)
+        node.create_timer(0.5, {called})
+        executor.spin()
+    """
+    assert run_script(dedent(source)).notes == []
+
+
+def test_shutdown_beside_a_coroutine_that_waits_for_ever_is_told(run_script):
+    source = """
+        import rclpy
+        rclpy.init()
+        node = rclpy.create_node("m")
+        async def wait_for_ever(): await rclpy.task.Future()
+        def leave(): raise SystemExit
+        node.create_timer(0.1, wait_for_ever)
+        node.create_timer(0.5, leave, callback_group=rclpy.callback_groups.ReentrantCallbackGroup())
+        try:
+            rclpy.spin(node)
+        finally:
+            rclpy.shutdown()
+    """
+    assert run_script(dedent(source)).notes == [("shutdown_in_callback", "12")]
+
+
+def test_only_the_first_shutdown_in_a_callback_is_told(run_script):
+    source = """
+        import rclpy
+        rclpy.init()
+        node = rclpy.create_node("n")
+        def tick():
+            node.executor.shutdown()
+            rclpy.shutdown()
+        node.create_timer(0.5, tick)
+        rclpy.spin(node)
+    """
+    assert run_script(dedent(source)).notes == [("shutdown_in_callback", "6")]
+
+
+def test_a_coroutine_that_calls_shutdown_is_told_too(run_script):
+    source = """
+        import rclpy
+        rclpy.init()
+        node = rclpy.create_node("n")
+        later = rclpy.task.Future()
+        async def tick():
+            await later
+            rclpy.shutdown()
+        node.create_timer(0.5, tick)
+        group = rclpy.callback_groups.ReentrantCallbackGroup()
+        node.create_timer(0.7, lambda: later.set_result(None), callback_group=group)
+        rclpy.spin(node)
+    """
+    assert run_script(dedent(source)).notes == [("shutdown_in_callback", "8")]
+
+
 def test_shutdown_from_another_thread_ends_the_spin(run_script):
     source = """
         import threading, time, rclpy

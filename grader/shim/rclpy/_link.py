@@ -283,7 +283,7 @@ class Link:
         """Send the episode a note for the report."""
         self._tell(_wire.note(code, text))
 
-    def note_once(self, code: str) -> bool:
+    def note_once(self, code: str, text: str = "") -> bool:
         """Send a note, unless one with this code was sent before: a loop must not fill the channel.
 
         Returns:
@@ -292,7 +292,7 @@ class Link:
         if code in self._noted:
             return False
         self._noted.add(code)
-        self.note(code)
+        self.note(code, text)
         return True
 
     def advance(self, target_ns: int, together_ns: int) -> int:
@@ -460,3 +460,4 @@ class Link:
 link = Link(kernel)
 
 publish = link.publish
+"""See `_kernel.charge`."""

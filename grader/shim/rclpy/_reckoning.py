@@ -17,7 +17,7 @@ LIFE_NS = 1_000_000_000
 """How long a command acts, counted from the update that takes it; the first update after that stops the car."""
 
 _DROPPED_AFTER_NS = (LIFE_NS // UPDATE_NS + 2) * UPDATE_NS - 1
-"""When a command is dropped, from the update before the one that takes it: not at an update, but just before."""
+"""How long after the update before the one that takes it a command is dropped: just before an update."""
 
 MOST = 100.0
 """The car clamps the components of a command to this, in m/s and rad/s."""

@@ -40,7 +40,7 @@ class Context:
     ) -> None:
         """Initialise.
 
-        `args`: default `sys.argv`. `initialize_logging`: its log levels apply.
+        `args` are those of the command line, by default `sys.argv`. `initialize_logging`: their log levels apply.
 
         Raises:
             RuntimeError: the domain is negative, or the context was initialised before.

@@ -115,14 +115,25 @@ class _WorkTracker:
 
         if idle():
             if self.running and _distro.chosen == _distro.HUMBLE and (timeout_sec is None or timeout_sec < 0):
-                from rclpy._patches.tracebacks import line_now
-
-                link.note("shutdown_in_callback", str(line_now()))
+                _tell_that_humble_hangs()
             return True
         deadline_ns = None
         if timeout_sec is not None and timeout_sec >= 0:
             deadline_ns = kernel.now_ns + timeout_sec_to_nsec(timeout_sec)
         return kernel.wait(idle, deadline_ns, "executor.shutdown() waits for callbacks to end")
+
+
+def _tell_that_humble_hangs() -> None:
+    """Note the line that calls shutdown(), the first time: at home nothing comes after it.
+
+    There is none where `shutdown` itself is the callback.
+    """
+    from rclpy._patches.tracebacks import line_of_call
+
+    here = _tell_that_humble_hangs.__code__
+    line = line_of_call(here.co_filename, (here.co_name, "wait", "shutdown"))
+    if line:
+        link.note_once("shutdown_in_callback", str(line))
 
 
 class Executor:

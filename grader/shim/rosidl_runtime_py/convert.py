@@ -16,8 +16,8 @@ def message_to_ordereddict(
 ) -> OrderedDict[str, Any]:
     """Return a message's fields in order; nested messages become dicts, arrays lists.
 
-    `truncate_length`: of the longest text and list; what is cut off shows as ``...``. `no_arr`: show only type and
-    length of arrays. `no_str`: show only the length of texts.
+    A text or list that is longer than `truncate_length` is cut off and ends in ``...``. `no_arr`: show only type
+    and length of arrays. `no_str`: show only the length of texts.
     """
     show = _Shown(truncate_length, no_arr, no_str)
     return OrderedDict(

@@ -1,7 +1,11 @@
 """Statuses, marks and notes have their words."""
 
+import re
+from pathlib import Path
+
 import pytest
 
+import grader
 from grader.contracts.outcome import Note, RunStatus, StudentError
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
@@ -15,6 +19,7 @@ from grader.render.labels import (
     status_word,
     word,
 )
+from grader.sim.frames import INTERRUPTED_NOTE, LISTENER_NOTE, STARTED_NOTE, THREADS_NOTE
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -47,6 +52,15 @@ def test_marks_differ_without_colour() -> None:
 )
 def test_notes(note: Note, zh: str) -> None:
     assert note_sentence(note, "zh") == zh
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_note_that_the_shim_and_the_episode_make_has_its_words(language: Language) -> None:
+    root = Path(grader.__file__).parent
+    sources = [path.read_text() for part in ("shim", "sim") for path in (root / part).rglob("*.py")]
+    made = {code for text in sources for code in re.findall(r'\bnote(?:_once)?\(\s*"(\w+)"', text)}
+    unseen = {INTERRUPTED_NOTE, LISTENER_NOTE, STARTED_NOTE, THREADS_NOTE}
+    assert {code for code in made if note_sentence(Note(code=code), language) == code} == unseen
 
 
 def test_values_are_filled_in() -> None:

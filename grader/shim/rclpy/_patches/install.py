@@ -150,7 +150,7 @@ def _replacements() -> dict[int, tuple[object, object]]:
 
 
 def _replace() -> None:
-    if not _searched:
+    if not _searched:  # else what is imported now was looked through before the fork (`warm`)
         find_copies()  # before the originals are gone
     for module, table in _REPLACED:
         for name, replacement in table.items():

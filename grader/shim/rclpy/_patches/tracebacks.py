@@ -8,7 +8,7 @@ from rclpy._kernel import Kernel, Thread
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Collection, Iterable
     from types import FrameType, TracebackType
     from typing import Any
 
@@ -240,12 +240,17 @@ def main_thread_at(kernel: Kernel) -> str:
     return f"{line} {call or '-'} {kernel.main.deadline_ns}"
 
 
-def line_now() -> int:
-    """Return the line at which this thread is in the script; 0 when it is in none."""
+def line_of_call(file_name: str, functions: Collection[str]) -> int:
+    """Return the line of the script that has called `functions` of a file; 0 if other code of that file has."""
     frame: FrameType | None = sys._getframe()
-    while frame is not None and not script.owns(frame.f_code.co_filename):
+    while frame is not None:
+        code = frame.f_code
+        if script.owns(code.co_filename):
+            return frame.f_lineno
+        if code.co_filename == file_name and code.co_name not in functions:
+            return 0
         frame = frame.f_back
-    return 0 if frame is None else frame.f_lineno
+    return 0
 
 
 def _call(frame: FrameType | None) -> tuple[str, FrameType | None]:

@@ -57,16 +57,14 @@ class Watch:
         self._backlogs: list[Any] = []
         self._reset: list[Any] = []  # backlogs of timers, which a reset before the wait has filled
         self._checked: list[Any] = []
-        self._clockwork: list[
-            tuple[Any, int, Place | None]
-        ] = []  # handle, how far its clock leads, whose it is
+        # Handle, how far its clock leads, whose it is.
+        self._clockwork: list[tuple[Any, int, Place | None]] = []
         self._heap: list[tuple[int, int]] = []  # when it is due, number in the clockwork
         self._others: list[tuple[Any, Place]] = []
         self._guards: list[tuple[Any, Place]] = []
         self._waitables: list[tuple[Any, WaitSet | None, Node]] = []
-        self._events: list[
-            Any
-        ] = []  # backlogs of waitables, if these are ready only when they hold something
+        # Backlogs of waitables, if these are ready only when they hold something.
+        self._events: list[Any] = []
         self._plain: Any = None  # the last callback that was found to be no coroutine function
         self._first: Place | None = None  # the timer of `deadline_ns`
         self._timed = False  # whether a waitable may become ready without one
@@ -115,7 +113,7 @@ class Watch:
         return self.lasting
 
     def _counts(self, entity: Any) -> bool:
-        free = self._can_execute(entity)  # first: of what is no entity, upstream misses what this looks at
+        free = self._can_execute(entity)  # first, as upstream: what is no entity fails here
         if self.lasting and type(entity.callback_group) not in _PLAIN_GROUPS:
             self.lasting = False
         return free and not entity.handle.doomed
@@ -193,7 +191,7 @@ class Watch:
         if changes.count != self._seen or any(self._backlogs) or (self._reset and any(self._reset)):
             return True  # a change during the wait: another thread may have reset a timer, which wakes as at home
         if self._guards and any(guard._executor_triggered for guards, _ in self._guards for guard in guards):
-            return True  # the last wait found it, and what else that wait found was given up before its turn came
+            return True  # found by the last wait, but given up with the rest of what that wait found
         return bool(self._checked) and any(handle.is_timer_ready() for handle, _ in self._checked)
 
     def is_plain(self, callback: Any) -> bool:

@@ -159,9 +159,8 @@ class ActionClient(Waitable):
         self._results = PendingRequests(self, "result")
         self._feedback_callbacks: dict[bytes, Callable[[Any], Any]] = {}
         self._backlogs = tuple(member.backlog for member in self._client_handle.members)
-        self._ready = [False] * len(
-            self._backlogs
-        )  # at the last wait: what comes after it waits for the next
+        # At the last wait: what comes after it waits for the next.
+        self._ready = [False] * len(self._backlogs)
         self._node.add_waitable(self)
 
     # Waitable ------------------------------------------------------------------------------------
@@ -279,7 +278,7 @@ class ActionClient(Waitable):
     ) -> Future:
         """Send a goal; the future gets its ClientGoalHandle.
 
-        `feedback_callback` is called with each feedback message; `goal_uuid`: default a new one.
+        `feedback_callback` is called with each feedback message. The goal has the id `goal_uuid`, or a new one.
 
         Raises:
             TypeError: `goal` is no Goal of this action.
