@@ -159,6 +159,8 @@ def _main() -> None:
     gc.freeze()
     command = _next_command(control)
     if command:
+        # The old one may have been a file, which this is not.
+        sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115 - open until the process ends
         gc.enable()
         sys.argv[:] = command
         runpy.run_module(command[0], run_name="__main__", alter_sys=True)
