@@ -76,7 +76,7 @@ def is_motion(command: Command) -> bool:
     return abs(command.v_mps) > MOVING_MPS or abs(command.w_radps) > MOVING_RADPS
 
 
-@lru_cache(maxsize=8)  # a grading has few runs, and most looks for mistakes ask for these commands
+@lru_cache(maxsize=1)  # most looks for mistakes ask for these commands, run by run
 def moves_of(trajectory: Trajectory) -> tuple[Command, ...]:
     """Return the commands that ask for a motion; a script that steers by the pose sends as many others."""
     return tuple(filter(is_motion, trajectory.commands))
