@@ -3,7 +3,6 @@
 Type and text of an exception tell which code it gets; the sentence ``mistake.<code>`` says what it means.
 """
 
-import builtins
 import difflib
 import re
 from collections.abc import Callable, Mapping
@@ -13,7 +12,19 @@ from grader.contracts.outcome import StudentError
 from grader.contracts.text import Text
 from grader.messages import enumerated, say
 from grader.messages.closer import Closer, looked_closer
-from grader.messages.script import LONGEST_NAME, NO_SCRIPT, Assigned, Definition, ScriptText
+from grader.messages.names import (
+    IMPORTS,
+    NEAR,
+    NODE_PROPERTIES,
+    SHELL,
+    TURTLE,
+    is_of_node,
+    script_line,
+    unknown_attribute,
+    unknown_module,
+    unknown_name,
+)
+from grader.messages.script import NO_SCRIPT, ScriptText
 
 _AT: Final = r"\n(?:.*\n)*  File .*\n(?!(?:.*\n)*  File )"
 """Prefix of a pattern for the line that raised the exception: skips to the traceback's last ``File`` entry."""
@@ -21,14 +32,10 @@ _AT: Final = r"\n(?:.*\n)*  File .*\n(?!(?:.*\n)*  File )"
 _LINE: Final = r"(Syntax|Indentation|Tab)Error: .*\n.*\n +"
 """Prefix of a pattern for the line that Python rejects: skips to its first character."""
 
-_SHELL: Final = (
-    r"(apt|apt-get|bash|cat|cd|chmod|colcon|cp|export|git|ls|mkdir|mv|nano|pip3?|python3?|rm|ros2|sh|source|"
-    r"sudo)"
-)
 
 _SIGNS: Final = (
     (_LINE + r"\d+[.:|)]?[ \t]+(?!(and|else|for|if|in|is|not|or)\b)[A-Za-z_#@\"']", "line_numbers"),
-    (_LINE + rf"(\./|{_SHELL}[ \t]+(?!(and|else|for|if|in|is|not|or)\b)[^\s=(,])", "shell_line"),
+    (_LINE + rf"(\./|{SHELL}[ \t]+(?!(and|else|for|if|in|is|not|or)\b)[^\s=(,])", "shell_line"),
     (r"SyntaxError: Missing parentheses in call to 'print'", "print_statement"),
     (r"SyntaxError: multiple exception types must be parenthesized", "except_comma"),
     (_LINE + r"<(\?xml|!DOCTYPE|html|launch|package|robot)\b", "markup_file"),
@@ -339,86 +346,7 @@ each when it is first tried: all of them take 15 ms, and most scripts raise noth
 
 _LONGEST: Final = 200
 _MODULE_PATH: Final = re.compile(r" \(/\S+\)$")
-_SUGGESTION: Final = re.compile(r"\. Did you mean: '(\w+)'\?\s*$")
 _WITHOUT_WORDS: Final = Text(zh="没有更多说明", en="without a word")
-
-_NAMES_BY_MODULE: Final = {
-    "geometry_msgs.msg": ("Point", "PoseStamped", "Quaternion", "Twist", "TwistStamped", "Vector3"),
-    "nav_msgs.msg": ("Odometry", "Path"),
-    "sensor_msgs.msg": ("Image", "Imu", "LaserScan"),
-    "std_msgs.msg": ("Bool", "Float32", "Float64", "Int32", "String"),
-    "std_srvs.srv": ("Empty", "SetBool", "Trigger"),
-    "rosclaw_msgs.srv": ("CallService", "GetCapabilities", "PublishMessage"),
-    "turtlesim.msg": ("Color", "Pose"),
-    "turtlesim.srv": ("Kill", "SetPen", "Spawn", "TeleportAbsolute", "TeleportRelative"),
-    "rclpy.action": ("ActionClient", "ActionServer"),
-    "rclpy.duration": ("Duration",),
-    "rclpy.executors": ("MultiThreadedExecutor", "SingleThreadedExecutor"),
-    "rclpy.node": ("Node",),
-    "rclpy.parameter": ("Parameter",),
-    "rclpy.qos": ("QoSProfile", "qos_profile_sensor_data"),
-    "math": ("atan2", "cos", "degrees", "pi", "radians", "sin", "sqrt"),
-    "time": ("sleep",),
-    "threading": ("Thread",),
-}
-_IMPORTS: Final = (
-    {name: f"from {module} import {name}" for module, names in _NAMES_BY_MODULE.items() for name in names}
-    | {
-        name: f"import {name}"
-        for name in (
-            "argparse",
-            "asyncio",
-            "json",
-            "math",
-            "os",
-            "random",
-            "rclpy",
-            "sys",
-            "threading",
-            "time",
-        )
-    }
-    | {"np": "import numpy as np", "numpy": "import numpy"}
-)
-_MODULES: Final = tuple(dict.fromkeys((
-    *_NAMES_BY_MODULE, "geometry_msgs", "nav_msgs", "numpy", "random", "rclpy", "sensor_msgs", "std_msgs",
-    "std_srvs", "sys", "threading", "turtlesim", "argparse", "asyncio", "collections", "datetime", "json",
-    "typing",
-)))  # fmt: skip
-_LIBRARIES_NOT_HERE: Final = frozenset((
-    "PIL", "RPi", "bs4", "cv2", "cv_bridge", "flask", "gazebo_msgs", "gym",
-    "gymnasium", "imageio", "moveit_msgs", "nav2_simple_commander", "open3d",
-    "openai", "pandas", "psutil", "pybullet", "pybullet_data", "requests", "scipy", "seaborn", "serial",
-    "skimage", "sklearn", "smbus", "spidev", "sympy", "tensorflow", "torch", "torchvision", "tqdm",
-    "transforms3d", "ultralytics", "usb", "yolov5",
-))  # fmt: skip
-"""Libraries that a beginner's PC may have and that the sandbox has not."""
-
-_NODE_ATTRIBUTES: Final = (
-    "create_client", "create_publisher", "create_rate", "create_service", "create_subscription", "create_timer",
-    "declare_parameter", "destroy_node", "get_clock", "get_logger", "get_name", "get_parameter",
-    "handle",
-)  # fmt: skip
-"""Attributes of Node that beginners use, or that `rclpy.spin` uses for them."""
-
-_NODE_LISTS: Final = ("clients", "guards", "publishers", "services", "subscriptions", "timers", "waitables")
-"""Python suggests these for `self.publisher` and the like, but the student meant a variable of their own."""
-
-_NODE_PROPERTIES: Final = tuple(sorted((*_NODE_LISTS, "context", "default_callback_group", "handle")))
-"""Attributes of Node that break it if a method of the student's class takes their name."""
-
-_NODE_METHODS: Final = (
-    "create_client", "create_publisher", "create_service", "create_subscription", "create_timer",
-    "declare_parameter", "declare_parameters", "get_clock", "get_logger", "get_parameter", "has_parameter",
-    "set_parameters",
-)  # fmt: skip
-"""Methods of Node that it calls itself, or that a method of the student's class means to call by its own name."""
-
-
-def suggested(error: StudentError) -> str | None:
-    """Return the name that Python suggests instead of an unknown one; None if it suggests none."""
-    found = _SUGGESTION.search(error.traceback)
-    return None if found is None or re.match(r"_(?!_)", found[1]) else found[1]
 
 
 def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT) -> tuple[str, Text]:
@@ -451,44 +379,6 @@ def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT)
     )
 
 
-_OTHER_LANGUAGES: Final = {
-    "this": "self",
-    "raw_input": "input()",
-    "xrange": "range()",
-    "unicode": "str()",
-    "cout": "print()",
-    "printf": "print()",
-    "RCLCPP_INFO": "self.get_logger().info('...')",
-    "ROS_INFO": "self.get_logger().info('...')",
-    "true": "True",
-    "false": "False",
-    "null": "None",
-    "NULL": "None",
-    "nullptr": "None",
-    "nil": "None",
-    "none": "None",
-}
-"""Names of Python 2, C++ and other languages, each with what Python 3 has instead."""
-
-_OF_ROS_1: Final = {
-    "Rate": "time.sleep(0.1)",
-    "Publisher": "node.create_publisher(Twist, '/turtle1/cmd_vel', 10)",
-    "Subscriber": "node.create_subscription(Pose, '/turtle1/pose', callback, 10)",
-    "init_node": "rclpy.init(); node = rclpy.create_node('my_node')",
-    "is_shutdown": "not rclpy.ok()",
-    "loginfo": "node.get_logger().info('...')",
-    "sleep": "time.sleep(0.1)",
-    "Time": "node.get_clock().now()",
-    "create_publisher": "node.create_publisher(Twist, '/turtle1/cmd_vel', 10)",
-    "create_timer": "node.create_timer(0.1, callback)",
-    "Service": "node.create_service(SetBool, '/my_service', callback)",
-    "ServiceProxy": "node.create_client(Spawn, '/spawn')",
-    "Timer": "node.create_timer(0.1, callback)",
-    "get_param": "node.declare_parameter('side', 2.0).value",
-    "get_logger": "node.get_logger()",
-}
-"""Attributes that ``rclpy`` does not have, each with what to write instead."""
-
 _STATEMENTS: Final = (
     "break", "class", "continue", "def", "elif", "else", "except", "finally", "for", "from", "global", "if",
     "import", "pass", "raise", "return", "try", "while", "with",
@@ -505,7 +395,7 @@ def _statement(error: StudentError, script: ScriptText) -> Closer:
     name = found[1]
     same = [known for known in _STATEMENTS if sorted(known) == sorted(name.lower())]
     alike = [known for known in _STATEMENTS if known[0] == name[0].lower()]
-    near = same or difflib.get_close_matches(name.lower(), alike, 1, _NEAR)
+    near = same or difflib.get_close_matches(name.lower(), alike, 1, NEAR)
     return ("misspelt_keyword", {"name": name, "suggestion": near[0]}) if near else None
 
 
@@ -548,17 +438,7 @@ def _later(error: StudentError, script: ScriptText) -> Closer:
     name = "" if found is None else found[1]
     if name and script.lines_with(rf"^[ \t]*import[ \t]+{name}$"):
         return "hidden_module", {"name": name}
-    return ("name_hides_class", {"name": name}) if name in _IMPORTS and name[:1].isupper() else None
-
-
-_DURATION_OF_ROS_1: Final = {
-    "to_sec": ".nanoseconds / 1e9",
-    "to_nsec": ".nanoseconds",
-    "secs": ".nanoseconds / 1e9",
-    "nsecs": ".nanoseconds",
-    "seconds": ".nanoseconds / 1e9",
-}
-"""Attributes of times and durations in ROS 1, each with what ROS 2 has instead."""
+    return ("name_hides_class", {"name": name}) if name in IMPORTS and name[:1].isupper() else None
 
 
 def _comma(error: StudentError, script: ScriptText) -> Closer:
@@ -619,7 +499,7 @@ def _keyword(error: StudentError, script: ScriptText) -> Closer:
     found = re.match(r"(?:[\w.]*?(\w+)\.)?(\w+)\(\) .*'(\w+)'", error.message)
     made = script.definition(found[2]) if found else None
     owner = None if found is None or not found[1] else script.class_line(found[1])
-    if found is not None and _is_of_node(found[1], found[2], script):
+    if found is not None and is_of_node(found[1], found[2], script):
         return "name_taken", {"name": found[2]}
     if found is None or made is None or (found[1] and owner is None):
         return "crashed", {}
@@ -652,15 +532,9 @@ def _function(error: StudentError, script: ScriptText) -> Closer:
         r"from time import\b.*(\btime\b|\*)"
     ):
         return "time_is_function", {}
-    taken = script.methods(_NODE_PROPERTIES)
+    taken = script.methods(NODE_PROPERTIES)
     looked_at = r"super\(\)|\bspin|\badd_node\(" if "not iterable" in error.message else r"super\(\)"
     return ("name_taken", {"name": taken[0]}) if taken and re.search(looked_at, script_line(error)) else None
-
-
-def _is_of_node(owner: str | None, name: str, script: ScriptText) -> bool:
-    """Whether a class of the script, a node it seems, has a method under the name of one of Node's."""
-    made = script.definition(name) if owner and name in _NODE_METHODS else None
-    return made is not None and made.takes_self and not script.class_without_base(owner or "")
 
 
 def _parameters(error: StudentError, script: ScriptText) -> Closer:
@@ -670,7 +544,7 @@ def _parameters(error: StudentError, script: ScriptText) -> Closer:
     made = script.definition(name)
     if made is not None and script.hands_over(error.line or 0, name):
         return "callback_called", {}
-    if _is_of_node(error.message.rpartition("()")[0].rpartition(".")[0], name, script):
+    if is_of_node(error.message.rpartition("()")[0].rpartition(".")[0], name, script):
         return "name_taken", {"name": name}
     owner = re.match(r"(\w+)\.__init__\(\)", error.message)
     if made is not None and made.takes_self and owner is not None and f"{owner[1]}(" in script_line(error):
@@ -681,324 +555,8 @@ def _parameters(error: StudentError, script: ScriptText) -> Closer:
     return "call_mismatch", {"name": name, "begins": made.line}
 
 
-def _name(error: StudentError) -> Closer:
-    """Look closer at an unknown name."""
-    found = re.match(r"name '(\w+)' is not defined", error.message)
-    if found is None:
-        return None
-    name = found[1]
-    written = script_line(error)
-    if re.fullmatch(_SHELL, name) and re.match(rf"{_SHELL}([ \t]+[-~/.\w].*)?$", written):
-        return "shell_line", {}
-    if name in {"name", "main"} and re.match(r"if\b", written):
-        return "underscores", {}
-    if name == "rospy":
-        used = re.search(r"\brospy\.(\w+)", written)
-        instead = _OF_ROS_1.get(used[1] if used else "", "rclpy")
-        return "ros_1_habit", {"name": used[0] if used else name, "instead": instead}
-    if name in _OTHER_LANGUAGES:
-        return "other_language", {"name": name, "instead": _OTHER_LANGUAGES[name]}
-    if name in _IMPORTS:
-        return "missing_import", {"name": name, "statement": _IMPORTS[name]}
-    if (near := _respelt(name, written)) is not None:
-        return "misspelt", {"suggestion": near}
-    suggestion = suggested(error)
-    if suggestion is None:
-        return None
-    is_called = re.search(rf"\b{name}[ \t]*\(", written) is not None
-    if not is_called and suggestion not in ("True", "False", "None") and _is_function(suggestion, name):
-        return None  # `node`, which nobody made, is not the class `Node`, nor `size` the function `slice`
-    return "misspelt", {"suggestion": suggestion}
-
-
-_WORDS: Final = ("self", "True", "False", "None", "break", "continue", "pass", "return")
-"""Words of Python, for which it suggests nothing where letters changed places."""
-
-
-def _respelt(name: str, written: str) -> str | None:
-    """Return the module, or the word of Python, that is written with other capitals or its letters exchanged."""
-    if _IMPORTS.get(name.lower(), "").startswith("import ") and re.search(rf"\b{name}\.", written):
-        return name.lower()
-    return next((known for known in _WORDS if sorted(known) == sorted(name)), None)
-
-
-def _is_function(suggestion: str, name: str) -> bool:
-    """Whether Python suggests one of its own functions, or a class for the name of a variable."""
-    return hasattr(builtins, suggestion) or (suggestion[:1].isupper() and name.islower())
-
-
-def _own_name(error: StudentError, script: ScriptText) -> Closer:
-    """Look closer at an unknown name that may be a method of the student's own class."""
-    found = re.match(r"name '(\w+)' is not defined", error.message)
-    if found is None:
-        return None
-    name, line, written = found[1], error.line or 0, script_line(error)
-    if re.search(rf"({_NAMING})\([ \t]*{name}[ \t]*[,)]", written):
-        return "name_without_quotes", {"name": name}
-    node = script.object_at(line)
-    made = script.definition(name)
-    if made is not None and made.takes_self:
-        called = re.search(rf"\b{name}[ \t]*\(", written) is not None
-        values = {"name": name, "call": "(...)" if called else ""}
-        return ("missing_self", values) if node == "self" else ("missing_object", {**values, "object": node})
-    if made is not None and script.owner_of(made.line) is not None:
-        return "function_inside", {"name": name, "begins": made.line}
-    if name in _NODE_ATTRIBUTES and script.in_method(line):
-        return "missing_self", {"name": name, "call": "(...)"}
-    if (given := _assigned_in_class(name, script)) and line not in given:
-        if node != "self":
-            return "missing_object", {"name": name, "object": node, "call": ""}
-        return "missing_self_value", {"name": name, "given": given[0]}
-    if (local := script.assigned(name)) is not None and (
-        closer := _of_other(local, line, script)
-    ) is not None:
-        return closer
-    if script.node_class and name not in _OTHER_LANGUAGES and _is_node(name, written):
-        return "node_not_made", {"name": name, "owner": script.node_class}
-    return _nearest_own(name, line, script, _name(error))
-
-
-_NAMING: Final = r"\b__init__|\bNode|\bcreate_node|\b(?:get|declare|has)_parameter"
-"""Calls whose first argument is a name, which is text."""
-
-
-def _assigned_in_class(name: str, script: ScriptText) -> list[int]:
-    """Return the lines that assign an attribute: ``self.name = ...``, or ``name = ...`` in the class itself."""
-    own = script.lines_with(rf"\bself\.{re.escape(name)}[ \t]*(:[^=]*)?=(?!=)")
-    plain = script.lines_with(rf"^[ \t]+{re.escape(name)} ?(:[^=]*)?=(?!=)")
-    owners = ((number, script.owner_of(number)) for number in plain)
-    return own or [n for n, above in owners if above and re.match(r"[ \t]*class\b", script.lines[above - 1])]
-
-
-def _nearest_own(name: str, line: int, script: ScriptText, otherwise: Closer) -> Closer:
-    """Prefer a similar function or class of the script, not defined yet when it failed, to Python's suggestion."""
-    if otherwise is not None and otherwise[0] != "misspelt":
-        return otherwise
-    if not script.is_short or len(name) > LONGEST_NAME:
-        return otherwise
-    if script.publisher and re.search(
-        rf"(?<![\w.]){name}\.publish\(", "".join(script.lines[line - 1 : line])
-    ):
-        return "misspelt", {"suggestion": script.publisher}
-    if name in script.defined_names:
-        begins = script.lines_with(rf"^(def|class) {name}\b")[-1]
-        return ("defined_below", {"name": name, "begins": begins}) if begins > line else None
-    near = difflib.get_close_matches(name, script.defined_names, 1, _NEAR)
-    return ("misspelt", {"suggestion": near[0]}) if near else otherwise
-
-
-_NEAR: Final = 0.75
-
-
-def _of_other(local: Assigned, line: int, script: ScriptText) -> Closer:
-    """Look at a name that another function than the one around `line` assigns."""
-    around = script.function_around(local.line), script.function_around(line)
-    if not all(around) or around[0] == around[1]:
-        return None
-    if script.in_method(line) and local.value.startswith(f"{script.node_class}("):
-        return "node_is_self", {"name": local.name, "given": local.line}
-    both = script.in_method(line) and script.in_method(local.line)
-    code = "local_of_method" if both else "local_of_function"
-    return code, {"name": local.name, "given": local.line, "function": around[0]}
-
-
-def _is_node(name: str, written: str) -> bool:
-    """Whether the line takes what `name` stands for to be a node."""
-    return (
-        re.search(rf"\bspin\w*\([ \t]*{name}\b|\b{name}\.(destroy_node|get_\w+|create_\w+)\(", written)
-        is not None
-    )
-
-
-def _attribute(error: StudentError, script: ScriptText) -> Closer:
-    """Look closer at an unknown attribute."""
-    found = re.match(r"'(\w+)' object has no attribute '(\w+)'", error.message)
-    closer = _of_module(error, script) if found is None else _of_object(found[1], found[2], error, script)
-    if closer is not None:
-        return closer
-    suggestion = suggested(error)
-    if suggestion is not None and suggestion not in _NODE_LISTS:
-        return "misspelt", {"suggestion": suggestion}
-    if found is not None and (closer := _message_fields(found[1], found[2], script)) is not None:
-        return closer
-    own = found is not None and script.class_line(found[1]) is not None
-    return None if own or not script.has_code else ("unknown_in_library", {})
-
-
-def _of_module(error: StudentError, script: ScriptText) -> Closer:
-    """Look closer at what a module has not."""
-    if error.message == "type object 'Time' has no attribute 'now'":
-        return "ros_1_habit", {
-            "name": "Time.now()",
-            "instead": f"{script.object_at(error.line or 0)}.get_clock().now()",
-        }
-    found = re.match(r"module '(\w+)' has no attribute '(\w+)'", error.message)
-    if found is None:
-        return None
-    module, name = found.groups()
-    if (module, name) == ("time", "now"):
-        return "misspelt", {"suggestion": "time.time()"}
-    if module == "rclpy" and name in _OF_ROS_1:
-        return "ros_1_habit", {"name": f"rclpy.{name}", "instead": _OF_ROS_1[name]}
-    if module == "rclpy" and _IMPORTS.get(name, "").startswith("from rclpy."):
-        return "not_in_module", {"name": name, "statement": _IMPORTS[name]}
-    if name in ("msg", "srv", "action") or f"{module}.{name}" in _MODULES:
-        return "import_statement", {"statement": f"import {module}.{name}"}
-    return None
-
-
-def _of_object(owner: str, name: str, error: StudentError, script: ScriptText) -> Closer:
-    """Look closer at what an object has not."""
-    is_node = owner in ("Node", script.node_class)
-    if name in ("spin", "spin_once") and is_node:
-        return "spin_of_rclpy", {"name": name}
-    if is_node and name in _NODE_OF_ROS_1:
-        node = script.object_at(error.line or 0)
-        return "ros_1_habit", {"name": f"{node}.{name}", "instead": f"{node}.{_NODE_OF_ROS_1[name]}"}
-    if owner in ("Duration", "Time") and name in _DURATION_OF_ROS_1:
-        return "ros_1_habit", {"name": f".{name}", "instead": _DURATION_OF_ROS_1[name]}
-    closer = _own_attribute(owner, name, script)
-    if closer is None and is_node and name in _MEANT_OF_NODE:
-        return "misspelt", {"suggestion": _MEANT_OF_NODE[name]}
-    return closer or _of_an_object(name, script_line(error), script)
-
-
-_NODE_OF_ROS_1: Final = {
-    "advertise": "create_publisher(Twist, '/turtle1/cmd_vel', 10)",
-    "subscribe": "create_subscription(Pose, '/turtle1/pose', callback, 10)",
-    "get_param": "declare_parameter('side', 2.0).value",
-    "loginfo": "get_logger().info('...')",
-    "logwarn": "get_logger().warning('...')",
-    "logerr": "get_logger().error('...')",
-}
-"""What a node had in ROS 1, or what ``rospy`` had, each with what a node of ROS 2 has."""
-
-_MEANT_OF_NODE: Final = {
-    "create_sub": "create_subscription",
-    "create_subscriber": "create_subscription",
-    "create_pub": "create_publisher",
-    "logger": "get_logger()",
-    "clock": "get_clock()",
-    "get_time": "get_clock().now()",
-    "now": "get_clock().now()",
-}
-"""What Node does not have under these names, for which Python suggests something far from it."""
-
-_FIELDS: Final = {
-    "Odometry": "pose.pose.position (x, y, z), pose.pose.orientation, twist.twist (linear, angular)",
-    "PoseWithCovariance": "pose.position (x, y, z), pose.orientation (x, y, z, w)",
-    "TwistWithCovariance": "twist.linear (x, y, z), twist.angular (x, y, z)",
-    "LaserScan": "ranges, angle_min, angle_max, angle_increment, range_min, range_max",
-}
-"""The fields of the messages that beginners read."""
-
-_FIELDS_OF_POSE: Final = {
-    "turtlesim": "x, y, theta, linear_velocity, angular_velocity",
-    "geometry_msgs": "position (x, y, z), orientation (x, y, z, w)",
-}
-
-
-def _message_fields(kind: str, name: str, script: ScriptText) -> Closer:
-    """Return the fields that a message has, instead of the one that was named."""
-    fields = _FIELDS.get(kind)
-    if kind == "Pose":
-        packages = [one for one in _FIELDS_OF_POSE if script.lines_with(rf"\b{one}\.msg import\b.*\bPose\b")]
-        fields = _FIELDS_OF_POSE[packages[0]] if len(packages) == 1 else None
-    return None if fields is None else ("message_fields", {"type": kind, "name": name, "fields": fields})
-
-
-def _of_an_object(name: str, written: str, script: ScriptText) -> Closer:
-    """Look at how the attribute was used: to publish, or on a variable that hides a module of the same name."""
-    if name == "publish":
-        return "no_publisher_object", {"publisher": script.publisher or "self.pub"}
-    own = script.publisher or ""
-    if own.startswith("self.") and re.search(rf"\bself\.{name}\.publish\(", written):
-        return "misspelt", {"suggestion": own}
-    hidden = re.search(rf"\b(math|random|rclpy|time)\.{name}\b", written)
-    return None if hidden is None else ("hidden_module", {"name": hidden[1]})
-
-
-def _own_attribute(owner: str, name: str, script: ScriptText) -> Closer:
-    """Look for the attribute in the student's own class."""
-    begins = script.class_line(owner)
-    if begins is None:
-        return None
-    if name in _NODE_ATTRIBUTES and script.class_without_base(owner):
-        return "no_base_class", {"line": begins}
-    made = script.definition(name)
-    if made is not None and (around := script.owner_of(made.line)) != begins:
-        return _defined_elsewhere(owner, name, made, "" if around is None else script.lines[around - 1])
-    given = script.lines_with(rf"\bself\.{re.escape(name)}[ \t]*(:[^=]*)?=(?!=)")
-    if not given and (
-        outside := script.lines_with(rf"^([\w ,]*, ?)?{re.escape(name)} ?(,[\w ,]*|:[^=]*)?=(?!=)")
-    ):
-        return "not_of_self", {"name": name, "given": outside[0], "call": ""}
-    if len(given) == 1 and given[0] > begins:
-        return "not_yet_assigned", {"name": name, "given": given[0]}
-    near = [known for known in script.own_values if known != name and known.lower() == name.lower()]
-    if near:
-        return "misspelt", {"suggestion": near[0]}
-    local = [] if given else script.lines_with(rf"^[ \t]+{re.escape(name)}[ \t]*(:[^=]*)?=(?!=)")
-    return _local(name, local[0], script) if local and local[0] > begins else None
-
-
-def _defined_elsewhere(owner: str, name: str, made: Definition, around: str) -> Closer:
-    """Look at a ``def`` that is none of the class `owner`, and at the head of the block in which it stands."""
-    if re.match(r"[ \t]*class\b", around):
-        return None
-    if re.match(r"[ \t]*def\b", around):
-        return "method_inside", {"name": name, "owner": owner, "begins": made.line}
-    if not around and not made.takes_self:
-        return "not_of_self", {"name": name, "given": made.line, "call": "(...)"}
-    return "method_outside", {"name": name, "owner": owner, "begins": made.line}
-
-
-def _local(name: str, given: int, script: ScriptText) -> Closer:
-    """Look at a variable of a function that is used as if it were the object's."""
-    used = {script.function_around(n) for n in script.lines_with(rf"\bself\.{re.escape(name)}\b")}
-    if used == {script.function_around(given)}:
-        return "not_of_self", {"name": name, "given": given, "call": ""}
-    node = script.object_at(given)
-    made = node == "self" or any(n < given for n in script.lines_with(rf"\b{node} ?=(?!=)"))
-    return ("local_only", {"name": name, "given": given, "object": node}) if made else None
-
-
-def _module(error: StudentError, script: ScriptText) -> Closer:
-    """Look closer at an import that failed."""
-    found = re.match(r"No module named '([\w.]+)'", error.message)
-    if found is None:
-        return _imported_name(error)
-    name = found[1]
-    root = name.partition(".")[0]
-    if root in ("_tkinter", "tkinter", "turtle"):
-        return ("turtle_graphics" if script.lines_with(_TURTLE) else "no_display"), {}
-    if name.rpartition(".")[2] in _NAMES_BY_MODULE.get(name.rpartition(".")[0], ()):
-        return "import_statement", {"statement": _IMPORTS[name.rpartition(".")[2]]}
-    if root in _LIBRARIES_NOT_HERE:
-        return "library_not_here", {"name": root}
-    near = [known for known in _MODULES if sorted(known) == sorted(name.lower())]
-    near = near or difflib.get_close_matches(name, _MODULES, 1, 0.8)
-    if re.search(r"\.msg\b|\bimport[ \t]+[A-Z]", script_line(error)):  # else it may be the author's own file
-        near = near or [one for one in _MODULES if one.partition(".")[0] == f"{root}_msgs"][:1]
-    known = near and near[0].partition(".")[0] != name  # the package itself is not there
-    return ("misspelt", {"suggestion": near[0]}) if known else None
-
-
-def _imported_name(error: StudentError) -> Closer:
-    found = re.match(r"cannot import name '(\w+)' from '([\w.]+)'", error.message)
-    if found is None:
-        return None
-    name, module = found.groups()
-    near = [known for known in _IMPORTS if known.lower() == name.lower()]
-    near = near or difflib.get_close_matches(name, _NAMES_BY_MODULE.get(module, ()), 1, 0.75)
-    return ("import_statement", {"statement": _IMPORTS[near[0]]}) if near else None
-
-
-_TURTLE: Final = r"^[ \t]*(import[ \t]+turtle\b|from[ \t]+turtle[ \t]+import)"
-
-
 def _window(error: StudentError, script: ScriptText) -> Closer:
-    return ("turtle_graphics", {}) if script.lines_with(_TURTLE) else None
+    return ("turtle_graphics", {}) if script.lines_with(TURTLE) else None
 
 
 def _shut_down(error: StudentError, script: ScriptText) -> Closer:
@@ -1091,9 +649,9 @@ _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
     "syntax_error": _statement,
     "text_for_number": _text,
     "wrong_parameters": _parameters,
-    "unknown_name": _own_name,
-    "unknown_attribute": _attribute,
-    "missing_module": _module,
+    "unknown_name": unknown_name,
+    "unknown_attribute": unknown_attribute,
+    "missing_module": unknown_module,
     "no_display": _window,
     "shutdown_early": _shut_down,
     "shutdown_twice": _shut_down_twice,
@@ -1101,13 +659,6 @@ _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
     "no_base_class": _base_class,
 }
 """For each code, what looks for a more precise one in the script and in the line that raised the exception."""
-
-
-def script_line(error: StudentError) -> str:
-    """Return the line that raised the exception, as the traceback shows it."""
-    lines = error.traceback.splitlines()
-    files = [i for i, line in enumerate(lines) if line.startswith("  File ")]
-    return lines[files[-1] + 1].strip() if files and files[-1] + 1 < len(lines) else ""
 
 
 def _first_line(message: str) -> str:

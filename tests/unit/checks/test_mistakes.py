@@ -13,7 +13,7 @@ from grader.contracts.outcome import Endpoint, Note, RunStatus, Stream
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Trajectory
 from grader.formats.packages import problems
-from grader.messages import closer, entries, exceptions
+from grader.messages import closer, entries, exceptions, names
 from tests.unit.checks.shipped import assignment, graded, score, silent
 from tests.unit.checks.trajectories import drive, error, outcome_of, polygon_legs, run_of
 
@@ -236,6 +236,7 @@ def codes_in_source() -> set[str]:
         *Path(mistakes.__file__).parent.rglob("*.py"),
         Path(exceptions.__file__),
         Path(closer.__file__),
+        Path(names.__file__),
         Path(problems.__file__),
     ]
     strings = {
