@@ -9,11 +9,12 @@ from grader.contracts.scoring import Run
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
+# Offered by every node, or by the library.
 _OWN_TYPES = (
     "rcl_interfaces/",
     "lifecycle_msgs/",
     "action_msgs/",
-)  # offered by every node, or by the library
+)
 _MAX_NAMED = 4
 
 

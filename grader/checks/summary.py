@@ -71,9 +71,8 @@ def _sentence(items: Sequence[RubricItem], wrong: Sequence[RubricItem]) -> Text:
     earned, most = sum(item.earned for item in items), sum(item.points for item in items)
     if earned <= 0.0:
         return say("summary.nothing", points=points(most))
-    own = (
-        item.title for item in wrong if item.hint != EMPTY
-    )  # not items that lost points only because of another one
+    # not items that lost points only because of another one
+    own = (item.title for item in wrong if item.hint != EMPTY)
     titles = enumerated(list(dict.fromkeys(own)))  # an item may fail in several cases
     return say(
         "summary.partial",

@@ -92,9 +92,8 @@ class _App:
             await refuse(send, 403, "foreign_form")
         else:
             async with self._starting:
-                if (
-                    not self._car.alive
-                ):  # its process has died: nobody needs to start the command again for that
+                # Its process has died: nobody needs to start the command again for that.
+                if not self._car.alive:
                     await self._car.start()
             await serve(receive, send, self._car)
 

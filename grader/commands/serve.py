@@ -193,10 +193,11 @@ class BoundedConnection(H11Protocol):
         super().connection_made(transport)
         self._awaited: str | None = None
         self._upgraded = False
+        # Bytes of the request's body as they were sent, and without what frames chunks.
         self._chunked = (
             0,
             0,
-        )  # bytes of the request's body as they were sent, and without what frames chunks
+        )
         self._deadline: asyncio.TimerHandle | None = None
         self._unread: asyncio.TimerHandle | None = None
         if self.limit_concurrency is not None and len(self.connections) > self.limit_concurrency:

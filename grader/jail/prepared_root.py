@@ -16,9 +16,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
-PLACE: Final = (
-    Path(sys.executable).parents[1] / "jail-root"
-)  # not `prefix`: a child without `site` has another
+# Not `prefix`: a child without `site` has another.
+PLACE: Final = Path(sys.executable).parents[1] / "jail-root"
 _STAMP: Final = "jail-root.json"
 _OPEN: Final = 0o755
 _PASSABLE: Final = 0o711  # nobody but root lists the folders on the way

@@ -97,10 +97,11 @@ class Dashboard:
             known = self._latest.get(course)
             if known is not None and known.state.mark == mark:
                 return known
+        # One count at a time: the next caller finds it made.
         with (
             self._counting,
             self._database.reading() as session,
-        ):  # one count at a time: the next caller finds it made
+        ):
             return self._count(session, course)
 
     def _count(self, session: Session, course: str | None) -> _CountedClass:

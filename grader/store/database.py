@@ -382,9 +382,10 @@ def _send_no_nul(connection: Any) -> None:
 
     As `PlainText` does for what is stored. SQLite, which takes any text, finds nothing either.
     """
+    # What a string is sent as unless somebody says otherwise.
     from psycopg.types.string import (
         StrDumperUnknown,
-    )  # what a string is sent as unless somebody says otherwise
+    )
 
     class _WithoutNul(StrDumperUnknown):
         def dump(self, obj: str) -> Any:

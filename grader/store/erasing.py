@@ -96,9 +96,8 @@ def erase(session: Session, submissions: Sequence[str]) -> None:
 
 def _erase(session: Session, named: Sequence[str]) -> None:
     row = SubmissionRow
-    _hold(
-        session, col(row.id).in_(named)
-    )  # whatever is being written about them is there afterwards, or fails
+    # Whatever is being written about them is there afterwards, or fails.
+    _hold(session, col(row.id).in_(named))
     trials = _hold(session, col(row.original).in_(named))
     ids = [*named, *trials]
     sources = set(session.execute(select(col(row.source_sha256)).where(col(row.id).in_(ids))).scalars())

@@ -208,9 +208,10 @@ def refusal_of(session: Session, upload: NewSubmission, received_at: datetime) -
 
 def attempts_of(session: Session, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
     """Return a student's submissions to an assignment as the rules see them, in order of arrival."""
+    # SQLAlchemy writes IS NULL for None.
     own = select(*_EARLIER).where(
         _row.course == course, _row.student == student, _row.assignment == assignment
-    )  # SQLAlchemy writes IS NULL for None
+    )
     return as_attempts(session.connection().execute(own.order_by(_row.received_at, _row.id)).all())
 
 

@@ -110,9 +110,8 @@ def _require_fit(services: Services, caller: Caller, new: Assignment) -> None:
         before = known.get(new.id)
     except UnknownAssignmentError:
         return
-    if before.path is not None and wants_reference(
-        new
-    ):  # what its solution drives is found out by running it
+    # What its solution drives is found out by running it.
+    if before.path is not None and wants_reference(new):
         before = replace(before, path=replace(before.path, trace=()))
     mine = {one.assignment for one in own_assignments(services, caller)}
     if new.id not in mine:

@@ -27,10 +27,11 @@ _BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, Runtim
 
 _LONGEST_NAME, _DEEPEST_NAME = 1_000, 100  # also of what is left out, which is known only at a path's end
 _CHUNK = 65_536
+# Of names without the flag for UTF-8: macOS's and Linux's tools, Chinese Windows.
 _CODINGS = (
     "utf-8",
     "gb18030",
-)  # of names without the flag for UTF-8: macOS's and Linux's tools, Chinese Windows
+)
 _OTHERS = {b"Rar!": "RAR", b"7z\xbc\xaf": "7z", b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zX": "xz"}
 
 

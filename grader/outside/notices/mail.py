@@ -104,9 +104,8 @@ class MailChannel:
                 made.login(self.user, self.password)
             yield made
         finally:
-            with suppress(
-                smtplib.SMTPException, OSError
-            ):  # whatever it says now, it has taken the letter or not
+            # Whatever it says now, it has taken the letter or not.
+            with suppress(smtplib.SMTPException, OSError):
                 made.quit()
             with suppress(OSError):
                 made.close()

@@ -354,9 +354,8 @@ def _refused(request: Request, error: RefusedError) -> JSONResponse:
 
 async def _on_http_error(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, StarletteHTTPException)
-    if isinstance(
-        error.__cause__, RefusedError
-    ):  # FastAPI calls whatever fails while a body is read malformed
+    # FastAPI calls whatever fails while a body is read malformed.
+    if isinstance(error.__cause__, RefusedError):
         return _refused(request, error.__cause__)
     code = _BY_STATUS.get(error.status_code, "refused")
     headers = dict(error.headers or {})

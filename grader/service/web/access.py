@@ -32,6 +32,7 @@ from grader.use_cases.handing_in import checked_student
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import found, visible_submission
 
+# What pages read of a request as the JSON interface does.
 __all__ = (
     "PEER",
     "SESSION_COOKIE",
@@ -40,7 +41,7 @@ __all__ = (
     "RegradeId",
     "ServicesDep",
     "SubmissionId",
-)  # what pages read of a request as the JSON interface does
+)
 STUDENT_COOKIE = "grader_student"
 ENTER = "/enter"
 

@@ -36,9 +36,8 @@ def guide(language: Language) -> tuple[str, Markup]:
     text = _folder().joinpath(_FILES[language]).read_text(encoding="utf-8")
     heading = _TITLE.match(text)
     assert heading is not None, "a test reads both files"
-    html = MarkdownIt("js-default").render(
-        text[heading.end() :]
-    )  # markup in the file is shown, not passed on
+    # Markup in the file is shown, not passed on.
+    html = MarkdownIt("js-default").render(text[heading.end() :])
     html = _BETWEEN_CHINESE.sub("", html)
     return heading[1], Markup(html)  # noqa: S704 - of our own file
 

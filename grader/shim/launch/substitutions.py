@@ -234,9 +234,8 @@ class AllSubstitution(Substitution):
         self.args = args
 
     def _holding(self, context: LaunchContext) -> list[bool]:
-        return [
-            _holds(context, each) for each in self.args
-        ]  # all of them: each may be neither true nor false
+        # All of them: each may be neither true nor false.
+        return [_holds(context, each) for each in self.args]
 
     def perform(self, context: LaunchContext) -> str:
         return str(all(self._holding(context))).lower()

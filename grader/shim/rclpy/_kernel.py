@@ -634,9 +634,8 @@ class Kernel:
         self._limit_ns += GRACE_NS
         if not self.interrupted:
             self._most_steps = min(self._most_steps, self.steps + self._most_steps // GRACE_STEPS)
-            if (
-                not self.ends_early
-            ):  # before anything of the script runs: it may use up its CPU time meanwhile
+            # Before anything of the script runs: it may use up its CPU time meanwhile.
+            if not self.ends_early:
                 self.at_horizon()
         self.interrupted = True
         self.everywhere(self._take_interrupt)

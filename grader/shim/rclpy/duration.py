@@ -18,9 +18,8 @@ class Duration:
     """
 
     def __init__(self, *, seconds: float = 0, nanoseconds: float = 0) -> None:
-        if (
-            isinstance(seconds, str) and seconds.isdigit()
-        ):  # its product is a text of gigabytes, which is refused next
+        # Its product is a text of gigabytes, which is refused next.
+        if isinstance(seconds, str) and seconds.isdigit():
             digits = len(seconds) * S_TO_NS
             raise ValueError(
                 f"Exceeds the limit (4300) for integer string conversion: value has {digits} digits"

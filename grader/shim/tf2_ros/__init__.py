@@ -64,8 +64,7 @@ _PASSED_ON = {
     "tf2_msgs.msg": "TFMessage",
     "tf2_msgs.srv": "FrameGraph",
 }
-__all__ += [
-    name for names in _PASSED_ON.values() for name in names.split()
-]  # upstream's `import *` gives all
+# Upstream's `import *` gives all.
+__all__ += [name for names in _PASSED_ON.values() for name in names.split()]
 
 __getattr__ = forwarding(__name__, _PASSED_ON)

@@ -23,9 +23,8 @@ _Name: TypeAlias = Annotated[str, Meta(min_length=1, max_length=256)]
 _Type: TypeAlias = Annotated[str, Meta(max_length=256)] | None
 _Args: TypeAlias = dict[str, Any] | list[Any] | None
 _Milliseconds: TypeAlias = Annotated[float, Meta(ge=0, le=3_600_000)] | None
-_Count: TypeAlias = (
-    Annotated[float, Meta(ge=0, le=1_000_000_000)] | None
-)  # roslib sends whole numbers as floats
+# roslib sends whole numbers as floats.
+_Count: TypeAlias = Annotated[float, Meta(ge=0, le=1_000_000_000)] | None
 
 
 class FrameError(GraderError):

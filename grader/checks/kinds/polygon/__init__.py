@@ -67,9 +67,8 @@ def _measures(wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float) -> di
     taken["curved_pct"] = Measure(100.0 * figure.curved_share)
     taken["gap_pct"] = _gap_measure(driven, figure)
     taken |= _corner_measures(wanted, driven)
-    if driven.is_unfinished(wanted) and not driven.is_other(
-        wanted
-    ):  # a piece of the last side must not cost more than a missing side
+    # A piece of the last side must not cost more than a missing side.
+    if driven.is_unfinished(wanted) and not driven.is_other(wanted):
         taken["sides"] = _side_count(figure, len(figure.sides_m) - 1)
         taken["side_spread_pct"] = _spread(figure.sides_m[:-1], wall_m)
         if wanted.lengths_m is not None:

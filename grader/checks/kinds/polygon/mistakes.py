@@ -387,9 +387,8 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
         yield _astray(seen, figure)
     yield from _backed_sides(seen)
     wrong = (_angles(seen, figure), _count(seen, figure))
-    for mistakes in (
-        wrong if seen.rigid else reversed(wrong)
-    ):  # where cars slip, a corner says less than the count
+    # Where cars slip, a corner says less than the count.
+    for mistakes in wrong if seen.rigid else reversed(wrong):
         yield from mistakes
     if figure.curved_share <= MOSTLY_ROUND_SHARE and seen.loses("curved_pct", 100.0 * figure.curved_share):
         yield _arcs(seen, figure)

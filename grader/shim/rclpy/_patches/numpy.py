@@ -15,9 +15,8 @@ if TYPE_CHECKING:
     from typing import Any
 
 
-_UP_TO_1_23 = {
-    one.__name__: one for one in (bool, int, float, complex, object, str)
-}  # deprecated there, which is said to nobody here
+# Deprecated there, which is said to nobody here.
+_UP_TO_1_23 = {one.__name__: one for one in (bool, int, float, complex, object, str)}
 _UP_TO_1 = {
     "Inf": "inf",
     "NaN": "nan",

@@ -105,9 +105,8 @@ def patch_selectors(module: ModuleType) -> None:
     if _epoll is not None:
         target.EpollSelector._selector_cls = VirtualEpoll
     else:
-        target.DefaultSelector = (
-            target.PollSelector
-        )  # off Linux the default is kqueue, which would wait in real time
+        # Off Linux the default is kqueue, which would wait in real time.
+        target.DefaultSelector = target.PollSelector
 
 
 def patch_connection(module: ModuleType) -> None:

@@ -194,9 +194,8 @@ class TimerHandle(Handle):
         if period_ns < 0:
             raise RCLError(NEGATIVE_PERIOD)
         if not context.valid:
-            raise RCLError(
-                f"failed to create timer: {GUARD_CONTEXT}"
-            )  # a timer has a guard condition of its own
+            # A timer has a guard condition of its own.
+            raise RCLError(f"failed to create timer: {GUARD_CONTEXT}")
         self.clock = clock
         self.canceled = False
         self.backlog: list[bool] = []
