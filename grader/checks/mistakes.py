@@ -118,8 +118,8 @@ def command_mistakes(
     if (found := _unfit_commands(run, world)) is not None:
         return found
     if (longest_ns := _longest_motion_ns(run.trajectory)) < TOO_BRIEF_NS:
-        if _motions(run.trajectory) > _MANY_MOTIONS:
-            return (mistake("stop_in_loop", times=_motions(run.trajectory)),)
+        if (motions := times_begun(map(is_motion, run.trajectory.commands))) > _MANY_MOTIONS:
+            return (mistake("stop_in_loop", times=motions),)
         return (mistake("too_brief", longest=number(longest_ns / 1e6, "ms")),)
     return _timeouts(run.trajectory, outcome, turns, drives)
 
@@ -143,8 +143,7 @@ def robot_mistakes(run: Run, world: World) -> tuple[Mistake, ...]:
         return (mistake("sensor_qos", topic=unfit),)
     if outcome.status is RunStatus.INTERRUPTED:
         own = {one.name for one in outcome.endpoints if one.kind == "publisher"}
-        heard = [one for one in outcome.endpoints if one.kind == "subscription"]
-        unheard = (one.name for one in heard if one.name not in own | usual.keys() | {topic})
+        unheard = (name for name in outcome.heard if name not in own | usual.keys() | {topic})
         moved = bool(moves_of(run.trajectory))
         unknown = next((name for name in unheard if not moved or _is_misspelt(name, usual)), None)
         if unknown is not None:
@@ -376,8 +375,7 @@ def _unpublished(run: Run, world: World) -> Mistake | None:
     if world.odometry or run.outcome.status is not RunStatus.INTERRUPTED:
         return None
     published = {one.name for one in run.outcome.endpoints if one.kind == "publisher"}
-    heard = (one.name for one in run.outcome.endpoints if one.kind == "subscription")
-    missing = next((name for name in heard if name in _OF_ROBOTS and name not in published), None)
+    missing = next((name for name in run.outcome.heard if name in _OF_ROBOTS and name not in published), None)
     return None if missing is None else mistake("not_published", topic=missing)
 
 
@@ -393,8 +391,9 @@ def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
     if right:
         return (mistake("wrong_type", topic=topic, type=right[0].type, wanted=TWIST),)
     if publishers:
-        heard = {endpoint.name for endpoint in outcome.endpoints if endpoint.kind == "subscription"}
-        lost = [each for each in twists or publishers if each.name not in heard]  # not between own nodes
+        lost = [
+            each for each in twists or publishers if each.name not in outcome.heard
+        ]  # not between own nodes
         if lost and all(each.type == _POSE for each in lost):
             return (mistake("pose_published", used=lost[0].name, topic=topic),)
         return (mistake("wrong_topic", used=_names(lost or twists or publishers), topic=topic),)
@@ -642,7 +641,7 @@ def _only_zeros(run: Run) -> Mistake:
         return mistake("timer_cancelled", line=cancels[0])
     if not script.lines_with(rf"\.(linear\.x|angular\.z) ?=(?!=)(?!{_ZERO})"):
         return mistake("zero_commands")
-    heard = [one.name for one in run.outcome.endpoints if one.kind == "subscription"]
+    heard = run.outcome.heard
     if any(name.endswith("/pose") for name in heard) and script.lines_with(r"\.(x|y|theta)\b"):
         track = run.trajectory
         x, y = (number(float(values[0]), "m") for values in (track.x_m, track.y_m))
@@ -694,10 +693,9 @@ TOO_BRIEF_NS = 50_000_000  # three updates of turtlesim
 _MANY_MOTIONS = 40  # more than the sides and corners of any figure, driven twice
 
 
-def _motions(trajectory: Trajectory) -> int:
-    """Return how many motions were commanded, with a stop between one and the next."""
-    flags = [is_motion(command) for command in trajectory.commands]
-    return sum(now and not before for before, now in zip([False, *flags], flags, strict=False))
+def times_begun(flags: Iterable[bool]) -> int:
+    """Return how often a row of flags becomes true, as motions do with a stop between one and the next."""
+    return sum(now and not before for before, now in itertools.pairwise([False, *flags]))
 
 
 def _longest_motion_ns(trajectory: Trajectory) -> int:

@@ -185,6 +185,11 @@ class RunOutcome(Record):
         return self.status.blame
 
     @property
+    def heard(self) -> tuple[str, ...]:
+        """The topics that the script subscribed to."""
+        return tuple(endpoint.name for endpoint in self.endpoints if endpoint.kind == "subscription")
+
+    @property
     def hears(self) -> bool:
         """Whether the script subscribed to anything."""
-        return any(endpoint.kind == "subscription" for endpoint in self.endpoints)
+        return bool(self.heard)

@@ -173,8 +173,7 @@ def _ignores_the_pose(assignment: Assignment, run: Run) -> bool:
     """Whether the cases start at different places, and the script never subscribes to the car's pose."""
     starts = {case.start for case in assignment.cases}
     suffix = _pose_topic(assignment).removeprefix("/turtle1")  # the pose of another turtle counts as well
-    heard = any(each.kind == "subscription" and each.name.endswith(suffix) for each in run.outcome.endpoints)
-    return len(starts) > 1 and not heard
+    return len(starts) > 1 and not any(name.endswith(suffix) for name in run.outcome.heard)
 
 
 def _pose_topic(assignment: Assignment) -> str:

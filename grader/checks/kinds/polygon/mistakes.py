@@ -29,6 +29,7 @@ from grader.checks.mistakes import (
     share_backwards,
     steers,
     swings,
+    times_begun,
     with_ends,
 )
 from grader.checks.scoring import fits
@@ -169,11 +170,11 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
                 )
             yield closer or mistake("no_turns", _SHAPE, ideal=_degree(seen.ideal_deg), sides=seen.sides)
         return
-    drives = _straight_drives([command for command in commands if command.t_ns < turning[0]])
+    drives = times_begun(is_motion(command) for command in commands if command.t_ns < turning[0])
     hit = bool(contacts) and contacts[0].start_ns <= turning[0]
     if drives <= 1 and not hit:
         return
-    turns = _stretches([_turns(command) for command in commands])
+    turns = times_begun(map(_turns, commands))
     over = seen.run.outcome.status is RunStatus.FINISHED or _turns(moves[-1])
     at_last = hit and turns == 1 and over
     if at_last or (drives > 1 and (hit or turns == 1)):
@@ -188,7 +189,7 @@ _TURN_WRITTEN = r"\.angular\.z ?=(?!=)(?! ?-?[0.]+ ?(;|$))"
 def _drives_to_the_end(seen: _Seen) -> bool:
     """Whether one drive was commanded from the beginning to the end of the run, by a script that has a turn."""
     commands, outcome = seen.run.trajectory.commands, seen.run.outcome
-    lasts = bool(commands) and is_motion(commands[-1]) and _straight_drives(list(commands)) == 1
+    lasts = bool(commands) and is_motion(commands[-1]) and times_begun(map(is_motion, commands)) == 1
     on_time = outcome.status is RunStatus.INTERRUPTED and any(
         until_ns >= outcome.duration_ns for _, until_ns in list(with_ends(seen.run.trajectory))[-1:]
     )
@@ -199,16 +200,6 @@ def _on_first_side(seen: _Seen) -> bool:
     """Whether the car was so slow that the first side, and no turn, was all it had time for."""
     drive = seen.driven.drive
     return drive.cut_short and not seen.run.trajectory.contacts and float(drive.path.along_m[-1]) < _SLOW_M
-
-
-def _straight_drives(commands: list[Command]) -> int:
-    """Return how many drives there were, with a stop between one and the next."""
-    return _stretches([is_motion(command) for command in commands])
-
-
-def _stretches(flags: list[bool]) -> int:
-    """Return how often a row of flags becomes true."""
-    return sum(now and not before for before, now in itertools.pairwise([False, *flags]))
 
 
 def _kept_driving(seen: _Seen) -> Iterator[Mistake]:
@@ -315,13 +306,13 @@ def _drives_since_turn(seen: _Seen, hit_ns: int) -> int:
     """Return how many drives began between the last turn before a wall was hit, and that."""
     commands = [command for command in seen.run.trajectory.commands if command.t_ns <= hit_ns]
     last = max((at for at, command in enumerate(commands) if _turns(command)), default=-1)
-    return _straight_drives(commands[last + 1 :])
+    return times_begun(map(is_motion, commands[last + 1 :]))
 
 
 def _goes_on(seen: _Seen, hit_ns: int) -> bool:
     """Whether a script that steers by the pose drove into a wall in its first side, or in a much longer one."""
     run = seen.run
-    heard = any(one.kind == "subscription" and one.name.endswith("/pose") for one in run.outcome.endpoints)
+    heard = any(name.endswith("/pose") for name in run.outcome.heard)
     if not heard or not ScriptText(run.source).lines_with(r"\.(x|theta)\b"):
         return False
     path, until = seen.driven.drive.path, int(np.searchsorted(seen.driven.drive.t_ns, hit_ns))
