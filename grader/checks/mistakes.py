@@ -699,7 +699,7 @@ def times_begun(flags: Iterable[bool]) -> int:
 
 
 def _longest_motion_ns(trajectory: Trajectory) -> int:
-    """Return the longest time for which motions were commanded without a stop between them, or one long enough."""
+    """Return the longest time for which motions were commanded without a stop; the first that is not too brief."""
     longest_ns, begun_ns = 0, None
     for command, until_ns in with_ends(trajectory):
         if not (command.v_mps or command.w_radps):

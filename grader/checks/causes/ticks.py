@@ -24,11 +24,21 @@ class _Timer(NamedTuple):
 
 
 class _Limit(NamedTuple):
-    """A condition on a count of ticks: the line, the count's name, and its limit."""
+    """A condition on a count of ticks: the line, the count's name, its limit, and the timer's period."""
 
     line: int
     name: str
     ticks: float
+    period_s: float
+
+    @property
+    def took_s(self) -> float:
+        """How long that many ticks take."""
+        return self.ticks * self.period_s
+
+    def fits(self, lasted_ns: int) -> bool:
+        """Whether a motion that lasted so long may have been ended by this limit."""
+        return abs(lasted_ns - self.took_s * 1e9) <= _TICKS_OFF * self.period_s * 1e9
 
 
 def _timer(script: ScriptText) -> _Timer | None:
@@ -47,7 +57,7 @@ def _limits(timer: _Timer, script: ScriptText) -> Iterator[_Limit]:
         found = re.search(r"\bif ([\w.]+) ?(?:<=?|>=?|==) ?([\w.]+) ?:", text)
         count = value_of(found[2], script) if found and counted_each_tick(found[1], script) else None
         if found and count and count >= 1.0:
-            yield _Limit(line, found[1], count)
+            yield _Limit(line, found[1], count, timer.period_s)
 
 
 def counts_ticks(seen: Searched) -> Mistake | None:
@@ -56,16 +66,18 @@ def counts_ticks(seen: Searched) -> Mistake | None:
     if timer is None or timer.period_s >= 1.0:
         return None
     for limit in _limits(timer, seen.script):
-        took_s = limit.ticks * timer.period_s
-        early = took_s <= _EARLY_S or limit.ticks <= _FEW_TICKS
-        if early and not _only_logs(limit, seen.script) and _meant_seconds(limit, timer, seen):
-            values = {"name": limit.name, "count": f"{limit.ticks:g}", "took": number(took_s, "s")}
-            period = number(timer.period_s, "s", 4)
-            return mistake("counts_ticks", line=limit.line, period=period, **values)
+        early = limit.took_s <= _EARLY_S or limit.ticks <= _FEW_TICKS
+        if early and not _only_logs(limit, seen.script) and _meant_seconds(limit, seen):
+            return _told("counts_ticks", limit)
     return None
 
 
-def _meant_seconds(limit: _Limit, timer: _Timer, seen: Searched) -> bool:
+def _told(code: str, limit: _Limit) -> Mistake:
+    values = {"count": f"{limit.ticks:g}", "took": number(limit.took_s, "s")}
+    return mistake(code, line=limit.line, name=limit.name, period=number(limit.period_s, "s", 4), **values)
+
+
+def _meant_seconds(limit: _Limit, seen: Searched) -> bool:
     """Whether a motion lasted for a count of ticks, and would have been right as long as that many seconds.
 
     True where that is not known: no motion was commanded, or the check has no such measure.
@@ -76,9 +88,8 @@ def _meant_seconds(limit: _Limit, timer: _Timer, seen: Searched) -> bool:
     motions = [one for one in motions_of(seen.run.trajectory) if (one[0].w_radps if turns else one[0].v_mps)]
     if not motions or item is None or item.low is None:
         return True
-    off_ns = limit.ticks * timer.period_s * 1e9, _TICKS_OFF * timer.period_s * 1e9
-    lasted = [first for first, lasted_ns in motions if abs(lasted_ns - off_ns[0]) <= off_ns[1]]
-    amounts = [abs(math.degrees(one.w_radps) if turns else one.v_mps) * limit.ticks for one in lasted]
+    ended = [first for first, lasted_ns in motions if limit.fits(lasted_ns)]
+    amounts = [abs(math.degrees(one.w_radps) if turns else one.v_mps) * limit.ticks for one in ended]
     most = math.inf if item.high is None else _ABOUT * item.high
     return any(item.low / _ABOUT <= amount <= most for amount in amounts)
 
@@ -103,25 +114,23 @@ def ticks_too_long(seen: Searched) -> Mistake | None:
         return None
     longest_ns = max((lasted_ns for _, lasted_ns in motions_of(seen.run.trajectory)), default=0)
     for limit in _limits(timer, seen.script):
-        took_ns = limit.ticks * timer.period_s * 1e9
-        lasted = abs(took_ns - longest_ns) <= _TICKS_OFF * timer.period_s * 1e9
-        too_long = took_ns > seen.run.outcome.duration_ns or (lasted and took_ns >= _LONG_NS)
+        beyond = limit.took_s * 1e9 > seen.run.outcome.duration_ns
+        too_long = beyond or (limit.fits(longest_ns) and limit.took_s >= _LONG_S)
         if too_long and not _only_logs(limit, seen.script):
-            values = {"count": f"{limit.ticks:g}", "took": number(took_ns / 1e9, "s")}
-            period = number(timer.period_s, "s", 4)
-            return mistake("ticks_too_long", line=limit.line, name=limit.name, period=period, **values)
+            return _told("ticks_too_long", limit)
     return None
 
 
-_LONG_NS: Final = 5e9
+_LONG_S: Final = 5.0
 
 
 def sleeps_in_callback(seen: Searched) -> Mistake | None:
     """Find a pause in a timer's callback that drives step by step: each tick takes as long as the pause."""
     timer = _timer(seen.script)
-    block = seen.script.block(timer.begins) if timer is not None else []
-    pauses = [text for text in block if re.search(r"\bsleep\(", text)]
-    if timer is None or len(pauses) != 1 or _drives_in_loop(timer, seen.script):
+    if timer is None:
+        return None
+    pauses = [text for text in seen.script.block(timer.begins) if re.search(r"\bsleep\(", text)]
+    if len(pauses) != 1 or _drives_in_loop(timer, seen.script):
         return None
     for line, text in seen.script.body(timer.begins):
         slept = re.match(r"(?:time\.)?sleep\((.+)\)$", text)
@@ -154,10 +163,7 @@ def count_not_reset(seen: Searched) -> Mistake | None:
     for limit in limits:
         same = [other for other in limits if other.name == limit.name]
         zeroed = [other for other in same if sets(limit.name, other.line, seen.script)]
-        ended = any(
-            abs(lasted_ns / 1e9 - limit.ticks * timer.period_s) <= _TICKS_OFF * timer.period_s
-            for _, lasted_ns in motions_of(seen.run.trajectory)
-        )
+        ended = any(limit.fits(lasted_ns) for _, lasted_ns in motions_of(seen.run.trajectory))
         block = seen.script.block(limit.line)[1:]
         goes_on = limit not in zeroed and any(re.match(r"[ \t]*self\.\w+ ?=(?!=)", text) for text in block)
         if ended and goes_on and zeroed and all(other.ticks <= limit.ticks for other in zeroed):
@@ -168,8 +174,10 @@ def count_not_reset(seen: Searched) -> Mistake | None:
 def sum_not_reset(seen: Searched) -> Mistake | None:
     """Find a sum of time or way that ends one motion after the other, and that nothing ever sets back to 0."""
     timer = _timer(seen.script)
-    block = seen.script.block(timer.begins) if timer is not None else []
-    for line, text in enumerate(block, start=timer.begins if timer is not None else 0):
+    if timer is None:
+        return None
+    block = seen.script.block(timer.begins)
+    for line, text in enumerate(block, start=timer.begins):
         found = re.match(r"[ \t]*(?:if|elif) (self\.(\w+)) ?>=? ?([\w.]+) ?:$", text)
         if found is None or not seen.script.lines_with(rf"{re.escape(found[1])} ?\+=(?! ?1$)"):
             continue
