@@ -163,11 +163,12 @@ def is_for_a_script(pid: str) -> bool:
 @pytest.mark.skipif(sys.platform != "linux", reason="scheduling classes are Linux'")
 def test_a_nice_child_gives_way_with_all_it_starts() -> None:
     before = os.getpriority(os.PRIO_PROCESS, 0)
-    with Slot(SlotConfig(mode="best-effort", niceness=before + 7)) as one:
+    nice = min(before + 7, 19)  # the most there is: whoever runs the tests may give way already
+    with Slot(SlotConfig(mode="best-effort", niceness=nice)) as one:
         one.grade(replace(JOB, source=b"pass"))
         grading = str(process_of(one)._pid)
         wait_until(lambda: any(map(is_for_a_script, family(grading))))  # made once nobody waits
-        assert {standing(pid) for pid in family(grading)} == {(before + 7, os.SCHED_BATCH, str(before + 7))}
+        assert {standing(pid) for pid in family(grading)} == {(nice, os.SCHED_BATCH, str(nice))}
     assert os.getpriority(os.PRIO_PROCESS, 0) == before
 
 
