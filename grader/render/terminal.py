@@ -17,7 +17,7 @@ from rich.table import Table
 from rich.text import Text
 
 from grader.contracts.outcome import LogRecord, RunOutcome, Stream, StudentError
-from grader.contracts.report import CaseRun, GradeReport, GradeStatus
+from grader.contracts.report import GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import Language
 from grader.contracts.text import Text as Sentence
@@ -41,6 +41,7 @@ _STYLE = {
     ItemStatus.NOT_CHECKED: "dim",
     ItemStatus.NEEDS_MANUAL: "cyan",
 }
+_SAID_BY_COLUMNS = {ItemStatus.PASSED, ItemStatus.NOT_CHECKED, ItemStatus.NEEDS_MANUAL}
 _WANTED_COLUMNS = 24
 _HEAD_LINES = 12
 _TAIL_LINES = 28
@@ -61,17 +62,18 @@ def render_report(  # noqa: PLR0913
     cases: Mapping[str, Sentence] = MappingProxyType({}),
     show_logs: bool = False,
 ) -> RenderableType:
-    """Return score, rubric table, next step, the script's error and notes as one renderable.
+    """Return score, next step, the script's errors, rubric table and notes as one renderable.
 
-    `cases`: titles by id, which stand above the items of each where there are several.
+    What to do comes first, as on the page: below a table it is overlooked. `cases`: titles by id, which stand
+    above the items of each where there are several.
     """
     return Group(
         _header(report, language, file_name, title),
-        _rubric(report, language, cases),
         *_next_steps(report, language),
-        *chain.from_iterable(_error(run, report, language) for run in report.runs),
+        *_errors(report, language, cases),
+        _rubric(report, language, cases),
         *_notes(report, language),
-        *(chain.from_iterable(_output(run, report, language) for run in report.runs) if show_logs else ()),
+        *(_outputs(report, language, cases) if show_logs else ()),
     )
 
 
@@ -138,21 +140,25 @@ def _rubric(report: GradeReport, language: Language, cases: Mapping[str, Sentenc
 
 
 def _item(item: RubricItem, language: Language) -> Text:
+    """Return the title and, where points were lost, why; the other columns say the rest."""
     text = Prose(visible_line(item.title.get(language)))
-    if message := item.message.get(language):
+    if item.status not in _SAID_BY_COLUMNS and (message := item.message.get(language)):
         text.append(f"\n{visible(message)}", style="dim")
     return text
 
 
 def _next_steps(report: GradeReport, language: Language) -> Iterator[RenderableType]:
-    """Yield the report's hint, then the items' own, each said once."""
-    said: list[str] = []
-    for sentence in (report.hint, *(item.hint for item in report.items)):
-        hint = visible(sentence.get(language))
-        if hint and hint not in said:
-            said.append(hint)
-    if said:
-        yield next_steps(said, language)
+    """Yield the report's hint, then the items' own, each said once, also where an item fails in several cases."""
+    told: dict[str, str] = {}
+    for name, hint in (
+        ("", report.hint),
+        *((item.id.rpartition("/")[2], item.hint) for item in report.items),
+    ):
+        said = visible(hint.get(language))
+        if said and said not in told.values():
+            told.setdefault(name, said)
+    if told:
+        yield next_steps(told.values(), language)
 
 
 def next_steps(said: Iterable[str], language: Language) -> RenderableType:
@@ -162,25 +168,35 @@ def next_steps(said: Iterable[str], language: Language) -> RenderableType:
     steps.add_column(overflow="fold")
     for hint in said:
         steps.add_row(Text("→", style="bold cyan"), Prose(hint))
-    return Group(Text(word("next_step", language), style="bold cyan"), Padding(steps, (0, 0, 1, 1)))
+    return Group(Text(word("next_step", language), style="bold cyan"), Padding(steps, (0, 0, 0, 1)))
 
 
-def _case_name(run: CaseRun, report: GradeReport, language: Language) -> str:
-    return word("case", language, case=visible_line(run.case)) if len(report.runs) > 1 else ""
+def _case_name(case: str, language: Language, cases: Mapping[str, Sentence]) -> str:
+    return word("case", language, case=visible_line(cases[case].get(language) if case in cases else case))
 
 
-def _error(run: CaseRun, report: GradeReport, language: Language) -> Iterator[RenderableType]:
-    error = run.outcome.error
+def _errors(
+    report: GradeReport, language: Language, cases: Mapping[str, Sentence]
+) -> Iterator[RenderableType]:
+    """Yield what ended the runs, the same end once; the first run with it is named unless all had it."""
+    ends = [_end(run.outcome, language) for run in report.runs]
+    for end in dict.fromkeys(filter(any, ends)):
+        heading, body = end
+        if ends.count(end) < len(ends):
+            heading += _case_name(report.runs[ends.index(end)].case, language, cases)
+        yield Padding(Prose(heading, style="bold red" if body else ""), (1, 0, 0, 0))
+        if body:
+            yield Padding(Text(body), (0, 0, 0, 2))
+
+
+def _end(outcome: RunOutcome, language: Language) -> tuple[str, str]:
+    """Return where the script failed with its traceback, or why it was ended; empty for an orderly end."""
+    error = outcome.error
     if error is None:
-        if run.outcome.detail:
-            detail = explained(run.outcome.status, run.outcome.detail).get(language)
-            yield Prose(f"{visible(detail)}{_case_name(run, report, language)}\n")
-        return
+        return visible(explained(outcome.status, outcome.detail).get(language)), ""
     where = word("at_line", language, line=error.line) if error.line else ""
-    heading = f"{word('your_error', language)}{where}{_case_name(run, report, language)}"
-    yield Text(heading, style="bold red")
     body = error.traceback or f"{error.type}: {error.message}"
-    yield Padding(Text(_shortened(visible(body).rstrip("\n"), language)), (0, 0, 1, 2))
+    return f"{word('your_error', language)}{where}", _shortened(visible(body).rstrip("\n"), language)
 
 
 def _shortened(text: str, language: Language) -> str:
@@ -218,15 +234,22 @@ def _in_short(error: StudentError, language: Language) -> str:
     return f"{visible_line(error.type, 80)}: {visible_line(error.message, 300)}{where}"
 
 
-def _output(run: CaseRun, report: GradeReport, language: Language) -> Iterator[RenderableType]:
-    name = _case_name(run, report, language)
-    logs = "\n".join(log_line(record) for record in run.outcome.logs)
-    dropped = run.outcome.logs_dropped
+def _outputs(
+    report: GradeReport, language: Language, cases: Mapping[str, Sentence]
+) -> Iterator[RenderableType]:
+    for run in report.runs:
+        name = _case_name(run.case, language, cases) if len(report.runs) > 1 else ""
+        yield from _output(run.outcome, name, language)
+
+
+def _output(outcome: RunOutcome, name: str, language: Language) -> Iterator[RenderableType]:
+    logs = "\n".join(log_line(record) for record in outcome.logs)
+    dropped = outcome.logs_dropped
     if logs:
         yield Rule(Text(word("logs", language) + name), align="left", style="dim")
         more = "\n" + word("more_logs", language, count=dropped) if dropped else ""
         yield Text(_shortened(logs, language) + more)
-    for key, stream in (("stdout", run.outcome.stdout), ("stderr", run.outcome.stderr)):
+    for key, stream in (("stdout", outcome.stdout), ("stderr", outcome.stderr)):
         if stream.text or stream.dropped_bytes:
             yield Rule(Text(word(key, language) + name), align="left", style="dim")
             yield Text(_stream(stream, language))

@@ -143,14 +143,58 @@ def test_logs_only_on_demand() -> None:
     assert "另有 5 条日志" in text
 
 
-def test_several_cases_are_named() -> None:
-    runs = tuple(
-        CaseRun(case=case, outcome=outcome(error=crash()), trajectory_sha256="1" * 64)
-        for case in ("two", "three")
+def cases_report(*errors: StudentError | None) -> GradeReport:
+    """Return the report of a case for each error."""
+    return report(
+        runs=tuple(
+            CaseRun(case=f"case_{number}", outcome=outcome(error=error), trajectory_sha256="1" * 64)
+            for number, error in enumerate(errors, 1)
+        )
     )
-    text = shown(report(runs=runs))
-    assert "用例 two" in text
-    assert "用例 three" in text
+
+
+def test_an_error_of_every_case_is_shown_once() -> None:
+    text = shown(cases_report(crash(), crash()))
+    assert text.count("你的程序在这里出错") == 1
+    assert "用例" not in text
+
+
+def test_an_error_of_one_case_names_it_by_its_title() -> None:
+    stream = io.StringIO()
+    titles = {"case_2": t("输入 3", "Input 3")}
+    graded = cases_report(None, crash())
+    console(stream, 80).print(
+        render_report(graded, language="zh", file_name="a.py", title=t("题", "Task"), cases=titles)
+    )
+    assert "你的程序在这里出错（第 31 行）（用例 输入 3）" in stream.getvalue()
+
+
+def test_output_of_several_cases_is_named() -> None:
+    text = shown(cases_report(None, None), logs=True)
+    assert "用例 case_1" in text
+    assert "用例 case_2" in text
+
+
+def test_what_to_do_comes_before_the_table() -> None:
+    text = shown(square_report())
+    assert text.index("下一步") < text.index("评分项")
+
+
+def test_a_passed_item_is_one_line() -> None:
+    items = tuple(
+        item(status, message=t(f"message of {status}"))
+        for status in (ItemStatus.PASSED, ItemStatus.NOT_CHECKED, ItemStatus.FAILED)
+    )
+    text = shown(report(items=items))
+    assert text.count("message of") == 1
+    assert "message of failed" in text
+
+
+def test_an_item_that_fails_in_several_cases_has_one_hint() -> None:
+    items = tuple(item(ItemStatus.FAILED, id=f"{case}/sides", hint=t(f"提示 {case}")) for case in ("a", "b"))
+    text = shown(report(items=items))
+    assert "提示 a" in text
+    assert "提示 b" not in text
 
 
 def hostile_report(text: str) -> GradeReport:
