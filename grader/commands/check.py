@@ -220,11 +220,7 @@ def _guess(catalog: "Catalog", file: Path) -> str:
         known = tuple(ending for endings in SUFFIXES.values() for ending in endings)
         if not file_name.lower().endswith(known) or ".py." in file_name.lower():
             check_name(file_name, SUFFIXES["script"])  # says what the file is instead
-        ids = ", ".join(assignment.id for assignment in catalog.all())
-        raise UnknownAssignmentError(
-            f"the file name {file_name!r} does not tell the assignment; say it with --assignment, one of: {ids}",
-            f"从文件名 {file_name!r} 看不出是哪个作业；请用 --assignment 指明，可选：{ids}",
-        )
+        raise UnknownAssignmentError.unguessed(file_name)
     return guess
 
 

@@ -23,7 +23,7 @@ from grader.contracts.report import report_from
 from grader.contracts.text import LANGUAGES, Text, trouble
 from grader.messages.quantity import points
 from grader.operation.settings import is_loopback
-from grader.render.escape import visible, visible_line
+from grader.render.escape import visible
 from grader.render.labels import status_word
 from grader.render.terminal import console, render_report
 
@@ -69,10 +69,10 @@ def run(arguments: argparse.Namespace) -> int:
     """Hand in and wait; 0 full marks, 1 not, 2 could not be handed in or graded (raised as GraderError)."""
     _check_address(arguments.server)
     source = read_handed_in(arguments.file)
-    assignment = arguments.assignment or _guess(arguments.file.name)
+    wanted = arguments.assignment or _guess(arguments.file.name)
     headers = {"Accept-Language": arguments.lang, **_authorization(arguments)}
     with httpx.Client(base_url=arguments.server, headers=headers, timeout=_TIMEOUT_S) as client:
-        url = _upload(client, arguments, source, assignment)
+        url = _upload(client, arguments, source, wanted)
         page = _page(arguments.server, url)
         try:
             document = _await(client, url, arguments)
@@ -84,19 +84,31 @@ def run(arguments: argparse.Namespace) -> int:
             )
             raise
         content = _asked(client, "GET", url + "/report").content
-        title = _asked(client, "GET", f"/api/v1/assignments/{document['assignment']}").json()["title"]
+        assignment = _asked(client, "GET", f"/api/v1/assignments/{document['assignment']}").json()
         left = _attempts_left(client, document["assignment"])
     if arguments.json:
         sys.stdout.write(content.decode() + "\n")
     report = report_from(content)
     if not arguments.json:
-        name, heading = arguments.file.name, Text(zh=title, en=title)
-        console().print(render_report(report, language=arguments.lang, file_name=name, title=heading))
+        console().print(
+            render_report(
+                report,
+                language=arguments.lang,
+                file_name=arguments.file.name,
+                title=_text(assignment["title"]),
+                cases={case["id"]: _text(case["title"]) for case in assignment["cases"]},
+            )
+        )
     _tell_lateness(document, arguments)
-    tell(arguments, zh=f"网页上有轨迹回放：{page}", en=f"Watch the drive at {page}")
+    tell(arguments, zh=f"在网页上看：{page}", en=f"See it at {page}")
     if left is not None and not arguments.student:
         tell(arguments, zh=f"还可提交 {left} 次。", en=f"Attempts left: {left}.")
     return EXIT_FULL_MARKS if report.score == report.max_score else EXIT_NOT_FULL
+
+
+def _text(said: str) -> Text:
+    """Return what the service said, in the language it was asked for."""
+    return Text(zh=said, en=said)
 
 
 def _upload(client: httpx.Client, arguments: argparse.Namespace, source: bytes, assignment: str) -> str:
@@ -281,10 +293,5 @@ def _authorization(arguments: argparse.Namespace) -> dict[str, str]:
 def _guess(file_name: str) -> str:
     guess = Catalog().guess_assignment(file_name)
     if guess is None:
-        name = visible_line(file_name, 100)
-        known = ", ".join(assignment.id for assignment in Catalog().all())
-        raise UnknownAssignmentError(
-            f"the file name {name} does not tell the assignment; say it with --assignment, one of: {known}",
-            f"从文件名 {name} 看不出是哪个作业；请用 --assignment 指明，可选：{known}",
-        )
+        raise UnknownAssignmentError.unguessed(file_name)
     return guess

@@ -17,6 +17,7 @@ GraderError
 └── InfrastructureError    anything else on the grader's side; retried
 """
 
+import difflib
 import errno
 from typing import TYPE_CHECKING, Any, Final, Self
 
@@ -70,11 +71,27 @@ class UnknownAssignmentError(GraderError):
 
     @classmethod
     def among(cls, known: "Iterable[str]", assignment_id: str) -> "UnknownAssignmentError":
-        """Return the error that lists the ids that there are."""
-        there = ", ".join(sorted(known))
+        """Return the error that names the id that was probably meant, else lists those that there are."""
+        ids = sorted(known)
+        if likely := difflib.get_close_matches(assignment_id, ids, 1):
+            return cls(
+                f"no assignment {assignment_id!r}; do you mean {likely[0]}?",
+                f"没有作业 {assignment_id!r}；是不是 {likely[0]}？",
+            )
+        there = ", ".join(ids)
         return cls(
             f"no assignment {assignment_id!r}; there are: {there}",
             f"没有作业 {assignment_id!r}；现有：{there}",
+        )
+
+    @classmethod
+    def unguessed(cls, file_name: str) -> "UnknownAssignmentError":
+        """Return the error of a command for a file whose name fits no assignment."""
+        return cls(
+            f"the file name {file_name!r} does not tell the assignment; say which, as in -a square "
+            "(`grader assignments list` names them; a course's own stand on its pages)",
+            f"从文件名 {file_name!r} 看不出是哪个作业：用 -a 指明，例如 -a square"
+            "（作业名用 grader assignments list 查看，课程自己的作业看网页）",
         )
 
 

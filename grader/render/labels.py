@@ -27,7 +27,8 @@ def word(key: str, language: Language, **values: object) -> str:
 def cleanup_sentence(error: StudentError, shown: str, language: Language) -> str:
     """Return what an exception after Ctrl+C means, and whether anything is to be done; `shown` names it."""
     if "rcl_shutdown already called" in error.message:
-        return word("cleanup_shutdown", language, error=shown)
+        where = word("at_line", language, line=error.line) if error.line else ""
+        return word("cleanup_shutdown", language, where=where)
     return word("cleanup_error", language, error=shown)
 
 

@@ -25,14 +25,13 @@ def render_rubric(assignment: Assignment, rubric: PublishedRubric, *, language: 
 
 
 def render_list(assignments: Sequence[Assignment], *, language: Language) -> RenderableType:
-    """Return one row for each assignment: id, title with the task, points."""
+    """Return one row for each assignment: id, title, points. `render_rubric` has the task."""
     table = Table(box=box.SIMPLE_HEAD, expand=True, pad_edge=False)
     table.add_column("id", no_wrap=True)
     table.add_column(word("assignment", language), ratio=1)
-    table.add_column(word("points", language), justify="right", no_wrap=True)
+    table.add_column(word("worth_points", language), justify="right", no_wrap=True)
     for one in assignments:
-        title = Prose(visible_line(one.title.get(language)), style="bold")
-        title.append(f"\n{visible(one.brief.get(language)).strip()}", style="not bold dim")
+        title = Prose(visible_line(one.title.get(language)))
         table.add_row(one.id, title, quantity.points(one.max_score))
     return table
 
@@ -52,7 +51,7 @@ def _parts(assignment: Assignment, rubric: PublishedRubric, language: Language) 
         yield Padding(Prose(visible(brief).strip()), (1, 0, 0, 0))
     table = Table(box=box.SIMPLE_HEAD, expand=True, pad_edge=False)
     table.add_column(word("item", language), ratio=1, overflow="fold")
-    table.add_column(word("points", language), justify="right", no_wrap=True)
+    table.add_column(word("worth_points", language), justify="right", no_wrap=True)
     table.add_column(word("wanted", language), overflow="fold", max_width=_WANTED_COLUMNS)
     for item in rubric.items:
         table.add_row(

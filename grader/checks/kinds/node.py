@@ -8,6 +8,8 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
 from grader.contracts.outcome import LogRecord, RunOutcome, RunStatus
 from grader.contracts.scoring import Run
+from grader.contracts.text import EMPTY, Text
+from grader.messages import say
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
@@ -25,11 +27,15 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     return Findings(
         measures={
             "nodes": Measure(float(len(outcome.nodes)), {"names": ", ".join(outcome.nodes[:4]) or "—"}),
-            "info_logs": Measure(float(len(infos)), {"first": infos[0].message[:80] if infos else "—"}),
+            "info_logs": Measure(float(len(infos)), {"first": _first(infos)}),
             "alive": Measure(_alive(outcome), {"seconds": number(outcome.duration_ns / 1e9, "s")}),
         },
         mistakes=node_mistakes(run),
     )
+
+
+def _first(infos: list[LogRecord]) -> Text:
+    return say("node.first_log", text=infos[0].message[:80]) if infos else EMPTY
 
 
 def _heard(outcome: RunOutcome) -> list[LogRecord]:

@@ -309,8 +309,13 @@ def test_not_utf8_is_refused(tmp_path: Path) -> None:
 
 
 def test_an_unknown_name_lists_the_known_ones() -> None:
-    with pytest.raises(UnknownAssignmentError, match="square"):
-        Catalog().get("../square")
+    with pytest.raises(UnknownAssignmentError, match=r"there are: .*square"):
+        Catalog().get("thesis")
+
+
+def test_a_misspelt_name_is_answered_with_the_one_that_is_meant() -> None:
+    with pytest.raises(UnknownAssignmentError, match=r"do you mean square\?$"):
+        Catalog().get("sqare")
 
 
 def test_a_missing_wrong_script_is_named(tmp_path: Path) -> None:

@@ -118,10 +118,10 @@ def test_published_rubric_says_the_numbers_scored_by() -> None:
 
 def test_published_rubric_says_what_counts_in_part_only() -> None:
     said = {each.id: each.needs.en for each in published_rubric(assignment("square")).items}
-    assert "less than half" in said["lengths"]
+    assert "Needs half" in said["lengths"]
     straight = {each.id: each.needs.en for each in published_rubric(assignment("straight")).items}
-    assert "less than half" in straight["heading"]
-    assert "less than half" not in straight["distance"]  # commands are there, or not
+    assert "Needs half" in straight["heading"]
+    assert "Needs half" not in straight["distance"]  # commands are there, or not
 
 
 def test_report_items_show_the_same_wanted_text() -> None:

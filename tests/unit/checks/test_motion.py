@@ -67,7 +67,7 @@ def test_coming_back() -> None:
     assert item(scoring, "no_return").status is ItemStatus.FAILED
     distance = item(scoring, "distance")
     assert (distance.status, distance.measured) == (ItemStatus.FAILED, 2.0)
-    assert "0 % at most, because of: No way back" in distance.message.en
+    assert "0 % at most, because points were lost in: No way back" in distance.message.en
     assert scoring.mistakes == ("came_back",)
     assert score(scoring) == 40
 

@@ -48,6 +48,11 @@ def test_mistakes(changes: dict[str, object], points: float, mistake: str) -> No
     assert scoring.mistakes[0] == mistake
 
 
+def test_the_first_message_is_quoted_if_there_is_one() -> None:
+    assert item(hello(), "log").message.zh == "收到 1 条 INFO 日志（第一条：Hello）。"
+    assert item(hello(logs=()), "log").message.zh == "收到 0 条 INFO 日志。"
+
+
 def test_a_crash_is_named_with_its_line() -> None:
     error = StudentError(type="TypeError", message="incompatible arguments", line=12, traceback="")
     scoring = hello(status=RunStatus.CRASHED, error=error, logs=())

@@ -12,8 +12,10 @@ import pytest
 from fastapi import FastAPI
 
 from grader.commands import cli
+from grader.contracts.assignment import Case
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.rules import LateRule, Rules
+from grader.contracts.text import Text
 from grader.operation.settings import Settings
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
@@ -64,7 +66,7 @@ def test_full_marks_and_where_the_replay_is(submit, services: Services) -> None:
     status, output, told = submit("good good", "--student", "s1", "--lang", "en")
     assert status == 0
     submission = services.dashboard.state().progress[0].latest_submission
-    assert re.search(rf"Watch the drive at http://\S+/submissions/{submission}\n", told)
+    assert re.search(rf"See it at http://\S+/submissions/{submission}\n", told)
     assert "Exercise square" in output
     assert "10" in output
 
@@ -203,10 +205,19 @@ def test_an_unknown_assignment_is_answered_with_those_there_are(submit) -> None:
     assert "allowed: straight, square" in errors
 
 
+def test_items_of_several_cases_stand_below_their_titles(submit, services: Services) -> None:
+    square = services.assignments.get("square")
+    near = replace(square.items[0], id="near/sides")
+    cases = (Case(id="near", title=Text(zh="近", en="Near start")), Case(id="far"))
+    services.assignments.assignments = (replace(square, cases=cases, items=(near,)),)  # type: ignore[attr-defined]
+    _, output, _ = submit("good", "--student", "s1", "--lang", "en")
+    assert "Near start" in output
+
+
 def test_a_name_that_tells_nothing(submit) -> None:
     status, _, errors = submit("good", "--student", "s1", name="x.py")
     assert status == 2
-    assert "--assignment" in errors
+    assert "-a square" in errors
 
 
 @pytest.mark.thorough

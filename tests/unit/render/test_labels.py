@@ -39,7 +39,7 @@ def test_marks_differ_without_colour() -> None:
     [
         (
             Note(code="wall", text="right"),
-            "小车撞到了右墙：这条说明本身不扣分；如果有统计碰撞的评分项，由它扣分",
+            "小车撞到了右墙（评分项里有“碰撞”时才扣分）",
         ),
         (
             Note(code="type_mismatch", text="/turtle1/cmd_vel"),
@@ -73,6 +73,9 @@ def test_the_lessons_own_ending_does_not_frighten() -> None:
         type="RCLError", message="failed to shutdown: rcl_shutdown already called", line=53, traceback=""
     )
     assert cleanup_sentence(twice, "RCLError", "en").startswith("nothing to be done")
-    assert cleanup_sentence(twice, "RCLError", "zh").startswith("不用处理")
+    chinese = cleanup_sentence(twice, "RCLError: failed to shutdown", "zh")
+    assert chinese.startswith("不用处理")
+    assert "（第 53 行）" in chinese
+    assert "failed to shutdown" not in chinese  # their own script's only English sentence, of no use to them
     other = StudentError(type="ValueError", message="?", line=3, traceback="")
     assert "mend that line" in cleanup_sentence(other, "ValueError", "en")

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from grader.contracts.rubric import PublishedItem, PublishedRubric
 from grader.contracts.text import Language
-from grader.render.rubric import render_rubric
+from grader.render.rubric import render_list, render_rubric
 from grader.render.terminal import console
 from tests.unit.render.samples import assignment, t
 
@@ -71,3 +71,11 @@ def test_everything_published_is_shown() -> None:
 
 def test_english_has_no_chinese() -> None:
     assert not [character for character in shown("en") if "\u3000" <= character <= "\uffef"]
+
+
+def test_the_list_has_a_line_for_each_assignment() -> None:
+    stream = io.StringIO()
+    console(stream, 80).print(render_list([assignment()] * 3, language="zh"))
+    assert stream.getvalue().count("正方形") == 3
+    assert len([line for line in stream.getvalue().splitlines() if line.strip()]) == 2 + 3
+    assert "分值" in stream.getvalue()
