@@ -6,6 +6,7 @@ Only what is named changes; the rest stays as it is. What is replaced is shown, 
 import argparse
 import json
 import sys
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 from zoneinfo import ZoneInfo
@@ -18,6 +19,7 @@ from grader.contracts import fields
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import CourseError
 from grader.contracts.fields import kinds_of
+from grader.contracts.grading import AssignmentSource
 from grader.contracts.identity import Seen, unknown_members
 from grader.contracts.notation import whole
 from grader.contracts.rules import NO_EXTENSION, NO_RULES, Counts, Extension, Rules
@@ -32,6 +34,7 @@ from grader.use_cases.bodies import ExtensionBody, RulesBody, rules_from
 
 _KINDS = kinds_of(Rules)
 _NONE = ("none", "null", "")
+_ALL = "all"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -41,9 +44,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "show", help="print all rules and extensions as JSON / 以 JSON 打印全部规则和延期"
     )
     change = actions.add_parser(
-        "set", help="change some rules of an assignment; the others stay / 修改规则，没写的不变"
+        "set", help="change some rules of assignments; the others stay / 修改规则，没写的不变"
     )
-    change.add_argument("assignment")
+    change.add_argument(
+        "assignment", help=f"or several, as in square,triangle, or {_ALL} / 可以写几个，用逗号隔开"
+    )
     change.add_argument(
         "rules",
         nargs="+",
@@ -83,20 +88,23 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.action == "show":
             _show(stored.of(course))
             return 0
-        assignment = _assignment(storage.database, course, arguments.assignment)
+        known = _assignments(storage.database, course)
         if arguments.action == "set":
-            _set(stored, signed, assignment, arguments)
+            names = [one.strip() for one in arguments.assignment.split(",")]
+            wanted = known.all() if names == [_ALL] else [known.get(name) for name in dict.fromkeys(names)]
+            _set(stored, signed, wanted, arguments)
         else:
+            known.get(arguments.assignment)
             _extend(stored, signed, arguments)
     return 0
 
 
-def _assignment(database: Database, course: str, assignment_id: str) -> Assignment:
-    """Return an assignment that the grader brings, the operator adds, or the course has made."""
+def _assignments(database: Database, course: str) -> AssignmentSource:
+    """Return the assignments that the grader brings, the operator adds, or the course has made."""
     from grader.operation.settings import load
     from grader.service.composition import assignments_of
 
-    return assignments_of(load(), database, utc_now).of(course).get(assignment_id)
+    return assignments_of(load(), database, utc_now).of(course)
 
 
 def _show(known: CourseRules) -> None:
@@ -113,22 +121,28 @@ def _local(extension: Extension, zone: ZoneInfo) -> Extension:
 
 
 def _set(
-    stored: StoredRules, signed: Signature, assignment: Assignment, arguments: argparse.Namespace
+    stored: StoredRules, signed: Signature, assignments: Iterable[Assignment], arguments: argparse.Namespace
 ) -> None:
-    items = [item.id for item in assignment.items]
     known = stored.of(signed.course)
-    before = known.of(arguments.assignment)
-    rules = _read(_changed(before, arguments.rules), known.zone)
+    wanted = {one.id: _wanted(one, known, arguments.rules) for one in assignments}
+    for name, rules in wanted.items():
+        before = known.of(name)
+        if not arguments.dry_run:
+            stored.set(name, rules, signed, arguments.reason, seen=Seen.one(tag(before)))
+        _print_change(name, before, rules, known.zone, arguments)
+
+
+def _wanted(assignment: Assignment, known: CourseRules, given: list[str]) -> Rules:
+    """Return the rules of an assignment with those that were given in their places."""
+    items = [item.id for item in assignment.items]
+    rules = _read(_changed(known.of(assignment.id), given), known.zone)
     if unknown := set(rules.hidden_items) - set(items):
         name, all_items = min(unknown), ", ".join(items)
         raise CourseError(
-            f"{arguments.assignment} has no item {name}; it has {all_items}",
-            f"{arguments.assignment} 没有评分项 {name}；它有 {all_items}",
+            f"{assignment.id} has no item {name}; it has {all_items}",
+            f"{assignment.id} 没有评分项 {name}；它有 {all_items}",
         )
-    if not arguments.dry_run:
-        seen = Seen.one(tag(before))
-        stored.set(arguments.assignment, rules, signed, arguments.reason, seen=seen)
-    _print_change(arguments.assignment, before, rules, known.zone, arguments)
+    return rules
 
 
 def _changed(before: Rules, given: list[str]) -> dict[str, Any]:
@@ -236,7 +250,7 @@ def _print_change(
     """Print the fields that differ, old and new, instants on the course's clock."""
     old, new = to_document(before), to_document(after)
     teller = Teller(arguments.lang, zone)
-    changed = [name for name in old if old[name] != new[name]]
+    changed = [name for name in old if getattr(before, name) != getattr(after, name)]
     if not changed:
         head = Text(zh="没有变化", en="nothing changes")
     elif arguments.dry_run:

@@ -70,6 +70,8 @@ FIELDS: Mapping[str, str] = {
     "student": "student",
     "assignment": "assignment",
     "sha256": "audit.field.sha256",
+    "version": "audit.field.version",
+    "size_bytes": "audit.field.size_bytes",
 }
 _LONGEST_SHOWN = 400
 _UNITS = ((86_400, "audit.days"), (3_600, "audit.hours"), (60, "audit.minutes"), (1, "audit.seconds"))

@@ -61,6 +61,22 @@ def test_what_is_named_changes_and_the_rest_stays(grader, shown) -> None:
     assert grader("rules", "set", "square", "attempts=none", lang="zh")[1] == "square: 没有变化\n"
 
 
+def test_several_assignments_at_once(grader, shown) -> None:
+    grader("rules", "set", "all", "shown=draft")
+    grader("rules", "set", "square, hello", "shown=always", "attempts=5")
+    rules = shown()
+    assert rules["pentagon"]["shown"] == "draft"
+    assert [(rules[one]["shown"], rules[one]["attempts"]) for one in ("square", "hello")] == [
+        ("always", 5)
+    ] * 2
+
+
+def test_nothing_changes_unless_all_can(grader, shown) -> None:
+    grader("rules", "set", "square,hello", "hidden_items=sides", status=2)
+    grader("rules", "set", "square,sqare", "attempts=5", status=2)
+    assert shown() == {}
+
+
 def test_a_dry_run_shows_and_changes_nothing(grader, shown) -> None:
     told = grader("rules", "set", "square", "due=2026-03-20T23:59:59", "--dry-run", lang="zh")[1]
     assert "什么也没改" in told
@@ -78,6 +94,13 @@ def test_an_extension_changes_only_what_is_named(grader, shown) -> None:
     assert shown()["square"]["extensions"] == {"1": given}
     grader(*extend, "--due", "none", "--extra-attempts", "0")
     assert "square" not in shown()
+
+
+def test_the_same_due_date_on_another_clock_is_no_change(grader) -> None:
+    extend = ("rules", "extend", "1", "square", "--due", "2026-03-27T23:59:59")
+    grader("rules", "set", "square", "due=2026-03-20T23:59:59")
+    grader(*extend)
+    assert grader(*extend)[1].splitlines()[0] == "square, 1: nothing changes"
 
 
 def test_an_extension_without_effect_is_told(grader) -> None:

@@ -77,6 +77,8 @@ def test_who_did_it_is_told() -> None:
 def test_only_what_differs_is_told() -> None:
     assert EN.differences({"a": 1, "b": 2.0}, {"a": 1, "b": 3.5}) == [("b", "2", "3.5")]
     assert ZH.differences(None, {"name": "x"}) == [("姓名", "—", "x")]
+    uploaded = {"version": 2, "size_bytes": 3088}
+    assert ZH.differences(None, uploaded) == [("版本", "—", "2"), ("大小（字节）", "—", "3088")]
     assert EN.differences(None, "id") == [("", "—", "id")]
     assert EN.differences("x" * 1_000, None)[0][1].endswith("…")
 
