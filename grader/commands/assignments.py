@@ -82,9 +82,10 @@ def _new(arguments: argparse.Namespace) -> int:
 
     if arguments.assignments is None:
         raise AssignmentError(
-            "say in which folder of assignments to start it: --assignments DIR (make an empty one at first)",
-            "请用 --assignments DIR 指明作业放在哪个文件夹（第一次先新建一个空文件夹）",
+            "say in which folder of assignments to start it: --assignments DIR",
+            "请用 --assignments DIR 指明作业放在哪个文件夹",
         )
+    arguments.assignments.mkdir(parents=True, exist_ok=True)
     catalog = Catalog(arguments.assignments)
     like = None if arguments.like is None else _folder_of(arguments.like, catalog)
     folder = create(catalog, arguments.name, like)

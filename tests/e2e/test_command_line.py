@@ -93,7 +93,7 @@ def test_json_is_the_report_and_a_plot_is_written(tmp_path: Path, at_terminal: T
         (["check", "."], "没有功能包"),
         (["run", "mystery.py", "--executable", "x"], "mystery.py 是脚本"),
         (["check", "/dev/zero", "-a", "square", "--lang", "en"], "more than 262144 bytes"),
-        (["check", "mystery.py"], "--assignment"),
+        (["check", "mystery.py"], "-a square"),
         (["check", "mystery.py", "-a", "calculation"], ".txt 或 .md"),
         (["check", "mystery.py", "-a", "circle"], "circle"),
         (["check", "empty_square.py", "--lang", "en"], "empty"),
@@ -126,6 +126,15 @@ def test_bad_input_is_one_readable_message_and_2(
     assert words in said.err
     assert "Traceback" not in said.err
     assert not said.out
+
+
+def test_the_first_assignment_makes_its_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert cli.run(["assignments", "new", "heptagon", "--assignments", "mine"]) == 0
+    assert "mine/heptagon" in capsys.readouterr().out
+    assert (tmp_path / "mine" / "heptagon" / "assignment.yaml").is_file()
 
 
 def test_bad_input_ends_the_process_with_2(tmp_path: Path) -> None:
