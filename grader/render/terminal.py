@@ -179,7 +179,7 @@ def _errors(
     report: GradeReport, language: Language, cases: Mapping[str, Sentence]
 ) -> Iterator[RenderableType]:
     """Yield what ended the runs, the same end once; the first run with it is named unless all had it."""
-    ends = [_end(run.outcome, language) for run in report.runs]
+    ends = [_end(run.outcome, report.hint, language) for run in report.runs]
     for end in dict.fromkeys(filter(any, ends)):
         heading, body = end
         if ends.count(end) < len(ends):
@@ -189,11 +189,12 @@ def _errors(
             yield Padding(Text(body), (0, 0, 0, 2))
 
 
-def _end(outcome: RunOutcome, language: Language) -> tuple[str, str]:
-    """Return where the script failed with its traceback, or why it was ended; empty for an orderly end."""
+def _end(outcome: RunOutcome, hint: Sentence, language: Language) -> tuple[str, str]:
+    """Return where the script failed and its traceback, or why it was ended, unless `hint` says it; or nothing."""
     error = outcome.error
     if error is None:
-        return visible(explained(outcome.status, outcome.detail).get(language)), ""
+        detail = explained(outcome.status, outcome.detail).get(language)
+        return "" if detail in hint.get(language) else visible(detail), ""
     where = word("at_line", language, line=error.line) if error.line else ""
     body = error.traceback or f"{error.type}: {error.message}"
     return f"{word('your_error', language)}{where}", _shortened(visible(body).rstrip("\n"), language)

@@ -169,6 +169,12 @@ def test_an_error_of_one_case_names_it_by_its_title() -> None:
     assert "你的程序在这里出错（第 31 行）（用例 输入 3）" in stream.getvalue()
 
 
+def test_why_a_run_was_ended_is_said_once() -> None:
+    run = outcome(status=RunStatus.STALLED, detail="a lock is held")
+    assert shown(report(outcome=run, hint=t("其他"))).count("a lock is held") == 1
+    assert shown(report(outcome=run, hint=t("卡住了：a lock is held。"))).count("a lock is held") == 1
+
+
 def test_output_of_several_cases_is_named() -> None:
     text = shown(cases_report(None, None), logs=True)
     assert "用例 case_1" in text
