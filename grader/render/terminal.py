@@ -23,6 +23,7 @@ from grader.contracts.text import Language
 from grader.contracts.text import Text as Sentence
 from grader.messages import quantity
 from grader.messages.details import explained
+from grader.render.captured import without_logs
 from grader.render.escape import visible, visible_line
 from grader.render.labels import (
     ITEM_MARK,
@@ -251,9 +252,10 @@ def _output(outcome: RunOutcome, name: str, language: Language) -> Iterator[Rend
         more = "\n" + word("more_logs", language, count=dropped) if dropped else ""
         yield Text(_shortened(logs, language) + more)
     for key, stream in (("stdout", outcome.stdout), ("stderr", outcome.stderr)):
-        if stream.text or stream.dropped_bytes:
+        rest = without_logs(stream, outcome.logs)
+        if rest.text or rest.dropped_bytes:
             yield Rule(Text(word(key, language) + name), align="left", style="dim")
-            yield Text(_stream(stream, language))
+            yield Text(_stream(rest, language))
 
 
 def _stream(stream: Stream, language: Language) -> str:

@@ -3,9 +3,8 @@
 Everything here is still raw text; the templates escape it.
 """
 
-import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from grader.contracts.assignment import Assignment
@@ -24,6 +23,7 @@ from grader.contracts.rubric import ItemStatus, RubricItem, summed
 from grader.contracts.text import Language
 from grader.messages import on_page, quantity
 from grader.messages.details import explained
+from grader.render.captured import without_logs
 from grader.render.labels import (
     ITEM_MARK,
     cleanup_sentence,
@@ -33,12 +33,7 @@ from grader.render.labels import (
     word,
 )
 
-_LOGGED = re.compile(r"\[([A-Z]+)\] \[\d+\.\d{9}\] \[(.*?)\]: (.*)")
-"""A log message as rclpy writes it to the console: level, instant, name, text."""
-
 _REPLAY_WORDS = ("play", "pause", "time", "still", "plan", "v", "w", "turned", "heading", "command", "times")
-_LONGEST_LOG_LINES = 20
-"""A message of more lines is not looked for in the output: it is shown twice."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -274,24 +269,9 @@ def _run(run: CaseRun, assignment: Assignment | None, language: Language) -> Run
         notes=_notes(outcome, language),
         logs=tuple(_log(record) for record in outcome.logs[:SHOWN_LOGS]),
         logs_dropped=outcome.logs_dropped + max(0, len(outcome.logs) - SHOWN_LOGS),
-        stdout=stream_text(_without_logs(outcome.stdout, outcome.logs[:SHOWN_LOGS])),
-        stderr=stream_text(_without_logs(outcome.stderr, outcome.logs[:SHOWN_LOGS])),
+        stdout=stream_text(without_logs(outcome.stdout, outcome.logs[:SHOWN_LOGS])),
+        stderr=stream_text(without_logs(outcome.stderr, outcome.logs[:SHOWN_LOGS])),
     )
-
-
-def _without_logs(stream: Stream, logs: Sequence[LogRecord]) -> Stream:
-    """Return captured output without the log messages that the page shows by themselves."""
-    shown = {(one.level_name, one.name, *one.message.split("\n")) for one in logs}
-    lines = stream.text.split("\n")
-    kept, at = [], 0
-    while at < len(lines):
-        head = _LOGGED.fullmatch(lines[at])
-        sizes = () if head is None else range(1, _LONGEST_LOG_LINES + 1)
-        size = next((n for n in sizes if head and (*head.groups(), *lines[at + 1 : at + n]) in shown), 0)
-        if size == 0:
-            kept.append(lines[at])
-        at += max(size, 1)
-    return replace(stream, text="\n".join(kept))
 
 
 def _notes(outcome: RunOutcome, language: Language) -> tuple[str, ...]:

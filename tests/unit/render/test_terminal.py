@@ -153,6 +153,14 @@ def cases_report(*errors: StudentError | None) -> GradeReport:
     )
 
 
+def test_a_log_message_is_not_shown_again_among_the_output() -> None:
+    console_line = "[INFO] [1700000002.100000000] [square_mover]: ✓ 直行完成"
+    run = outcome(stderr=Stream(text=f"{console_line}\nTypeError"))
+    text = shown(report(outcome=run), logs=True)
+    assert text.count("✓ 直行完成") == 1
+    assert "TypeError" in text
+
+
 def test_an_error_of_every_case_is_shown_once() -> None:
     text = shown(cases_report(crash(), crash()))
     assert text.count("你的程序在这里出错") == 1
