@@ -34,8 +34,10 @@ class CdrError(RuntimeError):
 def serialize(message: Any) -> bytes:
     """Return the CDR form of a message, with its encapsulation header.
 
+    A list inside the message that holds something its field does not allow ends the process, as at home.
+
     Raises:
-        TypeError: a list inside the message holds something its field does not allow.
+        TypeError: the message was tampered with in another way.
         CdrError: a list or string inside the message is longer than its field allows.
     """
     out = bytearray(HEADER)
@@ -44,6 +46,9 @@ def serialize(message: Any) -> bytes:
     try:
         write(message, out)
     except (struct.error, TypeError, AttributeError, ValueError, OverflowError) as error:
+        from rclpy._interfaces.conversion import check
+
+        check(message)
         raise TypeError(f"{interface_name(cls)} cannot be serialized: {error}") from None
     return bytes(out)
 
