@@ -183,6 +183,21 @@ def test_a_wrong_type_in_a_list_aborts_the_process(run_script, heard):
     assert run.exit["message"].startswith("field 'poses' of geometry_msgs/msg/PoseStamped: ")
 
 
+def test_a_derived_message_has_a_repr_and_aborts_the_process(run_script):
+    """The generated C code compares the names of class and module (_msg_support.c.em:190)."""
+    source = """
+        class Drive(Twist):
+            pass
+        print(Drive())
+        node.create_publisher(Twist, "/turtle1/cmd_vel", 10).publish(Drive())
+    """
+    run = run_script(PREFIX + dedent(source))
+    vector = "geometry_msgs.msg.Vector3(x=0.0, y=0.0, z=0.0)"
+    assert run.stdout == f"Drive(linear={vector}, angular={vector})\n"
+    assert (run.exit["type"], run.exit["code"]) == ("Aborted", 134)
+    assert run.exit["message"].startswith("field '__class__' of geometry_msgs/msg/Twist: ")
+
+
 def test_only_the_first_messages_that_nobody_hears_are_looked_at(run_script):
     """A path that grows at each tick would take time in the square of its length."""
     source = """

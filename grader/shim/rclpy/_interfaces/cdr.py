@@ -34,7 +34,7 @@ class CdrError(RuntimeError):
 def serialize(message: Any) -> bytes:
     """Return the CDR form of a message, with its encapsulation header.
 
-    A list inside the message that holds something its field does not allow ends the process, as at home.
+    A list inside that holds what its field does not allow ends the process, as does a class derived by the script.
 
     Raises:
         TypeError: the message was tampered with in another way.
@@ -42,10 +42,10 @@ def serialize(message: Any) -> bytes:
     """
     out = bytearray(HEADER)
     cls = message.__class__
-    write = _ENCODERS.get(cls) or _encoder(cls)
     try:
+        write = _ENCODERS.get(cls) or _encoder(cls)
         write(message, out)
-    except (struct.error, TypeError, AttributeError, ValueError, OverflowError) as error:
+    except (struct.error, KeyError, TypeError, AttributeError, ValueError, OverflowError) as error:
         from rclpy._interfaces.conversion import check
 
         check(message)

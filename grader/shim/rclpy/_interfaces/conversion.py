@@ -80,7 +80,11 @@ def _fault(message: Any) -> Fault | None:
 
 
 def _finder(cls: type) -> Callable[[Any], Fault | None]:
-    structure = STRUCTURES[cls]
+    structure = STRUCTURES.get(cls)
+    if structure is None:  # a class that the script has derived
+        of = next(base for base in cls.__mro__ if base in STRUCTURES)
+        wrong = STRUCTURES[of].full_name, "__class__", _is_class(of)
+        return lambda _: wrong
     names: dict[str, Any] = {"fault": _fault, "sequence": _sequence}
     lines = []
     for field in structure.fields:
@@ -109,14 +113,18 @@ def _one(value: str, field: Field, owner: str, called: str) -> list[str]:
         kind, assertion = _SCALARS.get(field.base, _INTEGER)
         wrong = f"{owner!r}, {field.name!r}, '{assertion}({called})'"
         return [f"if not isinstance({value}, {kind}): return {wrong}"]
-    dotted = CLASSES[field.base]
-    name = f"{dotted.__module__}.{dotted.__name__}"
-    text = f'strncmp("{name}", full_classname_dest, {len(name)}) == 0'
+    wrong = f"{field.base!r}, {field.name!r}, {_is_class(CLASSES[field.base])!r}"
     return [
-        f"if {value}.__class__ is not {alias(field.base)}: return {field.base!r}, {field.name!r}, {text!r}",
+        f"if {value}.__class__ is not {alias(field.base)}: return {wrong}",
         f"found = fault({value})",
         "if found is not None: return found",
     ]
+
+
+def _is_class(cls: type) -> str:
+    """Return the condition that a message is of a class."""
+    name = f"{cls.__module__}.{cls.__name__}"
+    return f'strncmp("{name}", full_classname_dest, {len(name)}) == 0'
 
 
 def _sequence(value: Any, name: str) -> Any:
