@@ -256,3 +256,28 @@ def test_services_tell_what_they_send(run_script: RunScript) -> None:
 def test_create_node_refuses_an_unknown_argument_in_its_own_name(run_script: RunScript, distro: str) -> None:
     run = run_script("import rclpy\nrclpy.init()\nrclpy.create_node('a', bogus=1)\n", distro=distro)
     assert "TypeError: create_node() got an unexpected keyword argument 'bogus'" in run.stderr
+
+
+@pytest.mark.parametrize(
+    ("distro", "printed"),
+    [
+        ("humble", ["/pose Topic.POSE", "1 State.TURN |TURN", "1 ReliabilityPolicy.RELIABLE"]),
+        ("jazzy", ["/Topic.POSE Topic.POSE", "1 1 |   1", "1 1"]),
+    ],
+)
+def test_enumerations_print_as_in_the_releases_python(
+    run_script: RunScript, distro: str, printed: list[str]
+) -> None:
+    """Python 3.10 formats a mixed-in value where 3.11 and newer format what ``str`` gives."""
+    run = run_script(
+        "from enum import Enum, IntEnum\n"
+        "from rclpy.qos import ReliabilityPolicy\n"
+        "Topic = Enum('Topic', {'POSE': 'pose'}, type=str)\n"
+        "State = IntEnum('State', 'TURN')\n"
+        "class Named(IntEnum):\n    TURN = 1\n    def __str__(self): return self.name\n"
+        "print(f'/{Topic.POSE}', Topic.POSE)\n"
+        "print(f'{State.TURN}', State.TURN, f'|{Named.TURN:>4}')\n"
+        "print(f'{ReliabilityPolicy.RELIABLE}', ReliabilityPolicy.RELIABLE)\n",
+        distro=distro,
+    )
+    assert run.stdout.splitlines() == printed
