@@ -281,3 +281,59 @@ def test_enumerations_print_as_in_the_releases_python(
         distro=distro,
     )
     assert run.stdout.splitlines() == printed
+
+
+DEFAULTS = """
+from dataclasses import dataclass, field
+from geometry_msgs.msg import Twist
+@dataclass
+class Gains:
+    kp: float = 1.0
+try:
+    @dataclass
+    class Plan:
+        gains: Gains = Gains()
+        stop: Twist = field(default=Twist())
+    print(Plan().gains, Plan.stop == Plan().stop == Twist())
+    @dataclass
+    class Path:
+        points: list = []
+except ValueError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize(
+    ("distro", "printed"),
+    [
+        ("humble", ["Gains(kp=1.0) True", "mutable default <class 'list'> for field points is not"]),
+        ("jazzy", ["mutable default <class '__main__.Gains'> for field gains is not"]),
+    ],
+)
+def test_data_classes_take_the_defaults_that_the_releases_python_takes(
+    run_script: RunScript, distro: str, printed: list[str]
+) -> None:
+    """Python 3.10 refuses lists, dicts and sets, 3.11 and newer whatever cannot be hashed, such as messages."""
+    run = run_script(DEFAULTS, distro=distro)
+    assert [line.partition(" allowed")[0] for line in run.stdout.splitlines()] == printed
+
+
+@pytest.mark.parametrize(
+    ("distro", "outcome"),
+    [("humble", "1 done"), ("jazzy", "Passing coroutines is forbidden, use tasks explicitly.")],
+)
+def test_asyncio_waits_for_coroutines_where_the_releases_python_does(
+    run_script: RunScript, distro: str, outcome: str
+) -> None:
+    run = run_script(
+        "import asyncio\n"
+        "async def main():\n"
+        "    done, _ = await asyncio.wait([asyncio.sleep(1), asyncio.sleep(2)], timeout=1.5)\n"
+        "    print(len(done), 'done')\n"
+        "try: asyncio.run(main())\n"
+        "except TypeError as error: print(error)\n",
+        distro=distro,
+    )
+    assert run.stdout == f"{outcome}\n"
+    warned = "DeprecationWarning: The explicit passing of coroutine objects to asyncio.wait()"
+    assert (warned in run.stderr) is (distro == "humble")

@@ -55,9 +55,6 @@ def choose(distro: str) -> None:
     if distro == HUMBLE:
         finder: Any = _NotOnHumble
         sys.meta_path.insert(0, finder)
-        from rclpy._rcl.enums import print_as_python_3_10
-
-        print_as_python_3_10()
     elif distro == JAZZY:
         from rclpy import _jazzy
 

@@ -1,38 +1,6 @@
-"""Enumerations of upstream's C module, and how Python 3.10, which is Humble's, prints any enumeration."""
+"""Enumerations of upstream's C module."""
 
-from __future__ import annotations
-
-from enum import Enum, Flag, IntEnum, IntFlag
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
-
-
-def _format(self: Any, spec: str) -> str:
-    """Format as the value of the mixed-in type, unless the class has a ``__str__`` of its own."""
-    named: Any = (Enum.__str__, Flag.__str__)
-    by_name = self._member_type_ is object or type(self).__str__ not in named
-    return format(str(self) if by_name else self._value_, spec)
-
-
-def print_as_python_3_10() -> None:
-    """Let ``str`` name the member of an IntEnum, and ``f"{Topic.POSE}"`` be the text where `Topic` is a str.
-
-    Python 3.11 has exchanged the two.
-    """
-    whole: Any = IntEnum
-    flags: Any = IntFlag
-    whole.__str__, flags.__str__ = Enum.__str__, Flag.__str__
-    _renew_format(Enum)
-
-
-def _renew_format(cls: Any) -> None:
-    """Let a class, and those derived from it so far, format as their values are formatted."""
-    if cls is Enum or vars(cls).get("__format__") is cls._member_type_.__format__:
-        cls.__format__ = _format
-    for derived in cls.__subclasses__():
-        _renew_format(derived)
+from enum import Enum
 
 
 class NativeEnum(Enum):
