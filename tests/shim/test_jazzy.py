@@ -337,3 +337,27 @@ def test_asyncio_waits_for_coroutines_where_the_releases_python_does(
     assert run.stdout == f"{outcome}\n"
     warned = "DeprecationWarning: The explicit passing of coroutine objects to asyncio.wait()"
     assert (warned in run.stderr) is (distro == "humble")
+
+
+def test_nodes_refuse_what_is_no_argument_in_pythons_words(run_script: RunScript) -> None:
+    run = run_script(
+        "import rclpy\nfrom rclpy.node import Node\nrclpy.init()\n"
+        "for make in Node, rclpy.create_node:\n"
+        "    for names, options in ((), {}), ((), {'name': 'a'}), (('a', 'b'), {}), (('a',), {'foo': 1}):\n"
+        "        try: make(*names, **options)\n"
+        "        except TypeError as error: print(error)\n"
+        "    print(make('a', namespace='b', enable_logger_service=True).get_fully_qualified_name())\n",
+        distro="jazzy",
+    )
+    assert run.stdout.splitlines() == [
+        "Node.__init__() missing 1 required positional argument: 'node_name'",
+        "Node.__init__() got an unexpected keyword argument 'name'",
+        "Node.__init__() takes 2 positional arguments but 3 were given",
+        "Node.__init__() got an unexpected keyword argument 'foo'",
+        "/b/a",
+        "create_node() missing 1 required positional argument: 'node_name'",
+        "create_node() got an unexpected keyword argument 'name'",
+        "create_node() takes 1 positional argument but 2 were given",
+        "create_node() got an unexpected keyword argument 'foo'",
+        "/b/a",
+    ]

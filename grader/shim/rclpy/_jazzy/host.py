@@ -13,7 +13,6 @@ os.environ["ROS_DISTRO"] = "jazzy"
 host.UNAME = os.uname_result(("Linux", host.HOST, "6.8.0-45-generic", "#45-Ubuntu SMP", "x86_64"))
 replace(definitions, SITE_PACKAGES="/opt/ros/jazzy/lib/python3.12/site-packages/")
 
-_CONTEXT = errors._NOT_VALID
 replace(
     errors,
     PUBLISHER_CONTEXT="publisher's context is invalid, at ./src/rcl/publisher.c:422",
