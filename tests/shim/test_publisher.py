@@ -160,7 +160,8 @@ def test_the_worlds_messages_arrive_at_their_instant(run_script):
 
 
 @pytest.mark.parametrize("heard", [True, False])
-def test_a_wrong_type_in_a_list_aborts_the_process(run_script, heard):
+@pytest.mark.parametrize("wrong", ["Pose()", "Own()", "'pose'"])
+def test_a_wrong_type_in_a_list_aborts_the_process(run_script, heard, wrong):
     """Whoever listens: rosidl_generator_py's C code asserts the type (_msg_support.c.em:190)."""
     source = """
         from geometry_msgs.msg import Pose, PoseStamped
@@ -168,7 +169,9 @@ def test_a_wrong_type_in_a_list_aborts_the_process(run_script, heard):
         publisher = node.create_publisher(Path, "path", 10)
         path = Path(poses=[PoseStamped()])
         publisher.publish(path)
-        path.poses.append(Pose())
+        class Own(PoseStamped):
+            pass
+        path.poses.append(WRONG)
         print("filled")
         try:
             publisher.publish(path)
@@ -176,7 +179,9 @@ def test_a_wrong_type_in_a_list_aborts_the_process(run_script, heard):
             print("never")
     """
     subscription = 'node.create_subscription(Path, "path", print, 10)\n' if heard else ""
-    run = run_script(PREFIX + "from nav_msgs.msg import Path\n" + subscription + dedent(source))
+    run = run_script(
+        PREFIX + "from nav_msgs.msg import Path\n" + subscription + dedent(source).replace("WRONG", wrong)
+    )
     assert run.stdout == "filled\n"
     assert 'Assertion `strncmp("geometry_msgs.msg._pose_stamped.PoseStamped"' in run.stderr
     assert (run.exit["type"], run.exit["code"]) == ("Aborted", 134)

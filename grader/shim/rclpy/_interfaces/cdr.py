@@ -191,7 +191,7 @@ def _write_messages(out: bytearray, values: list[Any], cls: type) -> None:
     _count_objects(len(values), cls)
     write = _ELEMENT_ENCODERS.get(cls) or _encoder(cls, aligned=False)
     for value in values:
-        if not isinstance(value, cls):
+        if value.__class__ is not cls:
             raise TypeError(f"{type(value).__name__} in a list of {cls.__name__}")
         write(value, out)
 
