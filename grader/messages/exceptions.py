@@ -116,7 +116,7 @@ _SIGNS: Final = (
     (r"NameError: name 'self' is not defined", "self_outside"),
     (r"AssertionError: The '(?P<field>\w+)' field must be of type 'float'", "int_in_float"),
     (r"Aborted: field '(?P<field>\w+)' of .*`PyFloat_Check", "int_in_float_at_publish"),
-    (r"Aborted: field '(?P<field>\w+)' of (?P<owner>[\w/]+): ", "wrong_type_at_publish"),
+    (r"Aborted: field '(?P<field>(?!__)\w+)' of (?P<owner>[\w/]+): ", "wrong_type_at_publish"),
     (
         r"AssertionError: The '(?P<field>\w+)' field must be of type '(?P<type>bool|int|str)'",
         "wrong_type_in_field",

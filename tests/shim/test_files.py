@@ -81,6 +81,20 @@ def test_ordinary_ways_of_writing_a_file(run_bare: RunScript) -> None:
     ]
 
 
+def test_no_file_is_made_where_a_path_names_a_folder(run_bare: RunScript) -> None:
+    """As on Linux: `open(folder + "/")` of a folder that is not there, and moving a file into one."""
+    run = run_bare(
+        "import os, shutil\nopen('a', 'w').close()\n"
+        "def show(act, *args):\n    try: act(*args)\n    except OSError as error: print(error)\n"
+        "show(open, 'logs/', 'w')\nshow(os.rename, 'a', 'logs/')\nshow(shutil.copy, 'a', 'logs/')\n"
+        "print(sorted(os.listdir()))\n"
+    )
+    assert run.stdout == (
+        "[Errno 21] Is a directory: 'logs/'\n[Errno 20] Not a directory: 'a' -> 'logs/'\n"
+        "Directory does not exist: logs/\n['a', 'student.py']\n"
+    )
+
+
 def test_an_encoding_in_the_place_of_the_buffer_is_refused_as_python_does(run_bare: RunScript) -> None:
     run = run_bare("open('log.txt', 'w', 'utf-8')\n")
     assert run.exit["message"] == "'str' object cannot be interpreted as an integer"

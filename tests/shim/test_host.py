@@ -35,13 +35,18 @@ def test_reseeding_without_argument_is_repeatable(run_bare: RunScript) -> None:
 
 
 @pytest.mark.parametrize("preload", [(), ("resource",)])
-def test_what_was_used_is_the_virtual_time(run_bare: RunScript, preload: tuple[str, ...]) -> None:
+def test_what_was_used_is_the_time_in_which_nothing_waited(
+    run_bare: RunScript, preload: tuple[str, ...]
+) -> None:
     source = (
-        "import resource, time\ntime.sleep(2)\nused = resource.getrusage(resource.RUSAGE_SELF)\n"
-        "print(round(used.ru_utime, 3), used.ru_maxrss, sum(used[3:]))\nresource.getrusage(99)\n"
+        "import os, resource, time\ntime.sleep(2)\n"
+        "while os.times().elapsed < 3: resource.getrusage(resource.RUSAGE_SELF)\n"
+        "used = resource.getrusage(resource.RUSAGE_SELF)\n"
+        "print(round(used.ru_utime, 2), round(os.times().user, 2), used.ru_maxrss, sum(used[3:]))\n"
+        "resource.getrusage(99)\n"
     )
     run = run_bare(source, preload=preload)
-    assert (run.stdout, run.exit["message"]) == ("2.0 50000 0\n", "invalid who parameter")
+    assert (run.stdout, run.exit["message"]) == ("1.0 1.0 50000 0\n", "invalid who parameter")
 
 
 def test_urandom_refuses_a_negative_size(run_bare: RunScript) -> None:

@@ -256,3 +256,108 @@ def test_services_tell_what_they_send(run_script: RunScript) -> None:
 def test_create_node_refuses_an_unknown_argument_in_its_own_name(run_script: RunScript, distro: str) -> None:
     run = run_script("import rclpy\nrclpy.init()\nrclpy.create_node('a', bogus=1)\n", distro=distro)
     assert "TypeError: create_node() got an unexpected keyword argument 'bogus'" in run.stderr
+
+
+@pytest.mark.parametrize(
+    ("distro", "printed"),
+    [
+        ("humble", ["/pose Topic.POSE", "1 State.TURN |TURN", "1 ReliabilityPolicy.RELIABLE"]),
+        ("jazzy", ["/Topic.POSE Topic.POSE", "1 1 |   1", "1 1"]),
+    ],
+)
+def test_enumerations_print_as_in_the_releases_python(
+    run_script: RunScript, distro: str, printed: list[str]
+) -> None:
+    """Python 3.10 formats a mixed-in value where 3.11 and newer format what ``str`` gives."""
+    run = run_script(
+        "from enum import Enum, IntEnum\n"
+        "from rclpy.qos import ReliabilityPolicy\n"
+        "Topic = Enum('Topic', {'POSE': 'pose'}, type=str)\n"
+        "State = IntEnum('State', 'TURN')\n"
+        "class Named(IntEnum):\n    TURN = 1\n    def __str__(self): return self.name\n"
+        "print(f'/{Topic.POSE}', Topic.POSE)\n"
+        "print(f'{State.TURN}', State.TURN, f'|{Named.TURN:>4}')\n"
+        "print(f'{ReliabilityPolicy.RELIABLE}', ReliabilityPolicy.RELIABLE)\n",
+        distro=distro,
+    )
+    assert run.stdout.splitlines() == printed
+
+
+DEFAULTS = """
+from dataclasses import dataclass, field
+from geometry_msgs.msg import Twist
+@dataclass
+class Gains:
+    kp: float = 1.0
+try:
+    @dataclass
+    class Plan:
+        gains: Gains = Gains()
+        stop: Twist = field(default=Twist())
+    print(Plan().gains, Plan.stop == Plan().stop == Twist())
+    @dataclass
+    class Path:
+        points: list = []
+except ValueError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize(
+    ("distro", "printed"),
+    [
+        ("humble", ["Gains(kp=1.0) True", "mutable default <class 'list'> for field points is not"]),
+        ("jazzy", ["mutable default <class '__main__.Gains'> for field gains is not"]),
+    ],
+)
+def test_data_classes_take_the_defaults_that_the_releases_python_takes(
+    run_script: RunScript, distro: str, printed: list[str]
+) -> None:
+    """Python 3.10 refuses lists, dicts and sets, 3.11 and newer whatever cannot be hashed, such as messages."""
+    run = run_script(DEFAULTS, distro=distro)
+    assert [line.partition(" allowed")[0] for line in run.stdout.splitlines()] == printed
+
+
+@pytest.mark.parametrize(
+    ("distro", "outcome"),
+    [("humble", "1 done"), ("jazzy", "Passing coroutines is forbidden, use tasks explicitly.")],
+)
+def test_asyncio_waits_for_coroutines_where_the_releases_python_does(
+    run_script: RunScript, distro: str, outcome: str
+) -> None:
+    run = run_script(
+        "import asyncio\n"
+        "async def main():\n"
+        "    done, _ = await asyncio.wait([asyncio.sleep(1), asyncio.sleep(2)], timeout=1.5)\n"
+        "    print(len(done), 'done')\n"
+        "try: asyncio.run(main())\n"
+        "except TypeError as error: print(error)\n",
+        distro=distro,
+    )
+    assert run.stdout == f"{outcome}\n"
+    warned = "DeprecationWarning: The explicit passing of coroutine objects to asyncio.wait()"
+    assert (warned in run.stderr) is (distro == "humble")
+
+
+def test_nodes_refuse_what_is_no_argument_in_pythons_words(run_script: RunScript) -> None:
+    run = run_script(
+        "import rclpy\nfrom rclpy.node import Node\nrclpy.init()\n"
+        "for make in Node, rclpy.create_node:\n"
+        "    for names, options in ((), {}), ((), {'name': 'a'}), (('a', 'b'), {}), (('a',), {'foo': 1}):\n"
+        "        try: make(*names, **options)\n"
+        "        except TypeError as error: print(error)\n"
+        "    print(make('a', namespace='b', enable_logger_service=True).get_fully_qualified_name())\n",
+        distro="jazzy",
+    )
+    assert run.stdout.splitlines() == [
+        "Node.__init__() missing 1 required positional argument: 'node_name'",
+        "Node.__init__() got an unexpected keyword argument 'name'",
+        "Node.__init__() takes 2 positional arguments but 3 were given",
+        "Node.__init__() got an unexpected keyword argument 'foo'",
+        "/b/a",
+        "create_node() missing 1 required positional argument: 'node_name'",
+        "create_node() got an unexpected keyword argument 'name'",
+        "create_node() takes 1 positional argument but 2 were given",
+        "create_node() got an unexpected keyword argument 'foo'",
+        "/b/a",
+    ]

@@ -3,6 +3,8 @@
 import struct
 from textwrap import dedent
 
+import pytest
+
 PREFIX = """
 import time
 import rclpy
@@ -155,3 +157,62 @@ def test_the_worlds_messages_arrive_at_their_instant(run_script):
         ],
     )
     assert run.stdout == "0.016 5.5\n0.032 6.5\n"
+
+
+@pytest.mark.parametrize("heard", [True, False])
+@pytest.mark.parametrize("wrong", ["Pose()", "Own()", "'pose'"])
+def test_a_wrong_type_in_a_list_aborts_the_process(run_script, heard, wrong):
+    """Whoever listens: rosidl_generator_py's C code asserts the type (_msg_support.c.em:190)."""
+    source = """
+        from geometry_msgs.msg import Pose, PoseStamped
+        from nav_msgs.msg import Path
+        publisher = node.create_publisher(Path, "path", 10)
+        path = Path(poses=[PoseStamped()])
+        publisher.publish(path)
+        class Own(PoseStamped):
+            pass
+        path.poses.append(WRONG)
+        print("filled")
+        try:
+            publisher.publish(path)
+        finally:
+            print("never")
+    """
+    subscription = 'node.create_subscription(Path, "path", print, 10)\n' if heard else ""
+    run = run_script(
+        PREFIX + "from nav_msgs.msg import Path\n" + subscription + dedent(source).replace("WRONG", wrong)
+    )
+    assert run.stdout == "filled\n"
+    assert 'Assertion `strncmp("geometry_msgs.msg._pose_stamped.PoseStamped"' in run.stderr
+    assert (run.exit["type"], run.exit["code"]) == ("Aborted", 134)
+    assert run.exit["message"].startswith("field 'poses' of geometry_msgs/msg/PoseStamped: ")
+
+
+def test_a_derived_message_has_a_repr_and_aborts_the_process(run_script):
+    """The generated C code compares the names of class and module (_msg_support.c.em:190)."""
+    source = """
+        class Drive(Twist):
+            pass
+        print(Drive())
+        node.create_publisher(Twist, "/turtle1/cmd_vel", 10).publish(Drive())
+    """
+    run = run_script(PREFIX + dedent(source))
+    vector = "geometry_msgs.msg.Vector3(x=0.0, y=0.0, z=0.0)"
+    assert run.stdout == f"Drive(linear={vector}, angular={vector})\n"
+    assert (run.exit["type"], run.exit["code"]) == ("Aborted", 134)
+    assert run.exit["message"].startswith("field '__class__' of geometry_msgs/msg/Twist: ")
+
+
+def test_only_the_first_messages_that_nobody_hears_are_looked_at(run_script):
+    """A path that grows at each tick would take time in the square of its length."""
+    source = """
+        from nav_msgs.msg import Path
+        publisher = node.create_publisher(Path, "path", 10)
+        for _ in range(10):
+            publisher.publish(Path())
+        path = Path()
+        path.poses.append("no pose")
+        publisher.publish(path)
+        print("passed")
+    """
+    assert run_lines(run_script, source) == ["passed"]

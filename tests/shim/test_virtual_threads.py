@@ -340,3 +340,12 @@ except queue.Empty:
         "200000 True",
         "empty 9.5",
     ]
+
+
+def test_old_names_warn(run_bare: RunScript) -> None:
+    run = run_bare("import threading\nprint(threading.Event().isSet())\nthreading.activeCount()\n")
+    assert run.stdout == "False\n"
+    assert [line.partition(": ")[2] for line in run.stderr.splitlines()[::2]] == [
+        "DeprecationWarning: isSet() is deprecated, use is_set() instead",
+        "DeprecationWarning: activeCount() is deprecated, use active_count() instead",
+    ]

@@ -102,7 +102,7 @@ _PASSED_ON = {
     "rclpy.publisher": """
         CallbackGroup MsgType PublisherEventCallbacks QoSEventHandler QoSProfile TypeVar Union
     """,
-    "rclpy.qos": "IntEnum Union warnings",
+    "rclpy.qos": "Union warnings",
     "rclpy.qos_event": "Callable CallbackGroup IntEnum List Optional",
     "rclpy.qos_overriding_options": """
         Callable Iterable Optional Parameter ParameterDescriptor SetParametersResult Text Type Union

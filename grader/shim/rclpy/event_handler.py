@@ -152,43 +152,36 @@ def _or_type_warning(callbacks: Any, handle: EndpointHandle, topic_name: str) ->
     return warn
 
 
-class SubscriptionEventCallbacks(qos_event.SubscriptionEventCallbacks):
+class _WithPartners(qos_event._EventCallbacks):
+    """What Jazzy adds to both: callbacks for partners that are matched and for those of another type."""
+
+    _handler_class = EventHandler
+    _kinds: Any
+    _prefix: str
+
+    def __init__(
+        self, *, incompatible_type: Callback | None = None, matched: Callback | None = None, **humble: Any
+    ) -> None:
+        super().__init__(**humble)
+        self.incompatible_type = incompatible_type
+        self.matched = matched
+
+    def _callbacks(self, endpoint: EndpointHandle, topic_name: str) -> list[tuple[Any, Callback | None]]:
+        kinds = self._kinds
+        return [
+            *((kinds[kind.name], callback) for kind, callback in super()._callbacks(endpoint, topic_name)),
+            (kinds[f"{self._prefix}_INCOMPATIBLE_TYPE"], _or_type_warning(self, endpoint, topic_name)),
+            (kinds[f"{self._prefix}_MATCHED"], self.matched),
+        ]
+
+
+class SubscriptionEventCallbacks(_WithPartners, qos_event.SubscriptionEventCallbacks):
     """Callbacks for events of a subscription."""
 
-    _handler_class = EventHandler
-
-    def __init__(
-        self, *, incompatible_type: Callback | None = None, matched: Callback | None = None, **humble: Any
-    ) -> None:
-        super().__init__(**humble)
-        self.incompatible_type = incompatible_type
-        self.matched = matched
-
-    def _callbacks(self, endpoint: EndpointHandle, topic_name: str) -> list[tuple[Any, Callback | None]]:
-        kinds = QoSSubscriptionEventType
-        return [
-            *((kinds[kind.name], callback) for kind, callback in super()._callbacks(endpoint, topic_name)),
-            (kinds.RCL_SUBSCRIPTION_INCOMPATIBLE_TYPE, _or_type_warning(self, endpoint, topic_name)),
-            (kinds.RCL_SUBSCRIPTION_MATCHED, self.matched),
-        ]
+    _kinds, _prefix = QoSSubscriptionEventType, "RCL_SUBSCRIPTION"
 
 
-class PublisherEventCallbacks(qos_event.PublisherEventCallbacks):
+class PublisherEventCallbacks(_WithPartners, qos_event.PublisherEventCallbacks):
     """Callbacks for events of a publisher."""
 
-    _handler_class = EventHandler
-
-    def __init__(
-        self, *, incompatible_type: Callback | None = None, matched: Callback | None = None, **humble: Any
-    ) -> None:
-        super().__init__(**humble)
-        self.incompatible_type = incompatible_type
-        self.matched = matched
-
-    def _callbacks(self, endpoint: EndpointHandle, topic_name: str) -> list[tuple[Any, Callback | None]]:
-        kinds = QoSPublisherEventType
-        return [
-            *((kinds[kind.name], callback) for kind, callback in super()._callbacks(endpoint, topic_name)),
-            (kinds.RCL_PUBLISHER_INCOMPATIBLE_TYPE, _or_type_warning(self, endpoint, topic_name)),
-            (kinds.RCL_PUBLISHER_MATCHED, self.matched),
-        ]
+    _kinds, _prefix = QoSPublisherEventType, "RCL_PUBLISHER"

@@ -12,9 +12,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from rclpy.callback_groups import CallbackGroup
-    from rclpy.event_handler import SubscriptionEventCallbacks
     from rclpy.node import Node
-    from rclpy.qos_overriding_options import QoSOverridingOptions
     from rclpy.subscription import Subscription
     from rclpy.task import Future
 
@@ -124,25 +122,13 @@ class AsyncParameterClient:
         self,
         callback: Callable[[Any], Any],
         qos_profile: QoSProfile = qos_profile_parameter_events,
-        *,
-        callback_group: CallbackGroup | None = None,
-        event_callbacks: SubscriptionEventCallbacks | None = None,
-        qos_overriding_options: QoSOverridingOptions | None = None,
-        raw: bool = False,
+        **options: Any,
     ) -> Subscription:
-        """Have `callback` called with each change of a parameter of any node."""
+        """Have `callback` called with each change of a parameter of any node; `options` as of a subscription."""
         from rcl_interfaces.msg import ParameterEvent
 
-        return self.node.create_subscription(
-            ParameterEvent,
-            "/parameter_events",
-            callback,
-            qos_profile,
-            callback_group=callback_group,
-            event_callbacks=event_callbacks,
-            qos_overriding_options=qos_overriding_options,
-            raw=raw,
-        )
+        topic = "/parameter_events"
+        return self.node.create_subscription(ParameterEvent, topic, callback, qos_profile, **options)
 
     @staticmethod
     def _call(client: Any, callback: Done | None, **fields: Any) -> Future:

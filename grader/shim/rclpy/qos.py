@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from enum import Enum
+from enum import Enum, IntEnum
 
 from rclpy._forwarding import passed_on
-from rclpy._rcl.enums import PrintedIntEnum
 from rclpy._rcl.qos import NativeQos, check_compatible
 from rclpy._rcl.qos import QoSCompatibility as QoSCompatibility
 from rclpy.duration import Duration
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
 __getattr__ = passed_on(__name__)
 
 
-class QoSPolicyKind(PrintedIntEnum):
+class QoSPolicyKind(IntEnum):
     """Kinds of policies."""
 
     INVALID = 1 << 0
@@ -45,7 +44,7 @@ class InvalidQoSProfileException(Exception):
         Exception.__init__(self, "Invalid QoSProfile", *args)
 
 
-class QoSPolicyEnum(PrintedIntEnum):
+class QoSPolicyEnum(IntEnum):
     """Base of the policies' values."""
 
     @classmethod

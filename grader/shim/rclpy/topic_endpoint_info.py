@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from rclpy._rcl.enums import PrintedIntEnum
+from enum import IntEnum
+
 from rclpy.qos import QoSHistoryPolicy, QoSPresetProfiles, QoSProfile
 
 TYPE_CHECKING = False
@@ -10,7 +11,7 @@ if TYPE_CHECKING:
     from typing import Any
 
 
-class TopicEndpointTypeEnum(PrintedIntEnum):
+class TopicEndpointTypeEnum(IntEnum):
     """Kinds of endpoints."""
 
     INVALID = 0

@@ -71,41 +71,14 @@ class BufferInterface:
         moved = do_transform(object_stamped, found)
         return moved if new_type is None else convert(moved, new_type)
 
-    def lookup_transform(
-        self, target_frame: str, source_frame: str, time: Time, timeout: Duration = _NO_TIMEOUT
-    ) -> Any:
-        """Return the pose of `source_frame` in `target_frame`."""
+    def _not_implemented(self, *question: Any, **options: Any) -> Any:
+        """Stand for what a buffer has to bring: looking up, and telling whether that would succeed."""
         raise NotImplementedException
 
-    def lookup_transform_full(
-        self,
-        target_frame: str,
-        target_time: Time,
-        source_frame: str,
-        source_time: Time,
-        fixed_frame: str,
-        timeout: Duration = _NO_TIMEOUT,
-    ) -> Any:
-        """Return the pose of `source_frame` at one time in `target_frame` at another."""
-        raise NotImplementedException
-
-    def can_transform(
-        self, target_frame: str, source_frame: str, time: Time, timeout: Duration = _NO_TIMEOUT
-    ) -> Any:
-        """Return whether `lookup_transform` would succeed."""
-        raise NotImplementedException
-
-    def can_transform_full(
-        self,
-        target_frame: str,
-        target_time: Time,
-        source_frame: str,
-        source_time: Time,
-        fixed_frame: str,
-        timeout: Duration = _NO_TIMEOUT,
-    ) -> Any:
-        """Return whether `lookup_transform_full` would succeed."""
-        raise NotImplementedException
+    lookup_transform: Any = _not_implemented
+    lookup_transform_full: Any = _not_implemented
+    can_transform: Any = _not_implemented
+    can_transform_full: Any = _not_implemented
 
 
 def Stamped(obj: Any, stamp: Any, frame_id: str) -> Any:

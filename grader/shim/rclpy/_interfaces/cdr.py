@@ -34,16 +34,21 @@ class CdrError(RuntimeError):
 def serialize(message: Any) -> bytes:
     """Return the CDR form of a message, with its encapsulation header.
 
+    A list inside that holds what its field does not allow ends the process, as does a class derived by the script.
+
     Raises:
-        TypeError: a list inside the message holds something its field does not allow.
+        TypeError: the message was tampered with in another way.
         CdrError: a list or string inside the message is longer than its field allows.
     """
     out = bytearray(HEADER)
     cls = message.__class__
-    write = _ENCODERS.get(cls) or _encoder(cls)
     try:
+        write = _ENCODERS.get(cls) or _encoder(cls)
         write(message, out)
-    except (struct.error, TypeError, AttributeError, ValueError, OverflowError) as error:
+    except (struct.error, KeyError, TypeError, AttributeError, ValueError, OverflowError) as error:
+        from rclpy._interfaces.conversion import check
+
+        check(message)
         raise TypeError(f"{interface_name(cls)} cannot be serialized: {error}") from None
     return bytes(out)
 
@@ -186,7 +191,7 @@ def _write_messages(out: bytearray, values: list[Any], cls: type) -> None:
     _count_objects(len(values), cls)
     write = _ELEMENT_ENCODERS.get(cls) or _encoder(cls, aligned=False)
     for value in values:
-        if not isinstance(value, cls):
+        if value.__class__ is not cls:
             raise TypeError(f"{type(value).__name__} in a list of {cls.__name__}")
         write(value, out)
 

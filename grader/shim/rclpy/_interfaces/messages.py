@@ -178,7 +178,7 @@ def _slot_type(field: Field) -> object:
 
 
 def _message_repr(self: Any) -> str:
-    package, kind, _ = type(self).__module__.split(".")
+    *packages, _ = type(self).__module__.split(".")  # none, for a class that a script has derived
     fields = []
     for name in type(self).get_fields_and_field_types():
         value = getattr(self, name)
@@ -186,7 +186,7 @@ def _message_repr(self: Any) -> str:
         if isinstance(value, array):
             text = text[len("array('X', ") : -1] if value else "[]"
         fields.append(f"{name}={text}")
-    return f"{package}.{kind}.{type(self).__name__}({', '.join(fields)})"
+    return f"{'.'.join((*packages, type(self).__name__))}({', '.join(fields)})"
 
 
 @classmethod  # type: ignore[misc]

@@ -185,6 +185,21 @@ class ServiceHandle(service_endpoints.ServiceHandle):
         _tell(self, RESPONSE_SENT, request_id.client, request_id.sequence_number, response=response)
 
 
+def _service_name(self: Any) -> str:
+    self.handle.require()
+    name: str = self.handle.name
+    return name
+
+
+def configure_introspection(
+    self: Any, clock: Clock, service_event_qos_profile: QoSProfile, introspection_state: Any
+) -> None:
+    """Publish what this client or service sends and takes on ``<service>/_service_event``."""
+    self.handle.require()
+    profile = service_event_qos_profile.get_c_qos_profile()
+    _configure_introspection(self.handle, clock.handle, profile, introspection_state)
+
+
 @extends(client.Client)
 class Client(client.Client):
     """Calls a service."""
@@ -209,33 +224,13 @@ class Client(client.Client):
             raise error
         return future.result()
 
-    @property
-    def service_name(self) -> str:
-        self.handle.require()
-        return self.handle.name
-
-    def configure_introspection(
-        self, clock: Clock, service_event_qos_profile: QoSProfile, introspection_state: Any
-    ) -> None:
-        """Publish what this client sends and takes on ``<service>/_service_event``."""
-        self.handle.require()
-        profile = service_event_qos_profile.get_c_qos_profile()
-        _configure_introspection(self.handle, clock.handle, profile, introspection_state)
+    service_name = property(_service_name)
+    configure_introspection = configure_introspection
 
 
 @extends(service.Service)
 class Service(service.Service):
     """Answers requests."""
 
-    @property
-    def service_name(self) -> str:
-        self.handle.require()
-        return self.handle.name
-
-    def configure_introspection(
-        self, clock: Clock, service_event_qos_profile: QoSProfile, introspection_state: Any
-    ) -> None:
-        """Publish what this service takes and sends on ``<service>/_service_event``."""
-        self.handle.require()
-        profile = service_event_qos_profile.get_c_qos_profile()
-        _configure_introspection(self.handle, clock.handle, profile, introspection_state)
+    service_name = property(_service_name)
+    configure_introspection = configure_introspection

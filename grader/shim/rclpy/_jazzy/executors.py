@@ -76,6 +76,14 @@ class Executor(executors.Executor):
         return _or_gone(*_humble_means(self, kind))
 
 
+def spin_once_until_future_complete(
+    self: Any, future: Future, timeout_sec: float | executors.TimeoutObject | None = None
+) -> None:
+    """Wait for one callback, which is run or handed to a thread, or for the future."""
+    future.add_done_callback(lambda _: self.wake())
+    self._spin_once_impl(timeout_sec, future.done)
+
+
 @extends(executors.SingleThreadedExecutor)
 class SingleThreadedExecutor(executors.SingleThreadedExecutor):
     """Runs callbacks in the thread that spins."""
@@ -100,12 +108,7 @@ class SingleThreadedExecutor(executors.SingleThreadedExecutor):
             return
         executors._run(handler)
 
-    def spin_once_until_future_complete(
-        self, future: Future, timeout_sec: float | executors.TimeoutObject | None = None
-    ) -> None:
-        """Wait for one callback and run it, or for the future."""
-        future.add_done_callback(lambda _: self.wake())
-        self._spin_once_impl(timeout_sec, future.done)
+    spin_once_until_future_complete = spin_once_until_future_complete
 
 
 @extends(executors.MultiThreadedExecutor)
@@ -119,9 +122,4 @@ class MultiThreadedExecutor(executors.MultiThreadedExecutor):
 
             warnings.warn(_ALONE, stacklevel=2)
 
-    def spin_once_until_future_complete(
-        self, future: Future, timeout_sec: float | executors.TimeoutObject | None = None
-    ) -> None:
-        """Wait for one callback and hand it to a thread, or for the future."""
-        future.add_done_callback(lambda _: self.wake())
-        self._spin_once_impl(timeout_sec, future.done)
+    spin_once_until_future_complete = spin_once_until_future_complete

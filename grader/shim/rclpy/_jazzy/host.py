@@ -7,13 +7,12 @@ import os
 from rclpy._interfaces import definitions
 from rclpy._jazzy.overlay import replace
 from rclpy._patches import host
-from rclpy._rcl import enums, errors, handles
+from rclpy._rcl import errors, handles
 
 os.environ["ROS_DISTRO"] = "jazzy"
 host.UNAME = os.uname_result(("Linux", host.HOST, "6.8.0-45-generic", "#45-Ubuntu SMP", "x86_64"))
 replace(definitions, SITE_PACKAGES="/opt/ros/jazzy/lib/python3.12/site-packages/")
 
-_CONTEXT = errors._NOT_VALID
 replace(
     errors,
     PUBLISHER_CONTEXT="publisher's context is invalid, at ./src/rcl/publisher.c:422",
@@ -37,10 +36,3 @@ def required(handle: handles.ContextHandle | None) -> handles.ContextHandle:
 
 
 replace(handles, required=required)
-
-
-def _number(self: enums.PrintedIntEnum) -> str:
-    return int.__repr__(self)
-
-
-setattr(enums.PrintedIntEnum, "__str__", _number)  # noqa: B010 - Python 3.12 prints an IntEnum as its number

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
     from rclpy.callback_groups import CallbackGroup
     from rclpy.clock import Clock
-    from rclpy.context import Context
     from rclpy.timer import Timer
     from rclpy.topic_endpoint_info import TopicEndpointInfo
 
@@ -60,36 +59,10 @@ class NodeHandle(node_handle.NodeHandle):
 class Node(node.Node):
     """A node of the ROS graph."""
 
-    def __init__(
-        self,
-        node_name: str,
-        *,
-        context: Context | None = None,
-        cli_args: list[str] | None = None,
-        namespace: str | None = None,
-        use_global_arguments: bool = True,
-        enable_rosout: bool = True,
-        start_parameter_services: bool = True,
-        parameter_overrides: list[Parameter] | None = None,
-        allow_undeclared_parameters: bool = False,
-        automatically_declare_parameters_from_overrides: bool = False,
-        enable_logger_service: bool = False,
-    ) -> None:
+    def __init__(self, *node_name: str, enable_logger_service: bool = False, **humble: Any) -> None:
         self._pre_set_parameters_callbacks: list[Callback] = []
         self._post_set_parameters_callbacks: list[Callback] = []
-        _humble_init(
-            self,
-            node_name,
-            context=context,
-            cli_args=cli_args,
-            namespace=namespace,
-            use_global_arguments=use_global_arguments,
-            enable_rosout=enable_rosout,
-            start_parameter_services=start_parameter_services,
-            parameter_overrides=parameter_overrides,
-            allow_undeclared_parameters=allow_undeclared_parameters,
-            automatically_declare_parameters_from_overrides=automatically_declare_parameters_from_overrides,
-        )
+        _humble_init(self, *node_name, **humble)  # which refuses what is no argument, in Python's words
         if enable_logger_service:
             self._logger_service = LoggingService(self)
         self._type_description_service = TypeDescriptionService(self)
@@ -253,37 +226,14 @@ def _is_listed(name: str, prefixes: list[str], depth: int) -> bool:
     )
 
 
-def create_node(
-    node_name: str,
-    *,
-    context: Context | None = None,
-    cli_args: list[str] | None = None,
-    namespace: str | None = None,
-    use_global_arguments: bool = True,
-    enable_rosout: bool = True,
-    start_parameter_services: bool = True,
-    parameter_overrides: list[Parameter] | None = None,
-    allow_undeclared_parameters: bool = False,
-    automatically_declare_parameters_from_overrides: bool = False,
-    enable_logger_service: bool = False,
-) -> node.Node:
+def create_node(*node_name: str, enable_logger_service: bool = False, **humble: Any) -> node.Node:
     """Create a `rclpy.node.Node`; the arguments are described there."""
+    if not enable_logger_service:
+        return _humble_create_node(*node_name, **humble)
     import rclpy.node  # now it is there for the script, too
 
     new: Any = rclpy.node.Node
-    created: node.Node = new(
-        node_name,
-        context=context,
-        cli_args=cli_args,
-        namespace=namespace,
-        use_global_arguments=use_global_arguments,
-        enable_rosout=enable_rosout,
-        start_parameter_services=start_parameter_services,
-        parameter_overrides=parameter_overrides,
-        allow_undeclared_parameters=allow_undeclared_parameters,
-        automatically_declare_parameters_from_overrides=automatically_declare_parameters_from_overrides,
-        enable_logger_service=enable_logger_service,
-    )
+    created: node.Node = new(*node_name, enable_logger_service=True, **humble)
     return created
 
 

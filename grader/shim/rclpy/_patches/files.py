@@ -257,6 +257,8 @@ def rename(src: Any, dst: Any, *, src_dir_fd: int | None = None, dst_dir_fd: int
 def _check_replaceable(entry: Entry, old: Entry | None, src: Any, dst: Any) -> None:
     """Refuse to rename `entry` over `old` where Linux refuses it."""
     if old is None:
+        if not isinstance(entry, Directory) and os.fsencode(dst).endswith(b"/"):
+            fail(errno.ENOTDIR, src, dst)
         return
     if isinstance(old, Directory) and not isinstance(entry, Directory):
         fail(errno.EISDIR, src, dst)

@@ -8,6 +8,7 @@ import os
 import sys
 
 from rclpy._kernel import kernel
+from rclpy._patches.time import process_time
 from rclpy._storage.entries import HOME, UID, USER, WORK
 
 TYPE_CHECKING = False
@@ -113,8 +114,7 @@ def sched_getaffinity(pid: int, /) -> set[int]:
 
 
 def times() -> os.times_result:
-    seconds = kernel.clock_ns() / 1e9
-    return os.times_result((seconds, 0.0, 0.0, 0.0, seconds))
+    return os.times_result((process_time(), 0.0, 0.0, 0.0, kernel.now_ns / 1e9))
 
 
 def getloadavg() -> tuple[float, float, float]:
@@ -171,13 +171,13 @@ def patch_random(random: ModuleType) -> None:
 
 
 def patch_resource(resource: ModuleType) -> None:
-    """Make `getrusage` return virtual time, as `times` does, and always the same memory."""
+    """Make `getrusage` return what `times` does, and always the same memory."""
     module: Any = resource
     real = module.getrusage
 
     def getrusage(who: int, /) -> Any:
         real(who)  # raises what the real call raises for an unknown `who`
-        return module.struct_rusage((kernel.clock_ns() / 1e9, 0.0, RESIDENT_KIB, *[0] * 13))
+        return module.struct_rusage((process_time(), 0.0, RESIDENT_KIB, *[0] * 13))
 
     module.getrusage = getrusage
 

@@ -205,7 +205,6 @@ def patch_threading(threading: ModuleType) -> None:
     else:
         main._handle = make_thread_handle(main._ident)
     module.Event.is_set = _charged(module.Event.is_set)
-    module.Event.isSet = module.Event.is_set
     module.Thread.is_alive = _charged(module.Thread.is_alive)
     module.excepthook = module.__excepthook__ = excepthook
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import _operator
 import time
 
-from rclpy._kernel import kernel
+from rclpy._kernel import CHARGE_NS, kernel
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -58,13 +58,23 @@ def monotonic() -> float:
     return (UPTIME_NS + kernel.clock_ns()) / 1_000_000_000
 
 
+_processor_ns = [0, 0]  # used so far; the instant at which that was read last
+
+
 def process_time_ns() -> int:
-    """Return the virtual time: waiting counts too, since what a computation costs is not known."""
-    return kernel.clock_ns()
+    """Return the time that passed while nothing waited; in one stretch, all between two readings.
+
+    A loop that waits and compares with it does not end at home, either. Of two readings with a wait between them,
+    only what came after it counts, at the least it can have taken.
+    """
+    now_ns, (used_ns, before_ns) = kernel.clock_ns(), _processor_ns
+    used_ns += min(now_ns - before_ns, kernel.streak * CHARGE_NS)
+    _processor_ns[:] = used_ns, now_ns
+    return used_ns
 
 
 def process_time() -> float:
-    return kernel.clock_ns() / 1_000_000_000
+    return process_time_ns() / 1_000_000_000
 
 
 def clock_gettime_ns(clock: int, /) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 
 from rclpy._interfaces.cdr import deserialize, serialize
+from rclpy._interfaces.conversion import check, checks_unheard
 from rclpy._interfaces.own import type_name
 from rclpy._kernel import charge, kernel
 from rclpy._link import link, publish
@@ -111,6 +112,7 @@ class PublisherHandle(EndpointHandle):
         self._carried = self._counted = False
         self._created_ns = kernel.now_ns
         self._fresh = True
+        self._unchecked = checks_unheard(self.type_name)
         node.graph.add_writer(self)
         self._meet_world()
 
@@ -149,8 +151,12 @@ class PublisherHandle(EndpointHandle):
             publish(self.link_id, serialize(message))
         elif self.readers or self._carried or self._kept is not None:
             self.send(serialize(message))
-        elif self._counted:
-            link.publish(self.link_id, b"")
+        else:
+            if self._unchecked:
+                self._unchecked -= 1
+                check(message)
+            if self._counted:
+                link.publish(self.link_id, b"")
 
     def publish_raw(self, data: bytes) -> None:
         """Publish a serialised message as it is."""

@@ -1,16 +1,6 @@
-"""Enumerations of upstream's C module, and an int enumeration that prints as it does on Python 3.10."""
+"""Enumerations of upstream's C module."""
 
-from enum import Enum, IntEnum
-
-
-class PrintedIntEnum(IntEnum):
-    """IntEnum whose ``str`` names the member (Python 3.10, Humble's) and whose format is the number."""
-
-    __str__ = Enum.__str__
-
-    def __format__(self, spec: str) -> str:
-        """Format as the plain integer, as Python 3.10 does."""
-        return format(int(self), spec)
+from enum import Enum
 
 
 class NativeEnum(Enum):

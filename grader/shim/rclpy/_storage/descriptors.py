@@ -134,6 +134,8 @@ def _file_at(path: Any, parts: Parts, flags: int, mode: int) -> File:
         folder = storage.folder_of(parts, path)
         entry = folder.entries.get(parts[-1])
         if entry is None:
+            if os.fsencode(path).endswith(b"/"):
+                fail(errno.EISDIR, path)
             return storage.make_file(folder, parts[-1], mode, path)
         if flags & os.O_EXCL:
             fail(errno.EEXIST, path)

@@ -1,9 +1,9 @@
 """Severities of log messages."""
 
-from rclpy._rcl.enums import PrintedIntEnum
+from enum import IntEnum
 
 
-class LoggingSeverity(PrintedIntEnum):
+class LoggingSeverity(IntEnum):
     """How important a message is; a logger shows those at or above its level."""
 
     UNSET = 0
