@@ -31,6 +31,7 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from functools import cache
+from pathlib import Path
 from typing import Any, TypeVar
 
 from sqlalchemy import URL, Connection, Dialect, Engine, Insert, bindparam, event, func, make_url, select
@@ -80,6 +81,11 @@ _KEY_BYTES = 8
 _IDS_AT_ONCE = 500  # below SQLite's limit of variables
 _One = TypeVar("_One")
 _LOCK = select(func.pg_advisory_xact_lock(bindparam("key")))
+
+
+def sqlite_address(file: Path) -> str:
+    """Return the address of the SQLite database in a file, whatever the file is called."""
+    return "sqlite:///" + str(file.resolve()).replace("%", "%25").replace("?", "%3F")
 
 
 class Database:

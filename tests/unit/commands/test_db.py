@@ -259,6 +259,16 @@ def test_what_only_reads_makes_no_database(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("name", ["a?b", "e%20f", "g#h", "方 形", "q'r"])
+def test_a_folder_may_have_any_name(tmp_path: Path, monkeypatch, name: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert cli.run(["db", "migrate", "--data", name]) == 0
+    assert cli.run(["db", "backup", f"{name}.db", "--data", name]) == 0
+    assert cli.run(["db", "restore", f"{name}.db", "--data", name]) == 0
+    assert (count(tmp_path / name / "grader.db"), count(tmp_path / f"{name}.db")) == (0, 0)
+    assert {path.name for path in tmp_path.iterdir()} == {name, f"{name}.db"}
+
+
 def test_migrate_makes_the_database(tmp_path: Path) -> None:
     assert cli.run(["db", "migrate", "--data", str(tmp_path / "new")]) == 0
     assert (tmp_path / "new" / "grader.db").is_file()
