@@ -278,7 +278,8 @@ def _explained() -> Iterator[None]:
     try:
         yield
     except DBAPIError as error:
-        if isinstance(error, _STATEMENT_ERRORS) and not error.connection_invalidated:
+        of_statement = isinstance(error, _STATEMENT_ERRORS) and error.statement is not None
+        if of_statement and not error.connection_invalidated:
             raise
         reason = " ".join(str(error.orig).split())
         raise _no_answer(reason, reason) from error
@@ -304,7 +305,10 @@ def _engine(url: URL, connections: int) -> Engine:
             pool_size=connections,
             max_overflow=0,
             pool_use_lifo=True,  # the connection used last has prepared what is asked most
-            connect_args={name: value for name, value in PATIENCE.items() if name not in url.query},
+            connect_args={
+                "client_encoding": "utf8",  # before anything is asked: of SQL_ASCII psycopg makes no text
+                **{name: value for name, value in PATIENCE.items() if name not in url.query},
+            },
         )
     except ImportError:
         raise SettingsError(
@@ -377,8 +381,7 @@ def _configure_postgresql(connection: Any, _record: Any) -> None:
     _send_no_nul(connection)
     connection.autocommit = True
     connection.execute(
-        f"SET client_encoding = 'UTF8'; SET lock_timeout = {_LOCK_TIMEOUT_MS}; "
-        f"SET idle_in_transaction_session_timeout = {_IDLE_TIMEOUT_MS}"
+        f"SET lock_timeout = {_LOCK_TIMEOUT_MS}; SET idle_in_transaction_session_timeout = {_IDLE_TIMEOUT_MS}"
     )
     connection.autocommit = False
 

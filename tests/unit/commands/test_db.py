@@ -201,6 +201,7 @@ def test_a_move_from_or_to_a_wrong_place_is_refused_in_one_line(
     blank, strange = (
         postgres_server.create(f"{name}_{os.getpid()}", empty=True) for name in ("blank", "strange")
     )
+    ascii_only = postgres_server.create(f"ascii_{os.getpid()}", empty=True, encoding="SQL_ASCII")
     other = Database(strange)
     with other.writing() as session:
         session.connection().exec_driver_sql("CREATE TABLE submission (number int)")
@@ -213,6 +214,8 @@ def test_a_move_from_or_to_a_wrong_place_is_refused_in_one_line(
         (file, file, "the very database"),
         (file, strange, "cannot be brought up to date"),
         (file, blank.replace("/blank_", "/none_"), "does not exist"),
+        (file, ascii_only, "encoded in SQL_ASCII"),
+        (file, f"{blank}&sslmod=require", 'invalid connection option "sslmod"'),
     ):
         monkeypatch.setenv("GRADER_DATABASE_URL", source)
         assert cli.run(["db", "move", "--lang", "en", "--to", target]) == 2
