@@ -369,12 +369,10 @@ def is_loopback(host: str) -> bool:
 
 
 def _sentence(problem: Any, language: Language) -> str:
-    """Return one problem in words; a ValueError of ours has its text in English and in Chinese."""
-    own = problem.get("ctx", {}).get("error")
-    text = said(problem, language) if own is None else own.args[language == "zh"]
+    text = said(problem, language)
     (name,) = problem["loc"] or ("",)
     if not name:
-        return str(text)
+        return text
     colon = "：" if language == "zh" else ": "
     variable = str(name) if str(name).isupper() else f"{name} ({_PREFIX}{str(name).upper()})"
     return f"{variable}{colon}{text}"
