@@ -16,7 +16,7 @@ from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.identity import Caller, Role, Seen, sections_of
+from grader.contracts.identity import Caller, Seen, sections_of
 from grader.contracts.notation import decimal, whole
 from grader.contracts.text import LANGUAGES, Language, Text
 from grader.use_cases.callers import PLOT_WEIGHT, name_of, require_instructor, require_staff
@@ -65,8 +65,7 @@ def _identified(
     caller = services.callers.identify(None if credentials is None else credentials.credentials)
     if caller is None:
         raise RefusedError("unauthorized")
-    if caller.role is Role.STUDENT:
-        services.allowances.requests.take(f"{caller.course}/{caller.person}")
+    services.allowances.request(caller)
     return caller
 
 
