@@ -189,9 +189,10 @@ class Catalog:
         raise UnknownAssignmentError.among((folder.name for folder in self._folders()), assignment_id)
 
     def _folders(self) -> Iterator[Path]:
-        if not self.root.is_dir():
+        if not self.root.is_dir() or is_there(self.root / SPEC_NAME):
             raise AssignmentError(
-                f"{self.root} is not a folder of assignments", f"{self.root} 不是作业文件夹"
+                f"{self.root} is not a folder of assignments, each in a folder of its own",
+                f"{self.root} 不是作业文件夹：里面应当每个作业一个文件夹",
             )
         return (path.parent for path in sorted(self.root.glob(f"*/{SPEC_NAME}")))
 

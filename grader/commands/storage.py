@@ -13,7 +13,7 @@ from grader.contracts.text import trouble
 from grader.operation.settings import load
 from grader.store.clock import utc_now
 from grader.store.courses import Courses
-from grader.store.database import Database
+from grader.store.database import Database, sqlite_address
 from grader.store.schema import up_to_date
 from grader.store.tokens import Tokens
 
@@ -59,7 +59,7 @@ def database_url(folder: Path | None, *, create: bool = True) -> str | None:
             folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise SettingsError.about(f"--data {folder}", trouble(error)) from error
-    return f"sqlite:///{(folder / DATABASE_FILE).resolve()}"
+    return sqlite_address(folder / DATABASE_FILE)
 
 
 def refuse_missing(database: Database) -> None:

@@ -111,8 +111,12 @@ class TellingGrader(SupervisedGrader, Protocol):
 class Preflight(Protocol):
     """Looks at a file without running it."""
 
-    def check(self, source: bytes, file_name: str) -> SyntaxProblem | None:
+    def check(
+        self, source: bytes, file_name: str, busy: Callable[[float], None] = ...
+    ) -> SyntaxProblem | None:
         """Compile `source` in a confined process; return what is wrong with it, or None.
+
+        `busy` is told for how many seconds the process was busy with it, without what the check had to wait.
 
         Raises:
             InfrastructureError: the check itself could not be done.

@@ -47,6 +47,11 @@ _SENTENCES: Mapping[str, Text] = {
     "bool_type": Text(zh="要填 true 或 false。", en="Use true or false."),
     "enum": _ONE_OF,
     "literal_error": _ONE_OF,
+    "union_tag_not_found": Text(zh="缺少 {discriminator}。", en="{discriminator} is missing."),
+    "union_tag_invalid": Text(
+        zh="{discriminator} 只能是这些值之一：{expected_tags}。",
+        en="{discriminator}: use one of {expected_tags}.",
+    ),
     "datetime_type": _INSTANT,
     "datetime_parsing": _INSTANT,
     "datetime_from_date_parsing": _INSTANT,
@@ -62,7 +67,13 @@ _SENTENCES: Mapping[str, Text] = {
 
 
 def said(problem: Mapping[str, Any], language: Language) -> str:
-    """Return the sentence for one of pydantic's `errors()`; a type without one keeps pydantic's English."""
+    """Return the sentence for one of pydantic's `errors()`; a type without one keeps pydantic's English.
+
+    A ValueError of ours has its sentence in English and, unless that is for both, in Chinese.
+    """
+    own = problem.get("ctx", {}).get("error")
+    if isinstance(own, ValueError):
+        return str(own.args[-1 if language == "zh" else 0])
     sentence = _SENTENCES.get(problem["type"])
     if sentence is None:
         return str(problem["msg"])

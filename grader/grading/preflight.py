@@ -6,6 +6,7 @@ waits for the answer, so the process is forked and confined before the file come
 
 import queue
 import re
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -25,10 +26,16 @@ _SHOWN_INDENT: Final = 4
 _TOO_MUCH: Final = "this file is too much for the Python compiler (nested too deeply, or too large)"
 
 
+def _ignored(_busy_s: float) -> None:
+    pass
+
+
 class NoPreflight:
     """Accepts every text: its syntax is then checked where it is graded, and reported as ``syntax_error``."""
 
-    def check(self, source: bytes, file_name: str) -> SyntaxProblem | None:
+    def check(
+        self, source: bytes, file_name: str, busy: Callable[[float], None] = _ignored
+    ) -> SyntaxProblem | None:
         """Return None."""
         return None
 
@@ -44,8 +51,12 @@ class SandboxPreflight:
         for sandbox in sandboxes:
             self._behind.submit(self._make_ready, sandbox)
 
-    def check(self, source: bytes, file_name: str) -> SyntaxProblem | None:
+    def check(
+        self, source: bytes, file_name: str, busy: Callable[[float], None] = _ignored
+    ) -> SyntaxProblem | None:
         """Compile `source` in a confined process; return what is wrong with it, or None.
+
+        `busy` is told for how many seconds the process was busy with it, without what the check had to wait.
 
         Raises:
             InfrastructureError, SandboxError: the check itself could not be done.
@@ -55,6 +66,7 @@ class SandboxPreflight:
         except queue.Empty:
             raise InfrastructureError(f"no syntax check was free for {_PATIENCE_S:.0f} s") from None
         jail: Jail | None = None
+        begun_s = time.monotonic()
         try:
             jail = sandbox.open(_LIMITS)
             jail.send(encode_start({"protocol": PROTOCOL, "file_name": file_name}, source))
@@ -64,6 +76,7 @@ class SandboxPreflight:
             self._put_away(sandbox, jail)
         if report is not None and report.end is RunEnd.INFRASTRUCTURE:
             raise InfrastructureError(f"the syntax check failed: {report.detail}")
+        busy(time.monotonic() - begun_s)
         if ending is None:
             return SyntaxProblem(message=_TOO_MUCH, line=None)
         if ending.reason != SYNTAX_ERROR:

@@ -86,6 +86,7 @@ _SIGNS: Final = (
     (r"SyntaxError: '\w+' outside function", "outside_function"),
     (r"SyntaxError: invalid character '(?P<sign>[\u00b0\u00d7\u00f7\u2260\u2264\u2265])'", "sign_of_maths"),
     (r"SyntaxError: invalid (non-printable )?character", "foreign_character"),
+    (r"SyntaxError: (unknown encoding|'\S+' (codec can't decode|is not a text encoding))", "wrong_coding"),
     (
         r"SyntaxError: invalid syntax.*\n.*\n +[^\"'#=(\n]*[\u4e00-\u9fff][^\"'#=(\n]*\n",
         "words_in_code",

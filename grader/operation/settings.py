@@ -3,11 +3,12 @@
 `load` is the only way in: it turns every refusal into one readable `SettingsError`.
 """
 
+import difflib
 import ipaddress
 import os
 import re
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 from urllib.parse import urlsplit
 
 from pydantic import AliasChoices, Field, SecretStr, ValidationError, field_validator, model_validator
@@ -21,8 +22,11 @@ from grader.contracts.validation_words import said
 
 LogFormat = Literal["text", "json"]
 LogLevel = Literal["debug", "info", "warning", "error"]
+Count = Annotated[int, Field(ge=1, le=1_000_000)]  # neither databases nor floats take any number
 
 _PREFIX = "GRADER_"
+_OF_PRAIRIELEARN = "GRADER_ASSIGNMENT"  # no setting of the service
+_ALIKE = 0.85  # engines of containers set variables of their own, as GRADER_PORT_8080_TCP
 _SHORTEST_TOKEN = 16
 _RENEWALS_PER_LEASE = 3
 _SILENT_BEATS = 4
@@ -100,28 +104,25 @@ class Settings(BaseSettings):
         le=_MAX_UPLOAD_BYTES,
         description="Largest zip of a package that a student may upload.",
     )
-    max_open_submissions: int = Field(
-        default=50, ge=1, description="Most submissions of one student that may wait for grading at once."
+    max_open_submissions: Count = Field(
+        default=50, description="Most submissions of one student that may wait for grading at once."
     )
-    requests_per_minute: int = Field(
-        default=600, ge=1, description="Most requests of one student of a course in a minute."
+    requests_per_minute: Count = Field(
+        default=600, description="Most requests of one student of a course in a minute."
     )
-    uploads_per_minute: int = Field(
-        default=60, ge=1, description="Most uploads under one student's name in a minute."
+    uploads_per_minute: Count = Field(
+        default=60, description="Most uploads under one student's name in a minute."
     )
-    requests_at_once: int = Field(
+    requests_at_once: Count = Field(
         default=12,
-        ge=1,
         description="Most requests of one person of a course under way at once, besides streams of events.",
     )
-    costly_at_once: int = Field(
+    costly_at_once: Count = Field(
         default=6,  # as many as a browser sends at once to one host
-        ge=1,
         description="Of these, most of one student for results, plots and exports.",
     )
-    costly_per_minute: int = Field(
+    costly_per_minute: Count = Field(
         default=120,
-        ge=1,
         description="Most requests of one student for results, plots and exports in a minute; a plot counts "
         "as four.",
     )
@@ -129,7 +130,7 @@ class Settings(BaseSettings):
         default=0.6, ge=0.0, le=1.0, description="Share of the points from which the dashboard says passed."
     )
     plot_cache_entries: int = Field(
-        default=256, ge=0, description="Rendered plots kept in memory, about 60 KB each."
+        default=256, ge=0, le=1_000_000, description="Rendered plots kept in memory, about 60 KB each."
     )
     slots: int = Field(
         default_factory=lambda: os.cpu_count() or 1,
@@ -146,29 +147,35 @@ class Settings(BaseSettings):
     )
     heartbeat_s: float = Field(
         default=3.0,
-        gt=0.0,
+        ge=0.01,
+        le=600.0,
         description="How often a worker says that it lives; at most a third of the lease.",
     )
     poll_s: float = Field(
-        default=0.5, gt=0.0, description="How often an idle worker looks for work that nobody announced."
+        default=0.5,
+        ge=0.01,
+        le=60.0,
+        description="How often an idle worker looks for work that nobody announced.",
     )
-    max_tries: int = Field(
-        default=5, ge=1, description="Tries before a submission ends as infrastructure_error."
-    )
+    max_tries: Count = Field(default=5, description="Tries before a submission ends as infrastructure_error.")
     retry_backoff_s: float = Field(
         default=1.0,
         ge=0.0,
+        le=3_600.0,
         description="Pause after a failed try; doubled after each further one, up to an hour.",
     )
     drain_s: float = Field(
-        default=30.0, ge=0.0, description="Time that running gradings get to finish when the service stops."
+        default=30.0,
+        ge=0.0,
+        le=3_600.0,
+        description="Time that running gradings get to finish when the service stops.",
     )
 
     max_streams: int = Field(
         default=500, ge=1, le=10_000, description="Most streams of events (live progress) open at once."
     )
-    streams_per_person: int = Field(
-        default=10, ge=1, description="Most streams of events one person may have open."
+    streams_per_person: Count = Field(
+        default=10, description="Most streams of events one person may have open."
     )
     live_cars: int = Field(
         default=20,
@@ -182,9 +189,8 @@ class Settings(BaseSettings):
         le=16,
         description="Most practice runs at once, one grading process each while it is used; 0: none are offered.",
     )
-    practice_per_minute: int = Field(
+    practice_per_minute: Count = Field(
         default=12,
-        ge=1,
         description="Practice runs of one person in a minute; one of many seconds counts as many.",
     )
     metrics_token: SecretStr | None = Field(
@@ -320,14 +326,26 @@ def load(**overrides: Any) -> Settings:
     """Return the settings of the environment, `overrides` (of the command line; None: not given) before them.
 
     Raises:
-        SettingsError: a value is refused; the message names the setting and says why.
+        SettingsError: a value is refused, or a name misspelt; the message names the setting and says why.
     """
+    _check_names()
     try:
         return Settings(**{name: value for name, value in overrides.items() if value is not None})
     except ValidationError as error:
         problems = error.errors()
         en, zh = ("\n".join(_sentence(one, language) for one in problems) for language in ("en", "zh"))
         raise SettingsError(en, zh) from None
+
+
+def _check_names() -> None:
+    known = [_PREFIX + name.upper() for name in Settings.model_fields]
+    for name in sorted(os.environ):
+        if not name.startswith(_PREFIX) or name in known or name == _OF_PRAIRIELEARN:
+            continue
+        for meant in difflib.get_close_matches(name, known, n=1, cutoff=_ALIKE):
+            raise SettingsError(
+                f"{name}: there is no such setting; is it {meant}?", f"{name}：没有这个设置，是不是 {meant}？"
+            )
 
 
 def _is_mail_server(address: str) -> bool:
@@ -351,12 +369,10 @@ def is_loopback(host: str) -> bool:
 
 
 def _sentence(problem: Any, language: Language) -> str:
-    """Return one problem in words; a ValueError of ours has its text in English and in Chinese."""
-    own = problem.get("ctx", {}).get("error")
-    text = said(problem, language) if own is None else own.args[language == "zh"]
+    text = said(problem, language)
     (name,) = problem["loc"] or ("",)
     if not name:
-        return str(text)
+        return text
     colon = "：" if language == "zh" else ": "
     variable = str(name) if str(name).isupper() else f"{name} ({_PREFIX}{str(name).upper()})"
     return f"{variable}{colon}{text}"

@@ -14,7 +14,7 @@ from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 
 from grader.contracts.errors import SettingsError
-from grader.store.database import Database
+from grader.store.database import Database, sqlite_address
 from grader.store.schema import migrate
 from grader.store.transfer import transfer
 
@@ -201,7 +201,7 @@ def _forget_log(database: Path) -> None:
 
 @contextmanager
 def _opened(file: Path) -> Iterator[Database]:
-    database = Database(f"sqlite:///{file.resolve()}")
+    database = Database(sqlite_address(file))
     try:
         yield database
     finally:

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
+from typing import Any
 
 from sqlalchemy import text
 
@@ -39,6 +40,14 @@ def longer_pause(first_s: float, failures: int) -> timedelta:
     """Return how long to wait after failures: `first_s` after one, doubled for each further one, up to an hour."""
     doublings = min(failures - 1, _MOST_DOUBLINGS)
     return timedelta(seconds=min(first_s * 2.0**doublings, LONGEST_PAUSE.total_seconds()))
+
+
+def ahead(instant: Any, now: datetime) -> Any:
+    """Return whether an instant, or each of a column's, is still to come.
+
+    What is further away than the longest pause was written while the clock was ahead: nothing waits for it.
+    """
+    return (instant > now) & (instant <= now + LONGEST_PAUSE)
 
 
 def _elapsed_s() -> float:

@@ -31,6 +31,7 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from functools import cache
+from pathlib import Path
 from typing import Any, TypeVar
 
 from sqlalchemy import URL, Connection, Dialect, Engine, Insert, bindparam, event, func, make_url, select
@@ -80,6 +81,11 @@ _KEY_BYTES = 8
 _IDS_AT_ONCE = 500  # below SQLite's limit of variables
 _One = TypeVar("_One")
 _LOCK = select(func.pg_advisory_xact_lock(bindparam("key")))
+
+
+def sqlite_address(file: Path) -> str:
+    """Return the address of the SQLite database in a file, whatever the file is called."""
+    return "sqlite:///" + str(file.resolve()).replace("%", "%25").replace("?", "%3F")
 
 
 class Database:
@@ -272,7 +278,8 @@ def _explained() -> Iterator[None]:
     try:
         yield
     except DBAPIError as error:
-        if isinstance(error, _STATEMENT_ERRORS) and not error.connection_invalidated:
+        of_statement = isinstance(error, _STATEMENT_ERRORS) and error.statement is not None
+        if of_statement and not error.connection_invalidated:
             raise
         reason = " ".join(str(error.orig).split())
         raise _no_answer(reason, reason) from error
@@ -298,7 +305,10 @@ def _engine(url: URL, connections: int) -> Engine:
             pool_size=connections,
             max_overflow=0,
             pool_use_lifo=True,  # the connection used last has prepared what is asked most
-            connect_args={name: value for name, value in PATIENCE.items() if name not in url.query},
+            connect_args={
+                "client_encoding": "utf8",  # before anything is asked: of SQL_ASCII psycopg makes no text
+                **{name: value for name, value in PATIENCE.items() if name not in url.query},
+            },
         )
     except ImportError:
         raise SettingsError(
@@ -371,8 +381,7 @@ def _configure_postgresql(connection: Any, _record: Any) -> None:
     _send_no_nul(connection)
     connection.autocommit = True
     connection.execute(
-        f"SET client_encoding = 'UTF8'; SET lock_timeout = {_LOCK_TIMEOUT_MS}; "
-        f"SET idle_in_transaction_session_timeout = {_IDLE_TIMEOUT_MS}"
+        f"SET lock_timeout = {_LOCK_TIMEOUT_MS}; SET idle_in_transaction_session_timeout = {_IDLE_TIMEOUT_MS}"
     )
     connection.autocommit = False
 

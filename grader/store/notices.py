@@ -27,7 +27,7 @@ from grader.contracts.notice import (
 )
 from grader.contracts.submission import SubmissionState
 from grader.store.audit import Signature, record
-from grader.store.clock import TimedPart, longer_pause
+from grader.store.clock import TimedPart, ahead, longer_pause
 from grader.store.database import one_at_a_time
 from grader.store.tables import (
     CourseRow,
@@ -148,7 +148,8 @@ class Notices(TimedPart):
     def made_since(self, course: str, since: datetime) -> dict[tuple[Outlet, NoticeKind, str], datetime]:
         """Return by outlet, kind and person when the latest notice was made, of those made since."""
         row = NoticeRow
-        mine = select(NoticeRow).where(col(row.course) == course, col(row.made_at) > since)
+        lately = col(row.made_at) > since, col(row.made_at) <= self._clock()
+        mine = select(NoticeRow).where(col(row.course) == course, *lately)
         with self._database.reading() as session:
             found = session.execute(mine.order_by(col(row.made_at))).scalars()
             return {(Outlet(one.outlet), NoticeKind(one.kind), one.person): one.made_at for one in found}
@@ -186,7 +187,7 @@ class Notices(TimedPart):
     def waiting(self) -> tuple[Notice, ...]:
         """Return notices that are to be sent now, oldest first; not all if there are many."""
         row, now = NoticeRow, self._clock()
-        mine = col(row.sent_at).is_(None), col(row.body) != "", col(row.not_before) <= now
+        mine = col(row.sent_at).is_(None), col(row.body) != "", ~ahead(col(row.not_before), now)
         taught = col(CourseRow.archived_at).is_(None)
         statement = (
             select(NoticeRow)
@@ -205,7 +206,7 @@ class Notices(TimedPart):
             row = session.get(NoticeRow, notice_id, with_for_update=True)
             if row is None or row.sent_at is not None or not row.body:
                 return None
-            if row.not_before > now or row.until <= now:
+            if ahead(row.not_before, now) or row.until <= now:
                 return None
             row.not_before = now + PATIENCE
             return _notice(row)

@@ -17,7 +17,7 @@ from grader.contracts.own_assignment import Examined, OwnAssignment, OwnState
 from grader.contracts.record import from_json
 from grader.contracts.rules import Rules, Shown
 from grader.store.audit import Signature, record
-from grader.store.clock import TimedPart
+from grader.store.clock import TimedPart, ahead
 from grader.store.database import one_at_a_time
 from grader.store.rules import add_rules
 from grader.store.tables import OwnAssignmentRow, RulesRow, SubmissionRow, as_contract, table_of
@@ -173,8 +173,8 @@ class OwnAssignments(TimedPart):
             select(_row)
             .where(
                 col(_row.state) == OwnState.WAITING.value,
-                col(_row.not_before) <= now,
-                or_(col(_row.lease_until).is_(None), col(_row.lease_until) < now),
+                ~ahead(col(_row.not_before), now),
+                or_(col(_row.lease_until).is_(None), ~ahead(col(_row.lease_until), now)),
             )
             .order_by(col(_row.uploaded_at))
             .limit(1)

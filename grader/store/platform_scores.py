@@ -10,7 +10,7 @@ from sqlalchemy import select, update
 from sqlmodel import col
 
 from grader.contracts.platform import Platform, PlatformLink, PlatformScore, provider_of
-from grader.store.clock import TimedPart, longer_pause
+from grader.store.clock import TimedPart, ahead, longer_pause
 from grader.store.database import one_at_a_time
 from grader.store.tables import (
     IdentityRow,
@@ -95,7 +95,7 @@ class PlatformScores(TimedPart):
                     not_before=now,
                 )
                 session.add(found)
-            if found.not_before > now or found.sha256 == sha256:
+            if ahead(found.not_before, now) or found.sha256 == sha256:
                 return None
             known = as_contract(found, PlatformScore)
             found.not_before, found.sha256 = now + PATIENCE, ""

@@ -21,7 +21,7 @@ from grader.contracts.grading import GradingResult
 from grader.contracts.judgement import to_judge
 from grader.contracts.submission import Claim, QueueState, SubmissionState
 from grader.store.claiming import DUE, change, claim_of, claim_values, due_early, instants, resume, take
-from grader.store.clock import LONGEST_PAUSE, Clock, longer_pause
+from grader.store.clock import LONGEST_PAUSE, Clock, ahead, longer_pause
 from grader.store.database import Database, add_once
 from grader.store.finishing import FinishedRows, finish_at_once
 from grader.store.gradings import (
@@ -206,7 +206,7 @@ class Queue:
         `all_running`: treat every claim as void. Only right when no worker lives (see `presence` of workers).
         """
         now = self._clock()
-        lost = [] if all_running else [_lease_ended(now)]
+        lost = [] if all_running else [~ahead(col(SubmissionRow.lease_until), now)]
         spent = col(SubmissionRow.tries) >= self._retries.max_tries
         values = {"not_before": now, "trouble": "the worker that graded this stopped without an answer"}
         ended = {**values, "state": SubmissionState.INFRASTRUCTURE_ERROR.value, "finished_at": now}
@@ -433,21 +433,15 @@ def _void(
     return announcements(session.execute(statement, execution_options={"synchronize_session": False}))
 
 
-def _lease_ended(now: datetime) -> ColumnElement[bool]:
-    """Whether a claim is void. So is a lease longer than any: the clock was ahead when it began."""
-    until = col(SubmissionRow.lease_until)
-    return or_(until < now, until > now + LONGEST_PAUSE)
-
-
 def _bring_forward(session: Session, now: datetime) -> None:
     """Make due what waits for an instant that no pause reaches: the clock was ahead when it was queued.
 
     Rows that another transaction holds are left for the next time: two transactions could wait for each other.
     """
     row = SubmissionRow
-    ahead = or_(col(row.tries) == 0, col(row.not_before) > now + LONGEST_PAUSE)
+    put_off = or_(col(row.tries) == 0, col(row.not_before) > now + LONGEST_PAUSE)
     waits = col(row.state) == SubmissionState.QUEUED.value
-    found = select(col(row.id)).where(waits, col(row.not_before) > now, ahead)
+    found = select(col(row.id)).where(waits, col(row.not_before) > now, put_off)
     ids = found.with_for_update(skip_locked=True)
     statement = update(row).where(col(row.id).in_(ids)).values(not_before=now)
     session.execute(statement, execution_options={"synchronize_session": False})

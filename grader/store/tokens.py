@@ -24,6 +24,8 @@ from grader.store.tables import MemberRow, TokenRow, as_contract
 _SECRET_BYTES = 32
 _ID_BYTES = 6
 SESSION_LIFE = timedelta(hours=12)
+MOST_SESSIONS = 20
+"""Of one member: whoever opens more ends the oldest. Without a bound one token could fill the database."""
 PREFIX = "grader_"  # lets scanners of published files recognise a token that must not be there
 
 
@@ -134,20 +136,17 @@ class Tokens(TimedPart):
 def new_session(  # noqa: PLR0913, PLR0917
     session: Session, course: str, person: str, opened_by: str, now: datetime, until: datetime | None = None
 ) -> str:
-    """Add a session of a member, in place of those that are over; return its secret.
+    """Add a session of a member, in place of those that are over and of the oldest; return its secret.
 
     It ends with the token, or the identity, of the id `opened_by`, and at the latest `until`; None: half a day
     later.
     """
     secret, latest = secrets.token_urlsafe(_SECRET_BYTES), now + SESSION_LIFE
-    session.execute(
-        delete(TokenRow).where(
-            col(TokenRow.course) == course,
-            col(TokenRow.person) == person,
-            col(TokenRow.opened_by).is_not(None),
-            col(TokenRow.expires_at) <= now,
-        )
-    )
+    of_member = col(TokenRow.course) == course, col(TokenRow.person) == person
+    own = *of_member, col(TokenRow.opened_by).is_not(None)
+    newest = select(col(TokenRow.id)).where(*own).order_by(col(TokenRow.created_at).desc())
+    kept = col(TokenRow.id).in_(newest.limit(MOST_SESSIONS - 1)) & (col(TokenRow.expires_at) > now)
+    session.execute(delete(TokenRow).where(*own, ~kept))
     end = latest if until is None else min(latest, until)
     session.add(_row(secret, course, person, now, end, opened_by=opened_by))
     return secret

@@ -18,7 +18,7 @@ from datetime import datetime
 from typing import Self
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.identity import ANYBODY, OPERATOR, Caller
+from grader.contracts.identity import ANYBODY, OPERATOR, Caller, Role
 from grader.operation.settings import Settings
 from grader.store.clock import Clock
 from grader.store.courses import Courses
@@ -281,6 +281,15 @@ class Allowances:
             practice=RateLimit(settings.practice_per_minute, clock),
             practice_at_once=AtOnce(1),
         )
+
+    def request(self, caller: Caller) -> None:
+        """Count a request of a student.
+
+        Raises:
+            RefusedError: there are too many.
+        """
+        if caller.role is Role.STUDENT:
+            self.requests.take(f"{caller.course}/{caller.person}")
 
 
 def _digest(token: str) -> bytes:

@@ -1,11 +1,13 @@
 """The students behind a number of the dashboard: who failed an item, made a mistake, or has a status."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
+from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import StudentProgress
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Member, Role
+from grader.contracts.text import Text
 from grader.store.dashboard import CountedCell
 from grader.use_cases.assignments import published
 from grader.use_cases.callers import require_staff
@@ -44,13 +46,16 @@ def concerned(
     """Return the students to whom a concern applies: first those who still fail, then those who tried most.
 
     Raises:
-        RefusedError: the caller may not see the class, or there is no such assignment.
+        RefusedError: the caller may not see the class, or there is no such assignment, or no such item of it.
     """
     require_staff(caller)
     cells = services.dashboard.cells(caller.course)
     own = {student: cell for (student, assignment), cell in cells.items() if assignment == assignment_id}
-    if not own and published(services, caller, assignment_id) is None:
+    assignment = published(services, caller, assignment_id)
+    if not own and assignment is None:
         raise RefusedError("assignment_not_found")
+    if concern.item is not None:
+        _check_item(concern.item, assignment, own.values())
     roster = {one.id: one for one in members(services, caller, Role.STUDENT)}
     fits = _fits(concern)
     found = [
@@ -59,6 +64,15 @@ def concerned(
         if caller.looks_after(student) and fits(cell)
     ]
     return tuple(sorted(found, key=lambda one: (not one.still, -one.progress.attempts, one.student)))
+
+
+def _check_item(item: str, assignment: Assignment | None, cells: Iterable[CountedCell]) -> None:
+    known = [] if assignment is None else [one.id for one in assignment.items]
+    failed = {one for cell in cells for one in cell.failed}  # also by an earlier version of it
+    if item not in failed and item.rpartition("/")[2] not in known:
+        listed = ", ".join(known)
+        detail = Text(zh=f"没有这个评分项；有：{listed}", en=f"There is no such item; there are: {listed}")
+        raise RefusedError("invalid_request", detail, field="item")
 
 
 def _fits(concern: Concern) -> Callable[[CountedCell], bool]:

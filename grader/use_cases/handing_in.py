@@ -2,7 +2,6 @@
 
 import logging
 import re
-import time
 from dataclasses import dataclass, replace
 from datetime import datetime
 
@@ -83,19 +82,12 @@ def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submiss
 
 
 def _checked(services: Services, caller: Caller, new: NewSubmission, owner: str) -> NewSubmission:
-    """Return `new` as it is stored: for a published assignment, its name and content checked.
-
-    A check that takes long counts as several uploads of `owner`.
-    """
+    """Return `new` as it is stored: for a published assignment, its name and content checked."""
     published = require_published(services, caller, new.assignment, "unknown_assignment", field="assignment")
     if new.key is None and (refusal := services.submissions.refusal(new)) is not None:
         raise refusal.error()  # one with a key may be an upload that was accepted before
     name = _checked_name(new.file_name, published.input)
-    begun_s = time.monotonic()
-    try:
-        source = _checked_content(services, new.source, name, published.input)
-    finally:
-        services.allowances.uploads.charge(owner, (time.monotonic() - begun_s) // _USUAL_S)
+    source = _checked_content(services, owner, new.source, name, published.input)
     if services.submissions.open_count(new.student, new.course) >= services.settings.max_open_submissions:
         raise RefusedError("too_many_open", retry_after_s=_RETRY_AFTER_S, field="student")
     return replace(
@@ -152,7 +144,7 @@ def _checked_name(file_name: str, kind: Input) -> str:
     return name
 
 
-def _checked_content(services: Services, source: bytes, file_name: str, kind: Input) -> bytes:
+def _checked_content(services: Services, owner: str, source: bytes, file_name: str, kind: Input) -> bytes:
     """Return what is stored of an upload: its bytes, of a zip the package in it. Refuse what could not run at all.
 
     Raises:
@@ -162,10 +154,10 @@ def _checked_content(services: Services, source: bytes, file_name: str, kind: In
     if len(source) > limit:
         raise too_large(limit)
     if kind == "package":
-        return _checked_package(services, source)
+        return _checked_package(services, owner, source)
     check_source(source, limit)
     if kind != "text":
-        _check_syntax(services, source, file_name)
+        _check_syntax(services, owner, source, file_name)
     return source
 
 
@@ -180,7 +172,7 @@ def most_upload_bytes(services: Services) -> int:
     return max(services.settings.max_package_bytes, services.settings.max_upload_bytes)
 
 
-def _checked_package(services: Services, source: bytes) -> bytes:
+def _checked_package(services: Services, owner: str, source: bytes) -> bytes:
     """Return the package in a zip; the syntax of its modules is checked, setup.py's, too.
 
     Raises:
@@ -190,18 +182,20 @@ def _checked_package(services: Services, source: bytes) -> bytes:
     modules = {path: content for path, content in files_of(stored).items() if path.endswith(".py")}
     for path in sorted(modules)[:_MOST_CHECKED]:
         if modules[path].strip():
-            _check_syntax(services, modules[path], path)
+            _check_syntax(services, owner, modules[path], path)
     return stored
 
 
-def _check_syntax(services: Services, source: bytes, file_name: str) -> None:
-    """Refuse what is not Python.
+def _check_syntax(services: Services, owner: str, source: bytes, file_name: str) -> None:
+    """Refuse what is not Python. A check that keeps a process busy for long counts as uploads of `owner`.
 
     Raises:
         RefusedError: ``syntax_error``.
     """
     try:
-        problem = services.preflight.check(source, file_name)
+        problem = services.preflight.check(
+            source, file_name, lambda busy_s: services.allowances.uploads.charge(owner, busy_s / _USUAL_S)
+        )
     except (InfrastructureError, SandboxError) as error:
         _log.warning("a file was taken without a look at its syntax: %s", error)
         return  # no fault of the file: grading will look at it again

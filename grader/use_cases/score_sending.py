@@ -12,6 +12,7 @@ from grader.contracts.platform import Platform, PlatformLink
 from grader.messages import on_page
 from grader.outside.lti.scores import NotTakenError, Score
 from grader.outside.signin.channel import UnreachableError
+from grader.store.clock import ahead
 from grader.use_cases.services import Services
 
 _log = logging.getLogger(__name__)
@@ -67,7 +68,7 @@ def _wanted(services: Services, platform: Platform, link: PlatformLink) -> Itera
             continue
         score = _score(services, people, progress, hidden=hidden)
         row = known.get(progress.student)
-        due = row is None or row.not_before <= now
+        due = row is None or not ahead(row.not_before, now)
         if score is not None and due and (row is None or row.sha256 != _digest(score)):
             yield progress.student, score
 

@@ -283,10 +283,14 @@ class FakePreflight:
 
     def __init__(self) -> None:
         self.fault: Exception | None = None
+        self.busy_s = 0.0
 
-    def check(self, source: bytes, file_name: str) -> SyntaxProblem | None:
+    def check(
+        self, source: bytes, file_name: str, busy: Callable[[float], None] = lambda _: None
+    ) -> SyntaxProblem | None:
         if self.fault is not None:
             raise self.fault
+        busy(self.busy_s)
         for number, line in enumerate(source.decode().splitlines(), start=1):
             if "def broken(" in line:
                 return SyntaxProblem(message="'(' was never closed", line=number, column=11, text=line)

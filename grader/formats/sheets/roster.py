@@ -101,7 +101,7 @@ def read_roster(content: bytes) -> Roster:
 
     The header stands in one of the first twelve rows and has a column of ids and one of names (or of first and
     last names); columns of e-mail addresses, sections and roles are read as well, others ignored. Titles,
-    sub-headers and legends, which have neither an id nor a name, are passed over.
+    sub-headers and legends, which have neither an id nor a name, are passed over, and so is the same header again.
 
     Raises:
         CourseError: there is no table, no header, or nobody in it.
@@ -193,6 +193,8 @@ def _entry(row: ListedRow, columns: dict[str, int]) -> RosterEntry | None:
     person = unicodedata.normalize("NFKC", cells.get("id", "")).strip()
     name = cells.get("name") or _joined(cells.get("first", ""), cells.get("last", ""))
     if not person and (not name or name.casefold() in _NOBODY):  # two rows of Canvas
+        return None
+    if label(person) in _COLUMNS["id"] and label(name) in _COLUMNS["name"]:  # the header of the next page
         return None
     # else the sum is imported as a student's id; somebody with a name may really be called Sum
     if (not name or name.isdecimal()) and any(label(cell) in _SUMS for cell in row.cells):

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     ConfigDict,
     Field,
@@ -22,6 +23,23 @@ from grader.outside.signin.channel import host_of, is_private_talk
 
 _MOST_BYTES = 64 * 1024
 _MOST_PROVIDERS = 8
+
+
+def _checked_address(value: str) -> str:
+    if host_of(value) is None:
+        raise ValueError(
+            f"{value!r} is no address such as https://sso.example.edu",
+            f"{value!r} 不是地址，例如 https://sso.example.edu",
+        )
+    if not is_private_talk(value):
+        raise ValueError(
+            f"{value!r} must begin with https://: passwords and scores are sent there",
+            f"{value!r} 要以 https:// 开头：密码和成绩要发到那里",
+        )
+    return value
+
+
+Address = Annotated[str, AfterValidator(_checked_address)]
 
 
 class _Entry(BaseModel):
@@ -43,24 +61,22 @@ class OidcEntry(_Entry):
     """
 
     kind: Literal["oidc"]
-    issuer: str
+    issuer: Address
     client_id: Annotated[str, Field(min_length=1, max_length=255)]
     client_secret: SecretStr | None = None
     client_secret_file: Path | None = None
     claim: Annotated[str, Field(min_length=1, max_length=100)] = "preferred_username"
     scopes: tuple[str, ...] = ("openid", "profile", "email")
 
-    @field_validator("issuer")
-    @classmethod
-    def _encrypted(cls, value: str) -> str:
-        return _checked_address(value)
-
     @model_validator(mode="after")
     def _one_secret(self) -> Self:
         if self.client_secret is not None and self.client_secret_file is not None:
-            raise ValueError("client_secret and client_secret_file: give one of them")
+            raise ValueError(
+                "client_secret and client_secret_file: give one of them",
+                "client_secret 和 client_secret_file：只写一个",
+            )
         if "openid" not in self.scopes:
-            raise ValueError("scopes: must have openid")
+            raise ValueError("scopes: must have openid", "scopes：要有 openid")
         return self
 
 
@@ -73,14 +89,9 @@ class CasEntry(_Entry):
     """
 
     kind: Literal["cas"]
-    url: str
+    url: Annotated[Address, AfterValidator(lambda value: value.rstrip("/"))]
     version: Literal[2, 3] = 3
     attribute: Annotated[str, Field(max_length=100)] = ""
-
-    @field_validator("url")
-    @classmethod
-    def _encrypted(cls, value: str) -> str:
-        return _checked_address(value).rstrip("/")
 
 
 class HeaderEntry(_Entry):
@@ -102,10 +113,13 @@ class HeaderEntry(_Entry):
                 network = ipaddress.ip_network(one)
             except ValueError:
                 raise ValueError(
-                    f"{one!r} is no address or network such as 10.0.0.5 or 10.1.0.0/16"
+                    f"{one!r} is no address or network such as 10.0.0.5 or 10.1.0.0/16",
+                    f"{one!r} 不是地址或网段，例如 10.0.0.5 或 10.1.0.0/16",
                 ) from None
             if network.prefixlen == 0:
-                raise ValueError(f"{one!r} is every address: name the proxies")
+                raise ValueError(
+                    f"{one!r} is every address: name the proxies", f"{one!r} 是全部地址：请写明代理的地址"
+                )
         return value
 
 
@@ -117,7 +131,7 @@ class SignInConfig(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, hide_input_in_errors=True)
 
-    public_url: str
+    public_url: Address
     allow_private_platforms: bool = False
     """Whether learning platforms, whose addresses instructors paste, may be in a private network."""
     providers: Annotated[tuple[Entry, ...], Field(max_length=_MOST_PROVIDERS)] = ()
@@ -125,9 +139,12 @@ class SignInConfig(BaseModel):
     @field_validator("public_url")
     @classmethod
     def _origin(cls, value: str) -> str:
-        address = _checked_address(value).rstrip("/")
+        address = value.rstrip("/")
         if address.count("/") != 2:
-            raise ValueError("has a path: say only scheme, host and port, such as https://grader.example.edu")
+            raise ValueError(
+                "has a path: say only scheme, host and port, such as https://grader.example.edu",
+                "带了路径：只写协议、主机和端口，例如 https://grader.example.edu",
+            )
         return address
 
     @model_validator(mode="after")
@@ -135,7 +152,9 @@ class SignInConfig(BaseModel):
         ids = [one.id for one in self.providers]
         twice = {one for one in ids if ids.count(one) > 1}
         if twice:
-            raise ValueError(f"providers: the id {min(twice)} is used twice")
+            raise ValueError(
+                f"providers: the id {min(twice)} is used twice", f"providers：id {min(twice)} 用了两次"
+            )
         return self
 
 
@@ -146,22 +165,16 @@ def read_config(path: Path) -> SignInConfig:
         SettingsError: the file cannot be read, or a field is wrong; the message names the field.
     """
     try:
-        with path.open("rb") as file:
-            content = file.read(_MOST_BYTES + 1)
-    except OSError as error:
-        raise _wrong(path, "", trouble(error).en, trouble(error).zh) from None
-    if len(content) > _MOST_BYTES:
-        raise _wrong(path, "", "is larger than 64 KiB", "超过 64 KiB")
-    try:
-        document = tomllib.loads(content.decode())
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        document = tomllib.loads(_content(path))
+    except tomllib.TOMLDecodeError as error:
         raise _wrong(path, "", f"is no TOML: {error}", f"不是 TOML 文件：{error}") from None
     try:
         return SignInConfig.model_validate(document)
     except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise _wrong(path, place, said(first, "en"), said(first, "zh")) from None
+        found = {".".join(map(str, one["loc"])): one for one in error.errors()}
+        wrong = [_wrong(path, place, said(one, "en"), said(one, "zh")) for place, one in found.items()]
+        en, zh = ("\n".join(one.told(language) for one in wrong) for language in ("en", "zh"))
+        raise SettingsError(en, zh) from None
 
 
 def secret_of(entry: OidcEntry) -> str:
@@ -174,21 +187,24 @@ def secret_of(entry: OidcEntry) -> str:
         return entry.client_secret.get_secret_value()
     if entry.client_secret_file is None:
         return ""
-    try:
-        secret = entry.client_secret_file.read_text("utf-8").strip()
-    except (OSError, UnicodeDecodeError) as error:
-        raise _wrong(entry.client_secret_file, "", str(error), str(error)) from None
+    secret = _content(entry.client_secret_file).strip()
     if not secret:
         raise _wrong(entry.client_secret_file, "", "is empty", "是空的")
     return secret
 
 
-def _checked_address(value: str) -> str:
-    if host_of(value) is None:
-        raise ValueError(f"{value!r} is no address such as https://sso.example.edu")
-    if not is_private_talk(value):
-        raise ValueError(f"{value!r} must begin with https://: passwords and scores are sent there")
-    return value
+def _content(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            content = file.read(_MOST_BYTES + 1)
+    except OSError as error:
+        raise _wrong(path, "", trouble(error).en, trouble(error).zh) from None
+    if len(content) > _MOST_BYTES:
+        raise _wrong(path, "", "is larger than 64 KiB", "超过 64 KiB")
+    try:
+        return content.decode()
+    except UnicodeDecodeError as error:
+        raise _wrong(path, "", f"is no UTF-8: {error}", f"不是 UTF-8 编码：{error}") from None
 
 
 def _wrong(path: Path, place: str, en: str, zh: str) -> SettingsError:

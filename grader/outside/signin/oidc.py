@@ -93,7 +93,7 @@ class KeySet:
             known = () if self._keys is None else self._keys.keys
             missing = kid is not None and kid not in {one.kid for one in known}
             age_s = now_s - self._fetched_s
-            if self._keys is None or age_s >= _DAY_S or (missing and age_s >= _MINUTE_S):
+            if self._keys is None or not 0.0 <= age_s < _DAY_S or (missing and age_s >= _MINUTE_S):
                 self._keys, self._fetched_s = self._fetched(), now_s
             return self._keys
 
@@ -155,7 +155,7 @@ class Oidc:
     def _discovered(self) -> _Discovered:
         with self._lock:
             now_s = self._clock_s()
-            if self._known is None or now_s - self._known_since_s > _DAY_S:
+            if self._known is None or not 0.0 <= now_s - self._known_since_s < _DAY_S:
                 self._known, self._known_since_s = self._asked(), now_s
             return self._known
 

@@ -16,14 +16,16 @@ from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.identity import Caller, Role, Seen
+from grader.contracts.identity import Caller, Seen, sections_of
 from grader.contracts.notation import decimal, whole
-from grader.contracts.text import LANGUAGES, Language
+from grader.contracts.text import LANGUAGES, Language, Text
 from grader.use_cases.callers import PLOT_WEIGHT, name_of, require_instructor, require_staff
+from grader.use_cases.people import members
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import visible_submission
 
 _LONGEST_HEADER = 1_000
+_MOST_LISTED = 20
 _TAG = re.compile(r'(W/)?"([\x21\x23-\x7e\x80-\xff]*)"')  # RFC 9110, section 8.8.3
 
 PEER = "grader.peer"
@@ -63,8 +65,7 @@ def _identified(
     caller = services.callers.identify(None if credentials is None else credentials.credentials)
     if caller is None:
         raise RefusedError("unauthorized")
-    if caller.role is Role.STUDENT:
-        services.allowances.requests.take(f"{caller.course}/{caller.person}")
+    services.allowances.request(caller)
     return caller
 
 
@@ -185,6 +186,23 @@ def _costly(weight: int) -> Any:
 
 COSTLY, DRAWN = _costly(1), _costly(PLOT_WEIGHT)
 """Of endpoints whose answers take time to make, and of plots: students have few under way, and few in a minute."""
+
+
+def _known_section(
+    services: ServicesDep,
+    caller: StaffDep,
+    section: Annotated[str, Query(max_length=64, description="Only students of this section.")] = "",
+) -> str:
+    known = sections_of(members(services, caller)) if section else []
+    if section and section not in known:
+        listed = ", ".join(known[:_MOST_LISTED])
+        detail = Text(zh=f"没有这个分组；有：{listed}", en=f"There is no such section; there are: {listed}")
+        raise RefusedError("invalid_request", detail, field="section")
+    return section
+
+
+SectionDep = Annotated[str, Depends(_known_section)]
+"""The section that an address names, one of those of the caller's students; empty: all of them."""
 
 AssignmentId = Annotated[str, Path(max_length=64, examples=["square"])]
 RegradeId = Annotated[str, Path(max_length=16, examples=["9f2c01aa77be"])]

@@ -17,6 +17,7 @@ from grader.service.requests.dependencies import (
     CallerDep,
     LanguageDep,
     QueryWhole,
+    SectionDep,
     ServicesDep,
     StaffDep,
     SubmissionId,
@@ -105,12 +106,12 @@ def read_appeals(  # noqa: PLR0913
     *,
     state: Annotated[Literal["open", "answered"], Query(description="Waiting, or answered.")] = "open",
     assignment: Annotated[str | None, Query(max_length=64)] = None,
-    section: Annotated[str | None, Query(max_length=64, description="Of its students.")] = None,
+    section: SectionDep,
     offset: Annotated[QueryWhole, Query(ge=0, le=_MOST)] = 0,
     limit: Annotated[QueryWhole, Query(ge=1, le=_MOST_PER_PAGE)] = 50,
 ) -> AppealQueue:
     """Return the appeals of the class."""
-    wanted = AppealsWanted(open=state == "open", assignment=assignment, section=section)
+    wanted = AppealsWanted(open=state == "open", assignment=assignment, section=section or None)
     page = appealing.queue(services, caller, wanted, offset=offset, limit=limit)
     told = [_view(services, caller, one, language) for one in page.appeals]
     return AppealQueue(total=page.total, waiting=page.waiting, appeals=told)

@@ -20,6 +20,7 @@ from grader.service.requests.dependencies import (
     AssignmentId,
     LanguageDep,
     QueryWhole,
+    SectionDep,
     ServicesDep,
     StaffDep,
 )
@@ -203,7 +204,7 @@ def read_class(  # noqa: PLR0913
     search: Annotated[
         str, Query(max_length=100, description="Only students whose id or name contains this.")
     ] = "",
-    section: Annotated[str, Query(max_length=64, description="Only students of this section.")] = "",
+    section: SectionDep,
     at_risk: Annotated[bool, Query(description="Only students who have not started or are stuck.")] = False,
     offset: Annotated[QueryWhole, Query(ge=0, le=_MOST, description="Students left out at the start.")] = 0,
     limit: Annotated[

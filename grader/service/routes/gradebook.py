@@ -13,6 +13,7 @@ from grader.service.requests.dependencies import (
     SIGHT,
     CallerDep,
     LanguageDep,
+    SectionDep,
     ServicesDep,
     StaffDep,
     SubmissionId,
@@ -30,7 +31,6 @@ from grader.use_cases.gradebook import (
 
 router = APIRouter(prefix="/api/v1", tags=["gradebook"])
 exports = APIRouter(prefix="/api/v1/submissions", tags=["gradebook"], dependencies=[SIGHT, COSTLY])
-SectionQuery = Annotated[str, Query(max_length=64, description="Only students of this section.")]
 AssignmentQuery = Annotated[
     str,
     Query(
@@ -60,8 +60,8 @@ _ONE = (*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_requ
 def read_gradebook(
     services: ServicesDep,
     caller: StaffDep,
+    section: SectionDep,
     format: Annotated[Format, Query(description="`canvas`: as Canvas imports grades.")] = "plain",
-    section: SectionQuery = "",
 ) -> Response:
     """Return everybody's points; without courses of everybody who handed something in."""
     headers = to_save(f"gradebook-{format}.csv", Vary="Authorization")
@@ -85,12 +85,12 @@ def read_workbook(  # noqa: PLR0913, PLR0917
     services: ServicesDep,
     caller: StaffDep,
     language: LanguageDep,
+    section: SectionDep,
     layout: Annotated[
         Literal["full", "registry"], Query(description="`registry`: id, name and the column `column` alone.")
     ] = "full",
     column: ColumnQuery = "成绩",
     assignment: AssignmentQuery = "",
-    section: SectionQuery = "",
 ) -> Response:
     """Return everybody's points as spreadsheet programs keep them."""
     if layout == "full":

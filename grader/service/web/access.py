@@ -90,9 +90,8 @@ def visitor_of(request: Request) -> Visitor:
 
 
 def _identified(request: Request) -> Visitor:
-    visitor, services = visitor_of(request), services_of(request)
-    if visitor.caller.course is not None and not visitor.staff:
-        services.allowances.requests.take(f"{visitor.caller.course}/{visitor.caller.person}")
+    visitor = visitor_of(request)
+    services_of(request).allowances.request(visitor.caller)
     return visitor
 
 
@@ -225,13 +224,21 @@ def enter_student(request: Request, response: Response, student: str) -> None:
 
 
 def enter_by_token(request: Request, response: Response, token: str) -> Caller | None:
-    """Open a session on this browser by a token and return whose it is; a token of nobody opens none."""
-    callers = services_of(request).callers
-    session = callers.open_session(token)
+    """Open a session on this browser by a token and return whose it is; a token of nobody opens none.
+
+    Raises:
+        RefusedError: a student asks too often.
+    """
+    services = services_of(request)
+    caller = services.callers.identify(token)
+    if caller is None:
+        return None
+    services.allowances.request(caller)
+    session = services.callers.open_session(token)
     if session is None:
         return None
     set_private_cookie(request, response, SESSION_COOKIE, session)
-    return callers.of_session(session)
+    return caller
 
 
 def leave(request: Request, response: Response) -> None:

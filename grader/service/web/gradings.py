@@ -8,13 +8,12 @@ from fastapi.responses import JSONResponse
 from grader.contracts.judgement import judged
 from grader.service.requests.answers import to_save
 from grader.service.web import access
-from grader.service.web.access import QueryWhole, ServicesDep, StaffDep, SubmissionId, Visitor, require_staff
+from grader.service.web.access import QueryWhole, ServicesDep, StaffDep, SubmissionId, require_staff
 from grader.service.web.comparison import compare
 from grader.service.web.pages import language_of, page
 from grader.use_cases.gradebook import Platform, exported
 from grader.use_cases.people import names, person
 from grader.use_cases.regrading import history, past_grading
-from grader.use_cases.services import Services
 
 router = APIRouter(
     prefix="/class/submissions/{submission_id}",
@@ -65,25 +64,15 @@ def read_comparison(  # noqa: PLR0913, PLR0917
     )
 
 
-@router.get("/gradescope.json")
-def read_gradescope(
-    request: Request, services: ServicesDep, visitor: StaffDep, submission_id: SubmissionId
+@router.get("/{platform}.json")
+def read_export(
+    request: Request,
+    services: ServicesDep,
+    visitor: StaffDep,
+    submission_id: SubmissionId,
+    platform: Platform,
 ) -> Response:
-    """Return the report as a Gradescope autograder writes it, to be saved."""
-    return _export(request, services, visitor, submission_id, "gradescope")
-
-
-@router.get("/prairielearn.json")
-def read_prairielearn(
-    request: Request, services: ServicesDep, visitor: StaffDep, submission_id: SubmissionId
-) -> Response:
-    """Return the report as a PrairieLearn external grader writes it, to be saved."""
-    return _export(request, services, visitor, submission_id, "prairielearn")
-
-
-def _export(
-    request: Request, services: Services, visitor: Visitor, submission_id: str, platform: Platform
-) -> Response:
+    """Return the report as an autograder of Gradescope or PrairieLearn writes it, to be saved."""
     submission, _ = access.seen(services, visitor, submission_id)
     document = exported(services, visitor.caller, submission.id, platform, language_of(request))
     return JSONResponse(document, headers=to_save(f"{platform}-{submission.id}.json"))

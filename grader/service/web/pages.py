@@ -90,8 +90,10 @@ def compile_all() -> None:
         _TEMPLATES.env.get_template(name)
 
 
-def _other_language(request: Request, language: Language) -> dict[str, str]:
-    """Return code, name and address of this page in the other language."""
+def _other_language(request: Request, language: Language) -> dict[str, str] | None:
+    """Return code, name and address of this page in the other language; what a form is answered with has none."""
+    if request.method != "GET":
+        return None
     other: Language = "en" if language == "zh" else "zh"
     url = request.url.include_query_params(lang=other)
     return {

@@ -14,6 +14,12 @@ from grader.commands.validation import fitting
 from grader.contracts.errors import AssignmentError
 
 
+def test_an_assignment_is_no_folder_of_assignments(tmp_path: Path) -> None:
+    folder = create(Catalog(tmp_path), "heptagon")
+    with pytest.raises(AssignmentError, match="each in a folder of its own"):
+        Catalog(folder).all()
+
+
 def test_the_skeleton_is_complete(tmp_path: Path) -> None:
     catalog = Catalog(tmp_path)
     folder = create(catalog, "heptagon")

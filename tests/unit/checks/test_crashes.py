@@ -281,6 +281,25 @@ def test_crashes(problem: StudentError | None, code: str, words: tuple[str, ...]
 
 
 @pytest.mark.parametrize(
+    ("declared", "content"),
+    [
+        ("gbk", "一直走"),
+        ("klingon", ""),
+        ("rot13", ""),
+        ("ascii", "走"),
+    ],
+)
+def test_a_declared_encoding_that_is_not_the_files(declared: str, content: str) -> None:
+    with pytest.raises(SyntaxError) as caught:
+        compile(f"# coding: {declared}\nx = '{content}'\n".encode(), "a.py", "exec")
+    problem = StudentError(type="SyntaxError", message=str(caught.value), line=None, traceback="")
+    scoring = silent(RunStatus.SYNTAX_ERROR, error=problem)
+    assert scoring.mistakes == ("wrong_coding",)
+    assert "UTF-8" in scoring.hint.en
+    assert "?" not in scoring.hint.en
+
+
+@pytest.mark.parametrize(
     ("kind", "message", "code"),
     [
         ("SyntaxError", "'(' was never closed", "unbalanced"),

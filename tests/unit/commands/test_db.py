@@ -201,6 +201,7 @@ def test_a_move_from_or_to_a_wrong_place_is_refused_in_one_line(
     blank, strange = (
         postgres_server.create(f"{name}_{os.getpid()}", empty=True) for name in ("blank", "strange")
     )
+    ascii_only = postgres_server.create(f"ascii_{os.getpid()}", empty=True, encoding="SQL_ASCII")
     other = Database(strange)
     with other.writing() as session:
         session.connection().exec_driver_sql("CREATE TABLE submission (number int)")
@@ -213,6 +214,8 @@ def test_a_move_from_or_to_a_wrong_place_is_refused_in_one_line(
         (file, file, "the very database"),
         (file, strange, "cannot be brought up to date"),
         (file, blank.replace("/blank_", "/none_"), "does not exist"),
+        (file, ascii_only, "encoded in SQL_ASCII"),
+        (file, f"{blank}&sslmod=require", 'invalid connection option "sslmod"'),
     ):
         monkeypatch.setenv("GRADER_DATABASE_URL", source)
         assert cli.run(["db", "move", "--lang", "en", "--to", target]) == 2
@@ -257,6 +260,16 @@ def test_what_only_reads_makes_no_database(
     assert cli.run(["db", *action, "--data", "dta"]) == 2
     assert "没有这个数据库" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["a?b", "e%20f", "g#h", "方 形", "q'r"])
+def test_a_folder_may_have_any_name(tmp_path: Path, monkeypatch, name: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert cli.run(["db", "migrate", "--data", name]) == 0
+    assert cli.run(["db", "backup", f"{name}.db", "--data", name]) == 0
+    assert cli.run(["db", "restore", f"{name}.db", "--data", name]) == 0
+    assert (count(tmp_path / name / "grader.db"), count(tmp_path / f"{name}.db")) == (0, 0)
+    assert {path.name for path in tmp_path.iterdir()} == {name, f"{name}.db"}
 
 
 def test_migrate_makes_the_database(tmp_path: Path) -> None:

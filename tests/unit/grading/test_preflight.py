@@ -68,6 +68,16 @@ def test_many_at_once_get_their_own_answers(preflight: SandboxPreflight) -> None
     assert answers == {number: number + 1 for number in range(8)}
 
 
+def test_a_check_that_waits_for_others_is_not_busy() -> None:
+    told: list[float] = []
+    with syntax_sandbox("strict") as sandbox, SandboxPreflight(sandbox) as preflight:
+        held = preflight._idle.get()
+        threading.Timer(1.0, preflight._idle.put, [held]).start()
+        assert preflight.check(b"x = 1\n", "a.py", told.append) is None
+    (busy_s,) = told
+    assert 0.0 < busy_s < 0.9
+
+
 def test_after_a_fault_the_next_check_works() -> None:
     with syntax_sandbox("strict") as sandbox, SandboxPreflight(sandbox) as preflight:
         zygote_of(sandbox).kill()

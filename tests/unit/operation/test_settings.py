@@ -28,6 +28,16 @@ def test_every_setting_is_described() -> None:
     assert [name for name, field in Settings.model_fields.items() if not field.description] == []
 
 
+def test_no_number_is_endless() -> None:
+    bounds = {
+        name: [one for one in field.metadata if isinstance(one, Ge | Gt | Le)]
+        for name, field in Settings.model_fields.items()
+        if field.annotation in (int, float, int | None)
+    }
+    assert len(bounds) > 20
+    assert {name: found for name, found in bounds.items() if len(found) != 2} == {}
+
+
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.5", "grader.example.org", "127.0.0.1.evil.org"])
 def test_other_machines_reach_more_than_loopback(host: str) -> None:
     assert not is_loopback(host)
@@ -95,6 +105,9 @@ def test_a_heartbeat_slower_than_the_lease_allows_is_refused() -> None:
     ("field", "value"),
     [
         ("max_tries", 0),
+        ("max_tries", 10**30),
+        ("poll_s", float("inf")),
+        ("drain_s", float("inf")),
         ("lease_s", float("nan")),
         ("lease_s", LONGEST_PAUSE.total_seconds()),
         ("slots", -1),
@@ -128,6 +141,21 @@ def test_the_environment_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
     settings = load()
     assert (settings.port, settings.database_url) == (9000, "sqlite:////var/lib/grader.db")
     assert load(port=1).port == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"), [("GRADER_SLOT", "GRADER_SLOTS"), ("GRADER_LEASE", "GRADER_LEASE_S")]
+)
+def test_a_misspelt_variable_is_refused(monkeypatch: pytest.MonkeyPatch, name: str, meant: str) -> None:
+    monkeypatch.setenv(name, "3")
+    with pytest.raises(SettingsError, match=f"{name}: .* is it {meant}\\?"):
+        load()
+
+
+@pytest.mark.parametrize("name", ["GRADER_ASSIGNMENT", "GRADER_TOKEN", "GRADER_PORT_8080_TCP"])
+def test_variables_of_others_are_left_alone(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    monkeypatch.setenv(name, "tcp://10.0.0.1:8080")
+    assert load().port == 8080
 
 
 def accepted(field: FieldInfo) -> str:

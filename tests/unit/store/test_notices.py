@@ -94,6 +94,17 @@ def test_a_failure_puts_off_the_others_of_its_outlet(kept: Notices, clock: FakeC
     assert len(kept.waiting()) == 7
 
 
+def test_a_clock_that_was_ahead_holds_no_notice_up(kept: Notices, clock: FakeClock) -> None:
+    clock.advance(-86_400)
+    before = clock()
+    clock.advance(86_400)
+    assert kept.add("ros", [draft(Outlet.CLASS)]) == 1
+    clock.advance(-86_400)
+    (waiting,) = kept.waiting()
+    assert kept.claim(waiting.id) is not None
+    assert kept.made_since("ros", before - timedelta(minutes=30)) == {}
+
+
 def test_who_is_no_member_gets_none(kept: Notices) -> None:
     assert kept.add("ros", [draft(Outlet.MAIL, "x"), draft(Outlet.CLASS)]) == 1
     assert kept.notified_states("ros", Outlet.MAIL) == {}

@@ -45,6 +45,18 @@ def test_only_the_latest_claim_counts(own: OwnAssignments, clock: FakeClock) -> 
     assert not own.hand_back(second, "late", 0.0)
 
 
+def test_a_clock_that_was_ahead_holds_no_upload_up(own: OwnAssignments, clock: FakeClock) -> None:
+    clock.advance(86_400)
+    add(own, clock)
+    clock.advance(-86_400)
+    claim = own.claim()
+    assert claim is not None
+    clock.advance(86_400)
+    assert own.renew(claim)
+    clock.advance(-86_400)
+    assert own.claim() is not None
+
+
 def test_a_newer_upload_takes_the_place_of_one_that_waits(own: OwnAssignments, clock: FakeClock) -> None:
     add(own, clock)
     claim = own.claim()

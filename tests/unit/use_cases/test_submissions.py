@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from grader.contracts.errors import RefusedError
+from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.identity import Caller, Role, RosterEntry
 from grader.contracts.rules import Rules
 from grader.contracts.submission import Submission, SubmissionState
@@ -83,6 +83,16 @@ def test_a_limit_of_uploads_says_when_to_come_back(services: Services) -> None:
     with pytest.raises(RefusedError) as error:
         handed_in(services, LI, b"one more\n")
     assert (error.value.code, error.value.retry_after_s) == ("too_many_requests", 15)
+
+
+def test_what_keeps_a_check_busy_counts_as_several_and_a_fault_of_ours_as_one(services: Services) -> None:
+    services.preflight.busy_s = 0.5
+    handed_in(services, LI)
+    handed_in(services, LI, b"again\n")
+    assert refused(handed_in, services, LI, b"once more\n") == "too_many_requests"
+    services.preflight.fault = InfrastructureError("it did not answer")
+    for number in range(4):
+        handed_in(services, HAN, b"good %d\n" % number)
 
 
 def test_uploads_that_are_slow_to_check_count_as_several(services: Services) -> None:

@@ -171,6 +171,12 @@ def test_the_sum_of_a_list_is_no_student() -> None:
     ]
 
 
+@pytest.mark.parametrize("header", ["id,name", "学号,姓名"])
+def test_the_header_of_the_next_page_is_no_student(header: str) -> None:
+    roster = read_roster(f"{header}\n1001,张三\n\n{header}\n1002,李四\n".encode())
+    assert [one.id for one in roster.checked()] == ["1001", "1002"]
+
+
 def test_a_student_may_be_called_sum() -> None:
     assert read_roster(b"id,name,section\nsum,Sum,total\n1,a,1\n").checked()[0].id == "sum"
 

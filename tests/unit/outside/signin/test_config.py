@@ -49,7 +49,10 @@ def test_the_file_is_read(tmp_path: Path) -> None:
         ("grader.example.edu/", "grader.example.edu/sub", "public_url"),
         ('client_secret = "s"', 'client_secrets = "s"', "client_secrets"),
         ('client_secret = "s"', 'client_secret_file = "/nowhere/secret"', "/nowhere/secret"),
-        ('kind = "cas"', 'kind = "saml"', "providers.1"),
+        ('kind = "cas"', 'kind = "saml"', "providers.1: 'kind': use one of 'oidc', 'cas', 'header'"),
+        ('kind = "cas"', "", "providers.1: 'kind' is missing"),
+        ('id = "cas"', 'ids = "cas"', "providers.1.cas.ids: There is no such field"),
+        ('id = "cas"', 'ids = "cas"', "providers.1.cas.id: This field is missing"),
         ("[[providers]]", "[[providers]", "TOML"),
     ],
 )
@@ -59,7 +62,8 @@ def test_what_is_wrong_is_named(tmp_path: Path, before: str, after: str, told: s
     with pytest.raises(SettingsError, match="signin") as raised:
         opened(read_config(path), lambda: 0.0)
     assert told in str(raised.value)
-    assert raised.value.zh
+    assert "error" not in str(raised.value).lower()  # the words are ours
+    assert any("\u4e00" <= sign <= "\u9fff" for sign in raised.value.zh.replace("统一身份认证", ""))
 
 
 def test_a_missing_or_endless_file_is_refused(tmp_path: Path) -> None:

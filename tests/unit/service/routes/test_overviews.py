@@ -149,7 +149,28 @@ def test_students_are_found_by_name_and_section(
         return [one["student"] for one in document["students"]]
 
     assert asked(search="李") == asked(section="A") == ["li"]
-    assert asked(section="B") == []
+
+
+@pytest.mark.parametrize(
+    ("path", "field"),
+    [
+        ("/api/v1/dashboard", "section"),
+        ("/api/v1/gradebook.csv", "section"),
+        ("/api/v1/gradebook.xlsx", "section"),
+        ("/api/v1/appeals", "section"),
+        ("/api/v1/assignments/square/students", "item"),
+    ],
+)
+def test_a_section_or_an_item_that_is_not_there_is_named(
+    client: httpx.Client, school: Any, services: Services, path: str, field: str
+) -> None:
+    """An empty answer would look like a class in which nobody did anything."""
+    services.courses.import_roster("ros", [RosterEntry(id="li", name="", sections=("A",))], "test")
+    known = {"section": "A", "item": "closed"}[field]
+    assert client.get(path, headers=school.as_("ta"), params={field: known}).status_code == 200
+    refused = client.get(path, headers={**school.as_("ta"), "Accept-Language": "en"}, params={field: "x"})
+    assert (refused.status_code, refused.json()["field"]) == (422, field)
+    assert known in refused.json()["detail"]
 
 
 @pytest.mark.thorough

@@ -8,9 +8,11 @@ from fastapi import Request, Response
 
 from grader.contracts.identity import Caller, Role
 from grader.contracts.rules import Rules
+from grader.service.requests.dependencies import SESSION_COOKIE
 from grader.service.web.entrance import own_address
 from grader.service.web.forms import COOKIE, set_private_cookie
 from grader.store.audit import Signature
+from grader.store.tokens import MOST_SESSIONS
 from grader.use_cases.services import Services
 from tests.fakes import server
 from tests.fakes.places import all_taken
@@ -236,7 +238,7 @@ def test_a_members_pages_are_limited_as_their_requests_are(
     browser.enter(token=tokens["li"])
     sent = browser.get("/assignments/square")
     assert sent.status_code == 200
-    for _ in range(services.settings.requests_per_minute - 1):
+    for _ in range(services.settings.requests_per_minute - 2):  # entering was one, the page another
         services.allowances.requests.take("ros/li")
     for answer in (browser.get("/assignments/square"), browser.hand_in("square", b"good")):
         assert (answer.status_code, "请求太频繁" in answer.text) == (429, True)
@@ -288,6 +290,26 @@ def test_a_browser_keeps_no_token_but_a_session_that_ends(
     (own,) = (one.id for one in services.tokens.of_course("ros") if one.person == "li")
     assert services.tokens.revoke("ros", "wang", token_id=own) == 1
     assert not opens(kept)
+
+
+def test_who_enters_again_and_again_ends_the_oldest_session_and_is_told_to_wait(
+    services: Services, tokens: dict[str, str]
+) -> None:
+    opened = []
+    for _ in range(MOST_SESSIONS + 1):
+        services.clock.advance(1)
+        opened.append(services.callers.open_session(tokens["li"]))
+    assert [services.callers.of_session(one) is not None for one in opened] == [False] + [
+        True
+    ] * MOST_SESSIONS
+
+
+def test_entering_counts_as_a_request(browser: Browser, services: Services, tokens: dict[str, str]) -> None:
+    for _ in range(services.settings.requests_per_minute):
+        services.allowances.requests.take("ros/li")
+    assert browser.enter(token=tokens["li"]).status_code == 429
+    assert SESSION_COOKIE not in browser.client.cookies
+    assert browser.enter(token=tokens["han"]).status_code == 303
 
 
 @pytest.mark.parametrize("path", ["/", "/class", "/healthz", "/no-such-page", "/static/style.css"])

@@ -112,7 +112,9 @@ def test_what_is_wrong_stands_in_the_form(wang: Browser, services: Services) -> 
 
 
 def test_a_token_is_shown_once_and_opens_the_pages(wang: Browser) -> None:
+    assert "lang=en" in wang.get("/class/people/li").text
     made = wang.post("/class/people/li/token", {}, page="/class/people/li")
+    assert "lang=en" not in made.text  # nothing answers to GET there, and the token would be gone
     token = re.search(r"grader_[A-Za-z0-9_-]+", made.text)[0]
     assert token not in wang.get("/class/people/li").text
     wang.enter(token=token)

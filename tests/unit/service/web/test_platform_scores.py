@@ -160,6 +160,23 @@ def test_hidden_items_do_not_leak(linked: Services, moodle: FakeProvider, put: C
     assert given(moodle)[-1] == 5.0
 
 
+@pytest.mark.parametrize("taken", [True, False])
+def test_a_clock_that_was_ahead_holds_no_score_up(
+    linked: Services, moodle: FakeProvider, put: Callable[..., str], taken: bool
+) -> None:
+    put(course="ros", student="li")
+    linked.clock.advance(86_400.0)
+    moodle.down = not taken
+    send_scores(linked)
+    linked.clock.advance(-86_400.0)
+    moodle.down = False
+    due = linked.clock() - timedelta(days=2)
+    rules = Rules(due=due, late=LateRule(kind="linear", per_day=0.1))
+    linked.rules.set("square", rules, Signature(linked.clock(), "ros", "wang"))
+    assert send_scores(linked) == 1
+    assert given(moodle)[-1] < 5.0
+
+
 def test_a_platform_that_is_down_loses_nothing(
     linked: Services, moodle: FakeProvider, put: Callable[..., str]
 ) -> None:

@@ -98,8 +98,7 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /class/similar/{assignment_id}/pair": (303, 403, 403, 404, 404, 404),  # nobody is like themselves
     "GET /class/submissions/{submission_id}/gradings": COURSE,
     "GET /class/submissions/{submission_id}/gradings/compare": COURSE,
-    "GET /class/submissions/{submission_id}/gradescope.json": COURSE,
-    "GET /class/submissions/{submission_id}/prairielearn.json": COURSE,
+    "GET /class/submissions/{submission_id}/{platform}.json": COURSE,
     "GET /class/gradebook": STAFF,
     "GET /class/gradebook.csv": STAFF,
     "GET /class/gradebook.xlsx": STAFF,
@@ -195,6 +194,7 @@ def _fill(services: Services, tokens: dict[str, str]) -> dict[str, str]:
     return {
         "submission_id": submission,
         "regrade_id": regrade,
+        "platform": "prairielearn",
         "assignment_id": "square",
         "student": "li",
         "person": "li",

@@ -224,11 +224,12 @@ def test_a_token_that_is_not_to_be_believed_lets_nobody_in(
     assert not _is_in(desk)
 
 
-def test_a_new_key_is_fetched(desk: Browser, idp: FakeProvider, services: Services) -> None:
+@pytest.mark.parametrize("passed_s", [61.0, -3_600.0])  # the clock was ahead, and was set back
+def test_a_new_key_is_fetched(desk: Browser, idp: FakeProvider, services: Services, passed_s: float) -> None:
     _back(desk, _go(desk, idp))
     desk.client.cookies.clear()
     idp.keys, idp.sign = [OTHER_KEY], lambda claims: idp.signed(claims, OTHER_KEY)
-    services.clock.advance(61.0)
+    services.clock.advance(passed_s)
     idp.now = services.clock().timestamp()
     _back(desk, _go(desk, idp))
     assert _is_in(desk)
