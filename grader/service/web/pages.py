@@ -92,7 +92,7 @@ def compile_all() -> None:
 
 def _other_language(request: Request, language: Language) -> dict[str, str] | None:
     """Return code, name and address of this page in the other language; what a form is answered with has none."""
-    if request.method != "GET":
+    if request.method == "POST":
         return None
     other: Language = "en" if language == "zh" else "zh"
     url = request.url.include_query_params(lang=other)
