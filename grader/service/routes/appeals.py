@@ -4,7 +4,7 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, status
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.appeal import LONGEST_TEXT, Appeal, AppealState
 from grader.contracts.identity import Caller
@@ -24,6 +24,7 @@ from grader.service.requests.dependencies import (
 )
 from grader.service.routes.judgements import IfMatch, ItemId
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.store.appeals import AppealsWanted
 from grader.use_cases import appealing
 from grader.use_cases.appealing import AppealAnswer
@@ -59,7 +60,7 @@ class AnswerBody(Body):
     )
 
 
-class AppealView(BaseModel):
+class AppealView(View):
     """One appeal."""
 
     submission: str = Field(description="Its address.")
@@ -79,13 +80,13 @@ class AppealView(BaseModel):
     seen: bool = Field(description="The student has opened the submission's page since it was answered.")
 
 
-class AppealList(BaseModel):
+class AppealList(View):
     """The appeals about a submission, in order of their items."""
 
     appeals: list[AppealView]
 
 
-class AppealQueue(BaseModel):
+class AppealQueue(View):
     """A page of a class's appeals: open ones oldest first, answered ones latest first."""
 
     total: int = Field(description="Of all pages.", examples=[4])
@@ -198,8 +199,9 @@ def answer(  # noqa: PLR0913
 
 
 def _view(services: Services, caller: Caller, appeal: Appeal, language: Language) -> AppealView:
-    told = {name: getattr(appeal, name) for name in AppealView.model_fields if name != "title"}
-    told["submission"] = SUBMISSIONS + appeal.submission
-    told["answered_by"] = appeal.answered_by or None if caller.is_staff else None
-    title = item_title(published(services, caller, appeal.assignment), appeal.item, language)
-    return AppealView(**told, title=title)
+    return AppealView.of(
+        appeal,
+        submission=SUBMISSIONS + appeal.submission,
+        answered_by=appeal.answered_by or None if caller.is_staff else None,
+        title=item_title(published(services, caller, appeal.assignment), appeal.item, language),
+    )

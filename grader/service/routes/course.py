@@ -4,12 +4,13 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Response, status
 from fastapi.responses import StreamingResponse
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.service.requests.answers import PRIVATE, to_save
 from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep, StaffDep
 from grader.service.routes.people import CourseView, PersonId
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.store.course_life import MOST_DAYS_MOVED, MOST_DAYS_OLD, NewCourse
 from grader.use_cases import course_export, course_life
 from grader.use_cases.bodies import Body, Whole
@@ -34,7 +35,7 @@ class NewCourseBody(Body):
     )
 
 
-class NewCourseView(BaseModel):
+class NewCourseView(View):
     """A new course, and the token that opens it to the instructor. It is shown this once."""
 
     course: CourseView
@@ -49,7 +50,7 @@ class ArchiveBody(Body):
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
 
 
-class SpaceView(BaseModel):
+class SpaceView(View):
     """How many submissions, trials included, and how many bytes of them."""
 
     submissions: int = Field(examples=[6300])
@@ -78,7 +79,7 @@ class ForgetBody(Body):
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
 
 
-class ForgottenView(BaseModel):
+class ForgottenView(View):
     """What stands where a student's id stood, and how many submissions were erased."""
 
     pseudonym: str = Field(examples=["forgotten-9f2c01aa"])
@@ -88,7 +89,7 @@ class ForgottenView(BaseModel):
 @router.get("/course", summary="The caller's course", responses=responses(*_READING))
 def read_course(services: ServicesDep, caller: StaffDep) -> CourseView:
     """Return what the course is, and whether it is archived."""
-    return CourseView.model_validate(course_life.own_course(services, caller), from_attributes=True)
+    return CourseView.of(course_life.own_course(services, caller))
 
 
 @router.post(
@@ -101,11 +102,7 @@ def copy_course(services: ServicesDep, caller: InstructorDep, body: NewCourseBod
     """Make a course with the same rules and published assignments, without its people and work."""
     new = NewCourse(id=body.id, title=body.title, move_days=body.move_days)
     made = course_life.copy_course(services, caller, new)
-    return NewCourseView(
-        course=CourseView.model_validate(made.course, from_attributes=True),
-        person=made.instructor,
-        token=made.token,
-    )
+    return NewCourseView(course=CourseView.of(made.course), person=made.instructor, token=made.token)
 
 
 @router.put(
@@ -115,16 +112,13 @@ def copy_course(services: ServicesDep, caller: InstructorDep, body: NewCourseBod
 )
 def archive_course(services: ServicesDep, caller: InstructorDep, body: ArchiveBody) -> CourseView:
     """Let the course only be read (409 `course_archived` for changes and uploads), or be changed again."""
-    return CourseView.model_validate(
-        course_life.archive_course(services, caller, body.reason, archived=body.archived),
-        from_attributes=True,
-    )
+    return CourseView.of(course_life.archive_course(services, caller, body.reason, archived=body.archived))
 
 
 @router.get("/course/space", summary="What the course takes", responses=responses(*_READING))
 def read_space(services: ServicesDep, caller: StaffDep) -> SpaceView:
     """Return what is stored of the course's submissions; rows and indexes come on top."""
-    return SpaceView.model_validate(course_life.space(services, caller), from_attributes=True)
+    return SpaceView.of(course_life.space(services, caller))
 
 
 @router.post("/course/retention", summary="Erase what is old", responses=responses(*_CHANGING))
@@ -134,9 +128,7 @@ def erase_old_work(services: ServicesDep, caller: InstructorDep, body: OldWorkBo
         space = course_life.old_work(services, caller, body.older_than_days)
     else:
         space = course_life.erase_old_work(services, caller, body.older_than_days, body.reason)
-    return OldWorkView(
-        **SpaceView.model_validate(space, from_attributes=True).model_dump(), dry_run=body.dry_run
-    )
+    return OldWorkView.of(space, dry_run=body.dry_run)
 
 
 @router.post(
@@ -149,7 +141,7 @@ def forget_student(
 ) -> ForgottenView:
     """Erase what a student handed in and every trace of who they are; this cannot be undone."""
     found = course_life.forget_student(services, caller, person, body.reason)
-    return ForgottenView.model_validate(found, from_attributes=True)
+    return ForgottenView.of(found)
 
 
 @router.get(

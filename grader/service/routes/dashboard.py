@@ -2,12 +2,12 @@
 
 import hashlib
 import json
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from datetime import datetime
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Header, Query, Response
-from pydantic import AliasPath, BaseModel, Field
+from pydantic import AliasPath, Field
 
 from grader.contracts.dashboard import ClassState
 from grader.contracts.identity import Caller
@@ -23,8 +23,9 @@ from grader.service.requests.dependencies import (
     ServicesDep,
     StaffDep,
 )
-from grader.service.routes.health import QueueView, WorkerView, queue_view, worker_views
+from grader.service.routes.health import QueueView, WorkerView, worker_views
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases.assignments import in_course
 from grader.use_cases.concerned import Concern, concerned
 from grader.use_cases.dashboard import Overview, Selection, class_state, costs, overview, selected
@@ -35,7 +36,7 @@ of_assignment = APIRouter(prefix="/api/v1/assignments", tags=["dashboard"])
 _MOST = 100_000
 
 
-class CellView(BaseModel):
+class CellView(View):
     """One student at one assignment."""
 
     best_score: float | None = Field(description="Null while nothing was scored.", examples=[8.5])
@@ -54,7 +55,7 @@ class CellView(BaseModel):
     latest_submission: Address
 
 
-class StudentView(BaseModel):
+class StudentView(View):
     """One row of the class matrix."""
 
     student: str = Field(examples=["20260123"])
@@ -64,7 +65,7 @@ class StudentView(BaseModel):
     assignments: dict[str, CellView] = Field(description="By id; assignments not begun are left out.")
 
 
-class BinView(BaseModel):
+class BinView(View):
     """Students whose best score lies in [from, to) per cent of the points; the last bin includes 100."""
 
     from_percent: int = Field(examples=[90])
@@ -72,7 +73,7 @@ class BinView(BaseModel):
     students: int = Field(examples=[12])
 
 
-class FailedItemView(BaseModel):
+class FailedItemView(View):
     """One rubric item and how many students fail it."""
 
     id: str = Field(examples=["angles"])
@@ -81,14 +82,14 @@ class FailedItemView(BaseModel):
     still: int = Field(description="Students who fail it in their best submission, too.", examples=[4])
 
 
-class MistakeView(BaseModel):
+class MistakeView(View):
     """One recognised mistake and how many students made it."""
 
     code: str = Field(examples=["degrees_for_radians"])
     students: int = Field(examples=[7])
 
 
-class AssignmentStatistics(BaseModel):
+class AssignmentStatistics(View):
     """What one assignment shows about the class."""
 
     id: str = Field(examples=["square"])
@@ -108,7 +109,7 @@ class AssignmentStatistics(BaseModel):
     most_common_mistakes: list[MistakeView] = Field(description="Most common first.")
 
 
-class RiskView(BaseModel):
+class RiskView(View):
     """A student who may need help."""
 
     student: str = Field(examples=["20260123"])
@@ -120,7 +121,7 @@ class RiskView(BaseModel):
     attempts: int = Field(examples=[4])
 
 
-class DashboardView(BaseModel):
+class DashboardView(View):
     """The class at a glance."""
 
     generated_at: datetime
@@ -135,7 +136,7 @@ class DashboardView(BaseModel):
     workers: list[WorkerView]
 
 
-class CostView(BaseModel):
+class CostView(View):
     """What one student's gradings cost the service in the last hour."""
 
     student: str = Field(examples=["20260123"])
@@ -146,13 +147,13 @@ class CostView(BaseModel):
     given_up: int = Field(description="That ended as `infrastructure_error`.", examples=[0])
 
 
-class CostsView(BaseModel):
+class CostsView(View):
     """Who costs the service how much; whoever costs most comes first."""
 
     students: list[CostView]
 
 
-class ConcernedView(BaseModel):
+class ConcernedView(View):
     """A student whom a number is about."""
 
     student: str = Field(examples=["20260123"])
@@ -166,7 +167,7 @@ class ConcernedView(BaseModel):
     verdict: str | None = Field(validation_alias=AliasPath("progress", "verdict"), examples=["crashed"])
 
 
-class ConcernedList(BaseModel):
+class ConcernedList(View):
     """Students whom a number is about."""
 
     students: list[ConcernedView]
@@ -180,7 +181,7 @@ class ConcernedList(BaseModel):
 def read_costs(services: ServicesDep, caller: StaffDep, response: Response) -> CostsView:
     """Return how long the gradings of each student took in the last hour, and how many wait."""
     response.headers["Cache-Control"] = "no-store"
-    return CostsView.model_validate({"students": costs(services, caller)}, from_attributes=True)
+    return CostsView(students=[CostView.of(one) for one in costs(services, caller)])
 
 
 @router.get(
@@ -227,15 +228,11 @@ def read_class(  # noqa: PLR0913
 
 def _view(whole: Overview) -> DashboardView:
     queue = whole.health.queue
-    values = {field.name: getattr(whole, field.name) for field in fields(whole) if field.name != "health"}
-    return DashboardView.model_validate(
-        {
-            **values,
-            "queue": queue_view(queue),
-            "oldest_queued_at": queue.oldest_queued_at,
-            "workers": worker_views(whole.health.workers),
-        },
-        from_attributes=True,
+    return DashboardView.of(
+        whole,
+        queue=QueueView.of(queue),
+        oldest_queued_at=queue.oldest_queued_at,
+        workers=worker_views(whole.health.workers),
     )
 
 
@@ -277,4 +274,4 @@ def read_concerned(  # noqa: PLR0913
 ) -> ConcernedList:
     """Return the students who handed in for an assignment and fit: who still fails, and tried most, first."""
     found = concerned(services, caller, assignment_id, Concern(item=item, mistake=mistake, status=status))
-    return ConcernedList.model_validate({"students": found}, from_attributes=True)
+    return ConcernedList(students=[ConcernedView.of(one) for one in found])

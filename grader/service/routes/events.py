@@ -17,7 +17,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, FastAPI, Header, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.sse import EventSourceResponse, ServerSentEvent
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.identity import Caller
 from grader.contracts.progress import ClassStanding, Standing
@@ -34,6 +34,7 @@ from grader.service.requests.dependencies import (
     SubmissionId,
 )
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases.callers import name_of
 from grader.use_cases.following import Subject, SubjectWatch
 from grader.use_cases.services import Services
@@ -56,7 +57,7 @@ _SIGNALS = (signal.SIGTERM, signal.SIGINT)
 _PROBLEMS = ("too_many_streams", "streams_full")
 
 
-class ProgressView(BaseModel):
+class ProgressView(View):
     """Data of an event `progress`: where a submission stands."""
 
     status: SubmissionState = Field(examples=["queued"])
@@ -66,7 +67,7 @@ class ProgressView(BaseModel):
     estimated_finish_at: datetime | None = Field(description="Null when nobody can say.")
 
 
-class ClassProgressView(BaseModel):
+class ClassProgressView(View):
     """Data of an event `class`: the class's submissions by state. Whoever wants more asks for the dashboard."""
 
     queued: int = Field(examples=[4])

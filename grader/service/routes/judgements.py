@@ -4,13 +4,12 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Path, Query, Response
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.comment import LONGEST_COMMENT
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
 from grader.contracts.judgement import COMMENT_PATTERN, JudgedItem
-from grader.contracts.submission import Judgement
 from grader.contracts.text import Language
 from grader.service.requests.dependencies import (
     ENTRY_PROBLEMS,
@@ -25,6 +24,7 @@ from grader.service.requests.dependencies import (
     seen,
 )
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.store.judgements import WaitingFor
 from grader.use_cases import judging
 from grader.use_cases.assignments import item_title
@@ -112,7 +112,7 @@ class JudgementsBody(Body):
     comment: Annotated[str, Field(max_length=LONGEST_COMMENT, pattern=COMMENT_PATTERN)] = ""
 
 
-class JudgementView(BaseModel):
+class JudgementView(View):
     """What somebody gave."""
 
     revision: int = Field(description="1 for the first judgement of the item.", examples=[1])
@@ -127,7 +127,7 @@ class JudgementView(BaseModel):
     source_sha256: str = Field(description="Digest of the answer that was judged.")
 
 
-class ManualItemView(BaseModel):
+class ManualItemView(View):
     """One rubric item, and what people gave for it."""
 
     item: str = Field(examples=["timer"])
@@ -149,7 +149,7 @@ class ManualItemView(BaseModel):
     )
 
 
-class ManualItemsView(BaseModel):
+class ManualItemsView(View):
     """The rubric items of one submission, and what people gave for them."""
 
     submission: str = Field(description="Its address.")
@@ -161,7 +161,7 @@ class ManualItemsView(BaseModel):
     items: list[ManualItemView]
 
 
-class QuestionView(BaseModel):
+class QuestionView(View):
     """How many answers to one question wait."""
 
     assignment: str = Field(examples=["theory_publisher_timer"])
@@ -171,7 +171,7 @@ class QuestionView(BaseModel):
     waiting: int = Field(examples=[17])
 
 
-class WaitingView(BaseModel):
+class WaitingView(View):
     """One rubric item of one submission that waits for a person."""
 
     submission: str = Field(description="Its address.")
@@ -185,7 +185,7 @@ class WaitingView(BaseModel):
     received_at: datetime
 
 
-class WaitingList(BaseModel):
+class WaitingList(View):
     """A page of what waits for a person: question by question, each in order of arrival."""
 
     total: int = Field(description="Of all pages.", examples=[34])
@@ -251,15 +251,8 @@ def judge_several(
 def _all_items(services: Services, caller: Caller, language: Language, submission_id: str) -> ManualItemsView:
     submission, items = judging.items_of(services, caller, submission_id)
     own = SUBMISSIONS + submission.id
-    return ManualItemsView(
-        submission=own,
-        source=f"{own}/source",
-        student=submission.student,
-        assignment=submission.assignment,
-        score=submission.score,
-        max_score=submission.max_score,
-        items=[_item(one, language) for one in items],
-    )
+    shown = [_item(one, language) for one in items]
+    return ManualItemsView.of(submission, submission=own, source=f"{own}/source", items=shown)
 
 
 @of_submission.get(
@@ -344,16 +337,13 @@ def _waiting(
             for (assignment, item), count in page.questions.items()
         ],
         waiting=[
-            WaitingView(
+            WaitingView.of(
+                one,
                 submission=SUBMISSIONS + one.submission,
                 source=f"{SUBMISSIONS}{one.submission}/source",
                 judgement=f"{SUBMISSIONS}{one.submission}/judgements/{one.item}",
                 student=None if anonymous else one.student,
-                assignment=one.assignment,
-                item=one.item,
                 title=item_title(known.get(one.assignment), one.item, language),
-                points=one.points,
-                received_at=one.received_at,
             )
             for one in page.answers
         ],
@@ -361,17 +351,4 @@ def _waiting(
 
 
 def _item(item: JudgedItem, language: Language) -> ManualItemView:
-    return ManualItemView(
-        item=item.id,
-        title=item.title.get(language),
-        points=item.points,
-        machine=item.machine,
-        waits=item.waits,
-        judgement=None if item.judgement is None else _judgement(item.judgement),
-        history=[_judgement(one) for one in item.history],
-        etag=etag(item.tag),
-    )
-
-
-def _judgement(one: Judgement) -> JudgementView:
-    return JudgementView.model_validate(one, from_attributes=True)
+    return ManualItemView.of(item, item=item.id, title=item.title.get(language), etag=etag(item.tag))

@@ -6,7 +6,7 @@ from http.cookies import CookieError, SimpleCookie
 
 from fastapi import APIRouter, FastAPI, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
-from pydantic import BaseModel, Field
+from pydantic import Field
 from starlette.datastructures import Headers
 from starlette.routing import WebSocketRoute
 from starlette.types import Receive, Scope, Send
@@ -15,6 +15,7 @@ from grader.contracts.identity import Caller
 from grader.live.connection import is_own_origin, refuse, serve
 from grader.service.requests.dependencies import DRAWN, ENTRY_PROBLEMS, SESSION_COOKIE, CallerDep, ServicesDep
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases.live import OpenCar, car_behind, car_of, end_car, open_car
 from grader.use_cases.services import Services
 
@@ -23,7 +24,7 @@ _PATH = "/live/{key}"
 _PROBLEMS = (*ENTRY_PROBLEMS, "no_course")
 
 
-class LiveCarView(BaseModel):
+class LiveCarView(View):
     """The caller's car."""
 
     url: str = Field(

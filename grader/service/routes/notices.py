@@ -4,12 +4,13 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Path, Response, status
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
 from grader.contracts.notice import MailWishes, NewWebhook, NoticeKind, Outlet, Vendor
 from grader.service.requests.answers import PRIVATE
 from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases import notices
 from grader.use_cases.bodies import Body
 
@@ -38,7 +39,7 @@ class WebhookBody(Body):
     )
 
 
-class WebhookView(BaseModel):
+class WebhookView(View):
     """The bot of a group chat, without what lets others speak there."""
 
     outlet: Outlet = Field(examples=["class"])
@@ -56,7 +57,7 @@ class MailBody(Body):
     faults: bool = Field(description="To instructors, what the service failed to grade.")
 
 
-class NoticeView(BaseModel):
+class NoticeView(View):
     """A notice, without what it says."""
 
     outlet: Outlet
@@ -71,7 +72,7 @@ class NoticeView(BaseModel):
     trouble: str = Field(description="What the other side said.", examples=["200, 19021: sign match fail"])
 
 
-class NoticesView(BaseModel):
+class NoticesView(View):
     """What is set up, and the latest notices."""
 
     webhooks: list[WebhookView]
@@ -85,18 +86,8 @@ def read_notices(services: ServicesDep, caller: InstructorDep, response: Respons
     """Return where notices go and how the latest fared."""
     response.headers.update(PRIVATE)
     found = notices.setup_of(services, caller)
-    return NoticesView(
-        webhooks=[WebhookView.model_validate(one, from_attributes=True) for one in found.webhooks.values()],
-        mail=MailBody.model_validate(found.mail, from_attributes=True),
-        can_mail=found.can_mail,
-        latest=[
-            NoticeView(
-                **{name: getattr(one, name) for name in NoticeView.model_fields if name != "waits"},
-                waits=bool(one.body),
-            )
-            for one in found.latest
-        ],
-    )
+    latest = [NoticeView.of(one, waits=bool(one.body)) for one in found.latest]
+    return NoticesView.of(found, webhooks=list(found.webhooks.values()), latest=latest)
 
 
 @router.put(

@@ -4,7 +4,7 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, File, Path, Query, Response, UploadFile, status
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.own_assignment import OwnAssignment, OwnState
 from grader.contracts.text import EMPTY, Language
@@ -18,6 +18,7 @@ from grader.service.requests.dependencies import (
 )
 from grader.service.requests.middleware import MOST_BYTES
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases import own_assignments
 
 router = APIRouter(prefix="/api/v1/course/assignments", tags=["course"])
@@ -26,7 +27,7 @@ _CHANGING = (*_READING, "no_course", "course_archived")
 Id = Annotated[str, Path(max_length=64, examples=["heptagon"])]
 
 
-class MisfitView(BaseModel):
+class MisfitView(View):
     """Something wrong in one of the files."""
 
     file: str = Field(examples=["assignment.yaml"])
@@ -35,7 +36,7 @@ class MisfitView(BaseModel):
     detail: str = Field(description="What is wrong, and what to do.")
 
 
-class VerdictView(BaseModel):
+class VerdictView(View):
     """What one of the assignment's own scripts scored."""
 
     script: str = Field(examples=["wrong/open_corner.py"])
@@ -44,7 +45,7 @@ class VerdictView(BaseModel):
     problem: str = Field(description="Why this is not what it must get; empty when it is.", examples=[""])
 
 
-class OwnAssignmentView(BaseModel):
+class OwnAssignmentView(View):
     """An upload of an assignment: the one that is used, or a later one that waits or was refused."""
 
     assignment: str = Field(examples=["heptagon"])
@@ -61,7 +62,7 @@ class OwnAssignmentView(BaseModel):
     trouble: str = Field(description="What the service failed at; it tries again. Empty: nothing.")
 
 
-class OwnAssignmentList(BaseModel):
+class OwnAssignmentList(View):
     """What was uploaded to the course, by id and then by age."""
 
     assignments: list[OwnAssignmentView]
@@ -133,27 +134,11 @@ def remove(
 
 def _view(one: OwnAssignment, language: Language) -> OwnAssignmentView:
     examined = one.examined
-    return OwnAssignmentView(
-        assignment=one.assignment,
-        version=one.version,
-        state=one.state,
-        uploaded_at=one.uploaded_at,
-        uploaded_by=one.uploaded_by,
-        size_bytes=one.size_bytes,
+    return OwnAssignmentView.of(
+        one,
         scripts=[
-            VerdictView(
-                script=verdict.script,
-                score=verdict.score,
-                max_score=verdict.max_score,
-                problem="" if verdict.problem == EMPTY else verdict.problem.get(language),
-            )
-            for verdict in examined.verdicts
+            VerdictView.of(each, problem="" if each.problem == EMPTY else each.problem.get(language))
+            for each in examined.verdicts
         ],
-        misfits=[
-            MisfitView(
-                file=misfit.file, line=misfit.line, field=misfit.field, detail=misfit.told.get(language)
-            )
-            for misfit in examined.misfits
-        ],
-        trouble=one.trouble,
+        misfits=[MisfitView.of(each, detail=each.told.get(language)) for each in examined.misfits],
     )

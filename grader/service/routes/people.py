@@ -4,7 +4,7 @@ from datetime import datetime
 from typing import Annotated, Any
 
 from fastapi import APIRouter, File, Path, Query, Response, UploadFile, status
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.assignment import Distro
 from grader.contracts.identity import Role, RosterEntry
@@ -20,6 +20,7 @@ from grader.service.requests.dependencies import (
 )
 from grader.service.requests.middleware import MOST_BYTES
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases import people, signing_in
 from grader.use_cases.bodies import Body, Whole
 from grader.use_cases.people import changes, members, myself
@@ -31,7 +32,7 @@ _CHANGING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "course_archived", "inva
 PersonId = Annotated[str, Path(max_length=64, description="Id of a member.", examples=["20260123"])]
 
 
-class CourseView(BaseModel):
+class CourseView(View):
     """The caller's course."""
 
     id: str = Field(examples=["ros2-2026"])
@@ -52,7 +53,7 @@ class CourseBody(Body):
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
 
 
-class MeView(BaseModel):
+class MeView(View):
     """Who the token belongs to. Without courses nobody's identity is known."""
 
     course: CourseView | None
@@ -61,7 +62,7 @@ class MeView(BaseModel):
     role: Role | None = Field(examples=["student"])
 
 
-class MemberView(BaseModel):
+class MemberView(View):
     """Somebody in the course."""
 
     id: str = Field(examples=["20260123"])
@@ -82,21 +83,21 @@ class MemberBody(Body):
     sections: list[str] | None = Field(default=None, max_length=100, examples=[["A"]])
 
 
-class ChangeView(BaseModel):
+class ChangeView(View):
     """A member before and after an import."""
 
     before: MemberView
     after: MemberView
 
 
-class SkippedView(BaseModel):
+class SkippedView(View):
     """A row of a class list that cannot be imported."""
 
     row: int = Field(description="As the file's own program counts it, from 1.", examples=[12])
     reason: str = Field(examples=["20260123 stands in line 4 already"])
 
 
-class ImportView(BaseModel):
+class ImportView(View):
     """What importing a class list does, or has done."""
 
     added: list[MemberView]
@@ -113,14 +114,14 @@ class TokenBody(Body):
     days: Annotated[Whole, Field(ge=1, le=3_660)] = 200
 
 
-class TokenView(BaseModel):
+class TokenView(View):
     """A new token. It is shown this once."""
 
     person: str = Field(examples=["20260123"])
     token: str = Field(examples=["grader_..."])
 
 
-class IdentityView(BaseModel):
+class IdentityView(View):
     """By which name a member signs in at a provider."""
 
     id: str = Field(examples=["3f2a9c0b1d4e"])
@@ -132,19 +133,19 @@ class IdentityView(BaseModel):
     )
 
 
-class IdentityList(BaseModel):
+class IdentityList(View):
     """By which names a member signs in, oldest first."""
 
     identities: list[IdentityView]
 
 
-class MemberList(BaseModel):
+class MemberList(View):
     """The people of a course in order of their ids."""
 
     members: list[MemberView]
 
 
-class AuditView(BaseModel):
+class AuditView(View):
     """One change of a grade or a setting."""
 
     id: int
@@ -157,7 +158,7 @@ class AuditView(BaseModel):
     reason: str = Field(examples=["tolerance was too tight"])
 
 
-class AuditPage(BaseModel):
+class AuditPage(View):
     """Changes, newest first."""
 
     entries: list[AuditView]
@@ -172,7 +173,7 @@ def read_me(services: ServicesDep, caller: CallerDep, response: Response) -> MeV
     if course is None:
         return MeView(course=None, person=None, name=None, role=caller.role)
     return MeView(
-        course=CourseView.model_validate(course, from_attributes=True),
+        course=CourseView.of(course),
         person=caller.person,
         name=None if member is None else member.name,
         role=caller.role,
@@ -190,7 +191,7 @@ def put_course(
     """Choose the release of ROS 2 for what is graded from now on; a re-grade grades by it, too."""
     response.headers.update(PRIVATE)
     course = people.set_distro(services, caller, body.distro, body.reason)
-    return CourseView.model_validate(course, from_attributes=True)
+    return CourseView.of(course)
 
 
 @router.get(
@@ -207,7 +208,7 @@ def read_members(
     """Return who is in the caller's course; nobody while there are no courses."""
     response.headers.update(PRIVATE)
     found = members(services, caller, role)
-    return MemberList(members=[MemberView.model_validate(one, from_attributes=True) for one in found])
+    return MemberList(members=[MemberView.of(one) for one in found])
 
 
 @router.post(
@@ -233,17 +234,7 @@ def import_members(  # noqa: PLR0913, PLR0917
     else:
         plan = people.import_list(services, caller, content, skip=skip, remove=remove)
     skipped = [SkippedView(row=one.number, reason=one.reason.get(language)) for one in plan.roster.skipped]
-    return ImportView.model_validate(
-        {
-            "added": plan.change.added,
-            "changed": plan.change.changed,
-            "unchanged": plan.change.unchanged,
-            "gone": plan.change.gone,
-            "skipped": skipped,
-            "dry_run": dry_run,
-        },
-        from_attributes=True,
-    )
+    return ImportView.of(plan.change, skipped=skipped, dry_run=dry_run)
 
 
 @router.put(
@@ -258,7 +249,7 @@ def put_member(
     response.headers.update(PRIVATE)
     sections = None if body.sections is None else tuple(body.sections)
     entry = RosterEntry(id=person, name=body.name, role=body.role, email=body.email, sections=sections)
-    return MemberView.model_validate(people.set_member(services, caller, entry), from_attributes=True)
+    return MemberView.of(people.set_member(services, caller, entry))
 
 
 @router.delete(
@@ -303,7 +294,7 @@ def read_identities(
     response.headers.update(PRIVATE)
     member = people.member_of(services, caller, person)
     found = signing_in.ways_of(services, caller, member.id)
-    return IdentityList(identities=[IdentityView.model_validate(one, from_attributes=True) for one in found])
+    return IdentityList(identities=[IdentityView.of(one) for one in found])
 
 
 @router.delete(
@@ -339,5 +330,5 @@ def read_audit(
     """Return changes of grades and settings in the caller's course."""
     response.headers.update(PRIVATE)
     entries, more = changes(services, caller, before, limit)
-    shown = [AuditView.model_validate(one, from_attributes=True) for one in entries]
+    shown = [AuditView.of(one) for one in entries]
     return AuditPage(entries=shown, next_before=more)

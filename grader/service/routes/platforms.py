@@ -4,13 +4,14 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Response, status
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.identity import Seen
 from grader.contracts.platform import NewPlatform
 from grader.service.requests.answers import PRIVATE
 from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases import platform_people, platforms
 from grader.use_cases.bodies import Body
 
@@ -44,14 +45,14 @@ class PlatformBody(Body):
     )
 
 
-class PlatformView(PlatformBody):
+class PlatformView(PlatformBody, View):
     """A platform that sends people to the course."""
 
     id: str = Field(examples=["1f0c9a7be2d4"])
     created_at: datetime
 
 
-class ActivityView(BaseModel):
+class ActivityView(View):
     """An activity of a platform that was opened."""
 
     platform: str = Field(description="Id of the platform.", examples=["1f0c9a7be2d4"])
@@ -62,7 +63,7 @@ class ActivityView(BaseModel):
     used_at: datetime
 
 
-class UnsentView(BaseModel):
+class UnsentView(View):
     """A score that a platform does not take."""
 
     platform: str = Field(description="Id of the platform.", examples=["1f0c9a7be2d4"])
@@ -73,7 +74,7 @@ class UnsentView(BaseModel):
     not_before: datetime = Field(description="When it is tried again.")
 
 
-class PlatformsView(BaseModel):
+class PlatformsView(View):
     """The platforms of a course."""
 
     platforms: list[PlatformView] = Field(description="Oldest first.")
@@ -86,22 +87,12 @@ def read_platforms(services: ServicesDep, caller: InstructorDep, response: Respo
     """Return the platforms, which activities there lead here, and which scores they do not take."""
     response.headers.update(PRIVATE)
     return PlatformsView(
-        platforms=[_view(one) for one in platforms.platforms_of(services, caller)],
+        platforms=[PlatformView.of(one) for one in platforms.platforms_of(services, caller)],
         activities=[
-            ActivityView(
-                platform=one.platform,
-                resource=one.resource,
-                title=one.title,
-                assignment=one.assignment,
-                takes_scores=bool(one.line_item),
-                used_at=one.used_at,
-            )
+            ActivityView.of(one, takes_scores=bool(one.line_item))
             for one in platforms.links_of(services, caller)
         ],
-        unsent=[
-            UnsentView.model_validate(one, from_attributes=True)
-            for one in platforms.troubles_of(services, caller)
-        ],
+        unsent=[UnsentView.of(one) for one in platforms.troubles_of(services, caller)],
     )
 
 
@@ -114,7 +105,7 @@ def read_platforms(services: ServicesDep, caller: InstructorDep, response: Respo
 def post_platform(services: ServicesDep, caller: InstructorDep, body: PlatformBody) -> PlatformView:
     """Let a platform (LTI 1.3) send people to the course; it opens no other, and gives nobody a role."""
     new = NewPlatform(**{name: value.strip() for name, value in body.model_dump().items()})
-    return _view(platforms.add_platform(services, caller, new))
+    return PlatformView.of(platforms.add_platform(services, caller, new))
 
 
 @router.delete(
@@ -128,7 +119,7 @@ def delete_platform(services: ServicesDep, caller: InstructorDep, platform: Plat
     platforms.remove_platform(services, caller, platform)
 
 
-class NewPersonView(BaseModel):
+class NewPersonView(View):
     """A student of a platform's course whom this course lacks."""
 
     id: str = Field(examples=["20260123"])
@@ -136,7 +127,7 @@ class NewPersonView(BaseModel):
     email: str | None = Field(examples=["wang@example.edu"])
 
 
-class PeopleView(BaseModel):
+class PeopleView(View):
     """Whom taking a platform's people in adds. Nobody is changed or removed, and all are students."""
 
     added: list[NewPersonView] = Field(description="In order of id.")
@@ -182,11 +173,4 @@ def post_people(
 
 
 def _people(plan: platform_people.PeoplePlan) -> PeopleView:
-    added = [NewPersonView(id=one.id, name=one.name, email=one.email) for one in plan.added]
-    return PeopleView(
-        added=added, known=plan.known, nameless=list(plan.nameless), others=plan.others, plan=plan.tag
-    )
-
-
-def _view(platform: object) -> PlatformView:
-    return PlatformView.model_validate(platform, from_attributes=True)
+    return PeopleView.of(plan, plan=plan.tag)

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.sse import EventSourceResponse, ServerSentEvent
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.grading import RunProgress
@@ -24,6 +24,7 @@ from grader.service.routes.submissions import (
     item_view,
     run_view,
 )
+from grader.service.routes.views import View
 from grader.use_cases.handing_in import most_upload_bytes
 from grader.use_cases.practising import Practice, UnderWay, practising
 
@@ -51,7 +52,7 @@ _PROBLEMS = (
 )
 
 
-class PracticeView(BaseModel):
+class PracticeView(View):
     """What a practice run showed. There are no points: only handing in earns them."""
 
     assignment: str = Field(examples=["square"])
@@ -66,13 +67,13 @@ class PracticeView(BaseModel):
     )
 
 
-class PracticeWaitingView(BaseModel):
+class PracticeWaitingView(View):
     """Data of an event `waiting`: the run has not begun."""
 
     before: int = Field(description="How many runs have to end before it.", examples=[0])
 
 
-class PracticeRunningView(BaseModel):
+class PracticeRunningView(View):
     """Data of an event `running`: how far the run is."""
 
     virtual_s: float = Field(description="Virtual time, in seconds.", examples=[12.4])

@@ -4,7 +4,7 @@ import gzip
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Response
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.service.requests.answers import plot
 from grader.service.requests.compression import accepts_gzip, trajectory_answer
@@ -18,6 +18,7 @@ from grader.service.requests.dependencies import (
     SubmissionId,
 )
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases import recordings
 
 router = APIRouter(prefix="/api/v1/submissions", tags=["recordings"])
@@ -40,7 +41,7 @@ def _described(media_type: str, form: str) -> dict[str, Any]:
     }
 
 
-class ContactView(BaseModel):
+class ContactView(View):
     """The car touched a wall."""
 
     start_ns: int = Field(examples=[2_000_000_000])
@@ -48,7 +49,7 @@ class ContactView(BaseModel):
     wall: str = Field(description="`left`, `right`, `top` or `bottom`.", examples=["right"])
 
 
-class TrajectoryView(BaseModel):
+class TrajectoryView(View):
     """Poses over virtual time in turtlesim's frame, one column per quantity, all of one length.
 
     Between two samples further apart than 16 ms the car stood still.

@@ -4,7 +4,7 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
-from pydantic import AliasPath, BaseModel, Field, StringConstraints
+from pydantic import AliasPath, Field, StringConstraints
 
 from grader.contracts.regrade import Regrade, RegradeState, Wanted, Which
 from grader.service.requests.dependencies import (
@@ -20,6 +20,7 @@ from grader.service.requests.dependencies import (
     SubmissionId,
 )
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases import regrading
 from grader.use_cases.bodies import Body
 
@@ -53,7 +54,7 @@ class Decision(Body):
     ]
 
 
-class ItemChangeView(BaseModel):
+class ItemChangeView(View):
     """What one rubric item earned before and earns now; null where the rubric does not have it."""
 
     item: str = Field(examples=["closed"])
@@ -61,7 +62,7 @@ class ItemChangeView(BaseModel):
     after: float | None = Field(examples=[5.0])
 
 
-class ScoreChangeView(BaseModel):
+class ScoreChangeView(View):
     """What happens to one submission."""
 
     submission: Address = Field(description="Its address.")
@@ -76,7 +77,7 @@ class ScoreChangeView(BaseModel):
     )
 
 
-class RegradeSummary(BaseModel):
+class RegradeSummary(View):
     """A re-grade: while `open` and `waiting` is 0 it can be applied."""
 
     id: str
@@ -109,13 +110,13 @@ class RegradeView(RegradeSummary):
     )
 
 
-class RegradeList(BaseModel):
+class RegradeList(View):
     """Re-grades, newest first."""
 
     regrades: list[RegradeSummary]
 
 
-class ToldChangeView(BaseModel):
+class ToldChangeView(View):
     """What a re-grade changed of one submission, as its student is told."""
 
     at: datetime
@@ -131,13 +132,13 @@ class ToldChangeView(BaseModel):
     seen: bool = Field(description="The student has opened the submission's page since.")
 
 
-class ToldChanges(BaseModel):
+class ToldChanges(View):
     """What re-grades changed of a submission, the latest first."""
 
     changes: list[ToldChangeView]
 
 
-class PastGradingView(BaseModel):
+class PastGradingView(View):
     """One grading of a submission."""
 
     attempt: int
@@ -155,7 +156,7 @@ class PastGradingView(BaseModel):
     stands: bool = Field(description="The one that counts: the last one, unless its re-grade was undone.")
 
 
-class History(BaseModel):
+class History(View):
     """All gradings of a submission, oldest first."""
 
     gradings: list[PastGradingView]
@@ -189,12 +190,7 @@ def start(
 @router.get("", summary="All re-grades", responses=responses(*ENTRY_PROBLEMS, "forbidden"))
 def read_all(services: ServicesDep, caller: StaffDep) -> RegradeList:
     """Return the re-grades of the caller's course."""
-    return RegradeList(
-        regrades=[
-            RegradeSummary.model_validate(one, from_attributes=True)
-            for one in regrading.all_regrades(services, caller)
-        ]
-    )
+    return RegradeList(regrades=[RegradeSummary.of(one) for one in regrading.all_regrades(services, caller)])
 
 
 @router.get("/{regrade_id}", summary="What changes", responses=responses(*_KNOWN, "regrade_not_found"))
@@ -271,7 +267,7 @@ def read_changes(services: ServicesDep, caller: CallerDep, submission_id: Submis
     Items that are hidden from the caller are left out. Reading it here does not mark it as seen.
     """
     found = regrading.told_changes(services, caller, submission_id)
-    return ToldChanges(changes=[ToldChangeView.model_validate(one, from_attributes=True) for one in found])
+    return ToldChanges(changes=[ToldChangeView.of(one) for one in found])
 
 
 @of_submission.get(
@@ -282,11 +278,11 @@ def read_changes(services: ServicesDep, caller: CallerDep, submission_id: Submis
 def read_history(services: ServicesDep, caller: StaffDep, submission_id: SubmissionId) -> History:
     """Return when, with which versions and why a submission was graded, and by whom again."""
     found = regrading.history(services, caller, submission_id)
-    return History(gradings=[PastGradingView.model_validate(one, from_attributes=True) for one in found])
+    return History(gradings=[PastGradingView.of(one) for one in found])
 
 
 def _view(regrade: Regrade, shown: slice = slice(None)) -> RegradeView:
     """Return a re-grade with the changes in the slice `shown`."""
-    view = RegradeView.model_validate(regrade, from_attributes=True)
+    view = RegradeView.of(regrade)
     view.changes = view.changes[shown]
     return view

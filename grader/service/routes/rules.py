@@ -5,7 +5,7 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Path, Response
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.identity import Role
 from grader.contracts.rules import Extension
@@ -22,6 +22,7 @@ from grader.service.requests.dependencies import (
     seen,
 )
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.store.rules import tag
 from grader.use_cases import rules as use_case
 from grader.use_cases.assignments import Terms, terms_of, visible_assignment
@@ -66,13 +67,13 @@ class ExtensionView(ExtensionBody):
     )
 
 
-class ExtensionList(BaseModel):
+class ExtensionList(View):
     """All extensions of one assignment."""
 
     extensions: list[ExtensionView]
 
 
-class StandingView(BaseModel):
+class StandingView(View):
     """Where the caller stands under the rules of one assignment."""
 
     rules: RulesBody = Field(description="Students do not see which items are hidden.")

@@ -1,7 +1,7 @@
 """Which scripts of a class are alike at places that few have: for staff to look at, part of no score."""
 
 from fastapi import APIRouter, Response
-from pydantic import BaseModel, Field
+from pydantic import Field
 from starlette.concurrency import run_in_threadpool
 
 from grader.service.requests.dependencies import (
@@ -12,27 +12,28 @@ from grader.service.requests.dependencies import (
     StaffDep,
 )
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases.comparing import Similar, SimilarPair
 from grader.use_cases.similar import similar
 
 router = APIRouter(prefix="/api/v1/assignments", tags=["assignments"])
 
 
-class RangeView(BaseModel):
+class RangeView(View):
     """Lines of a file, from 1, both included."""
 
     first_line: int = Field(examples=[12])
     last_line: int = Field(examples=[31])
 
 
-class PlaceView(BaseModel):
+class PlaceView(View):
     """What two scripts have in common at one place of each."""
 
     first: RangeView
     second: RangeView
 
 
-class SimilarScriptView(BaseModel):
+class SimilarScriptView(View):
     """One student's script."""
 
     student: str = Field(examples=["20260123"])
@@ -40,7 +41,7 @@ class SimilarScriptView(BaseModel):
     share: float = Field(description="Of its own code, how much the other has as well.", examples=[0.85])
 
 
-class SimilarPairView(BaseModel):
+class SimilarPairView(View):
     """Two scripts with something in common that few have."""
 
     first: SimilarScriptView
@@ -53,7 +54,7 @@ class SimilarPairView(BaseModel):
     places: list[PlaceView] = Field(description="Where they are alike; the first 50.")
 
 
-class SimilarView(BaseModel):
+class SimilarView(View):
     """What the scripts of a class have in common, of each student the one that counts.
 
     Left out are the starters, the solutions, the lesson's listings and what staff handed in, and what more than
@@ -91,17 +92,8 @@ async def read(services: ServicesDep, caller: StaffDep, assignment_id: Assignmen
 
 
 def _json(found: Similar) -> str:
-    view = SimilarView(
-        assignment=found.assignment,
-        compared=found.compared,
-        not_compared=found.not_compared,
-        few=found.few,
-        too_little=list(found.too_little),
-        pairs=[_pair(one) for one in found.pairs],
-        left_out=found.left_out,
-        same_commands=[_pair(one) for one in found.same_drives],
-    )
-    return view.model_dump_json()
+    pairs, same_drives = ([_pair(one) for one in listed] for listed in (found.pairs, found.same_drives))
+    return SimilarView.of(found, pairs=pairs, same_commands=same_drives).model_dump_json()
 
 
 def _pair(one: SimilarPair) -> SimilarPairView:
@@ -110,11 +102,4 @@ def _pair(one: SimilarPair) -> SimilarPairView:
         SimilarScriptView(student=side.student, submission=side.submission, share=share)
         for side, share in ((one.first, pair.first_share), (one.second, pair.second_share))
     )
-    return SimilarPairView(
-        first=first,
-        second=second,
-        weight=pair.weight,
-        same_file=pair.same_file,
-        same_commands=pair.same_drive,
-        places=[PlaceView.model_validate(place, from_attributes=True) for place in pair.places],
-    )
+    return SimilarPairView.of(pair, first=first, second=second, same_commands=pair.same_drive)

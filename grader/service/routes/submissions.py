@@ -5,12 +5,11 @@ What a script wrote is shown in bounded length and with no invisible characters 
 
 import json
 from collections.abc import Mapping
-from dataclasses import fields
 from datetime import datetime
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, File, Form, Header, Query, Response, UploadFile, status
-from pydantic import BaseModel, BeforeValidator, Field
+from pydantic import BeforeValidator, Field
 from pydantic_core import PydanticCustomError
 
 from grader.contracts.judgement import judged
@@ -34,6 +33,7 @@ from grader.service.requests.dependencies import (
 )
 from grader.service.requests.middleware import UploadRoute, arrival, single_parts
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases import submissions
 from grader.use_cases.bodies import Instant
 from grader.use_cases.handing_in import Upload, hand_in, most_upload_bytes
@@ -79,7 +79,7 @@ IdempotencyKey = Annotated[
 ]
 
 
-class Receipt(BaseModel):
+class Receipt(View):
     """Answer to an upload: it is stored, and will be graded even if the service is stopped now."""
 
     id: str = Field(examples=[_EXAMPLE_ID])
@@ -97,7 +97,7 @@ class Receipt(BaseModel):
     )
 
 
-class Links(BaseModel):
+class Links(View):
     """Where the rest of a submission is."""
 
     self: str = Field(description="This document.", examples=[SUBMISSIONS + _EXAMPLE_ID])
@@ -110,7 +110,7 @@ class Links(BaseModel):
     plot: str = Field(description="The same as a picture.", examples=[f"{SUBMISSIONS}{_EXAMPLE_ID}/plot.png"])
 
 
-class SeenItemView(BaseModel):
+class SeenItemView(View):
     """One line of the checklist: what was seen."""
 
     id: str = Field(examples=["sides"])
@@ -134,14 +134,14 @@ class RubricItemView(SeenItemView):
     earned: float = Field(examples=[5.0])
 
 
-class StreamView(BaseModel):
+class StreamView(View):
     """Captured text, control characters shown as escapes. It is the student's: escape it for HTML."""
 
     text: str = Field(examples=["[INFO] [1700000000.000000000] [square_mover]: side 1\n"])
     dropped: int = Field(description="Bytes or characters left out of the middle or end.", examples=[0])
 
 
-class StudentErrorView(BaseModel):
+class StudentErrorView(View):
     """The exception that ended the script, with the student's own lines only."""
 
     type: str = Field(examples=["AssertionError"])
@@ -150,7 +150,7 @@ class StudentErrorView(BaseModel):
     traceback: str
 
 
-class EndpointView(BaseModel):
+class EndpointView(View):
     """A publisher, subscription, service or client of the script."""
 
     kind: str = Field(examples=["publisher"])
@@ -160,7 +160,7 @@ class EndpointView(BaseModel):
     count: int = Field(description="Messages published or requests sent.", examples=[160])
 
 
-class LogView(BaseModel):
+class LogView(View):
     """One message that reached /rosout."""
 
     t_s: float = Field(description="Virtual seconds since the start.", examples=[1.5])
@@ -169,7 +169,7 @@ class LogView(BaseModel):
     message: str = Field(examples=["side 1"])
 
 
-class RunView(BaseModel):
+class RunView(View):
     """What happened in one run of the script."""
 
     case: str = Field(examples=["default"])
@@ -192,7 +192,7 @@ class RunView(BaseModel):
     trajectory_sha256: str
 
 
-class SubmissionView(BaseModel):
+class SubmissionView(View):
     """Where a submission stands, and its grading once there is one."""
 
     id: str = Field(examples=[_EXAMPLE_ID])
@@ -236,7 +236,7 @@ class SubmissionView(BaseModel):
     links: Links
 
 
-class SubmissionLine(BaseModel):
+class SubmissionLine(View):
     """One submission in a list."""
 
     id: str = Field(examples=[_EXAMPLE_ID])
@@ -255,7 +255,7 @@ class SubmissionLine(BaseModel):
     report_sha256: str | None
 
 
-class SubmissionPage(BaseModel):
+class SubmissionPage(View):
     """Submissions, oldest first."""
 
     submissions: list[SubmissionLine]
@@ -286,7 +286,7 @@ def read_all(  # noqa: PLR0913
     response.headers["Cache-Control"] = "no-store"
     wanted = SubmissionFilter(student=student, assignment=assignment, state=state, since=since, after=after)
     found, more = submissions.listed(services, caller, wanted, limit)
-    lines = [SubmissionLine.model_validate(one, from_attributes=True) for one in found]
+    lines = [SubmissionLine.of(one) for one in found]
     return SubmissionPage(submissions=lines, next_after=more)
 
 
@@ -359,16 +359,8 @@ def upload(  # noqa: PLR0913
 
 
 def _receipt(submission: Submission, repeated: bool) -> Receipt:
-    return Receipt(
-        id=submission.id,
-        status=submission.state,
-        status_url=SUBMISSIONS + submission.id,
-        assignment=submission.assignment,
-        student=submission.student,
-        sha256=submission.sha256,
-        received_at=submission.received_at,
-        repeated=repeated,
-    )
+    url = SUBMISSIONS + submission.id
+    return Receipt.of(submission, status=submission.state, status_url=url, repeated=repeated)
 
 
 @router.get(
@@ -439,16 +431,12 @@ def read_source(services: ServicesDep, caller: CallerDep, submission_id: Submiss
     return Response(source, media_type=kind, headers=headers)
 
 
-_OWN = SubmissionView.model_fields.keys() & {one.name for one in fields(Submission)}
-"""What is told of a submission as its contract has it."""
-
-
 def _view(read: ShownSubmission, language: Language) -> SubmissionView:
     """Return a submission and its latest grading in `language`."""
     submission, stored, lateness = read.submission, read.grading, read.lateness
     report = {} if stored is None else _whole(stored)
-    return SubmissionView(
-        **{name: getattr(submission, name) for name in _OWN},
+    return SubmissionView.of(
+        submission,
         status=submission.state,
         queue_position=read.position,
         estimated_finish_at=read.estimated_finish_at,
