@@ -9,9 +9,10 @@ from pydantic import BaseModel, Field
 from grader.contracts.errors import RefusedError
 from grader.messages import on_page
 from grader.service.web import access
+from grader.service.web.access import language_of
 from grader.service.web.errors import form_problem
 from grader.service.web.forms import require_own_form
-from grader.service.web.pages import language_of, page
+from grader.service.web.pages import page
 
 router = APIRouter(include_in_schema=False)
 _LONGEST = 2_000

@@ -17,10 +17,10 @@ from fastapi.responses import RedirectResponse
 from grader.contracts.errors import RefusedError
 from grader.messages import on_page
 from grader.outside.signin import Person, SignInAttempt, is_subject
-from grader.service.web.access import ENTER, PEER, SESSION_COOKIE, ServicesDep
+from grader.service.web.access import ENTER, PEER, SESSION_COOKIE, ServicesDep, language_of
 from grader.service.web.entrance import own_address
 from grader.service.web.forms import require_own_form, set_private_cookie
-from grader.service.web.pages import language_of, page
+from grader.service.web.pages import page
 from grader.use_cases import signing_in
 from grader.use_cases.signing_in import Arrival
 
