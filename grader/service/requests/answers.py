@@ -3,10 +3,9 @@
 from fastapi import Response
 
 from grader.contracts.figure import PictureForm
-from grader.contracts.identity import Caller
 from grader.contracts.text import Language
+from grader.service.requests.dependencies import Errand
 from grader.use_cases import recordings
-from grader.use_cases.services import Services
 
 _PICTURES: dict[PictureForm, str] = {"png": "image/png", "svg": "image/svg+xml"}
 
@@ -19,15 +18,10 @@ def to_save(name: str, **headers: str) -> dict[str, str]:
     return {"Content-Disposition": f'attachment; filename="{name}"', "Cache-Control": "no-store", **headers}
 
 
-async def plot(  # noqa: PLR0913, PLR0917
-    services: Services,
-    caller: Caller,
-    submission_id: str,
-    case: str | None,
-    language: Language,
-    form: PictureForm,
+async def plot(
+    errand: Errand, submission_id: str, case: str | None, language: Language, form: PictureForm
 ) -> Response:
     """Return one run as a picture, in any of its forms."""
-    drawn = await recordings.picture(services, caller, submission_id, case, language, form)
+    drawn = await recordings.picture(errand.services, errand.caller, submission_id, case, language, form)
     headers = {"ETag": f'"{drawn.tag}"', "Content-Language": language, "Vary": "Accept-Language"}
     return Response(drawn.content, media_type=_PICTURES[form], headers=headers)

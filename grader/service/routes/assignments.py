@@ -9,7 +9,7 @@ from grader.checks import published_rubric
 from grader.contracts.assignment import Assignment, Distro, ItemSpec
 from grader.contracts.rubric import PublishedItem
 from grader.contracts.text import Language
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep, ServicesDep
+from grader.service.requests.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases.assignments import checklist, visible_assignment
@@ -82,14 +82,13 @@ class AssignmentList(View):
 
 
 @router.get("", summary="All assignments", responses=responses(*ENTRY_PROBLEMS, "invalid_request"))
-def list_all(
-    services: ServicesDep, caller: CallerDep, response: Response, language: LanguageDep
-) -> AssignmentList:
+def list_all(errand: CallerDep, response: Response, language: LanguageDep) -> AssignmentList:
     """Return the checklist."""
     _set_language(response, language)
     return AssignmentList(
         assignments=[
-            AssignmentSummary.of(one, **_summary(one, language)) for one in checklist(services, caller)
+            AssignmentSummary.of(one, **_summary(one, language))
+            for one in checklist(errand.services, errand.caller)
         ]
     )
 
@@ -100,14 +99,13 @@ def list_all(
     responses=responses(*ENTRY_PROBLEMS, "assignment_not_found", "invalid_request"),
 )
 def read(
-    services: ServicesDep,
-    caller: CallerDep,
+    errand: CallerDep,
     response: Response,
     language: LanguageDep,
     assignment_id: Annotated[str, Path(max_length=64, examples=["square"])],
 ) -> AssignmentView:
     """Return what an assignment asks for and how each item earns its points."""
-    assignment = visible_assignment(services, caller, assignment_id)
+    assignment = visible_assignment(errand.services, errand.caller, assignment_id)
     _set_language(response, language)
     published = published_rubric(assignment)
     return AssignmentView.of(

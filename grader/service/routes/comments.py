@@ -8,7 +8,7 @@ from pydantic import Field
 
 from grader.contracts.comment import LONGEST_COMMENT
 from grader.contracts.judgement import COMMENT_PATTERN
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, CallerDep, ServicesDep, SubmissionId
+from grader.service.requests.dependencies import ENTRY_PROBLEMS, CallerDep, SubmissionId
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases import commenting
@@ -58,9 +58,9 @@ class CommentList(View):
     summary="What people wrote about it",
     responses=responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
 )
-def read_comments(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> CommentList:
+def read_comments(errand: CallerDep, submission_id: SubmissionId) -> CommentList:
     """Return the comments of staff and student. Reading them here does not mark them as seen."""
-    found = commenting.comments(services, caller, submission_id)
+    found = commenting.comments(errand.services, errand.caller, submission_id)
     return CommentList(comments=[CommentView.of(one) for one in found])
 
 
@@ -72,8 +72,8 @@ def read_comments(services: ServicesDep, caller: CallerDep, submission_id: Submi
         *ENTRY_PROBLEMS, "submission_not_found", "no_course", "course_archived", "invalid_request"
     ),
 )
-def add_comment(
-    services: ServicesDep, caller: CallerDep, submission_id: SubmissionId, body: CommentBody
-) -> CommentView:
+def add_comment(errand: CallerDep, submission_id: SubmissionId, body: CommentBody) -> CommentView:
     """Add a comment: the student's for the staff, the staff's for the student. It cannot be taken back."""
-    return CommentView.of(commenting.add_comment(services, caller, submission_id, body.text, body.line))
+    return CommentView.of(
+        commenting.add_comment(errand.services, errand.caller, submission_id, body.text, body.line)
+    )

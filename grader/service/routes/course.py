@@ -7,7 +7,7 @@ from fastapi.responses import StreamingResponse
 from pydantic import Field
 
 from grader.service.requests.answers import PRIVATE, to_save
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep, StaffDep
+from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, StaffDep
 from grader.service.routes.people import CourseView, PersonId
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
@@ -87,9 +87,9 @@ class ForgottenView(View):
 
 
 @router.get("/course", summary="The caller's course", responses=responses(*_READING))
-def read_course(services: ServicesDep, caller: StaffDep) -> CourseView:
+def read_course(errand: StaffDep) -> CourseView:
     """Return what the course is, and whether it is archived."""
-    return CourseView.of(course_life.own_course(services, caller))
+    return CourseView.of(course_life.own_course(errand.services, errand.caller))
 
 
 @router.post(
@@ -98,10 +98,10 @@ def read_course(services: ServicesDep, caller: StaffDep) -> CourseView:
     status_code=status.HTTP_201_CREATED,
     responses=responses(*_CHANGING, "invalid_course"),
 )
-def copy_course(services: ServicesDep, caller: InstructorDep, body: NewCourseBody) -> NewCourseView:
+def copy_course(errand: InstructorDep, body: NewCourseBody) -> NewCourseView:
     """Make a course with the same rules and published assignments, without its people and work."""
     new = NewCourse(id=body.id, title=body.title, move_days=body.move_days)
-    made = course_life.copy_course(services, caller, new)
+    made = course_life.copy_course(errand.services, errand.caller, new)
     return NewCourseView(course=CourseView.of(made.course), person=made.instructor, token=made.token)
 
 
@@ -110,24 +110,26 @@ def copy_course(services: ServicesDep, caller: InstructorDep, body: NewCourseBod
     summary="Archive or reopen the course",
     responses=responses(*_CHANGING, "regrade_open"),
 )
-def archive_course(services: ServicesDep, caller: InstructorDep, body: ArchiveBody) -> CourseView:
+def archive_course(errand: InstructorDep, body: ArchiveBody) -> CourseView:
     """Let the course only be read (409 `course_archived` for changes and uploads), or be changed again."""
-    return CourseView.of(course_life.archive_course(services, caller, body.reason, archived=body.archived))
+    return CourseView.of(
+        course_life.archive_course(errand.services, errand.caller, body.reason, archived=body.archived)
+    )
 
 
 @router.get("/course/space", summary="What the course takes", responses=responses(*_READING))
-def read_space(services: ServicesDep, caller: StaffDep) -> SpaceView:
+def read_space(errand: StaffDep) -> SpaceView:
     """Return what is stored of the course's submissions; rows and indexes come on top."""
-    return SpaceView.of(course_life.space(services, caller))
+    return SpaceView.of(course_life.space(errand.services, errand.caller))
 
 
 @router.post("/course/retention", summary="Erase what is old", responses=responses(*_CHANGING))
-def erase_old_work(services: ServicesDep, caller: InstructorDep, body: OldWorkBody) -> OldWorkView:
+def erase_old_work(errand: InstructorDep, body: OldWorkBody) -> OldWorkView:
     """Erase submissions of an age, with reports, grades and comments; or tell what that would be."""
     if body.dry_run:
-        space = course_life.old_work(services, caller, body.older_than_days)
+        space = course_life.old_work(errand.services, errand.caller, body.older_than_days)
     else:
-        space = course_life.erase_old_work(services, caller, body.older_than_days, body.reason)
+        space = course_life.erase_old_work(errand.services, errand.caller, body.older_than_days, body.reason)
     return OldWorkView.of(space, dry_run=body.dry_run)
 
 
@@ -136,11 +138,9 @@ def erase_old_work(services: ServicesDep, caller: InstructorDep, body: OldWorkBo
     summary="Forget a student",
     responses=responses(*_CHANGING, "member_not_found", "only_students"),
 )
-def forget_student(
-    services: ServicesDep, caller: InstructorDep, person: PersonId, body: ForgetBody
-) -> ForgottenView:
+def forget_student(errand: InstructorDep, person: PersonId, body: ForgetBody) -> ForgottenView:
     """Erase what a student handed in and every trace of who they are; this cannot be undone."""
-    found = course_life.forget_student(services, caller, person, body.reason)
+    found = course_life.forget_student(errand.services, errand.caller, person, body.reason)
     return ForgottenView.of(found)
 
 
@@ -157,7 +157,9 @@ def forget_student(
         **responses(*_READING),
     },
 )
-def export_course(services: ServicesDep, caller: InstructorDep) -> StreamingResponse:
+def export_course(errand: InstructorDep) -> StreamingResponse:
     """Return all that is stored of the course, made while it is sent."""
-    headers = to_save(f"{caller.course}.zip", **PRIVATE)
-    return StreamingResponse(course_export.export(services, caller), 200, headers, "application/zip")
+    headers = to_save(f"{errand.caller.course}.zip", **PRIVATE)
+    return StreamingResponse(
+        course_export.export(errand.services, errand.caller), 200, headers, "application/zip"
+    )

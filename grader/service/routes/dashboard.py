@@ -10,7 +10,6 @@ from fastapi import APIRouter, Header, Query, Response
 from pydantic import AliasPath, Field
 
 from grader.contracts.dashboard import ClassState
-from grader.contracts.identity import Caller
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import SubmissionState
 from grader.contracts.text import Language
@@ -18,9 +17,9 @@ from grader.service.requests.dependencies import (
     ENTRY_PROBLEMS,
     Address,
     AssignmentId,
+    Errand,
     LanguageDep,
     QueryWhole,
-    ServicesDep,
     StaffDep,
 )
 from grader.service.routes.health import QueueView, WorkerView, worker_views
@@ -29,7 +28,6 @@ from grader.service.routes.views import View
 from grader.use_cases.assignments import in_course
 from grader.use_cases.concerned import Concern, concerned
 from grader.use_cases.dashboard import Overview, Selection, class_state, costs, overview, selected
-from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/dashboard", tags=["dashboard"])
 of_assignment = APIRouter(prefix="/api/v1/assignments", tags=["dashboard"])
@@ -178,10 +176,10 @@ class ConcernedList(View):
     summary="Who costs the service how much",
     responses=responses(*ENTRY_PROBLEMS, "forbidden"),
 )
-def read_costs(services: ServicesDep, caller: StaffDep, response: Response) -> CostsView:
+def read_costs(errand: StaffDep, response: Response) -> CostsView:
     """Return how long the gradings of each student took in the last hour, and how many wait."""
     response.headers["Cache-Control"] = "no-store"
-    return CostsView(students=[CostView.of(one) for one in costs(services, caller)])
+    return CostsView(students=[CostView.of(one) for one in costs(errand.services, errand.caller)])
 
 
 @router.get(
@@ -197,8 +195,7 @@ def read_costs(services: ServicesDep, caller: StaffDep, response: Response) -> C
     },
 )
 def read_class(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     language: LanguageDep,
     *,
     search: Annotated[
@@ -217,12 +214,12 @@ def read_class(  # noqa: PLR0913
     Filters and pages choose students; the statistics are always about everybody.
     """
     selection = Selection(search=search, section=section, at_risk=at_risk, offset=offset, limit=limit)
-    state = class_state(services, caller)
-    tag = _tag(services, caller, state, language, selection)
+    state = class_state(errand.services, errand.caller)
+    tag = _tag(errand, state, language, selection)
     headers = {"Content-Language": language, "Vary": "Accept-Language, Authorization", "ETag": tag}
     if if_none_match is not None and tag in (one.strip() for one in if_none_match.split(",")):
         return Response(status_code=304, headers=headers)
-    shown = _view(selected(overview(services, caller, state, language), selection))
+    shown = _view(selected(overview(errand.services, errand.caller, state, language), selection))
     return Response(shown.model_dump_json(), media_type="application/json", headers=headers)
 
 
@@ -236,21 +233,21 @@ def _view(whole: Overview) -> DashboardView:
     )
 
 
-def _tag(
-    services: Services, caller: Caller, state: ClassState, language: Language, selection: Selection
-) -> str:
+def _tag(errand: Errand, state: ClassState, language: Language, selection: Selection) -> str:
     """Return a weak ETag of everything shown but the instants of this answer and of heartbeats."""
-    alive = worker_views(services.workers.alive(services.settings.silent_s))
+    alive = worker_views(errand.services.workers.alive(errand.services.settings.silent_s))
     workers = [worker.model_dump(mode="json", exclude={"seen_at"}) for worker in alive]
-    versions = [(one.id, one.version, one.title.get(language)) for one in in_course(services, caller)]
-    queue = asdict(services.queue.state())
+    versions = [
+        (one.id, one.version, one.title.get(language)) for one in in_course(errand.services, errand.caller)
+    ]
+    queue = asdict(errand.services.queue.state())
     shown = [
         state.mark,
         queue,
         workers,
         versions,
         language,
-        services.settings.pass_fraction,
+        errand.services.settings.pass_fraction,
         asdict(selection),
     ]
     return f'W/"{hashlib.sha256(json.dumps(shown, default=str).encode()).hexdigest()[:32]}"'
@@ -261,9 +258,8 @@ def _tag(
     summary="Who is behind a number",
     responses=responses(*ENTRY_PROBLEMS, "forbidden", "assignment_not_found", "invalid_request"),
 )
-def read_concerned(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: StaffDep,
+def read_concerned(
+    errand: StaffDep,
     assignment_id: AssignmentId,
     *,
     item: Annotated[str | None, Query(max_length=128, description="They failed it at least once.")] = None,
@@ -273,5 +269,7 @@ def read_concerned(  # noqa: PLR0913
     ] = None,
 ) -> ConcernedList:
     """Return the students who handed in for an assignment and fit: who still fails, and tried most, first."""
-    found = concerned(services, caller, assignment_id, Concern(item=item, mistake=mistake, status=status))
+    found = concerned(
+        errand.services, errand.caller, assignment_id, Concern(item=item, mistake=mistake, status=status)
+    )
     return ConcernedList(students=[ConcernedView.of(one) for one in found])

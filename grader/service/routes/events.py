@@ -181,22 +181,22 @@ def owner_of(caller: Caller, otherwise: str) -> Owner:
 
 
 async def _watched_submission(
-    request: Request,
-    services: ServicesDep,
-    caller: CallerDep,
-    submission_id: SubmissionId,
-    last_event_id: LastEventId = None,
+    errand: CallerDep, request: Request, submission_id: SubmissionId, last_event_id: LastEventId = None
 ) -> AsyncIterator[SubjectWatch]:
-    owner = owner_of(caller, f"submission {submission_id}")
-    async with watched(request, services, ("submission", submission_id), owner, last_event_id) as watch:
+    owner = owner_of(errand.caller, f"submission {submission_id}")
+    async with watched(
+        request, errand.services, ("submission", submission_id), owner, last_event_id
+    ) as watch:
         yield watch
 
 
 async def _watched_class(
-    request: Request, services: ServicesDep, caller: StaffDep, last_event_id: LastEventId = None
+    errand: StaffDep, request: Request, last_event_id: LastEventId = None
 ) -> AsyncIterator[SubjectWatch]:
-    owner = owner_of(caller, "")
-    async with watched(request, services, ("class", caller.course), owner, last_event_id) as watch:
+    owner = owner_of(errand.caller, "")
+    async with watched(
+        request, errand.services, ("class", errand.caller.course), owner, last_event_id
+    ) as watch:
         yield watch
 
 

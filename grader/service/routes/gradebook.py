@@ -13,7 +13,6 @@ from grader.service.requests.dependencies import (
     SIGHT,
     CallerDep,
     LanguageDep,
-    ServicesDep,
     StaffDep,
     SubmissionId,
 )
@@ -58,14 +57,13 @@ _ONE = (*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_requ
     },
 )
 def read_gradebook(
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     format: Annotated[Format, Query(description="`canvas`: as Canvas imports grades.")] = "plain",
     section: SectionQuery = "",
 ) -> Response:
     """Return everybody's points; without courses of everybody who handed something in."""
     headers = to_save(f"gradebook-{format}.csv", Vary="Authorization")
-    table = gradebook_csv(services, caller, format, section)
+    table = gradebook_csv(errand.services, errand.caller, format, section)
     return Response(table, media_type="text/csv; charset=utf-8", headers=headers)
 
 
@@ -82,8 +80,7 @@ def read_gradebook(
     },
 )
 def read_workbook(  # noqa: PLR0913, PLR0917
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     language: LanguageDep,
     layout: Annotated[
         Literal["full", "registry"], Query(description="`registry`: id, name and the column `column` alone.")
@@ -94,9 +91,11 @@ def read_workbook(  # noqa: PLR0913, PLR0917
 ) -> Response:
     """Return everybody's points as spreadsheet programs keep them."""
     if layout == "full":
-        return as_workbook(gradebook_workbook(services, caller, language, section), "gradebook.xlsx")
+        return as_workbook(
+            gradebook_workbook(errand.services, errand.caller, language, section), "gradebook.xlsx"
+        )
     book = registry_workbook(
-        services, caller, language, column=column, assignment=assignment, section=section
+        errand.services, errand.caller, language, column=column, assignment=assignment, section=section
     )
     return as_workbook(book, "registry.xlsx")
 
@@ -122,14 +121,13 @@ def read_workbook(  # noqa: PLR0913, PLR0917
     },
 )
 def fill_sheet(
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     file: Annotated[UploadFile, File(description=".xlsx, .xls, .ods or CSV; at most 1 MiB.")],
     column: ColumnQuery,
     assignment: AssignmentQuery = "",
 ) -> Response:
     """Return a teacher's own sheet with everybody's points in the column called `column`."""
-    filled = fill_in(services, caller, file.file.read(MOST_BYTES + 1), column, assignment)
+    filled = fill_in(errand.services, errand.caller, file.file.read(MOST_BYTES + 1), column, assignment)
     response = as_workbook(filled.content, "filled.xlsx")
     response.headers["X-Filled-Rows"] = str(filled.filled)
     response.headers["X-Unknown-Rows"] = str(len(filled.unknown))
@@ -150,11 +148,9 @@ def as_workbook(content: bytes, name: str) -> Response:
         **responses(*_ONE),
     },
 )
-def read_gradescope(
-    services: ServicesDep, caller: CallerDep, language: LanguageDep, submission_id: SubmissionId
-) -> Response:
+def read_gradescope(errand: CallerDep, language: LanguageDep, submission_id: SubmissionId) -> Response:
     """Return what a Gradescope autograder writes."""
-    document = exported(services, caller, submission_id, "gradescope", language)
+    document = exported(errand.services, errand.caller, submission_id, "gradescope", language)
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
 
 
@@ -164,9 +160,7 @@ def read_gradescope(
     response_class=JSONResponse,
     responses={200: {"description": "Without the plot.", "content": _JSON}, **responses(*_ONE)},
 )
-def read_prairielearn(
-    services: ServicesDep, caller: CallerDep, language: LanguageDep, submission_id: SubmissionId
-) -> Response:
+def read_prairielearn(errand: CallerDep, language: LanguageDep, submission_id: SubmissionId) -> Response:
     """Return what a PrairieLearn external grader writes."""
-    document = exported(services, caller, submission_id, "prairielearn", language)
+    document = exported(errand.services, errand.caller, submission_id, "prairielearn", language)
     return JSONResponse(document, headers={"Cache-Control": "no-store"})

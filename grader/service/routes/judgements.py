@@ -8,16 +8,15 @@ from pydantic import Field
 
 from grader.contracts.comment import LONGEST_COMMENT
 from grader.contracts.errors import RefusedError
-from grader.contracts.identity import Caller
 from grader.contracts.judgement import COMMENT_PATTERN, JudgedItem
 from grader.contracts.text import Language
 from grader.service.requests.dependencies import (
     ENTRY_PROBLEMS,
     SIGHT,
     SUBMISSIONS,
+    Errand,
     LanguageDep,
     QueryWhole,
-    ServicesDep,
     StaffDep,
     SubmissionId,
     etag,
@@ -30,7 +29,6 @@ from grader.use_cases import judging
 from grader.use_cases.assignments import item_title
 from grader.use_cases.bodies import Body, Number
 from grader.use_cases.judging import WaitingPage
-from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/judgements", tags=["judgements"])
 of_submission = APIRouter(prefix="/api/v1/submissions", tags=["judgements"], dependencies=[SIGHT])
@@ -199,8 +197,7 @@ class WaitingList(View):
     responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
 )
 def read_waiting(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     language: LanguageDep,
     *,
     assignment: _Id = None,
@@ -214,8 +211,8 @@ def read_waiting(  # noqa: PLR0913
 ) -> WaitingList:
     """Return answers to be judged, question by question, so that one question is judged with one measure."""
     which = WaitingFor(assignment=assignment, item=item, newest=not every)
-    page = judging.waiting(services, caller, which, offset=offset, limit=limit)
-    return _waiting(services, caller, page, language, anonymous=anonymous)
+    page = judging.waiting(errand.services, errand.caller, which, offset=offset, limit=limit)
+    return _waiting(errand, page, language, anonymous=anonymous)
 
 
 @of_submission.get(
@@ -223,11 +220,9 @@ def read_waiting(  # noqa: PLR0913
     summary="What people gave for a submission's items",
     responses=responses(*_KNOWN),
 )
-def read_judgements(
-    services: ServicesDep, caller: StaffDep, language: LanguageDep, submission_id: SubmissionId
-) -> ManualItemsView:
+def read_judgements(errand: StaffDep, language: LanguageDep, submission_id: SubmissionId) -> ManualItemsView:
     """Return every rubric item, whether it is left to people, and what was given by whom and when."""
-    return _all_items(services, caller, language, submission_id)
+    return _all_items(errand, language, submission_id)
 
 
 @of_submission.put(
@@ -236,20 +231,16 @@ def read_judgements(
     responses=responses(*_KNOWN, *_REFUSED),
 )
 def judge_several(
-    services: ServicesDep,
-    caller: StaffDep,
-    language: LanguageDep,
-    submission_id: SubmissionId,
-    body: JudgementsBody,
+    errand: StaffDep, language: LanguageDep, submission_id: SubmissionId, body: JudgementsBody
 ) -> ManualItemsView:
     """Add a judgement for each item that is named, with the same comment, all of them or none."""
     wanted = [(one.item, one.points, seen(one.etag)) for one in body.items]
-    judging.give_several(services, caller, submission_id, wanted, body.comment)
-    return _all_items(services, caller, language, submission_id)
+    judging.give_several(errand.services, errand.caller, submission_id, wanted, body.comment)
+    return _all_items(errand, language, submission_id)
 
 
-def _all_items(services: Services, caller: Caller, language: Language, submission_id: str) -> ManualItemsView:
-    submission, items = judging.items_of(services, caller, submission_id)
+def _all_items(errand: Errand, language: Language, submission_id: str) -> ManualItemsView:
+    submission, items = judging.items_of(errand.services, errand.caller, submission_id)
     own = SUBMISSIONS + submission.id
     shown = [_item(one, language) for one in items]
     return ManualItemsView.of(submission, submission=own, source=f"{own}/source", items=shown)
@@ -260,17 +251,11 @@ def _all_items(services: Services, caller: Caller, language: Language, submissio
     summary="What people gave for one rubric item",
     responses={200: {"headers": _ETAG}, **responses(*_KNOWN, "item_not_found")},
 )
-def read_judgement(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: StaffDep,
-    language: LanguageDep,
-    response: Response,
-    *,
-    submission_id: SubmissionId,
-    item: ItemId,
+def read_judgement(
+    errand: StaffDep, language: LanguageDep, response: Response, *, submission_id: SubmissionId, item: ItemId
 ) -> ManualItemView:
     """Return one item, with its ETag."""
-    return _tagged(services, caller, language, response, submission_id, item)
+    return _tagged(errand, language, response, submission_id, item)
 
 
 @of_submission.put(
@@ -282,8 +267,7 @@ def read_judgement(  # noqa: PLR0913
     },
 )
 def judge(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     language: LanguageDep,
     response: Response,
     *,
@@ -298,21 +282,21 @@ def judge(  # noqa: PLR0913
     machine judged only instructors correct, with a comment; the machine's own points take a correction back.
     """
     judging.give(
-        services,
-        caller,
+        errand.services,
+        errand.caller,
         submission_id,
         item,
         points=body.points,
         comment=body.comment,
         seen=seen(if_match),
     )
-    return _tagged(services, caller, language, response, submission_id, item)
+    return _tagged(errand, language, response, submission_id, item)
 
 
-def _tagged(  # noqa: PLR0913, PLR0917
-    services: Services, caller: Caller, language: Language, response: Response, submission_id: str, item: str
+def _tagged(
+    errand: Errand, language: Language, response: Response, submission_id: str, item: str
 ) -> ManualItemView:
-    _, items = judging.items_of(services, caller, submission_id)
+    _, items = judging.items_of(errand.services, errand.caller, submission_id)
     found = next((one for one in items if one.id == item), None)
     if found is None:
         raise RefusedError("item_not_found", field="item", allowed=[one.id for one in items])
@@ -320,10 +304,8 @@ def _tagged(  # noqa: PLR0913, PLR0917
     return _item(found, language)
 
 
-def _waiting(
-    services: Services, caller: Caller, page: WaitingPage, language: Language, *, anonymous: bool
-) -> WaitingList:
-    known = {one.id: one for one in services.assignments.of(caller.course).all()}
+def _waiting(errand: Errand, page: WaitingPage, language: Language, *, anonymous: bool) -> WaitingList:
+    known = {one.id: one for one in errand.services.assignments.of(errand.caller.course).all()}
     return WaitingList(
         total=page.total,
         questions=[

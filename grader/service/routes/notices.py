@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 
 from grader.contracts.notice import MailWishes, NewWebhook, NoticeKind, Outlet, Vendor
 from grader.service.requests.answers import PRIVATE
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep
+from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases import notices
@@ -82,10 +82,10 @@ class NoticesView(View):
 
 
 @router.get("", summary="What the course tells by itself", responses=responses(*_READING))
-def read_notices(services: ServicesDep, caller: InstructorDep, response: Response) -> NoticesView:
+def read_notices(errand: InstructorDep, response: Response) -> NoticesView:
     """Return where notices go and how the latest fared."""
     response.headers.update(PRIVATE)
-    found = notices.setup_of(services, caller)
+    found = notices.setup_of(errand.services, errand.caller)
     latest = [NoticeView.of(one, waits=bool(one.body)) for one in found.latest]
     return NoticesView.of(found, webhooks=list(found.webhooks.values()), latest=latest)
 
@@ -96,12 +96,12 @@ def read_notices(services: ServicesDep, caller: InstructorDep, response: Respons
     status_code=status.HTTP_204_NO_CONTENT,
     responses=responses(*_CHANGING, "invalid_webhook"),
 )
-def put_webhook(services: ServicesDep, caller: InstructorDep, outlet: Group, body: WebhookBody) -> None:
+def put_webhook(errand: InstructorDep, outlet: Group, body: WebhookBody) -> None:
     """Let a bot of Feishu, DingTalk or WeCom speak in a group; in place of the one before."""
     new = NewWebhook(
         outlet=outlet, vendor=body.vendor, address=body.address.strip(), secret=body.secret.strip()
     )
-    notices.set_webhook(services, caller, new)
+    notices.set_webhook(errand.services, errand.caller, new)
 
 
 @router.delete(
@@ -110,9 +110,9 @@ def put_webhook(services: ServicesDep, caller: InstructorDep, outlet: Group, bod
     status_code=status.HTTP_204_NO_CONTENT,
     responses=responses(*_READING, "webhook_not_found"),
 )
-def delete_webhook(services: ServicesDep, caller: InstructorDep, outlet: Group) -> None:
+def delete_webhook(errand: InstructorDep, outlet: Group) -> None:
     """Send nothing there any more."""
-    notices.remove_webhook(services, caller, outlet)
+    notices.remove_webhook(errand.services, errand.caller, outlet)
 
 
 @router.put(
@@ -121,9 +121,9 @@ def delete_webhook(services: ServicesDep, caller: InstructorDep, outlet: Group) 
     status_code=status.HTTP_204_NO_CONTENT,
     responses=responses(*_CHANGING, "mail_not_set_up"),
 )
-def put_mail(services: ServicesDep, caller: InstructorDep, body: MailBody) -> None:
+def put_mail(errand: InstructorDep, body: MailBody) -> None:
     """Send e-mail to those of the class list who have an address there."""
-    notices.set_mail(services, caller, MailWishes(**body.model_dump()))
+    notices.set_mail(errand.services, errand.caller, MailWishes(**body.model_dump()))
 
 
 @router.post(
@@ -134,6 +134,6 @@ def put_mail(services: ServicesDep, caller: InstructorDep, body: MailBody) -> No
         *_READING, "webhook_not_found", "mail_not_set_up", "no_own_address", "notice_not_taken"
     ),
 )
-def send_test(services: ServicesDep, caller: InstructorDep, outlet: AnyChannel) -> None:
+def send_test(errand: InstructorDep, outlet: AnyChannel) -> None:
     """Try a group's bot, or e-mail to oneself, now; the answer says what the other side said."""
-    notices.send_test(services, caller, outlet)
+    notices.send_test(errand.services, errand.caller, outlet)

@@ -13,7 +13,6 @@ from grader.service.requests.dependencies import (
     ENTRY_PROBLEMS,
     InstructorDep,
     LanguageDep,
-    ServicesDep,
     StaffDep,
 )
 from grader.service.requests.middleware import MOST_BYTES
@@ -69,12 +68,10 @@ class OwnAssignmentList(View):
 
 
 @router.get("", summary="The course's own assignments", responses=responses(*_READING))
-def read_all(
-    services: ServicesDep, caller: StaffDep, language: LanguageDep, response: Response
-) -> OwnAssignmentList:
+def read_all(errand: StaffDep, language: LanguageDep, response: Response) -> OwnAssignmentList:
     """Return what was uploaded, whether it can be used, and what its scripts scored."""
     response.headers.update(PRIVATE)
-    found = own_assignments.own_assignments(services, caller)
+    found = own_assignments.own_assignments(errand.services, errand.caller)
     return OwnAssignmentList(assignments=[_view(one, language) for one in found])
 
 
@@ -87,8 +84,7 @@ def read_all(
     ),
 )
 def upload(
-    services: ServicesDep,
-    caller: InstructorDep,
+    errand: InstructorDep,
     language: LanguageDep,
     response: Response,
     file: Annotated[UploadFile, File(description="The assignment's folder as a zip; at most 1 MiB.")],
@@ -98,7 +94,9 @@ def upload(
     An assignment that is new in the course begins as a draft: `PUT …/rules` publishes it.
     """
     response.headers.update(PRIVATE)
-    return _view(own_assignments.upload(services, caller, file.file.read(MOST_BYTES + 1)), language)
+    return _view(
+        own_assignments.upload(errand.services, errand.caller, file.file.read(MOST_BYTES + 1)), language
+    )
 
 
 @router.get(
@@ -110,9 +108,9 @@ def upload(
         **responses(*_READING, "assignment_not_found"),
     },
 )
-def download(services: ServicesDep, caller: InstructorDep, assignment_id: Id) -> Response:
+def download(errand: InstructorDep, assignment_id: Id) -> Response:
     """Return the folder that was uploaded last, with its solution and wrong scripts."""
-    content = own_assignments.folder(services, caller, assignment_id)
+    content = own_assignments.folder(errand.services, errand.caller, assignment_id)
     return Response(content, 200, to_save(f"{assignment_id}.zip", **PRIVATE), "application/zip")
 
 
@@ -123,13 +121,12 @@ def download(services: ServicesDep, caller: InstructorDep, assignment_id: Id) ->
     responses=responses(*_CHANGING, "assignment_not_found", "assignment_in_use"),
 )
 def remove(
-    services: ServicesDep,
-    caller: InstructorDep,
+    errand: InstructorDep,
     assignment_id: Id,
     reason: Annotated[str, Query(max_length=1_000, description="Goes into the audit log.")] = "",
 ) -> None:
     """Remove all versions, as long as nothing was handed in for it."""
-    own_assignments.remove(services, caller, assignment_id, reason)
+    own_assignments.remove(errand.services, errand.caller, assignment_id, reason)
 
 
 def _view(one: OwnAssignment, language: Language) -> OwnAssignmentView:

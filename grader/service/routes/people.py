@@ -15,7 +15,6 @@ from grader.service.requests.dependencies import (
     InstructorDep,
     LanguageDep,
     QueryWhole,
-    ServicesDep,
     StaffDep,
 )
 from grader.service.requests.middleware import MOST_BYTES
@@ -166,17 +165,17 @@ class AuditPage(View):
 
 
 @router.get("/me", summary="Who the token belongs to", responses=responses(*ENTRY_PROBLEMS))
-def read_me(services: ServicesDep, caller: CallerDep, response: Response) -> MeView:
+def read_me(errand: CallerDep, response: Response) -> MeView:
     """Return the caller's course, name and role."""
     response.headers.update(PRIVATE)
-    course, member = myself(services, caller)
+    course, member = myself(errand.services, errand.caller)
     if course is None:
-        return MeView(course=None, person=None, name=None, role=caller.role)
+        return MeView(course=None, person=None, name=None, role=errand.caller.role)
     return MeView(
         course=CourseView.of(course),
-        person=caller.person,
+        person=errand.caller.person,
         name=None if member is None else member.name,
-        role=caller.role,
+        role=errand.caller.role,
     )
 
 
@@ -185,12 +184,10 @@ def read_me(services: ServicesDep, caller: CallerDep, response: Response) -> MeV
     summary="Change the course",
     responses=responses(*_CHANGING, "malformed_body", "too_large"),
 )
-def put_course(
-    services: ServicesDep, caller: InstructorDep, body: CourseBody, response: Response
-) -> CourseView:
+def put_course(errand: InstructorDep, body: CourseBody, response: Response) -> CourseView:
     """Choose the release of ROS 2 for what is graded from now on; a re-grade grades by it, too."""
     response.headers.update(PRIVATE)
-    course = people.set_distro(services, caller, body.distro, body.reason)
+    course = people.set_distro(errand.services, errand.caller, body.distro, body.reason)
     return CourseView.of(course)
 
 
@@ -200,14 +197,13 @@ def put_course(
     responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
 )
 def read_members(
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     response: Response,
     role: Annotated[Role | None, Query(description="Only those of this role.")] = None,
 ) -> MemberList:
     """Return who is in the caller's course; nobody while there are no courses."""
     response.headers.update(PRIVATE)
-    found = members(services, caller, role)
+    found = members(errand.services, errand.caller, role)
     return MemberList(members=[MemberView.of(one) for one in found])
 
 
@@ -217,8 +213,7 @@ def read_members(
     responses=responses(*_CHANGING, "invalid_roster", "malformed_body", "too_large"),
 )
 def import_members(  # noqa: PLR0913, PLR0917
-    services: ServicesDep,
-    caller: InstructorDep,
+    errand: InstructorDep,
     language: LanguageDep,
     response: Response,
     file: Annotated[UploadFile, File(description=".xlsx, .xls, .ods or CSV; at most 1 MiB.")],
@@ -230,9 +225,9 @@ def import_members(  # noqa: PLR0913, PLR0917
     response.headers.update(PRIVATE)
     content = file.file.read(MOST_BYTES + 1)
     if dry_run:
-        plan = people.plan_import(services, caller, content)
+        plan = people.plan_import(errand.services, errand.caller, content)
     else:
-        plan = people.import_list(services, caller, content, skip=skip, remove=remove)
+        plan = people.import_list(errand.services, errand.caller, content, skip=skip, remove=remove)
     skipped = [SkippedView(row=one.number, reason=one.reason.get(language)) for one in plan.roster.skipped]
     return ImportView.of(plan.change, skipped=skipped, dry_run=dry_run)
 
@@ -242,14 +237,12 @@ def import_members(  # noqa: PLR0913, PLR0917
     summary="Add or change a member",
     responses=responses(*_CHANGING, "invalid_roster", "malformed_body", "too_large"),
 )
-def put_member(
-    services: ServicesDep, caller: InstructorDep, person: PersonId, body: MemberBody, response: Response
-) -> MemberView:
+def put_member(errand: InstructorDep, person: PersonId, body: MemberBody, response: Response) -> MemberView:
     """Put somebody into the course, or change what the body names."""
     response.headers.update(PRIVATE)
     sections = None if body.sections is None else tuple(body.sections)
     entry = RosterEntry(id=person, name=body.name, role=body.role, email=body.email, sections=sections)
-    return MemberView.of(people.set_member(services, caller, entry))
+    return MemberView.of(people.set_member(errand.services, errand.caller, entry))
 
 
 @router.delete(
@@ -259,13 +252,12 @@ def put_member(
     responses=responses(*_CHANGING, "member_not_found", "invalid_roster"),
 )
 def delete_member(
-    services: ServicesDep,
-    caller: InstructorDep,
+    errand: InstructorDep,
     person: PersonId,
     reason: Annotated[str, Query(max_length=1_000, description="Goes into the audit log.")] = "",
 ) -> None:
     """Take somebody out of the course, with their tokens; what they handed in stays stored."""
-    people.remove_member(services, caller, person, reason)
+    people.remove_member(errand.services, errand.caller, person, reason)
 
 
 @router.post(
@@ -274,12 +266,12 @@ def delete_member(
     status_code=status.HTTP_201_CREATED,
     responses=responses(*_CHANGING, "member_not_found", "malformed_body", "too_large"),
 )
-def make_token(
-    services: ServicesDep, caller: InstructorDep, person: PersonId, body: TokenBody, response: Response
-) -> TokenView:
+def make_token(errand: InstructorDep, person: PersonId, body: TokenBody, response: Response) -> TokenView:
     """Return a new token, which is shown this once; older ones work on."""
     response.headers.update(PRIVATE)
-    return TokenView(person=person, token=people.give_token(services, caller, person, body.days))
+    return TokenView(
+        person=person, token=people.give_token(errand.services, errand.caller, person, body.days)
+    )
 
 
 @router.get(
@@ -287,13 +279,11 @@ def make_token(
     summary="By which names a member signs in",
     responses=responses(*ENTRY_PROBLEMS, "forbidden", "member_not_found", "invalid_request"),
 )
-def read_identities(
-    services: ServicesDep, caller: InstructorDep, person: PersonId, response: Response
-) -> IdentityList:
+def read_identities(errand: InstructorDep, person: PersonId, response: Response) -> IdentityList:
     """Return what sign-in providers call a member."""
     response.headers.update(PRIVATE)
-    member = people.member_of(services, caller, person)
-    found = signing_in.ways_of(services, caller, member.id)
+    member = people.member_of(errand.services, errand.caller, person)
+    found = signing_in.ways_of(errand.services, errand.caller, member.id)
     return IdentityList(identities=[IdentityView.of(one) for one in found])
 
 
@@ -304,13 +294,12 @@ def read_identities(
     responses=responses(*_CHANGING, "member_not_found", "identity_not_found"),
 )
 def delete_identity(
-    services: ServicesDep,
-    caller: InstructorDep,
-    person: PersonId,
-    identity: Annotated[str, Path(max_length=16)],
+    errand: InstructorDep, person: PersonId, identity: Annotated[str, Path(max_length=16)]
 ) -> None:
     """End a binding and the sessions that it opened; the next time a token is asked for, or the roster decides."""
-    signing_in.unbind(services, caller, people.member_of(services, caller, person).id, identity)
+    signing_in.unbind(
+        errand.services, errand.caller, people.member_of(errand.services, errand.caller, person).id, identity
+    )
 
 
 @router.get(
@@ -319,8 +308,7 @@ def delete_identity(
     responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
 )
 def read_audit(
-    services: ServicesDep,
-    caller: InstructorDep,
+    errand: InstructorDep,
     response: Response,
     before: Annotated[
         QueryWhole | None, Query(ge=0, le=_LARGEST_ID, description="Only changes older than this id.")
@@ -329,6 +317,6 @@ def read_audit(
 ) -> AuditPage:
     """Return changes of grades and settings in the caller's course."""
     response.headers.update(PRIVATE)
-    entries, more = changes(services, caller, before, limit)
+    entries, more = changes(errand.services, errand.caller, before, limit)
     shown = [AuditView.of(one) for one in entries]
     return AuditPage(entries=shown, next_before=more)

@@ -9,7 +9,7 @@ from pydantic import Field
 from grader.contracts.identity import Seen
 from grader.contracts.platform import NewPlatform
 from grader.service.requests.answers import PRIVATE
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep
+from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases import platform_people, platforms
@@ -83,16 +83,16 @@ class PlatformsView(View):
 
 
 @router.get("", summary="The course's learning platforms", responses=responses(*_READING))
-def read_platforms(services: ServicesDep, caller: InstructorDep, response: Response) -> PlatformsView:
+def read_platforms(errand: InstructorDep, response: Response) -> PlatformsView:
     """Return the platforms, which activities there lead here, and which scores they do not take."""
     response.headers.update(PRIVATE)
     return PlatformsView(
-        platforms=[PlatformView.of(one) for one in platforms.platforms_of(services, caller)],
+        platforms=[PlatformView.of(one) for one in platforms.platforms_of(errand.services, errand.caller)],
         activities=[
             ActivityView.of(one, takes_scores=bool(one.line_item))
-            for one in platforms.links_of(services, caller)
+            for one in platforms.links_of(errand.services, errand.caller)
         ],
-        unsent=[UnsentView.of(one) for one in platforms.troubles_of(services, caller)],
+        unsent=[UnsentView.of(one) for one in platforms.troubles_of(errand.services, errand.caller)],
     )
 
 
@@ -102,10 +102,10 @@ def read_platforms(services: ServicesDep, caller: InstructorDep, response: Respo
     status_code=status.HTTP_201_CREATED,
     responses=responses(*_CHANGING, "invalid_platform", "platform_exists", "too_many_platforms"),
 )
-def post_platform(services: ServicesDep, caller: InstructorDep, body: PlatformBody) -> PlatformView:
+def post_platform(errand: InstructorDep, body: PlatformBody) -> PlatformView:
     """Let a platform (LTI 1.3) send people to the course; it opens no other, and gives nobody a role."""
     new = NewPlatform(**{name: value.strip() for name, value in body.model_dump().items()})
-    return PlatformView.of(platforms.add_platform(services, caller, new))
+    return PlatformView.of(platforms.add_platform(errand.services, errand.caller, new))
 
 
 @router.delete(
@@ -114,9 +114,9 @@ def post_platform(services: ServicesDep, caller: InstructorDep, body: PlatformBo
     status_code=status.HTTP_204_NO_CONTENT,
     responses=responses(*_READING, "platform_not_found"),
 )
-def delete_platform(services: ServicesDep, caller: InstructorDep, platform: PlatformId) -> None:
+def delete_platform(errand: InstructorDep, platform: PlatformId) -> None:
     """Take nobody in from it any more, and send it no scores. Its people are signed out."""
-    platforms.remove_platform(services, caller, platform)
+    platforms.remove_platform(errand.services, errand.caller, platform)
 
 
 class NewPersonView(View):
@@ -148,12 +148,10 @@ _PEOPLE = (*_READING, "platform_not_found", "platform_tells_nobody", "platform_p
     summary="Whom a platform's course has and this one lacks",
     responses=responses(*_PEOPLE),
 )
-def read_people(
-    services: ServicesDep, caller: InstructorDep, platform: PlatformId, response: Response
-) -> PeopleView:
+def read_people(errand: InstructorDep, platform: PlatformId, response: Response) -> PeopleView:
     """Ask the platform (NRPS 2.0). It has said where, once somebody opened an activity there."""
     response.headers.update(PRIVATE)
-    return _people(platform_people.plan(services, caller, platform))
+    return _people(platform_people.plan(errand.services, errand.caller, platform))
 
 
 @router.post(
@@ -162,14 +160,13 @@ def read_people(
     responses=responses(*_PEOPLE, "course_archived", "changed_meanwhile"),
 )
 def post_people(
-    services: ServicesDep,
-    caller: InstructorDep,
+    errand: InstructorDep,
     platform: PlatformId,
     plan: Annotated[str, Query(max_length=64, description="Refuse if others would be added.")] = "",
 ) -> PeopleView:
     """Add as students whom the course lacks."""
     seen = Seen.one(plan) if plan else Seen(None)
-    return _people(platform_people.add(services, caller, platform, seen))
+    return _people(platform_people.add(errand.services, errand.caller, platform, seen))
 
 
 def _people(plan: platform_people.PeoplePlan) -> PeopleView:

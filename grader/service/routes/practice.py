@@ -13,7 +13,7 @@ from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.grading import RunProgress
 from grader.contracts.report import GradeStatus
 from grader.contracts.text import Language
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep, ServicesDep
+from grader.service.requests.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep
 from grader.service.requests.middleware import UploadRoute, single_parts
 from grader.service.routes.problems import problem_of, responses
 from grader.service.routes.submissions import (
@@ -82,10 +82,10 @@ class PracticeRunningView(View):
 
 
 async def _begun(
-    services: ServicesDep, caller: CallerDep, file: UploadedFile, assignment: AssignmentField
+    errand: CallerDep, file: UploadedFile, assignment: AssignmentField
 ) -> AsyncIterator[UnderWay]:
-    content = await file.read(most_upload_bytes(services) + 1)
-    async with practising(services, caller, assignment, file.filename or "", content) as run:
+    content = await file.read(most_upload_bytes(errand.services) + 1)
+    async with practising(errand.services, errand.caller, assignment, file.filename or "", content) as run:
         yield run
 
 

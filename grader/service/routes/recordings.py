@@ -14,7 +14,6 @@ from grader.service.requests.dependencies import (
     ENTRY_PROBLEMS,
     CallerDep,
     LanguageDep,
-    ServicesDep,
     SubmissionId,
 )
 from grader.service.routes.problems import responses
@@ -85,14 +84,15 @@ class TrajectoryView(View):
     },
 )
 def read_trajectory(
-    services: ServicesDep,
-    caller: CallerDep,
+    errand: CallerDep,
     submission_id: SubmissionId,
     case: CaseQuery = None,
     accept_encoding: Annotated[str | None, Header(include_in_schema=False)] = None,
 ) -> Response:
     """Return what the trusted simulator recorded in one run of the script."""
-    return trajectory_answer(recordings.trajectory(services, caller, submission_id, case), accept_encoding)
+    return trajectory_answer(
+        recordings.trajectory(errand.services, errand.caller, submission_id, case), accept_encoding
+    )
 
 
 @router.get(
@@ -110,14 +110,13 @@ def read_trajectory(
     },
 )
 def read_bag(
-    services: ServicesDep,
-    caller: CallerDep,
+    errand: CallerDep,
     submission_id: SubmissionId,
     case: CaseQuery = None,
     accept_encoding: Annotated[str | None, Header(include_in_schema=False)] = None,
 ) -> Response:
     """Return the same bytes each time; they are made when asked for, and nothing is run again."""
-    bag = recordings.bag(services, caller, submission_id, case)
+    bag = recordings.bag(errand.services, errand.caller, submission_id, case)
     headers = {
         "ETag": f'"{bag.tag}"',
         "Vary": "Accept-Encoding",
@@ -137,15 +136,10 @@ def read_bag(
     responses={200: _described("image/png", "binary"), **responses(*_PLOT_PROBLEMS)},
 )
 async def read_plot(
-    services: ServicesDep,
-    submission_id: SubmissionId,
-    language: LanguageDep,
-    caller: CallerDep,
-    *,
-    case: CaseQuery = None,
+    errand: CallerDep, submission_id: SubmissionId, language: LanguageDep, *, case: CaseQuery = None
 ) -> Response:
     """Return a PNG with labels in the language asked for."""
-    return await plot(services, caller, submission_id, case, language, "png")
+    return await plot(errand, submission_id, case, language, "png")
 
 
 @router.get(
@@ -156,12 +150,7 @@ async def read_plot(
     responses={200: _described("image/svg+xml", "xml"), **responses(*_PLOT_PROBLEMS)},
 )
 async def read_drawing(
-    services: ServicesDep,
-    submission_id: SubmissionId,
-    language: LanguageDep,
-    caller: CallerDep,
-    *,
-    case: CaseQuery = None,
+    errand: CallerDep, submission_id: SubmissionId, language: LanguageDep, *, case: CaseQuery = None
 ) -> Response:
     """Return an SVG, text as outlines, with labels in the language asked for."""
-    return await plot(services, caller, submission_id, case, language, "svg")
+    return await plot(errand, submission_id, case, language, "svg")

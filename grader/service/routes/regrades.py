@@ -15,7 +15,6 @@ from grader.service.requests.dependencies import (
     InstructorDep,
     QueryWhole,
     RegradeId,
-    ServicesDep,
     StaffDep,
     SubmissionId,
 )
@@ -176,34 +175,33 @@ class History(View):
         "course_archived",
     ),
 )
-def start(
-    services: ServicesDep, caller: InstructorDep, response: Response, order: RegradeOrder
-) -> RegradeView:
+def start(errand: InstructorDep, response: Response, order: RegradeOrder) -> RegradeView:
     """Queue trial gradings behind all fresh submissions. Nothing changes until they are applied."""
     students = tuple(order.students)
     wanted = Wanted(assignment=order.assignment, which=order.which, students=students)
-    opened = regrading.open_regrade(services, caller, wanted)
+    opened = regrading.open_regrade(errand.services, errand.caller, wanted)
     response.headers["Location"] = f"/api/v1/regrades/{opened.id}"
     return _view(opened)
 
 
 @router.get("", summary="All re-grades", responses=responses(*ENTRY_PROBLEMS, "forbidden"))
-def read_all(services: ServicesDep, caller: StaffDep) -> RegradeList:
+def read_all(errand: StaffDep) -> RegradeList:
     """Return the re-grades of the caller's course."""
-    return RegradeList(regrades=[RegradeSummary.of(one) for one in regrading.all_regrades(services, caller)])
+    return RegradeList(
+        regrades=[RegradeSummary.of(one) for one in regrading.all_regrades(errand.services, errand.caller)]
+    )
 
 
 @router.get("/{regrade_id}", summary="What changes", responses=responses(*_KNOWN, "regrade_not_found"))
 def read(
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     regrade_id: RegradeId,
     *,
     offset: Annotated[QueryWhole, Query(ge=0, le=_MOST, description="Changes left out at the start.")] = 0,
     limit: Annotated[QueryWhole | None, Query(ge=1, le=_MOST, description="Most changes; null: all.")] = None,
 ) -> RegradeView:
     """Return how far a re-grade is, who gains and who loses, by which item. Counts are of all changes."""
-    regrade = regrading.regrade_of(services, caller, regrade_id)
+    regrade = regrading.regrade_of(errand.services, errand.caller, regrade_id)
     return _view(regrade, slice(offset, None if limit is None else offset + limit))
 
 
@@ -214,11 +212,9 @@ def read(
         *_KNOWN, "malformed_body", "too_large", "regrade_not_found", "regrade_running", "regrade_decided"
     ),
 )
-def apply(
-    services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision
-) -> RegradeView:
+def apply(errand: InstructorDep, regrade_id: RegradeId, decision: Decision) -> RegradeView:
     """Make the trial gradings the submissions' latest; earlier ones stay in their history."""
-    return _view(regrading.decide(services, caller, regrade_id, "apply", decision.reason))
+    return _view(regrading.decide(errand.services, errand.caller, regrade_id, "apply", decision.reason))
 
 
 @router.post(
@@ -226,11 +222,9 @@ def apply(
     summary="Forget it",
     responses=responses(*_KNOWN, "malformed_body", "too_large", "regrade_not_found", "regrade_decided"),
 )
-def discard(
-    services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision
-) -> RegradeView:
+def discard(errand: InstructorDep, regrade_id: RegradeId, decision: Decision) -> RegradeView:
     """Drop the trial gradings; every submission stays as it is."""
-    return _view(regrading.decide(services, caller, regrade_id, "discard", decision.reason))
+    return _view(regrading.decide(errand.services, errand.caller, regrade_id, "discard", decision.reason))
 
 
 @router.post(
@@ -246,14 +240,12 @@ def discard(
         "regrade_superseded",
     ),
 )
-def undo(
-    services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision
-) -> RegradeView:
+def undo(errand: InstructorDep, regrade_id: RegradeId, decision: Decision) -> RegradeView:
     """Let the gradings stand again that an applied re-grade replaced, all of them; judgements by people stay.
 
     Later re-grades of the same submissions must be undone first.
     """
-    return _view(regrading.decide(services, caller, regrade_id, "undo", decision.reason))
+    return _view(regrading.decide(errand.services, errand.caller, regrade_id, "undo", decision.reason))
 
 
 @of_submission.get(
@@ -261,12 +253,12 @@ def undo(
     summary="What re-grades changed",
     responses=responses(*ENTRY_PROBLEMS, "invalid_request", "submission_not_found"),
 )
-def read_changes(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> ToldChanges:
+def read_changes(errand: CallerDep, submission_id: SubmissionId) -> ToldChanges:
     """Return old and new points, when and why, as the page of the submission tells its student.
 
     Items that are hidden from the caller are left out. Reading it here does not mark it as seen.
     """
-    found = regrading.told_changes(services, caller, submission_id)
+    found = regrading.told_changes(errand.services, errand.caller, submission_id)
     return ToldChanges(changes=[ToldChangeView.of(one) for one in found])
 
 
@@ -275,9 +267,9 @@ def read_changes(services: ServicesDep, caller: CallerDep, submission_id: Submis
     summary="Every grading of a submission",
     responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request", "submission_not_found"),
 )
-def read_history(services: ServicesDep, caller: StaffDep, submission_id: SubmissionId) -> History:
+def read_history(errand: StaffDep, submission_id: SubmissionId) -> History:
     """Return when, with which versions and why a submission was graded, and by whom again."""
-    found = regrading.history(services, caller, submission_id)
+    found = regrading.history(errand.services, errand.caller, submission_id)
     return History(gradings=[PastGradingView.of(one) for one in found])
 
 

@@ -8,7 +8,6 @@ from grader.service.requests.dependencies import (
     ENTRY_PROBLEMS,
     Address,
     AssignmentId,
-    ServicesDep,
     StaffDep,
 )
 from grader.service.routes.problems import responses
@@ -81,12 +80,12 @@ class SimilarView(View):
         *ENTRY_PROBLEMS, "forbidden", "assignment_not_found", "no_scripts", "invalid_request"
     ),
 )
-async def read(services: ServicesDep, caller: StaffDep, assignment_id: AssignmentId) -> Response:
+async def read(errand: StaffDep, assignment_id: AssignmentId) -> Response:
     """Return where a person should look. It does not say that anybody copied, and no score depends on it.
 
     It takes a second for a class of 300, and is kept until a script or a grading changes.
     """
-    found = await similar(services, caller, assignment_id)
+    found = await similar(errand.services, errand.caller, assignment_id)
     body = await run_in_threadpool(_json, found)
     return Response(body, media_type="application/json", headers={"Cache-Control": "no-store"})
 

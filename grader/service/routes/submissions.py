@@ -28,7 +28,6 @@ from grader.service.requests.dependencies import (
     CallerDep,
     LanguageDep,
     QueryWhole,
-    ServicesDep,
     SubmissionId,
 )
 from grader.service.requests.middleware import UploadRoute, arrival, single_parts
@@ -268,8 +267,7 @@ class SubmissionPage(View):
     responses=responses(*ENTRY_PROBLEMS, "invalid_request"),
 )
 def read_all(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: CallerDep,
+    errand: CallerDep,
     response: Response,
     *,
     student: Annotated[str | None, Query(max_length=64)] = None,
@@ -285,7 +283,7 @@ def read_all(  # noqa: PLR0913
     """Return every submission of the class, page by page; a student gets their own."""
     response.headers["Cache-Control"] = "no-store"
     wanted = SubmissionFilter(student=student, assignment=assignment, state=state, since=since, after=after)
-    found, more = submissions.listed(services, caller, wanted, limit)
+    found, more = submissions.listed(errand.services, errand.caller, wanted, limit)
     lines = [SubmissionLine.of(one) for one in found]
     return SubmissionPage(submissions=lines, next_after=more)
 
@@ -326,8 +324,7 @@ def read_all(  # noqa: PLR0913
     },
 )
 def upload(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: CallerDep,
+    errand: CallerDep,
     arrived_at: Annotated[datetime, Depends(arrival)],
     *,
     file: UploadedFile,
@@ -343,11 +340,11 @@ def upload(  # noqa: PLR0913
         assignment=assignment,
         student=student,
         file_name=file.filename or "",
-        content=file.file.read(most_upload_bytes(services) + 1),
+        content=file.file.read(most_upload_bytes(errand.services) + 1),
         arrived_at=arrived_at,
         key=idempotency_key,
     )
-    submission, repeated = hand_in(services, caller, new)
+    submission, repeated = hand_in(errand.services, errand.caller, new)
     added = _receipt(submission, repeated)
     # checked when it was made: to be checked again, it would wait for a thread twice
     return Response(
@@ -369,20 +366,16 @@ def _receipt(submission: Submission, repeated: bool) -> Receipt:
     responses=responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
 )
 def read(
-    services: ServicesDep,
-    caller: CallerDep,
-    response: Response,
-    language: LanguageDep,
-    submission_id: SubmissionId,
+    errand: CallerDep, response: Response, language: LanguageDep, submission_id: SubmissionId
 ) -> SubmissionView:
     """Return where a submission stands; once graded, with score, rubric items, feedback and what ran."""
-    found = submissions.read(services, caller, submission_id)
+    found = submissions.read(errand.services, errand.caller, submission_id)
     response.headers.update(
         {"Content-Language": language, "Vary": "Accept-Language", "Cache-Control": "no-store"}
     )
     if found.grading is None:  # whoever waits for the result asks often
         return _view(found, language)
-    with services.allowances.costly.one_more(caller, f"submission {submission_id}"):
+    with errand.services.allowances.costly.one_more(errand.caller, f"submission {submission_id}"):
         return _view(found, language)
 
 
@@ -399,12 +392,12 @@ def read(
         **responses(*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_request"),
     },
 )
-def read_report(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> Response:
+def read_report(errand: CallerDep, submission_id: SubmissionId) -> Response:
     """Return the report as it was graded: the same bytes for the same file and assignment.
 
     While rubric items are hidden, students get a copy without them.
     """
-    _, report = graded(services, caller, submission_id)
+    _, report = graded(errand.services, errand.caller, submission_id)
     return Response(report.content, media_type="application/json", headers={"ETag": f'"{report.sha256}"'})
 
 
@@ -423,9 +416,9 @@ def read_report(services: ServicesDep, caller: CallerDep, submission_id: Submiss
         **responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
     },
 )
-def read_source(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> Response:
+def read_source(errand: CallerDep, submission_id: SubmissionId) -> Response:
     """Return what the student uploaded: a script, the answer to a question, or a package as a zip."""
-    submission, source = submissions.read_source(services, caller, submission_id)
+    submission, source = submissions.read_source(errand.services, errand.caller, submission_id)
     headers = {"ETag": f'"{submission.sha256}"'}
     kind = "application/zip" if is_package(source) else "text/plain; charset=utf-8"
     return Response(source, media_type=kind, headers=headers)

@@ -21,6 +21,7 @@ from grader.service.requests.dependencies import (
     PEER,
     SESSION_COOKIE,
     AssignmentId,
+    Errand,
     QueryWhole,
     RegradeId,
     ServicesDep,
@@ -80,17 +81,11 @@ class Visitor:
 
 
 @dataclass(frozen=True, slots=True)
-class Errand:
-    """What a visitor asks for, with what it takes to answer. Functions of pages are given one."""
+class PageErrand(Errand):
+    """What a visitor of a page asks for."""
 
     request: Request
-    services: Services
     visitor: Visitor
-
-    @property
-    def caller(self) -> Caller:
-        """Return who the visitor is to the rest of the service."""
-        return self.visitor.caller
 
     @property
     def language(self) -> Language:
@@ -129,7 +124,7 @@ def _identified(request: Request) -> Visitor:
 
 async def present(
     request: Request, visitor: Annotated[Visitor, Depends(_identified)]
-) -> AsyncIterator[Errand]:
+) -> AsyncIterator[PageErrand]:
     """Dependency of every page: what a visitor asks for.
 
     Raises:
@@ -137,10 +132,10 @@ async def present(
     """
     services = services_of(request)
     with under_way(request, services, visitor.caller):
-        yield Errand(request, services, visitor)
+        yield PageErrand(services, visitor.caller, request, visitor)
 
 
-ErrandDep = Annotated[Errand, Depends(present)]
+ErrandDep = Annotated[PageErrand, Depends(present)]
 
 
 def _costly(weight: int) -> Any:
@@ -156,7 +151,7 @@ COSTLY, DRAWN = _costly(1), _costly(PLOT_WEIGHT)
 """Of pages that take time to make, and of plots: a student has few under way, and few in a minute."""
 
 
-async def require_staff(errand: ErrandDep) -> Errand:
+async def require_staff(errand: ErrandDep) -> PageErrand:
     """Dependency of the class's pages.
 
     Raises:
@@ -170,10 +165,10 @@ async def require_staff(errand: ErrandDep) -> Errand:
     return errand
 
 
-StaffDep = Annotated[Errand, Depends(require_staff)]
+StaffDep = Annotated[PageErrand, Depends(require_staff)]
 
 
-async def require_instructor(errand: StaffDep) -> Errand:
+async def require_instructor(errand: StaffDep) -> PageErrand:
     """Dependency of pages and forms that show or change what only instructors may.
 
     Raises:
@@ -184,10 +179,10 @@ async def require_instructor(errand: StaffDep) -> Errand:
     return errand
 
 
-InstructorDep = Annotated[Errand, Depends(require_instructor)]
+InstructorDep = Annotated[PageErrand, Depends(require_instructor)]
 
 
-async def require_known(errand: ErrandDep) -> Errand:
+async def require_known(errand: ErrandDep) -> PageErrand:
     """Dependency of what is personal: the visitor is asked for their name before anything is looked up.
 
     Raises:
@@ -198,10 +193,10 @@ async def require_known(errand: ErrandDep) -> Errand:
     return errand
 
 
-KnownDep = Annotated[Errand, Depends(require_known)]
+KnownDep = Annotated[PageErrand, Depends(require_known)]
 
 
-async def require_member(errand: ErrandDep) -> Errand:
+async def require_member(errand: ErrandDep) -> PageErrand:
     """Dependency of what rules show or hide: where there are courses, the visitor is asked for their name.
 
     Raises:
@@ -210,10 +205,10 @@ async def require_member(errand: ErrandDep) -> Errand:
     return errand if errand.visitor.open else await require_known(errand)
 
 
-MemberDep = Annotated[Errand, Depends(require_member)]
+MemberDep = Annotated[PageErrand, Depends(require_member)]
 
 
-def seen(errand: Errand, submission_id: str) -> tuple[Submission, StoredReport | None]:
+def seen(errand: PageErrand, submission_id: str) -> tuple[Submission, StoredReport | None]:
     """Return a submission and its grading, if there is one yet, to somebody who may see it.
 
     Raises:
@@ -224,7 +219,7 @@ def seen(errand: Errand, submission_id: str) -> tuple[Submission, StoredReport |
     return submission, stored
 
 
-def require_sight(errand: Errand, submission_id: str) -> Submission:
+def require_sight(errand: PageErrand, submission_id: str) -> Submission:
     """Return a submission, without its grading, to somebody who may see it.
 
     Raises:

@@ -12,7 +12,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Role, Seen, sections_of
 from grader.contracts.judgement import JudgedItem
 from grader.service.web import access
-from grader.service.web.access import Errand, KnownDep, StaffDep, SubmissionId, require_staff
+from grader.service.web.access import KnownDep, PageErrand, StaffDep, SubmissionId, require_staff
 from grader.service.web.forms import require_own_form
 from grader.service.web.judging import AT_FIELDS, typed_points
 from grader.service.web.pages import page
@@ -137,7 +137,7 @@ def _errors(form: AnswerForm) -> dict[str, str]:
 
 
 def _one(
-    errand: Errand, submission_id: str, form: AnswerForm, errors: dict[str, str] | None = None
+    errand: PageErrand, submission_id: str, form: AnswerForm, errors: dict[str, str] | None = None
 ) -> Response:
     submission = access.require_sight(errand, submission_id)
     found = {one.item: one for one in appealing.appeals_of(errand.services, errand.caller, submission.id)}
@@ -162,7 +162,7 @@ def _one(
     )
 
 
-def _judged(errand: Errand, submission_id: str, item: str) -> JudgedItem | None:
+def _judged(errand: PageErrand, submission_id: str, item: str) -> JudgedItem | None:
     """Return the item as it is now; None when a later grading does not have it."""
     items = judging.items_of(errand.services, errand.caller, submission_id)[1]
     return next((one for one in items if one.id == item), None)

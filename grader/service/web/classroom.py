@@ -14,7 +14,7 @@ from grader.formats.packages.bundle import text_of
 from grader.messages import outline
 from grader.render.labels import status_word
 from grader.service.web import access
-from grader.service.web.access import Errand, StaffDep, require_staff
+from grader.service.web.access import PageErrand, StaffDep, require_staff
 from grader.service.web.comparison import compare
 from grader.service.web.matrix import SHOWS, MatrixQuery, matrix
 from grader.service.web.pages import page
@@ -165,12 +165,12 @@ def read_service(errand: StaffDep) -> Response:
     )
 
 
-def _overview(errand: Errand) -> Overview:
+def _overview(errand: PageErrand) -> Overview:
     state = class_state(errand.services, errand.caller)
     return overview(errand.services, errand.caller, state, errand.language)
 
 
-def _graded(errand: Errand, submission_id: str) -> tuple[Submission, StoredReport]:
+def _graded(errand: PageErrand, submission_id: str) -> tuple[Submission, StoredReport]:
     submission, stored = access.seen(errand, submission_id)
     if stored is None:
         raise RefusedError("not_graded_yet")

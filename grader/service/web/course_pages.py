@@ -9,8 +9,8 @@ from pydantic import BaseModel, Field
 from grader.contracts.errors import RefusedError
 from grader.service.requests.answers import to_save
 from grader.service.web.access import (
-    Errand,
     InstructorDep,
+    PageErrand,
     QueryWhole,
     StaffDep,
     require_staff,
@@ -109,7 +109,7 @@ def forget_student(
 
 
 def _course_page(  # noqa: PLR0913
-    errand: Errand,
+    errand: PageErrand,
     *,
     form: CopyForm | None = None,
     error: RefusedError | None = None,

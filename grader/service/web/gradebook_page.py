@@ -15,7 +15,7 @@ from grader.contracts.identity import Member, sections_of
 from grader.contracts.rubric import summed
 from grader.formats.sheets.writing import MEDIA_TYPE
 from grader.service.requests.answers import to_save
-from grader.service.web.access import Errand, StaffDep, require_staff
+from grader.service.web.access import PageErrand, StaffDep, require_staff
 from grader.service.web.errors import FormProblem, form_problem
 from grader.service.web.forms import MOST_FILE_BYTES, require_own_form
 from grader.service.web.pages import page
@@ -131,7 +131,7 @@ def _file(content: str | bytes, name: str, media_type: str) -> Response:
 
 
 def _gradebook_page(
-    errand: Errand, query: BookQuery, problem: FormProblem | None = None, column: str = ""
+    errand: PageErrand, query: BookQuery, problem: FormProblem | None = None, column: str = ""
 ) -> Response:
     members, scores = gradebook.book(errand.services, errand.caller)
     assignments = in_course(errand.services, errand.caller)

@@ -8,7 +8,7 @@ from fastapi.responses import JSONResponse
 from grader.contracts.judgement import judged
 from grader.service.requests.answers import to_save
 from grader.service.web import access
-from grader.service.web.access import Errand, QueryWhole, StaffDep, SubmissionId, require_staff
+from grader.service.web.access import PageErrand, QueryWhole, StaffDep, SubmissionId, require_staff
 from grader.service.web.comparison import compare
 from grader.service.web.pages import page
 from grader.use_cases.gradebook import Platform, exported
@@ -70,7 +70,7 @@ def read_prairielearn(errand: StaffDep, submission_id: SubmissionId) -> Response
     return _export(errand, submission_id, "prairielearn")
 
 
-def _export(errand: Errand, submission_id: str, platform: Platform) -> Response:
+def _export(errand: PageErrand, submission_id: str, platform: Platform) -> Response:
     submission, _ = access.seen(errand, submission_id)
     document = exported(errand.services, errand.caller, submission.id, platform, errand.language)
     return JSONResponse(document, headers=to_save(f"{platform}-{submission.id}.json"))

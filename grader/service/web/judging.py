@@ -15,7 +15,7 @@ from grader.contracts.identity import Seen
 from grader.contracts.judgement import JudgedItem, is_comment
 from grader.contracts.notation import decimal, written
 from grader.service.web import access
-from grader.service.web.access import Errand, StaffDep, SubmissionId, require_staff
+from grader.service.web.access import PageErrand, StaffDep, SubmissionId, require_staff
 from grader.service.web.forms import require_own_form
 from grader.service.web.pages import page
 from grader.service.web.paging import PageQuery, pages_of
@@ -182,7 +182,7 @@ def _counts(item: JudgedItem) -> float | None:
 
 
 def _several(
-    errand: Errand, submission_id: str, form: SeveralPoints, errors: dict[str, str] | None = None
+    errand: PageErrand, submission_id: str, form: SeveralPoints, errors: dict[str, str] | None = None
 ) -> Response:
     submission, items = judging.items_of(errand.services, errand.caller, submission_id)
     if not judging.may_correct(errand.services, errand.caller, submission.assignment):
@@ -242,7 +242,7 @@ def typed_points(text: str) -> float:
 
 
 def _desk(
-    errand: Errand, submission_id: str, form: PointsForm, errors: dict[str, str] | None = None
+    errand: PageErrand, submission_id: str, form: PointsForm, errors: dict[str, str] | None = None
 ) -> Response:
     submission, items = judging.items_of(errand.services, errand.caller, submission_id)
     corrects = judging.may_correct(errand.services, errand.caller, submission.assignment)

@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.notice import GROUPS, MailWishes, NewWebhook, NoticeKind, Outlet, Vendor
-from grader.service.web.access import Errand, InstructorDep, require_staff
+from grader.service.web.access import InstructorDep, PageErrand, require_staff
 from grader.service.web.errors import form_problem
 from grader.service.web.forms import require_own_form
 from grader.service.web.pages import page
@@ -91,7 +91,7 @@ def _back(done: str) -> Response:
 
 
 def _page(
-    errand: Errand,
+    errand: PageErrand,
     *,
     error: RefusedError | None = None,
     of: Outlet | None = None,

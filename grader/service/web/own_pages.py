@@ -8,7 +8,7 @@ from fastapi.responses import RedirectResponse
 from grader.contracts.errors import RefusedError
 from grader.contracts.own_assignment import OwnState
 from grader.service.requests.answers import to_save
-from grader.service.web.access import Errand, InstructorDep, StaffDep, require_staff, services_of
+from grader.service.web.access import InstructorDep, PageErrand, StaffDep, require_staff, services_of
 from grader.service.web.errors import form_problem
 from grader.service.web.forms import MOST_FILE_BYTES, require_own_form
 from grader.service.web.pages import page
@@ -54,7 +54,7 @@ def remove(
     return RedirectResponse("/class/own?done=removed", status_code=303)
 
 
-def _page(errand: Errand, *, error: RefusedError | None = None, of: str = "", done: str = "") -> Response:
+def _page(errand: PageErrand, *, error: RefusedError | None = None, of: str = "", done: str = "") -> Response:
     services = services_of(errand.request)
     found = own_assignments.own_assignments(services, errand.caller)
     known = {one.id: one.title for one in services.assignments.of(errand.caller.course).all()}

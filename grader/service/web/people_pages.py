@@ -15,8 +15,8 @@ from grader.formats.sheets.writing import csv_table
 from grader.render.audit_lines import Teller
 from grader.service.requests.answers import to_save
 from grader.service.web.access import (
-    Errand,
     InstructorDep,
+    PageErrand,
     QueryWhole,
     StaffDep,
     require_staff,
@@ -202,7 +202,7 @@ def read_audit(
 
 
 def _people_page(  # noqa: PLR0913
-    errand: Errand,
+    errand: PageErrand,
     *,
     search: str = "",
     section: str = "",
@@ -237,7 +237,7 @@ def _people_page(  # noqa: PLR0913
 
 
 def _member_page(  # noqa: PLR0913
-    errand: Errand,
+    errand: PageErrand,
     member: Member,
     *,
     form: MemberForm | None = None,

@@ -16,7 +16,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen
 from grader.contracts.platform import NewPlatform
 from grader.outside.lti import Kept
-from grader.service.web.access import Errand, InstructorDep, ServicesDep, require_staff
+from grader.service.web.access import InstructorDep, PageErrand, ServicesDep, require_staff
 from grader.service.web.errors import FRAMES, form_problem
 from grader.service.web.forms import require_own_form
 from grader.service.web.pages import page
@@ -148,7 +148,7 @@ def add_people(
     return RedirectResponse("/class/people?done=imported", status_code=303)
 
 
-def _people(errand: Errand, platform: str, *, meanwhile: bool = False) -> Response:
+def _people(errand: PageErrand, platform: str, *, meanwhile: bool = False) -> Response:
     try:
         plan = platform_people.plan(errand.services, errand.caller, platform)
     except RefusedError as error:
@@ -170,7 +170,7 @@ def _login(request: Request, services: ServicesDep, said: dict[str, str]) -> Res
     return response
 
 
-def _desk(errand: Errand, form: PlatformForm | None = None, **shown: Any) -> Response:
+def _desk(errand: PageErrand, form: PlatformForm | None = None, **shown: Any) -> Response:
     public_url, problem = errand.services.providers.public_url, shown.get("problem")
     return page(
         errand.request,

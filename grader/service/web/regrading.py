@@ -116,7 +116,7 @@ def read_change(errand: StaffDep, regrade_id: RegradeId, submission_id: str) -> 
     )
 
 
-def _list(errand: access.Errand, order: Order, wrong: FormError | None = None) -> Response:
+def _list(errand: access.PageErrand, order: Order, wrong: FormError | None = None) -> Response:
     assignments = errand.services.assignments.of(errand.caller.course).all()
     return page(
         errand.request,
@@ -132,7 +132,7 @@ def _list(errand: access.Errand, order: Order, wrong: FormError | None = None) -
 
 
 def _one(
-    errand: access.Errand, regrade_id: str, query: ChangesQuery, wrong: FormError | None = None
+    errand: access.PageErrand, regrade_id: str, query: ChangesQuery, wrong: FormError | None = None
 ) -> Response:
     regrade = regrade_of(errand.services, errand.caller, regrade_id)
     known, language = names(errand.services, errand.caller), errand.language
@@ -148,7 +148,7 @@ def _one(
     return page(errand.request, "regrade.html", status=200 if wrong is None else 422, **values)
 
 
-def _refused_students(errand: access.Errand, students: list[str]) -> FormError | None:
+def _refused_students(errand: access.PageErrand, students: list[str]) -> FormError | None:
     """Return what is wrong with the named students, None when nothing is."""
     language, known = errand.language, names(errand.services, errand.caller)
     unknown = [one for one in students if not is_person_id(one) or (known and one not in known)]

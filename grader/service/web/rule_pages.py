@@ -11,7 +11,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen, sections_of
 from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Corrector, Counts, Shown
 from grader.render.audit_lines import Teller
-from grader.service.web.access import AssignmentId, Errand, InstructorDep, StaffDep, require_staff
+from grader.service.web.access import AssignmentId, InstructorDep, PageErrand, StaffDep, require_staff
 from grader.service.web.forms import require_own_form
 from grader.service.web.pages import page
 from grader.service.web.rule_form import (
@@ -44,7 +44,7 @@ def read_all(errand: StaffDep, saved: Annotated[str, Query(pattern="^1?$")] = ""
 
 
 def overview_page(
-    errand: Errand, *, form: object = None, errors: dict[str, str] | None = None, saved: bool = False
+    errand: PageErrand, *, form: object = None, errors: dict[str, str] | None = None, saved: bool = False
 ) -> Response:
     """Return the page of all rules; `form` and `errors` of what was typed for several assignments."""
     known = errand.services.rules.of(errand.caller.course)
@@ -150,7 +150,7 @@ def extend(
 
 
 def _page(  # noqa: PLR0913
-    errand: Errand,
+    errand: PageErrand,
     assignment: Assignment,
     *,
     form: RuleForm | None = None,
@@ -186,7 +186,7 @@ def _page(  # noqa: PLR0913
     )
 
 
-def _sections(errand: Errand, known: CourseRules, assignment_id: str) -> list[tuple[str, str, str]]:
+def _sections(errand: PageErrand, known: CourseRules, assignment_id: str) -> list[tuple[str, str, str]]:
     """Return every section with its own due date (else nothing) and what lateness costs there."""
     rules, teller = known.of(assignment_id), Teller(errand.language, known.zone)
     own = {one.section: teller.value("due", one.due.isoformat()) for one in rules.by_section}

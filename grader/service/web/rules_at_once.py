@@ -12,7 +12,7 @@ from pydantic import BaseModel, Field
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Role
 from grader.contracts.rules import NO_EXTENSION, Corrector, Extension, RuleError, Rules, Shown
-from grader.service.web.access import Errand, InstructorDep, require_staff
+from grader.service.web.access import InstructorDep, PageErrand, require_staff
 from grader.service.web.forms import require_own_form
 from grader.service.web.rule_form import Reader
 from grader.service.web.rule_pages import overview_page
@@ -56,7 +56,7 @@ def change_several(errand: InstructorDep, form: Annotated[SeveralForm, Form()]) 
     return RedirectResponse("/class/rules?saved=1", status_code=303)
 
 
-def _change(errand: Errand, form: SeveralForm) -> dict[str, str]:
+def _change(errand: PageErrand, form: SeveralForm) -> dict[str, str]:
     """Change the rules of the assignments; return what is wrong, by field."""
     known = {one: course_rules(errand.services, errand.caller, one) for one in form.assignment}
     reader = Reader(next(iter(known.values())).zone)
@@ -78,7 +78,7 @@ def _change(errand: Errand, form: SeveralForm) -> dict[str, str]:
     return reader.errors
 
 
-def _extend(errand: Errand, form: SeveralForm) -> dict[str, str]:
+def _extend(errand: PageErrand, form: SeveralForm) -> dict[str, str]:
     """Give several students more; return what is wrong, by field. What is left empty stays as each had it."""
     known = {one: course_rules(errand.services, errand.caller, one) for one in form.assignment}
     reader = Reader(next(iter(known.values())).zone)

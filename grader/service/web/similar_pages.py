@@ -10,7 +10,7 @@ from starlette.concurrency import run_in_threadpool
 
 from grader.contracts.identity import Caller
 from grader.contracts.text import Language
-from grader.service.web.access import Errand, StaffDep, require_staff
+from grader.service.web.access import PageErrand, StaffDep, require_staff
 from grader.service.web.pages import page
 from grader.service.web.source import source_view
 from grader.similarity.places import Range
@@ -89,7 +89,7 @@ def _title(services: Services, caller: Caller, assignment_id: str, language: Lan
     return assignment_id if assignment is None else assignment.title.get(language)
 
 
-def _scripts(errand: Errand, shown: SideBySide) -> tuple[MarkedScript, MarkedScript]:
+def _scripts(errand: PageErrand, shown: SideBySide) -> tuple[MarkedScript, MarkedScript]:
     known, pair = names(errand.services, errand.caller), shown.pair
     ours = [(place.first, place.second) for place in pair.found.places]
     theirs = [(there, here) for here, there in ours]

@@ -15,7 +15,7 @@ from grader.operation.context import note
 from grader.render.audit_lines import Teller
 from grader.service.requests.middleware import UploadRoute, arrival_of
 from grader.service.web import access
-from grader.service.web.access import COSTLY, Errand, KnownDep, MemberDep
+from grader.service.web.access import COSTLY, KnownDep, MemberDep, PageErrand
 from grader.service.web.errors import form_problem
 from grader.service.web.forms import require_own_form
 from grader.service.web.pages import page
@@ -103,13 +103,13 @@ def read_attempts(errand: KnownDep) -> Response:
     )
 
 
-def _attempts(errand: Errand, assignment: str | None = None) -> tuple[PastAttempt, ...]:
+def _attempts(errand: PageErrand, assignment: str | None = None) -> tuple[PastAttempt, ...]:
     student = errand.visitor.student
     return () if student is None else history(errand.services, errand.caller, student, assignment)
 
 
 def _assignment_page(
-    errand: Errand, assignment: Assignment, problem: RefusedError | None = None, given: str = ""
+    errand: PageErrand, assignment: Assignment, problem: RefusedError | None = None, given: str = ""
 ) -> Response:
     services, caller, language = errand.services, errand.caller, errand.language
     terms = None if caller.course is None else terms_of(services, caller, assignment.id)

@@ -28,7 +28,15 @@ from grader.service.requests.answers import plot
 from grader.service.requests.compression import trajectory_answer
 from grader.service.routes.events import LastEventId, events, owner_of, watched
 from grader.service.web import access
-from grader.service.web.access import COSTLY, DRAWN, Errand, KnownDep, ServicesDep, SubmissionId, language_of
+from grader.service.web.access import (
+    COSTLY,
+    DRAWN,
+    KnownDep,
+    PageErrand,
+    ServicesDep,
+    SubmissionId,
+    language_of,
+)
 from grader.service.web.comparison import DiffLine, changes
 from grader.service.web.forms import require_own_form
 from grader.service.web.pages import page
@@ -215,11 +223,11 @@ def read_film(errand: KnownDep, submission_id: SubmissionId, case: Case = None) 
 async def read_plot(errand: KnownDep, submission_id: SubmissionId, case: Case = None) -> Response:
     """Return the picture of one run, for browsers without scripts and for comparing."""
     await run_in_threadpool(access.require_sight, errand, submission_id)
-    return await plot(errand.services, errand.caller, submission_id, case, errand.language, "png")
+    return await plot(errand, submission_id, case, errand.language, "png")
 
 
 def _corrections(
-    errand: Errand, submission: Submission, stored: StoredReport | None
+    errand: PageErrand, submission: Submission, stored: StoredReport | None
 ) -> dict[str, JudgedItem]:
     """Return the items by id, for whoever may correct what the machine gave; else none."""
     if stored is None or not may_correct(errand.services, errand.caller, submission.assignment):
@@ -239,7 +247,7 @@ def _line_of(services: Services, submission: Submission, error: StudentError) ->
     return line_in_text(source, error.file, error.line or 0)
 
 
-def _beside(errand: Errand, submission: Submission) -> dict[str, Any]:
+def _beside(errand: PageErrand, submission: Submission) -> dict[str, Any]:
     """Return what the page shows beside a submission: other attempts, other students, what the rules say now."""
     caller = errand.caller
     attempts = submissions.history(errand.services, caller, submission.student, submission.assignment)
@@ -254,7 +262,7 @@ def _beside(errand: Errand, submission: Submission) -> dict[str, Any]:
     }
 
 
-def _comments(errand: Errand, submission: Submission) -> dict[str, Any]:
+def _comments(errand: PageErrand, submission: Submission) -> dict[str, Any]:
     """Return the comments by line, those about the whole under None, and what their authors are called."""
     found = commenting.look(errand.services, errand.caller, submission)
     by_line: dict[int | None, list[Comment]] = {}
@@ -268,7 +276,7 @@ def _comments(errand: Errand, submission: Submission) -> dict[str, Any]:
     }
 
 
-def _appeals(errand: Errand, submission: Submission, stored: StoredReport | None) -> dict[str, Any]:
+def _appeals(errand: PageErrand, submission: Submission, stored: StoredReport | None) -> dict[str, Any]:
     """Return the appeals by item, and the items about which the visitor may ask now."""
     known = appealing.look(errand.services, errand.caller, submission)
     return {
@@ -305,7 +313,7 @@ def _cut_output(services: Services, stored: StoredReport) -> dict[str, tuple[Str
 
 
 def _result(
-    errand: Errand, assignment: Assignment | None, stored: StoredReport | None, case: str | None
+    errand: PageErrand, assignment: Assignment | None, stored: StoredReport | None, case: str | None
 ) -> dict[str, Any]:
     if stored is None:
         return {"result": None, "replay": False}
