@@ -386,15 +386,10 @@ def _judgements_in_log(change: ScoreChange) -> dict[str, list[str]]:
 
 
 def _past(grading: GradingRow, regrade: RegradeRow | None, standing: int | None) -> PastGrading:
-    return PastGrading(
-        attempt=grading.attempt,
-        finished_at=grading.finished_at,
-        grader_version=grading.grader_version,
-        assignment_version=grading.assignment_version,
+    return as_contract(
+        grading,
+        PastGrading,
         status=grading.verdict,
-        score=grading.score,
-        max_score=grading.max_score,
-        report_sha256=grading.report_sha256,
         by="" if regrade is None else regrade.decided_by,
         reason="" if regrade is None else regrade.reason,
         stands=grading.attempt == standing,
