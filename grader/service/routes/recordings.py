@@ -6,8 +6,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Header, Query, Response
 from pydantic import Field
 
-from grader.service.requests.answers import plot
-from grader.service.requests.compression import accepts_gzip, trajectory_answer
+from grader.service.requests.answers import accepts_gzip, plot, trajectory_answer
 from grader.service.requests.dependencies import (
     COSTLY,
     DRAWN,

@@ -24,8 +24,7 @@ from grader.contracts.report import report_from
 from grader.contracts.submission import StoredReport, Submission
 from grader.formats.packages.bundle import line_in_text, text_of
 from grader.messages import on_page
-from grader.service.requests.answers import plot
-from grader.service.requests.compression import trajectory_answer
+from grader.service.requests.answers import plot, trajectory_answer
 from grader.service.routes.events import LastEventId, events, owner_of, watched
 from grader.service.web import access
 from grader.service.web.access import (
