@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from datetime import datetime
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, File, Form, Header, Query, Response, UploadFile, status
+from fastapi import APIRouter, Depends, File, Form, Header, Query, Request, Response, UploadFile, status
 from pydantic import BeforeValidator, Field
 from pydantic_core import PydanticCustomError
 
@@ -30,7 +30,7 @@ from grader.service.requests.dependencies import (
     QueryWhole,
     SubmissionId,
 )
-from grader.service.requests.middleware import UploadRoute, arrival, single_parts
+from grader.service.requests.middleware import UploadRoute, arrival_of, single_parts
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases import submissions
@@ -325,7 +325,7 @@ def read_all(  # noqa: PLR0913
 )
 def upload(  # noqa: PLR0913
     errand: CallerDep,
-    arrived_at: Annotated[datetime, Depends(arrival)],
+    request: Request,
     *,
     file: UploadedFile,
     assignment: AssignmentField,
@@ -341,7 +341,7 @@ def upload(  # noqa: PLR0913
         student=student,
         file_name=file.filename or "",
         content=file.file.read(most_upload_bytes(errand.services) + 1),
-        arrived_at=arrived_at,
+        arrived_at=arrival_of(request),
         key=idempotency_key,
     )
     submission, repeated = hand_in(errand.services, errand.caller, new)
