@@ -30,6 +30,17 @@ _PAGE = 50
 _MOST_ITEMS = 200
 _CENT = 2  # decimals of points
 
+AT_FIELDS: Mapping[str, tuple[str, str]] = {
+    "invalid_points": ("points", "judge.error.points"),
+    "points_unchanged": ("points", "judge.error.same"),
+    "invalid_request": ("comment", "judge.error.reason"),
+    "judged_meanwhile": ("form", "judge.error.meanwhile"),
+}
+"""Problems that the form shows: the field, and the id of the sentence about it."""
+
+_SEVERAL = {"invalid_points": "judge.error.some_points", "points_unchanged": "judge.error.some_same"}
+"""What a form about several items says otherwise."""
+
 
 class WaitingQuery(PageQuery):
     """Which waiting answers are listed."""
@@ -199,18 +210,6 @@ def _several(
         errors=errors or {},
         longest_comment=LONGEST_COMMENT,
     )
-
-
-_SEVERAL = {"invalid_points": "judge.error.some_points", "points_unchanged": "judge.error.some_same"}
-"""What a form about several items says otherwise."""
-
-AT_FIELDS: Mapping[str, tuple[str, str]] = {
-    "invalid_points": ("points", "judge.error.points"),
-    "points_unchanged": ("points", "judge.error.same"),
-    "invalid_request": ("comment", "judge.error.reason"),
-    "judged_meanwhile": ("form", "judge.error.meanwhile"),
-}
-"""Problems that the form shows: the field, and the id of the sentence about it."""
 
 
 def _read(form: PointsForm) -> tuple[tuple[float, str] | None, dict[str, str]]:
