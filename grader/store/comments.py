@@ -83,8 +83,7 @@ class Comments(StorePart):
             .group_by(col(CommentRow.submission_id))
             .order_by(col(CommentRow.submission_id))
         )
-        with self._database.reading() as session:
-            return {row[0]: row[1] for row in session.execute(statement)}
+        return {row[0]: row[1] for row in self._rows(statement)}
 
 
 def _of(session: Session, submission_id: str) -> tuple[Comment, ...]:
