@@ -39,9 +39,6 @@ Address = Annotated[str, BeforeValidator(lambda submission: SUBMISSIONS + submis
 SESSION_COOKIE = "grader_session"
 """Cookie by which a browser shows its session instead of a token."""
 
-ENTRY_PROBLEMS = ("unauthorized", "too_many_requests", "too_many_at_once")
-"""Problems of every endpoint that asks who it is."""
-
 bearer = HTTPBearer(
     auto_error=False,
     scheme_name="Token",

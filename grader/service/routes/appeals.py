@@ -10,7 +10,6 @@ from grader.contracts.appeal import LONGEST_TEXT, Appeal, AppealState
 from grader.contracts.judgement import COMMENT_PATTERN
 from grader.contracts.text import Language
 from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
     SIGHT,
     SUBMISSIONS,
     CallerDep,
@@ -32,7 +31,7 @@ from grader.use_cases.bodies import Body, Number
 
 router = APIRouter(prefix="/api/v1/appeals", tags=["appeals"])
 of_submission = APIRouter(prefix="/api/v1/submissions", tags=["appeals"], dependencies=[SIGHT])
-_KNOWN = (*ENTRY_PROBLEMS, "submission_not_found", "invalid_request")
+_KNOWN = ("submission_not_found", "invalid_request")
 _BODY = ("malformed_body", "too_large", "forbidden", "course_archived")
 _MOST_PER_PAGE = 500
 _MOST = 1_000_000
@@ -95,7 +94,7 @@ class AppealQueue(View):
 @router.get(
     "",
     summary="What students ask to be looked at again",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+    responses=responses("forbidden", "invalid_request"),
 )
 def read_appeals(  # noqa: PLR0913
     errand: StaffDep,

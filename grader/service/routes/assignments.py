@@ -9,7 +9,7 @@ from grader.checks import published_rubric
 from grader.contracts.assignment import Assignment, Distro, ItemSpec
 from grader.contracts.rubric import PublishedItem
 from grader.contracts.text import Language
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep
+from grader.service.requests.dependencies import CallerDep, LanguageDep
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases.assignments import checklist, visible_assignment
@@ -81,7 +81,7 @@ class AssignmentList(View):
     assignments: list[AssignmentSummary]
 
 
-@router.get("", summary="All assignments", responses=responses(*ENTRY_PROBLEMS, "invalid_request"))
+@router.get("", summary="All assignments", responses=responses("invalid_request"))
 def list_all(errand: CallerDep, response: Response, language: LanguageDep) -> AssignmentList:
     """Return the checklist."""
     _set_language(response, language)
@@ -96,7 +96,7 @@ def list_all(errand: CallerDep, response: Response, language: LanguageDep) -> As
 @router.get(
     "/{assignment_id}",
     summary="One assignment with its rubric",
-    responses=responses(*ENTRY_PROBLEMS, "assignment_not_found", "invalid_request"),
+    responses=responses("assignment_not_found", "invalid_request"),
 )
 def read(
     errand: CallerDep,

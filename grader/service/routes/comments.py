@@ -8,7 +8,7 @@ from pydantic import Field
 
 from grader.contracts.comment import LONGEST_COMMENT
 from grader.contracts.judgement import COMMENT_PATTERN
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, CallerDep, SubmissionId
+from grader.service.requests.dependencies import CallerDep, SubmissionId
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases import commenting
@@ -56,7 +56,7 @@ class CommentList(View):
 @router.get(
     "/{submission_id}/comments",
     summary="What people wrote about it",
-    responses=responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
+    responses=responses("submission_not_found", "invalid_request"),
 )
 def read_comments(errand: CallerDep, submission_id: SubmissionId) -> CommentList:
     """Return the comments of staff and student. Reading them here does not mark them as seen."""
@@ -68,9 +68,7 @@ def read_comments(errand: CallerDep, submission_id: SubmissionId) -> CommentList
     "/{submission_id}/comments",
     status_code=status.HTTP_201_CREATED,
     summary="Write about it",
-    responses=responses(
-        *ENTRY_PROBLEMS, "submission_not_found", "no_course", "course_archived", "invalid_request"
-    ),
+    responses=responses("submission_not_found", "no_course", "course_archived", "invalid_request"),
 )
 def add_comment(errand: CallerDep, submission_id: SubmissionId, body: CommentBody) -> CommentView:
     """Add a comment: the student's for the staff, the staff's for the student. It cannot be taken back."""

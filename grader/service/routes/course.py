@@ -7,7 +7,7 @@ from fastapi.responses import StreamingResponse
 from pydantic import Field
 
 from grader.service.requests.answers import PRIVATE, to_save
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, StaffDep
+from grader.service.requests.dependencies import InstructorDep, StaffDep
 from grader.service.routes.people import CourseView, PersonId
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
@@ -21,7 +21,7 @@ async def _keep_private(response: Response) -> None:
 
 
 router = APIRouter(prefix="/api/v1", tags=["course"], dependencies=[Depends(_keep_private)])
-_READING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "invalid_request")
+_READING = ("forbidden", "no_course", "invalid_request")
 _CHANGING = (*_READING, "malformed_body", "too_large")
 
 

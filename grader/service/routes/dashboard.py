@@ -14,7 +14,6 @@ from grader.contracts.report import GradeStatus
 from grader.contracts.submission import SubmissionState
 from grader.contracts.text import Language
 from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
     Address,
     AssignmentId,
     Errand,
@@ -174,7 +173,7 @@ class ConcernedList(View):
 @router.get(
     "/costs",
     summary="Who costs the service how much",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden"),
+    responses=responses("forbidden"),
 )
 def read_costs(errand: StaffDep, response: Response) -> CostsView:
     """Return how long the gradings of each student took in the last hour, and how many wait."""
@@ -191,7 +190,7 @@ def read_costs(errand: StaffDep, response: Response) -> CostsView:
             "headers": {"ETag": {"description": "Of everything but instants.", "schema": {"type": "string"}}}
         },
         304: {"description": "Nothing changed since the answer with the ETag of If-None-Match."},
-        **responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+        **responses("forbidden", "invalid_request"),
     },
 )
 def read_class(  # noqa: PLR0913
@@ -256,7 +255,7 @@ def _tag(errand: Errand, state: ClassState, language: Language, selection: Selec
 @of_assignment.get(
     "/{assignment_id}/students",
     summary="Who is behind a number",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden", "assignment_not_found", "invalid_request"),
+    responses=responses("forbidden", "assignment_not_found", "invalid_request"),
 )
 def read_concerned(
     errand: StaffDep,

@@ -25,7 +25,6 @@ from grader.contracts.submission import SubmissionState
 from grader.contracts.text import Language
 from grader.render.labels import status_word
 from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
     SIGHT,
     CallerDep,
     LanguageDep,
@@ -207,7 +206,7 @@ async def _watched_class(
     responses={
         200: {"description": "Events `progress` (their data: `ProgressView`) until it is graded."},
         204: {"description": "Nothing more will happen, and the last event was received."},
-        **responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request", *_PROBLEMS),
+        **responses("submission_not_found", "invalid_request", *_PROBLEMS),
     },
 )
 async def follow_submission(
@@ -228,7 +227,7 @@ async def follow_submission(
     response_class=EventSourceResponse,
     responses={
         200: {"description": "Events `class` (their data: `ClassProgressView`) until the client goes."},
-        **responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request", *_PROBLEMS),
+        **responses("forbidden", "invalid_request", *_PROBLEMS),
     },
 )
 async def follow_class(

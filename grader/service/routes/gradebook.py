@@ -7,15 +7,7 @@ from fastapi.responses import JSONResponse
 
 from grader.formats.sheets.writing import MEDIA_TYPE
 from grader.service.requests.answers import to_save
-from grader.service.requests.dependencies import (
-    COSTLY,
-    ENTRY_PROBLEMS,
-    SIGHT,
-    CallerDep,
-    LanguageDep,
-    StaffDep,
-    SubmissionId,
-)
+from grader.service.requests.dependencies import COSTLY, SIGHT, CallerDep, LanguageDep, StaffDep, SubmissionId
 from grader.service.requests.middleware import MOST_BYTES
 from grader.service.routes.problems import responses
 from grader.use_cases.gradebook import (
@@ -41,7 +33,7 @@ AssignmentQuery = Annotated[
 ColumnQuery = Annotated[str, Query(min_length=1, max_length=100, examples=["平时成绩"])]
 _WORKBOOK = {MEDIA_TYPE: {"schema": {"type": "string", "format": "binary"}}}
 _JSON = {"application/json": {"schema": {"type": "object"}}}
-_ONE = (*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_request")
+_ONE = ("submission_not_found", "not_graded_yet", "invalid_request")
 
 
 @router.get(
@@ -53,7 +45,7 @@ _ONE = (*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_requ
             "description": "CSV in UTF-8: every student of the course, the points that count by the rules.",
             "content": {"text/csv": {"schema": {"type": "string"}}},
         },
-        **responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+        **responses("forbidden", "invalid_request"),
     },
 )
 def read_gradebook(
@@ -76,7 +68,7 @@ def read_gradebook(
             "description": "Everybody's points, or one column of them for a registry.",
             "content": _WORKBOOK,
         },
-        **responses(*ENTRY_PROBLEMS, "forbidden", "assignment_not_found", "invalid_request"),
+        **responses("forbidden", "assignment_not_found", "invalid_request"),
     },
 )
 def read_workbook(  # noqa: PLR0913, PLR0917
@@ -110,7 +102,6 @@ def read_workbook(  # noqa: PLR0913, PLR0917
             "content": _WORKBOOK,
         },
         **responses(
-            *ENTRY_PROBLEMS,
             "forbidden",
             "assignment_not_found",
             "invalid_request",

@@ -10,7 +10,7 @@ from pydantic import Field
 from grader import __version__
 from grader.contracts.submission import WorkerState
 from grader.service.requests.dependencies import ServicesDep
-from grader.service.routes.problems import responses
+from grader.service.routes.problems import public_responses
 from grader.service.routes.views import View
 
 router = APIRouter(tags=["health"])
@@ -68,7 +68,7 @@ class Health(View):
     summary="State of the service",
     responses={
         503: {"model": Health, "description": "Degraded: uploads are kept, nothing grades them right now."},
-        **{status: one for status, one in responses().items() if status != 503},
+        **{status: one for status, one in public_responses().items() if status != 503},
     },
 )
 def read(services: ServicesDep, response: Response) -> Health:

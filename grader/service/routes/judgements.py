@@ -11,7 +11,6 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.judgement import COMMENT_PATTERN, JudgedItem
 from grader.contracts.text import Language
 from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
     SIGHT,
     SUBMISSIONS,
     Errand,
@@ -49,7 +48,7 @@ IfMatch = Annotated[
     ),
 ]
 _Id = Annotated[str | None, Query(max_length=128)]
-_KNOWN = (*ENTRY_PROBLEMS, "forbidden", "submission_not_found", "not_graded_yet", "invalid_request")
+_KNOWN = ("forbidden", "submission_not_found", "not_graded_yet", "invalid_request")
 _REFUSED = (
     "malformed_body",
     "too_large",
@@ -194,7 +193,7 @@ class WaitingList(View):
 @router.get(
     "/waiting",
     summary="What waits for a person",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+    responses=responses("forbidden", "invalid_request"),
 )
 def read_waiting(  # noqa: PLR0913
     errand: StaffDep,

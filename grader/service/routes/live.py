@@ -13,7 +13,7 @@ from starlette.types import Receive, Scope, Send
 
 from grader.contracts.identity import Caller
 from grader.live.connection import is_own_origin, refuse, serve
-from grader.service.requests.dependencies import DRAWN, ENTRY_PROBLEMS, SESSION_COOKIE, CallerDep
+from grader.service.requests.dependencies import DRAWN, SESSION_COOKIE, CallerDep
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases.live import OpenCar, car_behind, car_of, end_car, open_car
@@ -21,7 +21,7 @@ from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/live", tags=["live"])
 _PATH = "/live/{key}"
-_PROBLEMS = (*ENTRY_PROBLEMS, "no_course")
+_PROBLEMS = ("no_course",)
 
 
 class LiveCarView(View):

@@ -8,14 +8,14 @@ from pydantic import ConfigDict, Field
 
 from grader.contracts.notice import MailWishes, NewWebhook, NoticeKind, Outlet, Vendor
 from grader.service.requests.answers import PRIVATE
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep
+from grader.service.requests.dependencies import InstructorDep
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases import notices
 from grader.use_cases.bodies import Body
 
 router = APIRouter(prefix="/api/v1/course/notices", tags=["course"])
-_READING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "invalid_request")
+_READING = ("forbidden", "no_course", "invalid_request")
 _CHANGING = (*_READING, "course_archived", "malformed_body", "too_large")
 Group = Annotated[Literal[Outlet.CLASS, Outlet.STAFF], Path(description="Whose group chat it is.")]
 AnyChannel = Annotated[Outlet, Path(description="A group chat, or the caller's own e-mail address.")]

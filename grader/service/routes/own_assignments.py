@@ -9,19 +9,14 @@ from pydantic import Field
 from grader.contracts.own_assignment import OwnAssignment, OwnState
 from grader.contracts.text import EMPTY, Language
 from grader.service.requests.answers import PRIVATE, to_save
-from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
-    InstructorDep,
-    LanguageDep,
-    StaffDep,
-)
+from grader.service.requests.dependencies import InstructorDep, LanguageDep, StaffDep
 from grader.service.requests.middleware import MOST_BYTES
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases import own_assignments
 
 router = APIRouter(prefix="/api/v1/course/assignments", tags=["course"])
-_READING = (*ENTRY_PROBLEMS, "forbidden", "invalid_request")
+_READING = ("forbidden", "invalid_request")
 _CHANGING = (*_READING, "no_course", "course_archived")
 Id = Annotated[str, Path(max_length=64, examples=["heptagon"])]
 

@@ -9,14 +9,7 @@ from pydantic import Field
 from grader.contracts.assignment import Distro
 from grader.contracts.identity import Role, RosterEntry
 from grader.service.requests.answers import PRIVATE
-from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
-    CallerDep,
-    InstructorDep,
-    LanguageDep,
-    QueryWhole,
-    StaffDep,
-)
+from grader.service.requests.dependencies import CallerDep, InstructorDep, LanguageDep, QueryWhole, StaffDep
 from grader.service.requests.middleware import MOST_BYTES
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
@@ -27,7 +20,7 @@ from grader.use_cases.people import changes, members, myself
 router = APIRouter(prefix="/api/v1", tags=["people"])
 _PAGE = 100
 _LARGEST_ID = 2**63 - 1  # of a row in the database
-_CHANGING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "course_archived", "invalid_request")
+_CHANGING = ("forbidden", "no_course", "course_archived", "invalid_request")
 PersonId = Annotated[str, Path(max_length=64, description="Id of a member.", examples=["20260123"])]
 
 
@@ -164,7 +157,7 @@ class AuditPage(View):
     next_before: int | None = Field(description="The parameter `before` of the next page; null: no more.")
 
 
-@router.get("/me", summary="Who the token belongs to", responses=responses(*ENTRY_PROBLEMS))
+@router.get("/me", summary="Who the token belongs to", responses=responses())
 def read_me(errand: CallerDep, response: Response) -> MeView:
     """Return the caller's course, name and role."""
     response.headers.update(PRIVATE)
@@ -194,7 +187,7 @@ def put_course(errand: InstructorDep, body: CourseBody, response: Response) -> C
 @router.get(
     "/members",
     summary="The people of the course",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+    responses=responses("forbidden", "invalid_request"),
 )
 def read_members(
     errand: StaffDep,
@@ -277,7 +270,7 @@ def make_token(errand: InstructorDep, person: PersonId, body: TokenBody, respons
 @router.get(
     "/members/{person}/identities",
     summary="By which names a member signs in",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden", "member_not_found", "invalid_request"),
+    responses=responses("forbidden", "member_not_found", "invalid_request"),
 )
 def read_identities(errand: InstructorDep, person: PersonId, response: Response) -> IdentityList:
     """Return what sign-in providers call a member."""
@@ -305,7 +298,7 @@ def delete_identity(
 @router.get(
     "/audit",
     summary="What was changed, by whom",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+    responses=responses("forbidden", "invalid_request"),
 )
 def read_audit(
     errand: InstructorDep,

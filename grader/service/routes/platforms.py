@@ -9,14 +9,14 @@ from pydantic import Field
 from grader.contracts.identity import Seen
 from grader.contracts.platform import NewPlatform
 from grader.service.requests.answers import PRIVATE
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep
+from grader.service.requests.dependencies import InstructorDep
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases import platform_people, platforms
 from grader.use_cases.bodies import Body
 
 router = APIRouter(prefix="/api/v1/course/platforms", tags=["course"])
-_READING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "invalid_request")
+_READING = ("forbidden", "no_course", "invalid_request")
 _CHANGING = (*_READING, "course_archived", "malformed_body", "too_large", "platforms_not_set_up")
 PlatformId = Annotated[str, Path(max_length=16, description="Id of a platform.", examples=["1f0c9a7be2d4"])]
 

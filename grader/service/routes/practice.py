@@ -13,7 +13,7 @@ from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.grading import RunProgress
 from grader.contracts.report import GradeStatus
 from grader.contracts.text import Language
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep
+from grader.service.requests.dependencies import CallerDep, LanguageDep
 from grader.service.requests.middleware import UploadRoute, single_parts
 from grader.service.routes.problems import problem_of, responses
 from grader.service.routes.submissions import (
@@ -35,7 +35,6 @@ router = APIRouter(
     dependencies=[Depends(single_parts)],
 )
 _PROBLEMS = (
-    *ENTRY_PROBLEMS,
     "no_course",
     "assignment_not_found",
     "practice_scripts_only",

@@ -260,6 +260,11 @@ async def problem_of(request: Request, error: RefusedError | InfrastructureError
 
 
 def responses(*codes: str) -> dict[int | str, dict[str, Any]]:
+    """Return the OpenAPI responses of an endpoint that asks who it is, besides with the problems `codes`."""
+    return public_responses("unauthorized", "too_many_requests", "too_many_at_once", *codes)
+
+
+def public_responses(*codes: str) -> dict[int | str, dict[str, Any]]:
     """Return the OpenAPI responses of an endpoint that can answer with the problems `codes`."""
     documented: dict[int | str, dict[str, Any]] = {}
     for code in (*codes, "internal_error", "unavailable"):
@@ -286,7 +291,9 @@ def _example(code: str) -> dict[str, Any]:
 
 
 @router.get(
-    "/{code}", summary="What a problem means", responses=responses("problem_not_found", "invalid_request")
+    "/{code}",
+    summary="What a problem means",
+    responses=public_responses("problem_not_found", "invalid_request"),
 )
 def read(
     language: LanguageDep, code: Annotated[str, Path(max_length=64, examples=["not_utf8"])]

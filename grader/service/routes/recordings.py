@@ -7,14 +7,7 @@ from fastapi import APIRouter, Header, Query, Response
 from pydantic import Field
 
 from grader.service.requests.answers import accepts_gzip, plot, trajectory_answer
-from grader.service.requests.dependencies import (
-    COSTLY,
-    DRAWN,
-    ENTRY_PROBLEMS,
-    CallerDep,
-    LanguageDep,
-    SubmissionId,
-)
+from grader.service.requests.dependencies import COSTLY, DRAWN, CallerDep, LanguageDep, SubmissionId
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases import recordings
@@ -23,7 +16,6 @@ router = APIRouter(prefix="/api/v1/submissions", tags=["recordings"])
 CaseQuery = Annotated[str | None, Query(description="Which run; the first when left out.", max_length=64)]
 _BAG_MEDIA_TYPE = "application/octet-stream"
 _PLOT_PROBLEMS = (
-    *ENTRY_PROBLEMS,
     "submission_not_found",
     "no_trajectory",
     "assignment_not_found",
@@ -77,9 +69,7 @@ class TrajectoryView(View):
     response_class=Response,
     responses={
         200: {"model": TrajectoryView, "description": "The recorded trajectory; the ETag is its SHA-256."},
-        **responses(
-            *ENTRY_PROBLEMS, "submission_not_found", "no_trajectory", "not_graded_yet", "invalid_request"
-        ),
+        **responses("submission_not_found", "no_trajectory", "not_graded_yet", "invalid_request"),
     },
 )
 def read_trajectory(

@@ -8,7 +8,6 @@ from pydantic import AliasPath, Field, StringConstraints
 
 from grader.contracts.regrade import Regrade, RegradeState, Wanted, Which
 from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
     SIGHT,
     Address,
     CallerDep,
@@ -26,7 +25,7 @@ from grader.use_cases.bodies import Body
 router = APIRouter(prefix="/api/v1/regrades", tags=["regrades"])
 of_submission = APIRouter(prefix="/api/v1/submissions", tags=["regrades"], dependencies=[SIGHT])
 _MOST = 100_000
-_KNOWN = (*ENTRY_PROBLEMS, "forbidden", "invalid_request")
+_KNOWN = ("forbidden", "invalid_request")
 
 
 class RegradeOrder(Body):
@@ -184,7 +183,7 @@ def start(errand: InstructorDep, response: Response, order: RegradeOrder) -> Reg
     return _view(opened)
 
 
-@router.get("", summary="All re-grades", responses=responses(*ENTRY_PROBLEMS, "forbidden"))
+@router.get("", summary="All re-grades", responses=responses("forbidden"))
 def read_all(errand: StaffDep) -> RegradeList:
     """Return the re-grades of the caller's course."""
     return RegradeList(
@@ -251,7 +250,7 @@ def undo(errand: InstructorDep, regrade_id: RegradeId, decision: Decision) -> Re
 @of_submission.get(
     "/{submission_id}/changes",
     summary="What re-grades changed",
-    responses=responses(*ENTRY_PROBLEMS, "invalid_request", "submission_not_found"),
+    responses=responses("invalid_request", "submission_not_found"),
 )
 def read_changes(errand: CallerDep, submission_id: SubmissionId) -> ToldChanges:
     """Return old and new points, when and why, as the page of the submission tells its student.
@@ -265,7 +264,7 @@ def read_changes(errand: CallerDep, submission_id: SubmissionId) -> ToldChanges:
 @of_submission.get(
     "/{submission_id}/gradings",
     summary="Every grading of a submission",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request", "submission_not_found"),
+    responses=responses("forbidden", "invalid_request", "submission_not_found"),
 )
 def read_history(errand: StaffDep, submission_id: SubmissionId) -> History:
     """Return when, with which versions and why a submission was graded, and by whom again."""

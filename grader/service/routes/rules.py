@@ -11,7 +11,6 @@ from grader.contracts.identity import Role
 from grader.contracts.rules import Extension
 from grader.service.requests.answers import PRIVATE
 from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
     SUBMISSIONS,
     AssignmentId,
     CallerDep,
@@ -29,7 +28,7 @@ from grader.use_cases.bodies import ExtensionBody, RulesBody, rules_from
 from grader.use_cases.rules import course_rules
 
 router = APIRouter(prefix="/api/v1/assignments/{assignment_id}", tags=["rules"])
-_KNOWN = (*ENTRY_PROBLEMS, "assignment_not_found", "invalid_request")
+_KNOWN = ("assignment_not_found", "invalid_request")
 _CHANGING = ("forbidden", "malformed_body", "too_large", "no_course", "course_archived", "changed_meanwhile")
 _ETAG = {
     "ETag": {"description": "Of the rules; for assistants and instructors.", "schema": {"type": "string"}}

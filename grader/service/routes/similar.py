@@ -4,12 +4,7 @@ from fastapi import APIRouter, Response
 from pydantic import Field
 from starlette.concurrency import run_in_threadpool
 
-from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
-    Address,
-    AssignmentId,
-    StaffDep,
-)
+from grader.service.requests.dependencies import Address, AssignmentId, StaffDep
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases.comparing import Similar, SimilarPair
@@ -76,9 +71,7 @@ class SimilarView(View):
     "/{assignment_id}/similar",
     summary="Scripts that are alike where few are",
     response_model=SimilarView,
-    responses=responses(
-        *ENTRY_PROBLEMS, "forbidden", "assignment_not_found", "no_scripts", "invalid_request"
-    ),
+    responses=responses("forbidden", "assignment_not_found", "no_scripts", "invalid_request"),
 )
 async def read(errand: StaffDep, assignment_id: AssignmentId) -> Response:
     """Return where a person should look. It does not say that anybody copied, and no score depends on it.

@@ -23,7 +23,6 @@ from grader.formats.packages.bundle import is_package
 from grader.render.escape import visible
 from grader.service.requests.dependencies import (
     COSTLY,
-    ENTRY_PROBLEMS,
     SUBMISSIONS,
     CallerDep,
     LanguageDep,
@@ -264,7 +263,7 @@ class SubmissionPage(View):
 @router.get(
     "",
     summary="The class's submissions",
-    responses=responses(*ENTRY_PROBLEMS, "invalid_request"),
+    responses=responses("invalid_request"),
 )
 def read_all(  # noqa: PLR0913
     errand: CallerDep,
@@ -297,7 +296,6 @@ def read_all(  # noqa: PLR0913
     responses={
         202: {"headers": {"Location": {"description": "The submission.", "schema": {"type": "string"}}}},
         **responses(
-            *ENTRY_PROBLEMS,
             "forbidden",
             "malformed_body",
             "too_large",
@@ -363,7 +361,7 @@ def _receipt(submission: Submission, repeated: bool) -> Receipt:
 @router.get(
     "/{submission_id}",
     summary="A submission and its grading",
-    responses=responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
+    responses=responses("submission_not_found", "invalid_request"),
 )
 def read(
     errand: CallerDep, response: Response, language: LanguageDep, submission_id: SubmissionId
@@ -389,7 +387,7 @@ def read(
             "description": "Canonical JSON in both languages; its SHA-256 is the ETag.",
             "content": {"application/json": {"schema": {"type": "object"}}},
         },
-        **responses(*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_request"),
+        **responses("submission_not_found", "not_graded_yet", "invalid_request"),
     },
 )
 def read_report(errand: CallerDep, submission_id: SubmissionId) -> Response:
@@ -413,7 +411,7 @@ def read_report(errand: CallerDep, submission_id: SubmissionId) -> Response:
                 "application/zip": {"schema": {"type": "string", "format": "binary"}},
             },
         },
-        **responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
+        **responses("submission_not_found", "invalid_request"),
     },
 )
 def read_source(errand: CallerDep, submission_id: SubmissionId) -> Response:

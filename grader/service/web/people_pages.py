@@ -14,13 +14,7 @@ from grader.formats.sheets.roster import as_csv
 from grader.formats.sheets.writing import csv_table
 from grader.render.audit_lines import Teller
 from grader.service.requests.answers import to_save
-from grader.service.web.access import (
-    InstructorDep,
-    PageErrand,
-    QueryWhole,
-    StaffDep,
-    require_staff,
-)
+from grader.service.web.access import InstructorDep, PageErrand, QueryWhole, StaffDep, require_staff
 from grader.service.web.errors import FormProblem, form_problem
 from grader.service.web.forms import MOST_FILE_BYTES, require_own_form
 from grader.service.web.pages import page
