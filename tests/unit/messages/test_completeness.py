@@ -17,7 +17,7 @@ def measure_ids() -> set[str]:
     for kind, one in KINDS.items():
         for name, measure in one.measures.items():
             seen = ("yes", "no") if measure.form == "flag" else ("seen",)
-            ids |= {f"{kind}.{name}.{part}" for part in ("name", "hint", *seen)}
+            ids |= {f"{measure.of or kind}.{name}.{part}" for part in ("name", "hint", *seen)}
     return ids
 
 
