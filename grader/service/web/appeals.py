@@ -13,7 +13,7 @@ from grader.contracts.identity import Role, Seen, sections_of
 from grader.contracts.judgement import JudgedItem
 from grader.service.web import access
 from grader.service.web.access import KnownDep, PageErrand, StaffDep, SubmissionId, require_staff
-from grader.service.web.forms import require_own_form
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.judging import AT_FIELDS, typed_points
 from grader.service.web.pages import page
 from grader.service.web.paging import PageQuery, pages_of
@@ -47,7 +47,7 @@ class AnswerForm(BaseModel):
     seen: str = Field(default="", max_length=200)
 
 
-@of_submission.post("", dependencies=[Depends(require_own_form)])
+@of_submission.post("", dependencies=OWN_FORM)
 def ask(
     errand: KnownDep,
     submission_id: SubmissionId,
@@ -59,7 +59,7 @@ def ask(
     return _back(submission_id, item)
 
 
-@of_submission.post("/withdraw", dependencies=[Depends(require_own_form)])
+@of_submission.post("/withdraw", dependencies=OWN_FORM)
 def take_back(
     errand: KnownDep, submission_id: SubmissionId, item: Annotated[str, Form(max_length=128)] = ""
 ) -> Response:
@@ -99,7 +99,7 @@ def read(
     return _one(errand, submission_id, AnswerForm(item=item))
 
 
-@router.post("/{submission_id}", dependencies=[Depends(require_own_form)])
+@router.post("/{submission_id}", dependencies=OWN_FORM)
 def answer(errand: StaffDep, submission_id: SubmissionId, form: Annotated[AnswerForm, Form()]) -> Response:
     """Answer an appeal and lead back to its item; on a refusal show the form with the reason at its field."""
     access.require_sight(errand, submission_id)

@@ -17,7 +17,7 @@ from grader.service.web.access import (
     services_of,
 )
 from grader.service.web.errors import form_problem
-from grader.service.web.forms import require_own_form
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import page
 from grader.store.course_life import MOST_DAYS_MOVED, MOST_DAYS_OLD, NewCourse
 from grader.use_cases import course_life
@@ -55,7 +55,7 @@ def export_course(errand: InstructorDep) -> Response:
     return StreamingResponse(export(errand.services, errand.caller), 200, headers, "application/zip")
 
 
-@router.post("/copy", dependencies=[Depends(require_own_form)])
+@router.post("/copy", dependencies=OWN_FORM)
 def copy_course(errand: InstructorDep, form: Annotated[CopyForm, Form()]) -> Response:
     """Make a course with the rules of this one and show its token, this once."""
     new = NewCourse(id=form.id.strip(), title=form.title, move_days=form.move_days)
@@ -66,7 +66,7 @@ def copy_course(errand: InstructorDep, form: Annotated[CopyForm, Form()]) -> Res
     return _course_page(errand, copied=copied)
 
 
-@router.post("/archive", dependencies=[Depends(require_own_form)])
+@router.post("/archive", dependencies=OWN_FORM)
 def archive_course(
     errand: InstructorDep,
     archived: Annotated[bool, Form()],
@@ -80,7 +80,7 @@ def archive_course(
     return RedirectResponse(f"/class/course?done={'archived' if archived else 'reopened'}", status_code=303)
 
 
-@router.post("/erase", dependencies=[Depends(require_own_form)])
+@router.post("/erase", dependencies=OWN_FORM)
 def erase_old_work(
     errand: InstructorDep,
     older_than: Annotated[QueryWhole, Form(ge=1, le=MOST_DAYS_OLD)],
@@ -91,7 +91,7 @@ def erase_old_work(
     return RedirectResponse("/class/course?done=erased", status_code=303)
 
 
-@router.post("/forget", dependencies=[Depends(require_own_form)])
+@router.post("/forget", dependencies=OWN_FORM)
 def forget_student(
     errand: InstructorDep,
     person: Annotated[str, Form(max_length=64)],

@@ -17,7 +17,7 @@ from grader.formats.sheets.writing import MEDIA_TYPE
 from grader.service.requests.answers import to_save
 from grader.service.web.access import PageErrand, StaffDep, require_staff
 from grader.service.web.errors import FormProblem, form_problem
-from grader.service.web.forms import MOST_FILE_BYTES, require_own_form
+from grader.service.web.forms import MOST_FILE_BYTES, OWN_FORM
 from grader.service.web.pages import page
 from grader.service.web.paging import PageQuery, cut
 from grader.use_cases import gradebook
@@ -108,7 +108,7 @@ def download_workbook(
     return _file(content, "gradebook.xlsx" if layout == "full" else "registry.xlsx", MEDIA_TYPE)
 
 
-@router.post("/gradebook/fill", dependencies=[Depends(require_own_form)])
+@router.post("/gradebook/fill", dependencies=OWN_FORM)
 def fill_in(
     errand: StaffDep,
     file: Annotated[UploadFile, File()],

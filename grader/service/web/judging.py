@@ -16,7 +16,7 @@ from grader.contracts.judgement import JudgedItem, is_comment
 from grader.contracts.notation import decimal, written
 from grader.service.web import access
 from grader.service.web.access import PageErrand, StaffDep, SubmissionId, require_staff
-from grader.service.web.forms import require_own_form
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import page
 from grader.service.web.paging import PageQuery, pages_of
 from grader.store.judgements import WaitingFor
@@ -101,7 +101,7 @@ def read(
     return _desk(errand, submission_id, PointsForm(item=item, anonymous=anonymous))
 
 
-@router.post("/{submission_id}", dependencies=[Depends(require_own_form)])
+@router.post("/{submission_id}", dependencies=OWN_FORM)
 def judge(errand: StaffDep, submission_id: SubmissionId, form: Annotated[PointsForm, Form()]) -> Response:
     """Keep the points and lead to the next answer; on a refusal show the form with the reason at its field."""
     submission, _ = access.seen(errand, submission_id)
@@ -144,7 +144,7 @@ def read_several(errand: StaffDep, submission_id: SubmissionId) -> Response:
     return _several(errand, submission_id, SeveralPoints())
 
 
-@router.post("/{submission_id}/several", dependencies=[Depends(require_own_form)])
+@router.post("/{submission_id}/several", dependencies=OWN_FORM)
 def judge_several(
     errand: StaffDep, submission_id: SubmissionId, form: Annotated[SeveralPoints, Form()]
 ) -> Response:

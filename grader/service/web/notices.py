@@ -10,14 +10,13 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.notice import GROUPS, MailWishes, NewWebhook, NoticeKind, Outlet, Vendor
 from grader.service.web.access import InstructorDep, PageErrand, require_staff
 from grader.service.web.errors import form_problem
-from grader.service.web.forms import require_own_form
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import page
 from grader.use_cases import notices
 
 router = APIRouter(prefix="/class/notices", include_in_schema=False, dependencies=[Depends(require_staff)])
 Done = Annotated[Literal["", "saved", "removed", "sent"], Query()]
 Group = Annotated[Literal[Outlet.CLASS, Outlet.STAFF], Form()]
-_OWN_FORM = [Depends(require_own_form)]
 
 
 class WebhookForm(BaseModel):
@@ -43,7 +42,7 @@ def read(errand: InstructorDep, done: Done = "") -> Response:
     return _page(errand, done=done)
 
 
-@router.post("/webhook", dependencies=_OWN_FORM)
+@router.post("/webhook", dependencies=OWN_FORM)
 def set_webhook(errand: InstructorDep, form: Annotated[WebhookForm, Form()]) -> Response:
     """Set a group's bot."""
     new = NewWebhook(
@@ -56,7 +55,7 @@ def set_webhook(errand: InstructorDep, form: Annotated[WebhookForm, Form()]) -> 
     return _back("saved")
 
 
-@router.post("/remove", dependencies=_OWN_FORM)
+@router.post("/remove", dependencies=OWN_FORM)
 def remove_webhook(errand: InstructorDep, outlet: Group = Outlet.CLASS) -> Response:
     """Take a group's bot away."""
     try:
@@ -66,7 +65,7 @@ def remove_webhook(errand: InstructorDep, outlet: Group = Outlet.CLASS) -> Respo
     return _back("removed")
 
 
-@router.post("/test", dependencies=_OWN_FORM)
+@router.post("/test", dependencies=OWN_FORM)
 def send_test(errand: InstructorDep, outlet: Annotated[Outlet, Form()] = Outlet.CLASS) -> Response:
     """Send a test message, and say what came of it."""
     try:
@@ -76,7 +75,7 @@ def send_test(errand: InstructorDep, outlet: Annotated[Outlet, Form()] = Outlet.
     return _back("sent")
 
 
-@router.post("/mail", dependencies=_OWN_FORM)
+@router.post("/mail", dependencies=OWN_FORM)
 def set_mail(errand: InstructorDep, form: Annotated[MailForm, Form()]) -> Response:
     """Choose what is e-mailed."""
     try:

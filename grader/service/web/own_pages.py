@@ -10,7 +10,7 @@ from grader.contracts.own_assignment import OwnState
 from grader.service.requests.answers import to_save
 from grader.service.web.access import InstructorDep, PageErrand, StaffDep, require_staff, services_of
 from grader.service.web.errors import form_problem
-from grader.service.web.forms import MOST_FILE_BYTES, require_own_form
+from grader.service.web.forms import MOST_FILE_BYTES, OWN_FORM
 from grader.service.web.pages import page
 from grader.use_cases import own_assignments
 
@@ -25,7 +25,7 @@ def read_all(errand: StaffDep, done: Done = "") -> Response:
     return _page(errand, done=done)
 
 
-@router.post("", dependencies=[Depends(require_own_form)])
+@router.post("", dependencies=OWN_FORM)
 def upload(errand: InstructorDep, file: Annotated[UploadFile, File()]) -> Response:
     """Take a folder in, or show what is wrong with it."""
     try:
@@ -42,7 +42,7 @@ def download(errand: InstructorDep, assignment_id: Id) -> Response:
     return Response(content, 200, to_save(f"{assignment_id}.zip"), "application/zip")
 
 
-@router.post("/{assignment_id}/remove", dependencies=[Depends(require_own_form)])
+@router.post("/{assignment_id}/remove", dependencies=OWN_FORM)
 def remove(
     errand: InstructorDep, assignment_id: Id, reason: Annotated[str, Form(max_length=1_000)] = ""
 ) -> Response:

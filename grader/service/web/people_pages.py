@@ -16,7 +16,7 @@ from grader.render.audit_lines import Teller
 from grader.service.requests.answers import to_save
 from grader.service.web.access import InstructorDep, PageErrand, QueryWhole, StaffDep, require_staff
 from grader.service.web.errors import FormProblem, form_problem
-from grader.service.web.forms import MOST_FILE_BYTES, require_own_form
+from grader.service.web.forms import MOST_FILE_BYTES, OWN_FORM
 from grader.service.web.pages import page
 from grader.use_cases import people, signing_in
 from grader.use_cases.people import ImportPlan, changes, members
@@ -70,7 +70,7 @@ def read_people(
     return _people_page(errand, search=search, section=section, done=done)
 
 
-@router.post("/people", dependencies=[Depends(require_own_form)])
+@router.post("/people", dependencies=OWN_FORM)
 def add_member(errand: InstructorDep, form: Annotated[MemberForm, Form()]) -> Response:
     """Add somebody, or show the form again with what is wrong."""
     try:
@@ -81,7 +81,7 @@ def add_member(errand: InstructorDep, form: Annotated[MemberForm, Form()]) -> Re
     return RedirectResponse("/class/people?done=saved", status_code=303)
 
 
-@router.post("/people/preview", dependencies=[Depends(require_own_form)])
+@router.post("/people/preview", dependencies=OWN_FORM)
 def preview_import(errand: InstructorDep, file: Annotated[UploadFile, File()]) -> Response:
     """Show what importing a class list would change."""
     try:
@@ -92,7 +92,7 @@ def preview_import(errand: InstructorDep, file: Annotated[UploadFile, File()]) -
     return _preview_page(errand.request, plan)
 
 
-@router.post("/people/import", dependencies=[Depends(require_own_form)])
+@router.post("/people/import", dependencies=OWN_FORM)
 def import_list(
     errand: InstructorDep,
     entries: Annotated[str, Form(max_length=MOST_FILE_BYTES)],
@@ -113,7 +113,7 @@ def import_list(
     return RedirectResponse("/class/people?done=imported", status_code=303)
 
 
-@router.post("/people/tokens", dependencies=[Depends(require_own_form)])
+@router.post("/people/tokens", dependencies=OWN_FORM)
 def make_missing_tokens(
     errand: InstructorDep, form: Annotated[str, Form(pattern="^(csv|sheet)$")] = "sheet"
 ) -> Response:
@@ -138,7 +138,7 @@ def read_member(errand: StaffDep, person: PersonId, done: Done = "") -> Response
     return _member_page(errand, people.member_of(errand.services, errand.caller, person), done=done)
 
 
-@router.post("/people/{person}", dependencies=[Depends(require_own_form)])
+@router.post("/people/{person}", dependencies=OWN_FORM)
 def change_member(errand: InstructorDep, person: PersonId, form: Annotated[MemberForm, Form()]) -> Response:
     """Change a member, or show the form again with what is wrong."""
     member = people.member_of(errand.services, errand.caller, person)
@@ -150,7 +150,7 @@ def change_member(errand: InstructorDep, person: PersonId, form: Annotated[Membe
     return RedirectResponse(f"/class/people/{quote(person, safe='')}?done=saved", status_code=303)
 
 
-@router.post("/people/{person}/remove", dependencies=[Depends(require_own_form)])
+@router.post("/people/{person}/remove", dependencies=OWN_FORM)
 def remove_member(
     errand: InstructorDep, person: PersonId, reason: Annotated[str, Form(max_length=1_000)] = ""
 ) -> Response:
@@ -163,7 +163,7 @@ def remove_member(
     return RedirectResponse("/class/people?done=removed", status_code=303)
 
 
-@router.post("/people/{person}/token", dependencies=[Depends(require_own_form)])
+@router.post("/people/{person}/token", dependencies=OWN_FORM)
 def make_token(errand: InstructorDep, person: PersonId) -> Response:
     """Make a token for a member and show it, this once."""
     member = people.member_of(errand.services, errand.caller, person)
@@ -172,7 +172,7 @@ def make_token(errand: InstructorDep, person: PersonId) -> Response:
     )
 
 
-@router.post("/people/{person}/unbind", dependencies=[Depends(require_own_form)])
+@router.post("/people/{person}/unbind", dependencies=OWN_FORM)
 def unbind(
     errand: InstructorDep, person: PersonId, identity: Annotated[str, Form(max_length=16)] = ""
 ) -> Response:

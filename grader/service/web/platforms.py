@@ -18,7 +18,7 @@ from grader.contracts.platform import NewPlatform
 from grader.outside.lti import Kept
 from grader.service.web.access import InstructorDep, PageErrand, ServicesDep, require_staff
 from grader.service.web.errors import FRAMES, form_problem
-from grader.service.web.forms import require_own_form
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import page
 from grader.service.web.picking import PICK, framed_by, lead_to, set_cookie
 from grader.service.web.signing_in import arrived, kept_by
@@ -104,7 +104,7 @@ def read(errand: InstructorDep) -> Response:
     return _desk(errand)
 
 
-@desk.post("", dependencies=[Depends(require_own_form)])
+@desk.post("", dependencies=OWN_FORM)
 def add(errand: InstructorDep, form: Annotated[PlatformForm, Form()]) -> Response:
     """Add a platform, or show the form again with what is wrong."""
     try:
@@ -115,26 +115,26 @@ def add(errand: InstructorDep, form: Annotated[PlatformForm, Form()]) -> Respons
     return RedirectResponse("/class/platforms", status_code=303)
 
 
-@desk.post("/invite", dependencies=[Depends(require_own_form)])
+@desk.post("/invite", dependencies=OWN_FORM)
 def invite(errand: InstructorDep) -> Response:
     """Show an address by which the platform adds itself."""
     return _desk(errand, invitation=registering.invite(errand.services, errand.caller))
 
 
-@desk.post("/remove", dependencies=[Depends(require_own_form)])
+@desk.post("/remove", dependencies=OWN_FORM)
 def remove(errand: InstructorDep, platform: PlatformId = "") -> Response:
     """Take a platform away."""
     platforms.remove_platform(errand.services, errand.caller, platform)
     return RedirectResponse("/class/platforms", status_code=303)
 
 
-@desk.post("/people", dependencies=[Depends(require_own_form)])
+@desk.post("/people", dependencies=OWN_FORM)
 def preview_people(errand: InstructorDep, platform: PlatformId = "") -> Response:
     """Ask the platform who is in its course, and show whom that would add."""
     return _people(errand, platform)
 
 
-@desk.post("/people/add", dependencies=[Depends(require_own_form)])
+@desk.post("/people/add", dependencies=OWN_FORM)
 def add_people(
     errand: InstructorDep, seen: Annotated[str, Form(max_length=64)], platform: PlatformId = ""
 ) -> Response:

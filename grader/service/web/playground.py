@@ -2,7 +2,7 @@
 
 import asyncio
 
-from fastapi import APIRouter, Depends, Response
+from fastapi import APIRouter, Response
 from fastapi.responses import JSONResponse
 
 from grader.contracts.errors import RefusedError
@@ -11,7 +11,7 @@ from grader.operation.context import note
 from grader.service.routes.live import address_of
 from grader.service.web.access import COSTLY, DRAWN, KnownDep
 from grader.service.web.errors import form_problem
-from grader.service.web.forms import require_own_form
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import page
 from grader.use_cases.assignments import checklist
 from grader.use_cases.live import open_car
@@ -45,7 +45,7 @@ def read(errand: KnownDep) -> Response:
     )
 
 
-@router.post("/car", dependencies=[Depends(require_own_form), DRAWN])
+@router.post("/car", dependencies=[*OWN_FORM, DRAWN])
 async def have_car(errand: KnownDep) -> Response:
     """Start the visitor's car, or find the one that is there; answer with its address."""
     headers = {"Cache-Control": "no-store"}

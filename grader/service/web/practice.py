@@ -13,7 +13,7 @@ from grader.service.requests.middleware import UploadRoute
 from grader.service.routes.practice import events
 from grader.service.web.access import COSTLY, KnownDep, language_of
 from grader.service.web.errors import form_problem
-from grader.service.web.forms import require_own_form
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import fragment, page
 from grader.service.web.result import figure_document, replay_words, result_page, stream_text
 from grader.use_cases.assignments import terms_of
@@ -58,7 +58,7 @@ async def _begun(
         yield run
 
 
-@runs.post("", response_class=EventSourceResponse, dependencies=[Depends(require_own_form)])
+@runs.post("", response_class=EventSourceResponse, dependencies=OWN_FORM)
 async def run(request: Request, run: Annotated[UnderWay, Depends(_begun)]) -> AsyncIterator[ServerSentEvent]:
     """Run what is in the editor; tell where that is, and at last a part of the page with the data of its replay.
 

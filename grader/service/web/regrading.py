@@ -16,7 +16,7 @@ from grader.service.web import access
 from grader.service.web.access import InstructorDep, RegradeId, StaffDep, language_of, require_staff
 from grader.service.web.comparison import compare
 from grader.service.web.errors import form_problem
-from grader.service.web.forms import require_own_form
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import page
 from grader.service.web.regrade_table import PARTS, ChangesQuery, changes
 from grader.use_cases import regrading
@@ -59,7 +59,7 @@ def read_all(errand: StaffDep, order: Annotated[Order, Query()]) -> Response:
     return _list(errand, order)
 
 
-@router.post("", dependencies=[Depends(require_own_form)])
+@router.post("", dependencies=OWN_FORM)
 def start(errand: InstructorDep, order: Annotated[Order, Form()]) -> Response:
     """Start a trial and lead to its page; on a refusal show the form with the reason."""
     students = [one for one in _SEPARATORS.split(order.students) if one]
@@ -88,7 +88,7 @@ def read_state(errand: StaffDep, regrade_id: RegradeId) -> Response:
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
 
 
-@router.post("/{regrade_id}", dependencies=[Depends(require_own_form)])
+@router.post("/{regrade_id}", dependencies=OWN_FORM)
 def decide(errand: InstructorDep, regrade_id: RegradeId, form: Annotated[DecisionForm, Form()]) -> Response:
     """Apply or discard; without a reason show the page again."""
     if not form.reason.strip():

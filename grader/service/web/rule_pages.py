@@ -12,7 +12,7 @@ from grader.contracts.identity import Seen, sections_of
 from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Corrector, Counts, Shown
 from grader.render.audit_lines import Teller
 from grader.service.web.access import AssignmentId, InstructorDep, PageErrand, StaffDep, require_staff
-from grader.service.web.forms import require_own_form
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import page
 from grader.service.web.rule_form import (
     CHANGED_MEANWHILE,
@@ -73,7 +73,7 @@ def overview_page(
     )
 
 
-@course_router.post("", dependencies=[Depends(require_own_form)])
+@course_router.post("", dependencies=OWN_FORM)
 def change_course(
     errand: InstructorDep,
     distro: Annotated[Distro, Form()],
@@ -98,7 +98,7 @@ def read(
     return _page(errand, assignment, extension=extension, saved=saved)
 
 
-@router.post("/{assignment_id}", dependencies=[Depends(require_own_form)])
+@router.post("/{assignment_id}", dependencies=OWN_FORM)
 def change(errand: InstructorDep, assignment_id: AssignmentId, form: Annotated[RuleForm, Form()]) -> Response:
     """Put new rules in place of the old ones, or show the form again with what is wrong at its fields."""
     assignment = require_published(errand.services, errand.caller, assignment_id)
@@ -121,7 +121,7 @@ def change(errand: InstructorDep, assignment_id: AssignmentId, form: Annotated[R
     return RedirectResponse(f"/class/rules/{assignment.id}?saved=rules", status_code=303)
 
 
-@router.post("/{assignment_id}/extensions", dependencies=[Depends(require_own_form)])
+@router.post("/{assignment_id}/extensions", dependencies=OWN_FORM)
 def extend(
     errand: InstructorDep, assignment_id: AssignmentId, form: Annotated[ExtensionForm, Form()]
 ) -> Response:

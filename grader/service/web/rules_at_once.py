@@ -13,7 +13,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Role
 from grader.contracts.rules import NO_EXTENSION, Corrector, Extension, RuleError, Rules, Shown
 from grader.service.web.access import InstructorDep, PageErrand, require_staff
-from grader.service.web.forms import require_own_form
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.rule_form import Reader
 from grader.service.web.rule_pages import overview_page
 from grader.use_cases.people import members
@@ -41,7 +41,7 @@ class SeveralForm(BaseModel):
     reason: str = Field(default="", max_length=1_000)
 
 
-@router.post("", dependencies=[Depends(require_own_form)])
+@router.post("", dependencies=OWN_FORM)
 def change_several(errand: InstructorDep, form: Annotated[SeveralForm, Form()]) -> Response:
     """Change what was chosen, all of it or nothing, or show the form again with what is wrong."""
     errors: dict[str, str] = {}

@@ -10,7 +10,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import LONGEST_SECTION, Seen
 from grader.contracts.rules import LATE_PARAMETERS, RuleError, Rules, SectionRule
 from grader.service.web.access import AssignmentId, InstructorDep, require_staff
-from grader.service.web.forms import require_own_form
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import page
 from grader.service.web.rule_form import (
     CHANGED_MEANWHILE,
@@ -36,7 +36,7 @@ def read(errand: InstructorDep, assignment_id: AssignmentId, section: SectionNam
     return _page(errand.request, known, assignment, section)
 
 
-@router.post("/{assignment_id}/section", dependencies=[Depends(require_own_form)])
+@router.post("/{assignment_id}/section", dependencies=OWN_FORM)
 def change(
     errand: InstructorDep,
     assignment_id: AssignmentId,

@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, File, Form, Response, UploadFile
+from fastapi import APIRouter, File, Form, Response, UploadFile
 from fastapi.responses import RedirectResponse
 
 from grader.checks import published_rubric
@@ -17,7 +17,7 @@ from grader.service.requests.middleware import UploadRoute, arrival_of
 from grader.service.web import access
 from grader.service.web.access import COSTLY, KnownDep, MemberDep, PageErrand
 from grader.service.web.errors import form_problem
-from grader.service.web.forms import require_own_form
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import page
 from grader.use_cases.appealing import pending
 from grader.use_cases.assignments import Terms, all_terms, checklist, terms_of, visible_assignment
@@ -56,7 +56,7 @@ def read_assignment(errand: MemberDep, assignment_id: str) -> Response:
     return _assignment_page(errand, visible_assignment(errand.services, errand.caller, assignment_id))
 
 
-@uploads.post("/assignments/{assignment_id}", dependencies=[Depends(require_own_form)])
+@uploads.post("/assignments/{assignment_id}", dependencies=OWN_FORM)
 def take_file(
     errand: MemberDep,
     assignment_id: str,

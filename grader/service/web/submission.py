@@ -37,7 +37,7 @@ from grader.service.web.access import (
     language_of,
 )
 from grader.service.web.comparison import DiffLine, changes
-from grader.service.web.forms import require_own_form
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import page
 from grader.service.web.result import (
     StreamText,
@@ -105,7 +105,7 @@ def read(errand: KnownDep, submission_id: SubmissionId, case: Case = None, *, sa
     )
 
 
-@router.post("/comments", dependencies=[Depends(require_own_form)])
+@router.post("/comments", dependencies=OWN_FORM)
 def write_comment(
     errand: KnownDep,
     submission_id: SubmissionId,
