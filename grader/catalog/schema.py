@@ -274,15 +274,8 @@ class LimitsModel(SpecModel):
 
     def to_contract(self) -> Limits:
         """Return the contract."""
-        return Limits(
-            steps=self.steps,
-            cpu_s=self.cpu_s,
-            wall_s=self.wall_s,
-            memory_bytes=self.memory_mib * MIB,
-            output_bytes=self.output_kib * 1024,
-            threads=self.threads,
-            grace_cpu_s=self.grace_cpu_s,
-        )
+        same = self.model_dump(exclude={"memory_mib", "output_kib"})
+        return Limits(**same, memory_bytes=self.memory_mib * MIB, output_bytes=self.output_kib * 1024)
 
 
 Degrees = Annotated[float, Field(ge=-3600.0, le=3600.0)]
@@ -493,16 +486,8 @@ class AgentStepModel(SpecModel):
         """Return the contract."""
         given = {"publish": self.publish, "call": self.call, "goal": self.goal, "read": self.read}
         tool, target = next((tool, target) for tool, target in given.items() if target is not None)
-        return AgentStep(
-            at_ns=round(self.at_s * 1e9),
-            tool=cast("Tool", tool),
-            target=target,
-            type=self.type,
-            values=dict(self.values),
-            moves_m=self.moves_m,
-            turns_deg=self.turns_deg,
-            tells=self.tells,
-        )
+        same = {name: getattr(self, name) for name in ("type", "values", "moves_m", "turns_deg", "tells")}
+        return AgentStep(at_ns=round(self.at_s * 1e9), tool=cast("Tool", tool), target=target, **same)
 
 
 class AnswerModel(SpecModel):
@@ -536,6 +521,13 @@ class WrongModel(SpecModel):
         """Return the contract."""
         low, high = self.score
         return WrongAttempt(file=self.file, low=low, high=high, fails=self.fails, mistake=self.mistake)
+
+
+def _as_contract(value: Any) -> Any:
+    """Return a value of the file as an assignment has it: of models, alone or in a tuple, their contracts."""
+    if isinstance(value, tuple):
+        return tuple(map(_as_contract, value))
+    return value.to_contract() if hasattr(value, "to_contract") else value
 
 
 class AssignmentModel(SpecModel):
@@ -637,29 +629,10 @@ class AssignmentModel(SpecModel):
     def to_contract(self) -> Assignment:
         """Return the contract."""
         cases = tuple(case.to_contract(self.world, self.places) for case in self.cases)
-        return Assignment(
-            id=self.id,
-            version=self.version,
-            order=self.order,
-            title=self.title.to_contract(),
-            brief=self.brief.to_contract(),
-            check=self.check,
-            options=dict(self.options),
-            file_patterns=self.file_patterns,
-            horizon_s=self.horizon_s,
-            limits=self.limits.to_contract(),
-            world=self.world.to_contract(cases[0]),
-            cases=cases,
-            input=self.input,
-            distro=self.distro,
-            calls=tuple(call.to_contract() for call in self.calls),
-            agent=tuple(step.to_contract() for step in self.agent),
-            answers=tuple(answer.to_contract() for answer in self.answers),
-            path=None if self.path is None else self.path.to_contract(),
-            places=None if self.places is None else self.places.to_contract(),
-            package=None if self.package is None else self.package.to_contract(),
-            items=tuple(item.to_contract() for item in self.items),
-        )
+        others = {
+            name: _as_contract(value) for name, value in self if name not in ("world", "cases", "wrong")
+        }
+        return Assignment(**others, world=self.world.to_contract(cases[0]), cases=cases)
 
     def attempts(self) -> tuple[WrongAttempt, ...]:
         """Return the expectations for the wrong scripts."""

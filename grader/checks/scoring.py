@@ -33,7 +33,7 @@ def wanted(kind: MeasureKind, spec: ItemSpec) -> Text:
     if spec.measure == BY_PERSON:
         return say("wanted.by_person")
     if kind.form == "flag":
-        return say("wanted.yes")
+        return say("word.yes")
     low, high = _number(spec.low, kind.unit), _number(spec.high, kind.unit)
     if kind.form == "count" and spec.high == 0.0:
         return say("wanted.exactly", value=high)

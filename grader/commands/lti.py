@@ -18,7 +18,7 @@ from grader.contracts.text import Text
 from grader.store.audit import Signature
 from grader.store.clock import utc_now
 from grader.store.platforms import KEY_READ_WITHIN, Platforms
-from grader.use_cases.platforms import misfit
+from grader.use_cases.platforms import wrong_field
 
 _REFUSED = {
     "platform_exists": Text(
@@ -92,7 +92,7 @@ def _list(_: OpenedStore, platforms: Platforms, course: str, arguments: argparse
 
 def _add(_: OpenedStore, platforms: Platforms, course: str, arguments: argparse.Namespace) -> None:
     new = NewPlatform(**{name: getattr(arguments, name).strip() for name in NewPlatform.__dataclass_fields__})
-    field = misfit(new)
+    field = wrong_field(new)
     if field is not None:
         option = f"--{field.replace('_', '-')}"
         raise CourseError(

@@ -96,22 +96,24 @@ def say(message_id: str, /, **values: object) -> Text:
 def on_page(language: Language, key: str, /, **values: object) -> str:
     """Return the sentence ``page.<key>`` with `values` filled in, not yet escaped.
 
-    Without values the fields stay in their braces: the pages' scripts fill some of them in.
+    A word that stands in reports, too, is ``word.<key>``. Without values the fields stay in their braces: the
+    pages' scripts fill some of them in.
 
     Raises:
         MissingMessageError: there is no such sentence: a defect of the page.
     """
+    message_id = f"page.{key}" if template(language, f"page.{key}") is not None else f"word.{key}"
     if values:
-        return sentence(language, f"page.{key}", **values)
-    text = template(language, f"page.{key}")
+        return sentence(language, message_id, **values)
+    text = template(language, message_id)
     if text is None:
         raise MissingMessageError(f"{language}: no message {key!r} of a page")
     return text
 
 
 def is_on_page(key: str) -> bool:
-    """Whether the pages have such a sentence."""
-    return template("en", f"page.{key}") is not None
+    """Whether the pages have such a sentence or word."""
+    return any(template("en", f"{kind}.{key}") is not None for kind in ("page", "word"))
 
 
 def join(parts: list[Text], separator: Text) -> Text:

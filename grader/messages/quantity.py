@@ -124,8 +124,8 @@ def measured(item: RubricItem, language: Language) -> str:
     """Return what was measured as the item's message writes it; a dash when there is no number."""
     if item.measured is None or not math.isfinite(item.measured):
         return NOTHING
-    if item.wanted.en == sentence("en", "wanted.yes"):
-        return sentence(language, "item.yes" if item.measured >= 1.0 else "item.no")
+    if item.wanted.en == sentence("en", "word.yes"):
+        return sentence(language, "word.yes" if item.measured >= 1.0 else "word.no")
     return number_beside(item.measured, item.unit, _edges(item))
 
 

@@ -94,7 +94,7 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
 
 def _practice(database: Database, settings: Settings, clock: Clock) -> PracticeRuns:
     queue = Queue(database, clock, _retries(settings))
-    return PracticeRuns(settings.practice_runs, lambda: Slot(_BEHIND), queue.waits)
+    return PracticeRuns(settings.practice_runs, lambda: Slot(_BEHIND), queue.is_due)
 
 
 def _grading(database: Database, settings: Settings, services: Services) -> AbstractContextManager[Worker]:

@@ -386,8 +386,8 @@ class Episode:
             self._sinks[entity.id] = partial(self._command, entity.name, entity.t_ns)
         elif entity.what == PUBLISHER:
             self._journal.note("incompatible_qos", entity.name)
-        elif (misfit := self._world.misfit(entity)) is not None:
-            self._journal.note(misfit, entity.name)
+        elif (note := self._world.qos_note(entity)) is not None:
+            self._journal.note(note, entity.name)
         else:
             self._world.listen(entity.name, entity.id, entity.t_ns, late=entity.transient_local)
 

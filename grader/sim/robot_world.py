@@ -138,7 +138,7 @@ class RobotWorld(SimulatedWorld):
         feed = self._feeds.get(topic)
         return None if feed is None else feed.type
 
-    def misfit(self, entity: Entity) -> str | None:
+    def qos_note(self, entity: Entity) -> str | None:
         """Return the note on a subscription whose QoS the world's publisher on its topic does not offer."""
         feed = self._feeds[entity.name]
         if entity.reliable and not feed.reliable:

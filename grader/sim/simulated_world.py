@@ -47,7 +47,7 @@ class SimulatedWorld:
         """Return the type the world publishes or subscribes to on `topic`, None when it does neither."""
         return None
 
-    def misfit(self, entity: Entity) -> str | None:
+    def qos_note(self, entity: Entity) -> str | None:
         """Return the note on a subscription whose QoS the world's publisher on its topic does not offer."""
         return None
 

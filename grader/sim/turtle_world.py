@@ -159,7 +159,7 @@ class TurtleWorld(SimulatedWorld):
         """Drive up to `end_ns`, when the episode ended, and record the last sample."""
         self.turtle.finish(end_ns)
 
-    def misfit(self, entity: Entity) -> str | None:
+    def qos_note(self, entity: Entity) -> str | None:
         """Return the note on a subscription whose QoS the world's publisher on its topic does not offer."""
         fits = not entity.transient_local or entity.name.endswith("/_action/status")
         return None if fits else "incompatible_qos"

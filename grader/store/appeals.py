@@ -138,8 +138,7 @@ class Appeals(StorePart):
             )
 
     def _read(self, statement: Select[Any]) -> tuple[Appeal, ...]:
-        with self._database.reading() as session:
-            return tuple(_appeal(row, submission) for row, submission in session.execute(statement))
+        return tuple(_appeal(row, submission) for row, submission in self._rows(statement))
 
 
 def is_open(session: Session, submission_id: str, item: str) -> bool:

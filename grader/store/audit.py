@@ -49,8 +49,7 @@ class AuditLog(StorePart):
         if before_id is not None:
             statement = statement.where(col(AuditRow.id) < before_id)
         newest_first = statement.order_by(col(AuditRow.id).desc()).limit(limit)
-        with self._database.reading() as session:
-            return tuple(_entry(row) for row in session.execute(newest_first).scalars())
+        return tuple(_entry(row) for row in self._scalars(newest_first))
 
 
 def record(  # noqa: PLR0913

@@ -9,7 +9,7 @@ from grader.contracts.comment import MOST_COMMENTS, Comment
 from grader.store.audit import Signature, require_open
 from grader.store.courses import in_class
 from grader.store.database import StorePart
-from grader.store.tables import CommentRow, SubmissionRow
+from grader.store.tables import CommentRow, SubmissionRow, as_contract
 
 
 class Comments(StorePart):
@@ -83,8 +83,7 @@ class Comments(StorePart):
             .group_by(col(CommentRow.submission_id))
             .order_by(col(CommentRow.submission_id))
         )
-        with self._database.reading() as session:
-            return {row[0]: row[1] for row in session.execute(statement)}
+        return {row[0]: row[1] for row in self._rows(statement)}
 
 
 def _of(session: Session, submission_id: str) -> tuple[Comment, ...]:
@@ -94,13 +93,5 @@ def _of(session: Session, submission_id: str) -> tuple[Comment, ...]:
 
 
 def _comment(row: CommentRow) -> Comment:
-    return Comment(
-        submission=row.submission_id,
-        number=row.number,
-        by=row.written_by,
-        by_student=row.by_student,
-        line=row.line,
-        text=row.text,
-        at=row.written_at,
-        seen=row.seen_at is not None,
-    )
+    others = {"submission": row.submission_id, "by": row.written_by, "at": row.written_at}
+    return as_contract(row, Comment, **others, seen=row.seen_at is not None)

@@ -22,7 +22,7 @@ from grader.contracts.identity import (
 )
 from grader.contracts.text import Text
 from grader.store.audit import Signature, record
-from grader.store.clock import Clock
+from grader.store.clock import Clock, TimedPart
 from grader.store.database import Database, one_at_a_time
 from grader.store.tables import (
     OF_MEMBERS,
@@ -59,12 +59,11 @@ class RosterChange:
     gone: tuple[Member, ...]
 
 
-class Courses:
+class Courses(TimedPart):
     """Courses and their members; safe to share between threads."""
 
     def __init__(self, database: Database, clock: Clock) -> None:
-        self._database = database
-        self._clock = clock
+        super().__init__(database, clock)
         self._exist = False
 
     def exist(self) -> bool:
@@ -127,8 +126,7 @@ class Courses:
     def all(self) -> tuple[Course, ...]:
         """Return every course, oldest first."""
         statement = select(CourseRow).order_by(col(CourseRow.created_at), col(CourseRow.id))
-        with self._database.reading() as session:
-            return tuple(_course(row) for row in session.execute(statement).scalars())
+        return tuple(_course(row) for row in self._scalars(statement))
 
     def members(self, course_id: str | None, role: Role | None = None) -> tuple[Member, ...]:
         """Return the people of a course in order of their ids, only those of `role` if given; None: nobody."""

@@ -46,6 +46,7 @@ from sqlalchemy.exc import (
     SQLAlchemyError,
 )
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
+from sqlalchemy.sql import Executable
 from sqlmodel import Session, SQLModel, create_engine
 
 from grader.contracts.errors import InfrastructureError, SettingsError
@@ -189,6 +190,16 @@ class StorePart:
 
     def __init__(self, database: Database) -> None:
         self._database = database
+
+    def _rows(self, statement: Executable) -> Sequence[Any]:
+        """Return the rows that one statement finds, in a transaction of its own."""
+        with self._database.reading() as session:
+            return session.execute(statement).all()
+
+    def _scalars(self, statement: Executable) -> Sequence[Any]:
+        """Return the first column of these rows, which may be whole objects."""
+        with self._database.reading() as session:
+            return session.execute(statement).scalars().all()
 
 
 def one_at_a_time(session: Session, *what: str | None) -> None:

@@ -28,6 +28,7 @@ from grader.store.tables import (
     GradingRow,
     SubmissionRow,
     TrajectoryRow,
+    as_contract,
     table_of,
 )
 
@@ -147,14 +148,12 @@ def standing_grading(submission_id: str) -> Select[GradingRow]:
 
 def stored_report(session: Session, row: GradingRow, judged: str) -> StoredReport:
     """Return the report of a grading with its cases, and what people judged of the submission `judged`."""
-    return StoredReport(
-        submission_id=row.submission_id,
-        attempt=row.attempt,
-        finished_at=row.finished_at,
+    return as_contract(
+        row,
+        StoredReport,
         content=row.report,
         sha256=row.report_sha256,
         cases=_cases(session, row),
-        assignment_sha256=row.assignment_sha256,
         judgements=judgements_of(session, [judged]),
     )
 

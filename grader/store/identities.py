@@ -33,21 +33,18 @@ class Identities(TimedPart):
             )
             .limit(_MOST_COURSES)
         )
-        with self._database.reading() as session:
-            return tuple(as_contract(row, Identity) for row in session.execute(statement).scalars())
+        return tuple(as_contract(row, Identity) for row in self._scalars(statement))
 
     def subjects(self, provider: str) -> frozenset[str]:
         """Return the names at a provider that are bound to a member of any course."""
         mine = select(col(IdentityRow.subject)).where(col(IdentityRow.provider) == provider)
-        with self._database.reading() as session:
-            return frozenset(session.execute(mine).scalars())
+        return frozenset(self._scalars(mine))
 
     def of_member(self, course: str, person: str) -> tuple[Identity, ...]:
         """Return the identities of a member, oldest first."""
         own = col(IdentityRow.course) == course, col(IdentityRow.person) == person
         statement = select(IdentityRow).where(*own).order_by(col(IdentityRow.bound_at), col(IdentityRow.id))
-        with self._database.reading() as session:
-            return tuple(as_contract(row, Identity) for row in session.execute(statement).scalars())
+        return tuple(as_contract(row, Identity) for row in self._scalars(statement))
 
     def bind_claimed(
         self,

@@ -136,10 +136,7 @@ class Judgements(StorePart):
         )
         statement = _waiting(columns, course, which).order_by(*order).offset(offset).limit(limit)
         names = ("submission", "student", "assignment", "item", "points", "received_at")
-        with self._database.reading() as session:
-            return tuple(
-                Waiting(**dict(zip(names, row, strict=True))) for row in session.execute(statement).all()
-            )
+        return tuple(Waiting(**dict(zip(names, row, strict=True))) for row in self._rows(statement))
 
     def around(
         self, course: str | None, which: WaitingFor, submission_id: str, received_at: datetime
@@ -162,8 +159,7 @@ class Judgements(StorePart):
         """Return how much waits, by assignment and rubric item, in the order of `waiting`."""
         key = (col(SubmissionRow.assignment), col(GradedItemRow.item))
         statement = _waiting((*key, func.count()), course, which).group_by(*key).order_by(*key)
-        with self._database.reading() as session:
-            return {(row[0], row[1]): row[2] for row in session.execute(statement).all()}
+        return {(row[0], row[1]): row[2] for row in self._rows(statement)}
 
 
 def tag(latest: Judgement | None, report_sha256: str | None) -> str:

@@ -62,8 +62,7 @@ class Notices(TimedPart):
         taught = select(col(CourseRow.id)).where(
             col(CourseRow.id).in_(wanted), col(CourseRow.archived_at).is_(None)
         )
-        with self._database.reading() as session:
-            return tuple(session.execute(taught.order_by(col(CourseRow.id))).scalars())
+        return tuple(self._scalars(taught.order_by(col(CourseRow.id))))
 
     def webhooks(self, course: str) -> dict[Outlet, Webhook]:
         """Return the webhooks of a course by outlet."""
@@ -196,8 +195,7 @@ class Notices(TimedPart):
             .order_by(col(row.made_at), col(row.id))
             .limit(_MOST_AT_ONCE)
         )
-        with self._database.reading() as session:
-            return tuple(_notice(one) for one in session.execute(statement).scalars())
+        return tuple(_notice(one) for one in self._scalars(statement))
 
     def claim(self, notice_id: str) -> Notice | None:
         """Take it on to send a notice; None: another process does, or has, or it is too early or too late."""
@@ -245,8 +243,7 @@ class Notices(TimedPart):
         row = NoticeRow
         mine = select(NoticeRow).where(col(row.course) == course)
         newest = mine.order_by(col(row.made_at).desc(), col(row.id)).limit(limit)
-        with self._database.reading() as session:
-            return tuple(_notice(one) for one in session.execute(newest).scalars())
+        return tuple(_notice(one) for one in self._scalars(newest))
 
     def graded_between(self, course: str, since: datetime, until: datetime) -> dict[str, tuple[int, int]]:
         """Return by assignment how many submissions of how many students were graded then; not trials."""
@@ -276,8 +273,7 @@ class Notices(TimedPart):
             col(row.state) == SubmissionState.INFRASTRUCTURE_ERROR.value,
             col(row.finished_at) >= since,
         )
-        with self._database.reading() as session:
-            return {id_: (of, attempt) for id_, of, attempt in session.execute(statement)}
+        return {id_: (of, attempt) for id_, of, attempt in self._rows(statement)}
 
     def _note(self, notice: Notice, **values: object) -> None:
         with self._database.writing() as session:

@@ -47,8 +47,7 @@ class PlatformScores(TimedPart):
         row = IdentityRow
         mine = col(row.provider) == platform.provider, col(row.course) == platform.course
         statement = select(col(row.person), col(row.subject)).where(*mine).order_by(col(row.bound_at).desc())
-        with self._database.reading() as session:
-            return {str(person): str(subject) for person, subject in session.execute(statement)}
+        return {str(person): str(subject) for person, subject in self._rows(statement)}
 
     def known(self, link: PlatformLink) -> dict[str, PlatformScore]:
         """Return by member what was sent for an activity."""

@@ -92,8 +92,7 @@ class Platforms(TimedPart):
         """Return the platforms of a course, oldest first."""
         mine = select(PlatformRow).where(col(PlatformRow.course) == course)
         ordered = mine.order_by(col(PlatformRow.created_at), col(PlatformRow.id))
-        with self._database.reading() as session:
-            return tuple(as_contract(row, Platform) for row in session.execute(ordered).scalars())
+        return tuple(as_contract(row, Platform) for row in self._scalars(ordered))
 
     def set_people_url(self, platform_id: str, address: str) -> None:
         """Keep where a platform, if it is there, tells who is in its course."""
@@ -227,8 +226,7 @@ class Platforms(TimedPart):
             .where(col(PlatformRow.course) == course)
             .order_by(col(PlatformLinkRow.used_at).desc(), col(PlatformLinkRow.resource))
         )
-        with self._database.reading() as session:
-            return tuple(as_contract(row, PlatformLink) for row in session.execute(statement).scalars())
+        return tuple(as_contract(row, PlatformLink) for row in self._scalars(statement))
 
     def keys(self, made: Callable[[], tuple[str, str]]) -> tuple[str, ...]:
         """Return the service's keys, the one that signs first; it is `made` when it is needed, as id and secret.

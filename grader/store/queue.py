@@ -264,16 +264,10 @@ class Queue:
             ahead = select(func.count()).select_from(SubmissionRow).where(waiting, first)
             return int(session.execute(ahead).scalar_one())
 
-    def waits_in_turn(self) -> bool:
-        """Return whether a submission is due whose turn has come."""
+    def is_due(self, *, in_turn: bool = False) -> bool:
+        """Return whether a submission is due; `in_turn`: one whose turn has come."""
         with self._database.reading() as session:
-            due = session.connection().execute(DUE, instants(self._clock(), in_turn=True))
-            return due.first() is not None
-
-    def waits(self) -> bool:
-        """Return whether a submission is due, in its turn or before."""
-        with self._database.reading() as session:
-            due = session.connection().execute(DUE, instants(self._clock(), in_turn=False))
+            due = session.connection().execute(DUE, instants(self._clock(), in_turn=in_turn))
             return due.first() is not None
 
     def mean_duration_s(self) -> float | None:

@@ -21,7 +21,7 @@ from grader.contracts.record import from_json, from_plain
 from grader.contracts.regrade import PastGrading, Regrade, RegradeState, ScoreChange, ToldChange, Wanted
 from grader.contracts.submission import SubmissionState
 from grader.store.audit import Signature, record, require_open
-from grader.store.database import Database, one_at_a_time
+from grader.store.database import Database, StorePart, one_at_a_time
 from grader.store.intake import new_id
 from grader.store.judgements import settle
 from grader.store.score_changes import StandingScores, item_scores, judgements_by, score_change
@@ -68,11 +68,11 @@ class _Trial:
         return self.row.state == SubmissionState.INFRASTRUCTURE_ERROR.value
 
 
-class Regrades:
+class Regrades(StorePart):
     """Opens, shows, applies and discards re-grades; safe to share between threads."""
 
     def __init__(self, database: Database) -> None:
-        self._database = database
+        super().__init__(database)
         self._latest: dict[str, tuple[_Mark, Regrade]] = {}
 
     def open(self, wanted: Wanted, signed: Signature) -> Regrade:
@@ -202,8 +202,7 @@ class Regrades:
             )
 
     def _read_told(self, statement: Select[Any]) -> tuple[ToldChange, ...]:
-        with self._database.reading() as session:
-            return tuple(_told_change(*row) for row in session.execute(statement))
+        return tuple(_told_change(*row) for row in self._rows(statement))
 
     def history(self, submission_id: str) -> tuple[PastGrading, ...]:
         """Return every grading of a submission, oldest first."""
@@ -214,8 +213,7 @@ class Regrades:
             .where(col(GradingRow.submission_id) == submission_id)
             .order_by(col(GradingRow.attempt))
         )
-        with self._database.reading() as session:
-            return tuple(_past(*row) for row in session.execute(statement))
+        return tuple(_past(*row) for row in self._rows(statement))
 
     def _decide(
         self,
@@ -386,15 +384,10 @@ def _judgements_in_log(change: ScoreChange) -> dict[str, list[str]]:
 
 
 def _past(grading: GradingRow, regrade: RegradeRow | None, standing: int | None) -> PastGrading:
-    return PastGrading(
-        attempt=grading.attempt,
-        finished_at=grading.finished_at,
-        grader_version=grading.grader_version,
-        assignment_version=grading.assignment_version,
+    return as_contract(
+        grading,
+        PastGrading,
         status=grading.verdict,
-        score=grading.score,
-        max_score=grading.max_score,
-        report_sha256=grading.report_sha256,
         by="" if regrade is None else regrade.decided_by,
         reason="" if regrade is None else regrade.reason,
         stands=grading.attempt == standing,

@@ -83,8 +83,7 @@ class Scripts(StorePart):
             .where(which)
             .order_by(col(row.received_at).desc(), col(row.id))
         )
-        with self._database.reading() as session:
-            return tuple(HandedIn(*found) for found in session.execute(statement))
+        return tuple(HandedIn(*found) for found in self._rows(statement))
 
 
 def _grading(one: HandedIn) -> tuple[str, int]:

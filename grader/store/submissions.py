@@ -117,8 +117,7 @@ class Submissions(TimedPart):
         if assignment is not None:
             statement = statement.where(col(SubmissionRow.assignment) == assignment)
         newest_first = statement.order_by(col(SubmissionRow.received_at).desc(), col(SubmissionRow.id).desc())
-        with self._database.reading() as session:
-            return tuple(_submission(row) for row in session.execute(newest_first).scalars().all())
+        return tuple(_submission(row) for row in self._scalars(newest_first))
 
     def of_class(
         self,

@@ -1,9 +1,11 @@
 """The tables. Changing one needs a migration in `grader.store.migrations.versions` (a test compares them)."""
 
 import gzip
+import re
 from dataclasses import fields
 from datetime import UTC, datetime
-from typing import Any, ClassVar, Final, TypeVar
+from enum import StrEnum
+from typing import Any, Final, TypeVar
 
 from sqlalchemy import (
     CheckConstraint,
@@ -16,6 +18,7 @@ from sqlalchemy import (
     Table,
     Text,
 )
+from sqlalchemy.orm import declared_attr
 from sqlalchemy.types import TypeDecorator
 from sqlmodel import Field, SQLModel
 
@@ -103,17 +106,26 @@ def bytes_column() -> Column[bytes]:
     return Column(LargeBinary(), nullable=False)
 
 
-_ROLES = ", ".join(f"'{role.value}'" for role in Role)
+def _one_of(kinds: type[StrEnum], column: str, name: str) -> CheckConstraint:
+    values = ", ".join(f"'{one.value}'" for one in kinds)
+    return CheckConstraint(f"{column} IN ({values})", name=name)
 
 
 def _of_member() -> ForeignKeyConstraint:
     return ForeignKeyConstraint(["course", "person"], ["member.course", "member.person"])
 
 
-class CourseRow(SQLModel, table=True):
-    """A course. While there is none, the service asks nobody who they are."""
+class _Row(SQLModel):
+    """A row of a table, which is named after its class: ``UploadKeyRow`` is one of ``upload_key``."""
 
-    __tablename__: ClassVar[str] = "course"
+    @declared_attr.directive
+    def __tablename__(cls) -> str:  # noqa: N805
+        """Return the table's name."""
+        return re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__.removesuffix("Row")).lower()
+
+
+class CourseRow(_Row, table=True):
+    """A course. While there is none, the service asks nobody who they are."""
 
     id: str = Field(primary_key=True, max_length=64)
     title: str = Field(max_length=200)
@@ -125,11 +137,10 @@ class CourseRow(SQLModel, table=True):
     archived_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
 
 
-class MemberRow(SQLModel, table=True):
+class MemberRow(_Row, table=True):
     """Somebody in a course."""
 
-    __tablename__: ClassVar[str] = "member"
-    __table_args__ = (CheckConstraint(f"role IN ({_ROLES})", name="member_role"),)
+    __table_args__ = (_one_of(Role, "role", "member_role"),)
 
     course: str = Field(primary_key=True, foreign_key="course.id", max_length=64)
     person: str = Field(primary_key=True, max_length=64)
@@ -139,10 +150,9 @@ class MemberRow(SQLModel, table=True):
     email: str = Field(default="", max_length=254, sa_column_kwargs={"server_default": ""})
 
 
-class SectionRow(SQLModel, table=True):
+class SectionRow(_Row, table=True):
     """A section of a course that a student is in, or that an assistant looks after."""
 
-    __tablename__: ClassVar[str] = "section"
     __table_args__ = (_of_member(),)
 
     course: str = Field(primary_key=True, max_length=64)
@@ -150,10 +160,9 @@ class SectionRow(SQLModel, table=True):
     section: str = Field(primary_key=True, max_length=64)
 
 
-class TokenRow(SQLModel, table=True):
+class TokenRow(_Row, table=True):
     """A bearer token, or a browser's session that was opened by one: only the digest of its secret is kept."""
 
-    __tablename__: ClassVar[str] = "token"
     __table_args__ = (_of_member(), Index("token_owner", "course", "person"))
 
     id: str = Field(primary_key=True, max_length=16)
@@ -166,10 +175,9 @@ class TokenRow(SQLModel, table=True):
     opened_by: str | None = Field(default=None, max_length=16)
 
 
-class IdentityRow(SQLModel, table=True):
+class IdentityRow(_Row, table=True):
     """What a provider calls a member: whoever comes with that name is let in as this member."""
 
-    __tablename__: ClassVar[str] = "identity"
     __table_args__ = (_of_member(), Index("identity_subject", "provider", "subject", "course", unique=True))
 
     id: str = Field(primary_key=True, max_length=16)
@@ -181,10 +189,8 @@ class IdentityRow(SQLModel, table=True):
     by_token: bool
 
 
-class RecognisedRow(SQLModel, table=True):
+class RecognisedRow(_Row, table=True):
     """Somebody whom a provider recognised a moment ago, who is still asked for a token or a course."""
-
-    __tablename__: ClassVar[str] = "recognised"
 
     sha256: str = Field(primary_key=True, max_length=SHA256_LENGTH)
     provider: str = Field(max_length=64)
@@ -192,10 +198,9 @@ class RecognisedRow(SQLModel, table=True):
     expires_at: datetime = Field(sa_column=instant_column())
 
 
-class AuditRow(SQLModel, table=True):
+class AuditRow(_Row, table=True):
     """One change of a grade or a setting. Rows are only ever added. `before` and `after` are JSON."""
 
-    __tablename__: ClassVar[str] = "audit"
     __table_args__ = (Index("audit_course", "course", "id"),)
 
     id: int | None = Field(default=None, primary_key=True)
@@ -209,10 +214,8 @@ class AuditRow(SQLModel, table=True):
     reason: str = Field(sa_column=text_column())
 
 
-class RulesRow(SQLModel, table=True):
+class RulesRow(_Row, table=True):
     """The rules of one assignment in one course, as the JSON of `grader.store.rules`."""
-
-    __tablename__: ClassVar[str] = "rules"
 
     course: str = Field(primary_key=True, foreign_key="course.id", max_length=64)
     assignment: str = Field(primary_key=True, max_length=64)
@@ -220,10 +223,9 @@ class RulesRow(SQLModel, table=True):
     changed_at: datetime = Field(sa_column=instant_column())
 
 
-class ExtensionRow(SQLModel, table=True):
+class ExtensionRow(_Row, table=True):
     """What one student gets beyond the rules of one assignment."""
 
-    __tablename__: ClassVar[str] = "extension"
     __table_args__ = (_of_member(),)
 
     course: str = Field(primary_key=True, max_length=64)
@@ -233,32 +235,26 @@ class ExtensionRow(SQLModel, table=True):
     extra_attempts: int
 
 
-_STATES = ", ".join(f"'{state.value}'" for state in SubmissionState)
-
-
 def _of_grading() -> ForeignKeyConstraint:
     return ForeignKeyConstraint(["submission_id", "attempt"], ["grading.submission_id", "grading.attempt"])
 
 
-class SourceRow(SQLModel, table=True):
+class SourceRow(_Row, table=True):
     """Uploaded bytes, once per content, kept for as long as a submission names them."""
-
-    __tablename__: ClassVar[str] = "source"
 
     sha256: str = Field(primary_key=True, max_length=SHA256_LENGTH)
     content: bytes = Field(sa_column=bytes_column())
 
 
-class SubmissionRow(SQLModel, table=True):
+class SubmissionRow(_Row, table=True):
     """One upload. `attempt` fences, `lease_until` frees; see `grader.store.queue`.
 
     A row with `regrade` is a trial grading of the row `original`; see `grader.store.regrades`. Waiting rows are
     graded in order of `priority`, then of `turn_at`; see `grader.store.intake`.
     """
 
-    __tablename__: ClassVar[str] = "submission"
     __table_args__ = (
-        CheckConstraint(f"state IN ({_STATES})", name="submission_state"),
+        _one_of(SubmissionState, "state", "submission_state"),
         CheckConstraint("state != 'running' OR lease_until IS NOT NULL", name="running_has_a_lease"),
         Index("submission_queue", "state", "priority", "turn_at", "id", "queued_at"),
         Index("submission_regrade", "regrade"),
@@ -269,7 +265,7 @@ class SubmissionRow(SQLModel, table=True):
     )
 
     id: str = Field(primary_key=True, max_length=36)
-    course: str | None = Field(default=None, foreign_key=f"{CourseRow.__tablename__}.id", max_length=64)
+    course: str | None = Field(default=None, foreign_key="course.id", max_length=64)
     student: str = Field(max_length=64)
     assignment: str = Field(max_length=64)
     file_name: str = Field(max_length=255)
@@ -298,10 +294,9 @@ class SubmissionRow(SQLModel, table=True):
     to_judge: int | None = None
 
 
-class UploadKeyRow(SQLModel, table=True):
+class UploadKeyRow(_Row, table=True):
     """A key that came with an upload, and a digest of what the upload was. Forgotten after some days."""
 
-    __tablename__: ClassVar[str] = "upload_key"
     __table_args__ = (Index("upload_key_submission", "submission_id"),)
 
     owner: str = Field(primary_key=True, max_length=160)
@@ -311,13 +306,12 @@ class UploadKeyRow(SQLModel, table=True):
     at: datetime = Field(sa_column=instant_column())
 
 
-class GradingRow(SQLModel, table=True):
+class GradingRow(_Row, table=True):
     """One finished grading; a re-grade adds a row and leaves the older ones. `report` is canonical bytes.
 
     `replaced`: the attempt that stood before a re-grade's, None where none did.
     """
 
-    __tablename__: ClassVar[str] = "grading"
     __table_args__ = (Index("grading_regrade", "regrade"),)
 
     submission_id: str = Field(primary_key=True, foreign_key="submission.id", max_length=36)
@@ -339,23 +333,17 @@ class GradingRow(SQLModel, table=True):
     replaced: int | None = None
 
 
-class GradedAssignmentRow(SQLModel, table=True):
+class GradedAssignmentRow(_Row, table=True):
     """An assignment as it was graded, once per content: a `Record` as canonical JSON."""
-
-    __tablename__: ClassVar[str] = "graded_assignment"
 
     sha256: str = Field(primary_key=True, max_length=SHA256_LENGTH)
     content: bytes = Field(sa_column=bytes_column())
 
 
-_REGRADE_STATES = ", ".join(f"'{state.value}'" for state in RegradeState)
-
-
-class RegradeRow(SQLModel, table=True):
+class RegradeRow(_Row, table=True):
     """A re-grade. `wanted` and, once it is decided, `outcome` are JSON of `grader.contracts.regrade`."""
 
-    __tablename__: ClassVar[str] = "regrade"
-    __table_args__ = (CheckConstraint(f"state IN ({_REGRADE_STATES})", name="regrade_state"),)
+    __table_args__ = (_one_of(RegradeState, "state", "regrade_state"),)
 
     id: str = Field(primary_key=True, max_length=16)
     course: str | None = Field(default=None, foreign_key="course.id", max_length=64)
@@ -373,13 +361,11 @@ class RegradeRow(SQLModel, table=True):
     undone_reason: str = Field(default="", sa_column=Column(PlainText(), nullable=False, server_default=""))
 
 
-class ToldChangeRow(SQLModel, table=True):
+class ToldChangeRow(_Row, table=True):
     """What a re-grade, or that it was `undone`, changed of a submission, for its student.
 
     `change` is JSON of `grader.contracts.regrade`. `seen_at`: the student has seen it.
     """
-
-    __tablename__: ClassVar[str] = "told_change"
 
     submission_id: str = Field(primary_key=True, foreign_key="submission.id", max_length=36)
     regrade: str = Field(primary_key=True, foreign_key="regrade.id", max_length=16)
@@ -389,10 +375,9 @@ class ToldChangeRow(SQLModel, table=True):
     seen_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
 
 
-class JudgementRow(SQLModel, table=True):
+class JudgementRow(_Row, table=True):
     """What a person gave for one rubric item. Rows are only ever added: the latest `revision` counts."""
 
-    __tablename__: ClassVar[str] = "judgement"
     __table_args__ = (
         _of_grading(),
         CheckConstraint("points >= 0 AND points <= out_of", name="judgement_points"),
@@ -410,10 +395,8 @@ class JudgementRow(SQLModel, table=True):
     source_sha256: str = Field(foreign_key="source.sha256", max_length=SHA256_LENGTH)
 
 
-class CommentRow(SQLModel, table=True):
+class CommentRow(_Row, table=True):
     """What somebody wrote about a submission. `seen_at`: when the other side, student or staff, first saw it."""
-
-    __tablename__: ClassVar[str] = "comment"
 
     submission_id: str = Field(primary_key=True, foreign_key="submission.id", max_length=36)
     number: int = Field(primary_key=True)
@@ -425,15 +408,11 @@ class CommentRow(SQLModel, table=True):
     seen_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
 
 
-_APPEAL_STATES = ", ".join(f"'{state.value}'" for state in AppealState)
-
-
-class AppealRow(SQLModel, table=True):
+class AppealRow(_Row, table=True):
     """That a student asks for another look at a rubric item, and the answer. `seen_at`: the student saw that."""
 
-    __tablename__: ClassVar[str] = "appeal"
     __table_args__ = (
-        CheckConstraint(f"state IN ({_APPEAL_STATES})", name="appeal_state"),
+        _one_of(AppealState, "state", "appeal_state"),
         Index("appeal_waiting", "state", "made_at"),
     )
 
@@ -451,10 +430,9 @@ class AppealRow(SQLModel, table=True):
     seen_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
 
 
-class GradedItemRow(SQLModel, table=True):
+class GradedItemRow(_Row, table=True):
     """One rubric item of one grading, for counting; the report has the whole of it."""
 
-    __tablename__: ClassVar[str] = "graded_item"
     __table_args__ = (_of_grading(),)
 
     submission_id: str = Field(primary_key=True, max_length=36)
@@ -465,10 +443,9 @@ class GradedItemRow(SQLModel, table=True):
     earned: float
 
 
-class GradedMistakeRow(SQLModel, table=True):
+class GradedMistakeRow(_Row, table=True):
     """One recognised mistake of one grading. `rank` 0 is the likeliest."""
 
-    __tablename__: ClassVar[str] = "graded_mistake"
     __table_args__ = (_of_grading(),)
 
     submission_id: str = Field(primary_key=True, max_length=36)
@@ -477,10 +454,9 @@ class GradedMistakeRow(SQLModel, table=True):
     rank: int
 
 
-class TrajectoryRow(SQLModel, table=True):
+class TrajectoryRow(_Row, table=True):
     """The trajectory of one case of one grading: gzip of its JSON, and the digest of the JSON."""
 
-    __tablename__: ClassVar[str] = "trajectory"
     __table_args__ = (_of_grading(),)
 
     submission_id: str = Field(primary_key=True, max_length=36)
@@ -491,10 +467,8 @@ class TrajectoryRow(SQLModel, table=True):
     content: bytes = Field(sa_column=bytes_column())
 
 
-class WorkerRow(SQLModel, table=True):
+class WorkerRow(_Row, table=True):
     """What a worker process last said about itself."""
-
-    __tablename__: ClassVar[str] = "worker"
 
     id: str = Field(primary_key=True, max_length=255)
     slots: int
@@ -506,10 +480,7 @@ class WorkerRow(SQLModel, table=True):
     seen_at: datetime = Field(sa_column=instant_column())
 
 
-_OWN_STATES = ", ".join(f"'{state.value}'" for state in OwnState)
-
-
-class OwnAssignmentRow(SQLModel, table=True):
+class OwnAssignmentRow(_Row, table=True):
     """An assignment that somebody uploaded to a course; `number` counts uploads of one assignment.
 
     The latest that is ``ready`` is used, the latest of all is shown; no others are kept. `content` is the folder
@@ -517,9 +488,8 @@ class OwnAssignmentRow(SQLModel, table=True):
     Bytes, as nothing there names a person. `lease_until`: until when a worker runs the scripts of it.
     """
 
-    __tablename__: ClassVar[str] = "own_assignment"
     __table_args__ = (
-        CheckConstraint(f"state IN ({_OWN_STATES})", name="own_assignment_state"),
+        _one_of(OwnState, "state", "own_assignment_state"),
         Index("own_assignment_waiting", "state", "uploaded_at"),
     )
 
@@ -539,20 +509,17 @@ class OwnAssignmentRow(SQLModel, table=True):
     trouble: str = Field(default="", sa_column=text_column())
 
 
-class PlatformKeyRow(SQLModel, table=True):
+class PlatformKeyRow(_Row, table=True):
     """A key by which the service signs what it says to learning platforms; the newest is used."""
-
-    __tablename__: ClassVar[str] = "platform_key"
 
     id: str = Field(primary_key=True, max_length=64)
     secret: str = Field(sa_column=text_column())
     created_at: datetime = Field(sa_column=instant_column())
 
 
-class PlatformRow(SQLModel, table=True):
+class PlatformRow(_Row, table=True):
     """A learning platform that a course is used from."""
 
-    __tablename__: ClassVar[str] = "platform"
     __table_args__ = (Index("platform_client", "issuer", "client_id", "deployment", unique=True),)
 
     id: str = Field(primary_key=True, max_length=16)
@@ -568,10 +535,8 @@ class PlatformRow(SQLModel, table=True):
     created_at: datetime = Field(sa_column=instant_column())
 
 
-class PlatformInvitationRow(SQLModel, table=True):
+class PlatformInvitationRow(_Row, table=True):
     """An address by which a platform can be added to a course, once. `sha256`: of the secret in it."""
-
-    __tablename__: ClassVar[str] = "platform_invitation"
 
     sha256: str = Field(primary_key=True, max_length=SHA256_LENGTH)
     course: str = Field(foreign_key="course.id", max_length=64)
@@ -579,10 +544,8 @@ class PlatformInvitationRow(SQLModel, table=True):
     until: datetime = Field(sa_column=instant_column())
 
 
-class PlatformPickingRow(SQLModel, table=True):
+class PlatformPickingRow(_Row, table=True):
     """What a platform asks to be chosen. `sha256`: of the secret by which the page of the choice is opened."""
-
-    __tablename__: ClassVar[str] = "platform_picking"
 
     sha256: str = Field(primary_key=True, max_length=SHA256_LENGTH)
     platform: str = Field(foreign_key="platform.id", max_length=16)
@@ -594,10 +557,8 @@ class PlatformPickingRow(SQLModel, table=True):
     until: datetime = Field(sa_column=instant_column())
 
 
-class PlatformLinkRow(SQLModel, table=True):
+class PlatformLinkRow(_Row, table=True):
     """An activity of a platform that was opened."""
-
-    __tablename__: ClassVar[str] = "platform_link"
 
     platform: str = Field(primary_key=True, foreign_key="platform.id", max_length=16)
     resource: str = Field(primary_key=True, max_length=255)
@@ -607,14 +568,13 @@ class PlatformLinkRow(SQLModel, table=True):
     used_at: datetime = Field(sa_column=instant_column())
 
 
-class PlatformScoreRow(SQLModel, table=True):
+class PlatformScoreRow(_Row, table=True):
     """What a platform was last told of a member at an activity, or is to be told again.
 
     `sha256`: of what it took; empty: nothing yet. `sent_at`: the instant named in it. Nobody else sends before
     `not_before`. `trouble`: why it did not take the latest.
     """
 
-    __tablename__: ClassVar[str] = "platform_score"
     __table_args__ = (
         ForeignKeyConstraint(["platform", "resource"], ["platform_link.platform", "platform_link.resource"]),
         _of_member(),
@@ -631,19 +591,15 @@ class PlatformScoreRow(SQLModel, table=True):
     trouble: str = Field(default="", sa_column=text_column())
 
 
-class UsedMessageRow(SQLModel, table=True):
+class UsedMessageRow(_Row, table=True):
     """A platform's message that let somebody in, which must not do so again."""
-
-    __tablename__: ClassVar[str] = "used_message"
 
     sha256: str = Field(primary_key=True, max_length=SHA256_LENGTH)
     expires_at: datetime = Field(sa_column=instant_column())
 
 
-class WebhookRow(SQLModel, table=True):
+class WebhookRow(_Row, table=True):
     """The bot of a group chat of a course. `address` and `secret` are shown to nobody."""
-
-    __tablename__: ClassVar[str] = "webhook"
 
     course: str = Field(primary_key=True, foreign_key="course.id", max_length=64)
     outlet: str = Field(primary_key=True, max_length=16)
@@ -653,10 +609,8 @@ class WebhookRow(SQLModel, table=True):
     changed_at: datetime = Field(sa_column=instant_column())
 
 
-class MailWishesRow(SQLModel, table=True):
+class MailWishesRow(_Row, table=True):
     """What a course has e-mailed."""
-
-    __tablename__: ClassVar[str] = "mail_wishes"
 
     course: str = Field(primary_key=True, foreign_key="course.id", max_length=64)
     due: bool
@@ -665,10 +619,9 @@ class MailWishesRow(SQLModel, table=True):
     changed_at: datetime = Field(sa_column=instant_column())
 
 
-class NoticeRow(SQLModel, table=True):
+class NoticeRow(_Row, table=True):
     """A notice that is to be sent, or was. `person`: who gets it; empty: a group."""
 
-    __tablename__: ClassVar[str] = "notice"
     __table_args__ = (Index("notice_course", "course", "made_at"),)
 
     id: str = Field(primary_key=True, max_length=32)
@@ -687,10 +640,8 @@ class NoticeRow(SQLModel, table=True):
     trouble: str = Field(default="", sa_column=text_column())
 
 
-class ToldRow(SQLModel, table=True):
+class ToldRow(_Row, table=True):
     """Of which state of something the latest notice about it told. `person`: as of the notice."""
-
-    __tablename__: ClassVar[str] = "told"
 
     course: str = Field(primary_key=True, foreign_key="course.id", max_length=64)
     outlet: str = Field(primary_key=True, max_length=16)

@@ -95,8 +95,7 @@ class Tokens(TimedPart):
         """Return the tokens of a course, oldest first."""
         of_it = select(TokenRow).where(col(TokenRow.course) == course, col(TokenRow.opened_by).is_(None))
         statement = of_it.order_by(col(TokenRow.created_at), col(TokenRow.id))
-        with self._database.reading() as session:
-            return tuple(as_contract(row, TokenInfo) for row in session.execute(statement).scalars())
+        return tuple(as_contract(row, TokenInfo) for row in self._scalars(statement))
 
     def holders(self, course: str) -> frozenset[str]:
         """Return who in a course has a token that opens something now."""

@@ -44,10 +44,7 @@ class Workers(TimedPart):
         now, silent = self._clock(), timedelta(seconds=silent_s)
         heard = col(WorkerRow.seen_at).between(now - silent, now + silent)
         statement = select(WorkerRow).where(heard).order_by(col(WorkerRow.started_at), col(WorkerRow.id))
-        with self._database.reading() as session:
-            return tuple(
-                WorkerState(**row.model_dump()) for row in session.execute(statement).scalars().all()
-            )
+        return tuple(WorkerState(**row.model_dump()) for row in self._scalars(statement))
 
 
 @contextmanager

@@ -65,7 +65,7 @@ def gradebook_workbook(services: Services, caller: Caller, language: Language, s
         heading("people.name"),
         heading("people.sections"),
         *titles,
-        heading("class.total"),
+        heading("total"),
     ]
     rows: list[list[Cell]] = [[*head]]
     for member in members:

@@ -4,8 +4,7 @@ import logging
 from collections.abc import Callable
 
 from grader.contracts.notice import Notice, Outlet
-from grader.outside.notices import NotSentError
-from grader.outside.notices.failure import OFTEN_PAUSE_S
+from grader.outside.notices import OFTEN_PAUSE_S, NotSentError
 from grader.outside.notices.mail import Letter
 from grader.use_cases.notice_writing import write_notices
 from grader.use_cases.services import Services

@@ -125,13 +125,13 @@ def add_signed(services: Services, new: NewPlatform, signed: Signature) -> Platf
     Raises:
         RefusedError: a field is wrong, or the platform is there already.
     """
-    wrong = misfit(new)
+    wrong = wrong_field(new)
     if wrong is not None:
         raise RefusedError("invalid_platform", field=wrong)
     return services.platforms.add(new, signed)
 
 
-def misfit(new: NewPlatform) -> str | None:
+def wrong_field(new: NewPlatform) -> str | None:
     """Return which field of a platform cannot be right; None: none."""
     for name in NewPlatform.__dataclass_fields__:
         value = getattr(new, name)

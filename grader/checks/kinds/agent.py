@@ -19,13 +19,13 @@ from grader.contracts.trajectory import COMMAND_LIFE_NS, Trajectory
 from grader.messages.quantity import number
 
 MEASURES = {
-    "nodes": MeasureKind(form="count"),
+    "nodes": MeasureKind(form="count", of="service"),
     "offered": MeasureKind(form="count"),
     "answered": MeasureKind("%"),
     "move_error": MeasureKind("%"),
     "turn_error": MeasureKind("deg"),
     "told_error": MeasureKind("m"),
-    "alive": MeasureKind(form="flag"),
+    "alive": MeasureKind(form="flag", of="node"),
 }
 _STILL_M: Final = 0.02
 _STILL_DEG: Final = 2.0

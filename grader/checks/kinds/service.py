@@ -17,7 +17,7 @@ MEASURES = {
     "offered": MeasureKind(form="flag"),
     "answered": MeasureKind(form="flag"),
     "entries": MeasureKind(form="count"),
-    "alive": MeasureKind(form="flag"),
+    "alive": MeasureKind(form="flag", of="node"),
 }
 _SHOWN_ENTRIES = 6
 _SHOWN_CHARACTERS = 40

@@ -15,7 +15,7 @@ from urllib.parse import parse_qs, quote_plus, urlsplit
 import msgspec
 
 from grader.contracts.notice import NewWebhook, Vendor
-from grader.outside.notices.failure import Failure, NotSentError
+from grader.outside.notices import Failure, NotSentError
 from grader.outside.signin.channel import UnreachableError, decoded, is_confidential, post_json
 
 MOST_BYTES: Final = 2_000

@@ -13,7 +13,7 @@ from typing import Final, Self
 from urllib.parse import urlsplit
 
 from grader.operation.settings import Settings, is_loopback
-from grader.outside.notices.failure import Failure, NotSentError
+from grader.outside.notices import Failure, NotSentError
 from grader.outside.signin.channel import trusting
 
 PATIENCE_S: Final = 10.0

@@ -1,12 +1,13 @@
-"""Answers that pages and programs get alike: what nobody may keep, files to be saved, pictures."""
+"""Answers that pages and programs get alike: what nobody may keep, files to be saved, pictures, trajectories."""
 
 from fastapi import Response
+from fastapi.responses import StreamingResponse
 
 from grader.contracts.figure import PictureForm
-from grader.contracts.identity import Caller
 from grader.contracts.text import Language
+from grader.service.requests.dependencies import Errand
 from grader.use_cases import recordings
-from grader.use_cases.services import Services
+from grader.use_cases.recordings import Recording
 
 _PICTURES: dict[PictureForm, str] = {"png": "image/png", "svg": "image/svg+xml"}
 
@@ -19,15 +20,24 @@ def to_save(name: str, **headers: str) -> dict[str, str]:
     return {"Content-Disposition": f'attachment; filename="{name}"', "Cache-Control": "no-store", **headers}
 
 
-async def plot(  # noqa: PLR0913, PLR0917
-    services: Services,
-    caller: Caller,
-    submission_id: str,
-    case: str | None,
-    language: Language,
-    form: PictureForm,
+async def plot(
+    errand: Errand, submission_id: str, case: str | None, language: Language, form: PictureForm
 ) -> Response:
     """Return one run as a picture, in any of its forms."""
-    drawn = await recordings.picture(services, caller, submission_id, case, language, form)
+    drawn = await recordings.picture(errand.services, errand.caller, submission_id, case, language, form)
     headers = {"ETag": f'"{drawn.tag}"', "Content-Language": language, "Vary": "Accept-Language"}
     return Response(drawn.content, media_type=_PICTURES[form], headers=headers)
+
+
+def accepts_gzip(accept_encoding: str | None) -> bool:
+    """Whether a client that sent this ``Accept-Encoding`` (None: it sent none) takes gzip."""
+    return "gzip" in (accept_encoding or "").lower()
+
+
+def trajectory_answer(recording: Recording, accept_encoding: str | None) -> Response:
+    """Return the JSON of a recording; if the client accepts gzip, the bytes that are stored."""
+    headers = {"ETag": f'"{recording.sha256}"', "Vary": "Accept-Encoding"}
+    if not accepts_gzip(accept_encoding):
+        return StreamingResponse(recording.parts(), media_type="application/json", headers=headers)
+    headers["Content-Encoding"] = "gzip"
+    return Response(recording.compressed, media_type="application/json", headers=headers)

@@ -7,6 +7,7 @@ that ``Accept-Language`` weighs most, else the service's default.
 import re
 from collections.abc import AsyncIterator, Iterator
 from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 from fastapi import Depends, Header, Path, Query, Request
@@ -40,9 +41,6 @@ Address = Annotated[str, BeforeValidator(lambda submission: SUBMISSIONS + submis
 SESSION_COOKIE = "grader_session"
 """Cookie by which a browser shows its session instead of a token."""
 
-ENTRY_PROBLEMS = ("unauthorized", "too_many_requests", "too_many_at_once")
-"""Problems of every endpoint that asks who it is."""
-
 bearer = HTTPBearer(
     auto_error=False,
     scheme_name="Token",
@@ -57,6 +55,14 @@ async def _services(request: Request) -> Services:
 
 
 ServicesDep = Annotated[Services, Depends(_services)]
+
+
+@dataclass(frozen=True, slots=True)
+class Errand:
+    """What somebody asks for: who they are, and the services that answer. Endpoints are given one."""
+
+    services: Services
+    caller: Caller
 
 
 def _identified(
@@ -83,9 +89,9 @@ def under_way(request: Request, services: Services, caller: Caller) -> Iterator[
         yield
 
 
-async def caller_of(
+async def _errand(
     request: Request, services: ServicesDep, caller: Annotated[Caller, Depends(_identified)]
-) -> AsyncIterator[Caller]:
+) -> AsyncIterator[Errand]:
     """Dependency of every endpoint that shows or changes something of somebody.
 
     Raises:
@@ -93,27 +99,27 @@ async def caller_of(
             somebody for too much at once.
     """
     with under_way(request, services, caller):
-        yield caller
+        yield Errand(services, caller)
 
 
-CallerDep = Annotated[Caller, Depends(caller_of)]
+ErrandDep = Annotated[Errand, Depends(_errand)]
 
 
-async def _staff(caller: CallerDep) -> Caller:
-    require_staff(caller)
-    return caller
+async def _staff(errand: ErrandDep) -> Errand:
+    require_staff(errand.caller)
+    return errand
 
 
-StaffDep = Annotated[Caller, Depends(_staff)]
+StaffDep = Annotated[Errand, Depends(_staff)]
 """Assistants and instructors; others are refused before the body of their request is looked at."""
 
 
-async def _instructor(caller: CallerDep) -> Caller:
-    require_instructor(caller)
-    return caller
+async def _instructor(errand: ErrandDep) -> Errand:
+    require_instructor(errand.caller)
+    return errand
 
 
-InstructorDep = Annotated[Caller, Depends(_instructor)]
+InstructorDep = Annotated[Errand, Depends(_instructor)]
 """Instructors; others are refused before the body of their request is looked at."""
 
 
@@ -176,9 +182,9 @@ def _in_digits(value: object) -> object:
 
 
 def _costly(weight: int) -> Any:
-    async def counted(request: Request, services: ServicesDep, caller: CallerDep) -> AsyncIterator[None]:
+    async def counted(request: Request, errand: ErrandDep) -> AsyncIterator[None]:
         otherwise = f"submission {request.path_params.get('submission_id')}"
-        with services.allowances.costly.one_more(caller, otherwise, weight):
+        with errand.services.allowances.costly.one_more(errand.caller, otherwise, weight):
             yield
 
     return Depends(counted)
@@ -189,11 +195,10 @@ COSTLY, DRAWN = _costly(1), _costly(PLOT_WEIGHT)
 
 
 def _known_section(
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     section: Annotated[str, Query(max_length=64, description="Only students of this section.")] = "",
 ) -> str:
-    known = sections_of(members(services, caller)) if section else []
+    known = sections_of(members(errand.services, errand.caller)) if section else []
     if section and section not in known:
         listed = ", ".join(known[:_MOST_LISTED])
         detail = Text(zh=f"没有这个分组；有：{listed}", en=f"There is no such section; there are: {listed}")
@@ -216,8 +221,8 @@ SubmissionId = Annotated[
 ]
 
 
-def _require_sight(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> None:
-    visible_submission(services, caller, submission_id)
+def _require_sight(errand: ErrandDep, submission_id: SubmissionId) -> None:
+    visible_submission(errand.services, errand.caller, submission_id)
 
 
 SIGHT = Depends(_require_sight)

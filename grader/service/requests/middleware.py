@@ -260,11 +260,6 @@ async def single_parts(request: Request) -> None:
         raise RequestValidationError(errors)
 
 
-async def arrival(request: Request) -> datetime:
-    """Return `arrival_of`, as a dependency that runs on the event loop: it waits for nothing."""
-    return arrival_of(request)
-
-
 def _too_long() -> RefusedError:
     kib = MOST_BYTES // 1024
     return RefusedError(

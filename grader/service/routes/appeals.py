@@ -4,37 +4,35 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, status
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.appeal import LONGEST_TEXT, Appeal, AppealState
-from grader.contracts.identity import Caller
 from grader.contracts.judgement import COMMENT_PATTERN
 from grader.contracts.text import Language
 from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
     SIGHT,
     SUBMISSIONS,
-    CallerDep,
+    Errand,
+    ErrandDep,
     LanguageDep,
     QueryWhole,
     SectionDep,
-    ServicesDep,
     StaffDep,
     SubmissionId,
     seen,
 )
 from grader.service.routes.judgements import IfMatch, ItemId
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.store.appeals import AppealsWanted
 from grader.use_cases import appealing
 from grader.use_cases.appealing import AppealAnswer
 from grader.use_cases.assignments import item_title, published
 from grader.use_cases.bodies import Body, Number
-from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/appeals", tags=["appeals"])
 of_submission = APIRouter(prefix="/api/v1/submissions", tags=["appeals"], dependencies=[SIGHT])
-_KNOWN = (*ENTRY_PROBLEMS, "submission_not_found", "invalid_request")
+_KNOWN = ("submission_not_found", "invalid_request")
 _BODY = ("malformed_body", "too_large", "forbidden", "course_archived")
 _MOST_PER_PAGE = 500
 _MOST = 1_000_000
@@ -60,7 +58,7 @@ class AnswerBody(Body):
     )
 
 
-class AppealView(BaseModel):
+class AppealView(View):
     """One appeal."""
 
     submission: str = Field(description="Its address.")
@@ -80,13 +78,13 @@ class AppealView(BaseModel):
     seen: bool = Field(description="The student has opened the submission's page since it was answered.")
 
 
-class AppealList(BaseModel):
+class AppealList(View):
     """The appeals about a submission, in order of their items."""
 
     appeals: list[AppealView]
 
 
-class AppealQueue(BaseModel):
+class AppealQueue(View):
     """A page of a class's appeals: open ones oldest first, answered ones latest first."""
 
     total: int = Field(description="Of all pages.", examples=[4])
@@ -97,11 +95,10 @@ class AppealQueue(BaseModel):
 @router.get(
     "",
     summary="What students ask to be looked at again",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+    responses=responses("forbidden", "invalid_request"),
 )
 def read_appeals(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     language: LanguageDep,
     *,
     state: Annotated[Literal["open", "answered"], Query(description="Waiting, or answered.")] = "open",
@@ -112,20 +109,18 @@ def read_appeals(  # noqa: PLR0913
 ) -> AppealQueue:
     """Return the appeals of the class."""
     wanted = AppealsWanted(open=state == "open", assignment=assignment, section=section or None)
-    page = appealing.queue(services, caller, wanted, offset=offset, limit=limit)
-    told = [_view(services, caller, one, language) for one in page.appeals]
+    page = appealing.queue(errand.services, errand.caller, wanted, offset=offset, limit=limit)
+    told = [_view(errand, one, language) for one in page.appeals]
     return AppealQueue(total=page.total, waiting=page.waiting, appeals=told)
 
 
 @of_submission.get(
     "/{submission_id}/appeals", summary="The appeals about a submission", responses=responses(*_KNOWN)
 )
-def read_own(
-    services: ServicesDep, caller: CallerDep, language: LanguageDep, submission_id: SubmissionId
-) -> AppealList:
+def read_own(errand: ErrandDep, language: LanguageDep, submission_id: SubmissionId) -> AppealList:
     """Return what its student asked and what staff answered. Reading it here does not mark answers as seen."""
-    found = appealing.appeals_of(services, caller, submission_id)
-    return AppealList(appeals=[_view(services, caller, one, language) for one in found])
+    found = appealing.appeals_of(errand.services, errand.caller, submission_id)
+    return AppealList(appeals=[_view(errand, one, language) for one in found])
 
 
 @of_submission.post(
@@ -137,18 +132,14 @@ def read_own(
     ),
 )
 def ask(
-    services: ServicesDep,
-    caller: CallerDep,
-    language: LanguageDep,
-    submission_id: SubmissionId,
-    body: AppealBody,
+    errand: ErrandDep, language: LanguageDep, submission_id: SubmissionId, body: AppealBody
 ) -> AppealView:
     """Ask, once for each item of a submission, while the rules take appeals (`appeals_until`).
 
     Only the submission's student may. Items that are hidden, wait for a person, or have all points take none.
     """
-    made = appealing.ask(services, caller, submission_id, body.item, body.reason)
-    return _view(services, caller, made, language)
+    made = appealing.ask(errand.services, errand.caller, submission_id, body.item, body.reason)
+    return _view(errand, made, language)
 
 
 @of_submission.delete(
@@ -157,9 +148,9 @@ def ask(
     summary="Take an open appeal back",
     responses=responses(*_KNOWN, "forbidden", "appeal_not_found", "appeal_decided", "course_archived"),
 )
-def take_back(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId, item: ItemId) -> None:
+def take_back(errand: ErrandDep, submission_id: SubmissionId, item: ItemId) -> None:
     """Withdraw one's own appeal while it is open; one may ask again."""
-    appealing.take_back(services, caller, submission_id, item)
+    appealing.take_back(errand.services, errand.caller, submission_id, item)
 
 
 @of_submission.put(
@@ -178,8 +169,7 @@ def take_back(services: ServicesDep, caller: CallerDep, submission_id: Submissio
     ),
 )
 def answer(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     language: LanguageDep,
     *,
     submission_id: SubmissionId,
@@ -193,14 +183,15 @@ def answer(  # noqa: PLR0913
     refused. Whoever gives points there answers the item's open appeal, too.
     """
     given = AppealAnswer(state=AppealState(body.state), text=body.text, points=body.points)
-    appealing.answer(services, caller, submission_id, item, given, seen=seen(if_match))
-    found = appealing.appeals_of(services, caller, submission_id)
-    return _view(services, caller, next(one for one in found if one.item == item), language)
+    appealing.answer(errand.services, errand.caller, submission_id, item, given, seen=seen(if_match))
+    found = appealing.appeals_of(errand.services, errand.caller, submission_id)
+    return _view(errand, next(one for one in found if one.item == item), language)
 
 
-def _view(services: Services, caller: Caller, appeal: Appeal, language: Language) -> AppealView:
-    told = {name: getattr(appeal, name) for name in AppealView.model_fields if name != "title"}
-    told["submission"] = SUBMISSIONS + appeal.submission
-    told["answered_by"] = appeal.answered_by or None if caller.is_staff else None
-    title = item_title(published(services, caller, appeal.assignment), appeal.item, language)
-    return AppealView(**told, title=title)
+def _view(errand: Errand, appeal: Appeal, language: Language) -> AppealView:
+    return AppealView.of(
+        appeal,
+        submission=SUBMISSIONS + appeal.submission,
+        answered_by=appeal.answered_by or None if errand.caller.is_staff else None,
+        title=item_title(published(errand.services, errand.caller, appeal.assignment), appeal.item, language),
+    )

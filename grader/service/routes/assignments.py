@@ -3,20 +3,21 @@
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Response
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.checks import published_rubric
 from grader.contracts.assignment import Assignment, Distro, ItemSpec
 from grader.contracts.rubric import PublishedItem
 from grader.contracts.text import Language
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep, ServicesDep
+from grader.service.requests.dependencies import ErrandDep, LanguageDep
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases.assignments import checklist, visible_assignment
 
 router = APIRouter(prefix="/api/v1/assignments", tags=["assignments"])
 
 
-class AssignmentSummary(BaseModel):
+class AssignmentSummary(View):
     """One exercise of the checklist."""
 
     id: str = Field(examples=["square"])
@@ -31,7 +32,7 @@ class AssignmentSummary(BaseModel):
     url: str = Field(examples=["/api/v1/assignments/square"])
 
 
-class ItemView(BaseModel):
+class ItemView(View):
     """One rubric item as published."""
 
     id: str = Field(examples=["sides"])
@@ -52,7 +53,7 @@ class ItemView(BaseModel):
     partial: str = Field(description="Where credit ends, in words.", examples=["All or nothing."])
 
 
-class CaseView(BaseModel):
+class CaseView(View):
     """One run of the script."""
 
     id: str = Field(examples=["default"])
@@ -74,42 +75,42 @@ class AssignmentView(AssignmentSummary):
     cases: list[CaseView]
 
 
-class AssignmentList(BaseModel):
+class AssignmentList(View):
     """All exercises in the order of the checklist."""
 
     assignments: list[AssignmentSummary]
 
 
-@router.get("", summary="All assignments", responses=responses(*ENTRY_PROBLEMS, "invalid_request"))
-def list_all(
-    services: ServicesDep, caller: CallerDep, response: Response, language: LanguageDep
-) -> AssignmentList:
+@router.get("", summary="All assignments", responses=responses("invalid_request"))
+def list_all(errand: ErrandDep, response: Response, language: LanguageDep) -> AssignmentList:
     """Return the checklist."""
     _set_language(response, language)
     return AssignmentList(
-        assignments=[AssignmentSummary(**_summary(one, language)) for one in checklist(services, caller)]
+        assignments=[
+            AssignmentSummary.of(one, **_summary(one, language))
+            for one in checklist(errand.services, errand.caller)
+        ]
     )
 
 
 @router.get(
     "/{assignment_id}",
     summary="One assignment with its rubric",
-    responses=responses(*ENTRY_PROBLEMS, "assignment_not_found", "invalid_request"),
+    responses=responses("assignment_not_found", "invalid_request"),
 )
 def read(
-    services: ServicesDep,
-    caller: CallerDep,
+    errand: ErrandDep,
     response: Response,
     language: LanguageDep,
     assignment_id: Annotated[str, Path(max_length=64, examples=["square"])],
 ) -> AssignmentView:
     """Return what an assignment asks for and how each item earns its points."""
-    assignment = visible_assignment(services, caller, assignment_id)
+    assignment = visible_assignment(errand.services, errand.caller, assignment_id)
     _set_language(response, language)
     published = published_rubric(assignment)
-    return AssignmentView(
+    return AssignmentView.of(
+        assignment,
         **_summary(assignment, language),
-        file_patterns=list(assignment.file_patterns),
         distro=assignment.release,
         cmd_vel_topic=assignment.world.cmd_vel_topic,
         walls=assignment.world.window,
@@ -120,36 +121,23 @@ def read(
             for item, words in zip(assignment.items, published.items, strict=True)
         ],
         remarks=published.remarks.get(language),
-        cases=[
-            CaseView(id=case.id, title=case.title.get(language), args=list(case.args))
-            for case in assignment.cases
-        ],
+        cases=[CaseView.of(case, title=case.title.get(language)) for case in assignment.cases],
     )
 
 
 def _summary(assignment: Assignment, language: Language) -> dict[str, Any]:
     return {
-        "id": assignment.id,
-        "order": assignment.order,
-        "version": assignment.version,
         "title": assignment.title.get(language),
         "brief": assignment.brief.get(language),
-        "max_score": assignment.max_score,
         "horizon_s": None if assignment.input == "text" else assignment.horizon_s,
         "url": f"/api/v1/assignments/{assignment.id}",
     }
 
 
 def _item(item: ItemSpec, words: PublishedItem, language: Language) -> ItemView:
-    return ItemView(
-        id=item.id,
+    return ItemView.of(
+        item,
         title=item.title.get(language),
-        points=item.points,
-        measure=item.measure,
-        low=item.low,
-        high=item.high,
-        ramp=item.ramp,
-        needs=list(item.needs),
         looks_at=words.measure.get(language),
         wanted=words.wanted.get(language),
         partial=words.partial.get(language),

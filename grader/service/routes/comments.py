@@ -4,12 +4,13 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, status
-from pydantic import BaseModel, Field
+from pydantic import Field
 
-from grader.contracts.comment import LONGEST_COMMENT, Comment
+from grader.contracts.comment import LONGEST_COMMENT
 from grader.contracts.judgement import COMMENT_PATTERN
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, CallerDep, ServicesDep, SubmissionId
+from grader.service.requests.dependencies import ErrandDep, SubmissionId
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases import commenting
 from grader.use_cases.bodies import Body
 
@@ -34,7 +35,7 @@ class CommentBody(Body):
     ] = None
 
 
-class CommentView(BaseModel):
+class CommentView(View):
     """One comment."""
 
     number: int = Field(description="1 for the first one on the submission.", examples=[1])
@@ -46,7 +47,7 @@ class CommentView(BaseModel):
     seen: bool = Field(description="Somebody of the other side has opened the submission's page since.")
 
 
-class CommentList(BaseModel):
+class CommentList(View):
     """All comments on a submission, oldest first."""
 
     comments: list[CommentView]
@@ -55,28 +56,22 @@ class CommentList(BaseModel):
 @router.get(
     "/{submission_id}/comments",
     summary="What people wrote about it",
-    responses=responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
+    responses=responses("submission_not_found", "invalid_request"),
 )
-def read_comments(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> CommentList:
+def read_comments(errand: ErrandDep, submission_id: SubmissionId) -> CommentList:
     """Return the comments of staff and student. Reading them here does not mark them as seen."""
-    found = commenting.comments(services, caller, submission_id)
-    return CommentList(comments=[_view(one) for one in found])
+    found = commenting.comments(errand.services, errand.caller, submission_id)
+    return CommentList(comments=[CommentView.of(one) for one in found])
 
 
 @router.post(
     "/{submission_id}/comments",
     status_code=status.HTTP_201_CREATED,
     summary="Write about it",
-    responses=responses(
-        *ENTRY_PROBLEMS, "submission_not_found", "no_course", "course_archived", "invalid_request"
-    ),
+    responses=responses("submission_not_found", "no_course", "course_archived", "invalid_request"),
 )
-def add_comment(
-    services: ServicesDep, caller: CallerDep, submission_id: SubmissionId, body: CommentBody
-) -> CommentView:
+def add_comment(errand: ErrandDep, submission_id: SubmissionId, body: CommentBody) -> CommentView:
     """Add a comment: the student's for the staff, the staff's for the student. It cannot be taken back."""
-    return _view(commenting.add_comment(services, caller, submission_id, body.text, body.line))
-
-
-def _view(comment: Comment) -> CommentView:
-    return CommentView(**{name: getattr(comment, name) for name in CommentView.model_fields})
+    return CommentView.of(
+        commenting.add_comment(errand.services, errand.caller, submission_id, body.text, body.line)
+    )

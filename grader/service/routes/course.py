@@ -4,12 +4,13 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Response, status
 from fastapi.responses import StreamingResponse
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.service.requests.answers import PRIVATE, to_save
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep, StaffDep
+from grader.service.requests.dependencies import InstructorDep, StaffDep
 from grader.service.routes.people import CourseView, PersonId
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.store.course_life import MOST_DAYS_MOVED, MOST_DAYS_OLD, NewCourse
 from grader.use_cases import course_export, course_life
 from grader.use_cases.bodies import Body, Whole
@@ -20,7 +21,7 @@ async def _keep_private(response: Response) -> None:
 
 
 router = APIRouter(prefix="/api/v1", tags=["course"], dependencies=[Depends(_keep_private)])
-_READING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "invalid_request")
+_READING = ("forbidden", "no_course", "invalid_request")
 _CHANGING = (*_READING, "malformed_body", "too_large")
 
 
@@ -34,7 +35,7 @@ class NewCourseBody(Body):
     )
 
 
-class NewCourseView(BaseModel):
+class NewCourseView(View):
     """A new course, and the token that opens it to the instructor. It is shown this once."""
 
     course: CourseView
@@ -49,7 +50,7 @@ class ArchiveBody(Body):
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
 
 
-class SpaceView(BaseModel):
+class SpaceView(View):
     """How many submissions, trials included, and how many bytes of them."""
 
     submissions: int = Field(examples=[6300])
@@ -78,7 +79,7 @@ class ForgetBody(Body):
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
 
 
-class ForgottenView(BaseModel):
+class ForgottenView(View):
     """What stands where a student's id stood, and how many submissions were erased."""
 
     pseudonym: str = Field(examples=["forgotten-9f2c01aa"])
@@ -86,9 +87,9 @@ class ForgottenView(BaseModel):
 
 
 @router.get("/course", summary="The caller's course", responses=responses(*_READING))
-def read_course(services: ServicesDep, caller: StaffDep) -> CourseView:
+def read_course(errand: StaffDep) -> CourseView:
     """Return what the course is, and whether it is archived."""
-    return CourseView.model_validate(course_life.own_course(services, caller), from_attributes=True)
+    return CourseView.of(course_life.own_course(errand.services, errand.caller))
 
 
 @router.post(
@@ -97,15 +98,11 @@ def read_course(services: ServicesDep, caller: StaffDep) -> CourseView:
     status_code=status.HTTP_201_CREATED,
     responses=responses(*_CHANGING, "invalid_course"),
 )
-def copy_course(services: ServicesDep, caller: InstructorDep, body: NewCourseBody) -> NewCourseView:
+def copy_course(errand: InstructorDep, body: NewCourseBody) -> NewCourseView:
     """Make a course with the same rules and published assignments, without its people and work."""
     new = NewCourse(id=body.id, title=body.title, move_days=body.move_days)
-    made = course_life.copy_course(services, caller, new)
-    return NewCourseView(
-        course=CourseView.model_validate(made.course, from_attributes=True),
-        person=made.instructor,
-        token=made.token,
-    )
+    made = course_life.copy_course(errand.services, errand.caller, new)
+    return NewCourseView(course=CourseView.of(made.course), person=made.instructor, token=made.token)
 
 
 @router.put(
@@ -113,30 +110,27 @@ def copy_course(services: ServicesDep, caller: InstructorDep, body: NewCourseBod
     summary="Archive or reopen the course",
     responses=responses(*_CHANGING, "regrade_open"),
 )
-def archive_course(services: ServicesDep, caller: InstructorDep, body: ArchiveBody) -> CourseView:
+def archive_course(errand: InstructorDep, body: ArchiveBody) -> CourseView:
     """Let the course only be read (409 `course_archived` for changes and uploads), or be changed again."""
-    return CourseView.model_validate(
-        course_life.archive_course(services, caller, body.reason, archived=body.archived),
-        from_attributes=True,
+    return CourseView.of(
+        course_life.archive_course(errand.services, errand.caller, body.reason, archived=body.archived)
     )
 
 
 @router.get("/course/space", summary="What the course takes", responses=responses(*_READING))
-def read_space(services: ServicesDep, caller: StaffDep) -> SpaceView:
+def read_space(errand: StaffDep) -> SpaceView:
     """Return what is stored of the course's submissions; rows and indexes come on top."""
-    return SpaceView.model_validate(course_life.space(services, caller), from_attributes=True)
+    return SpaceView.of(course_life.space(errand.services, errand.caller))
 
 
 @router.post("/course/retention", summary="Erase what is old", responses=responses(*_CHANGING))
-def erase_old_work(services: ServicesDep, caller: InstructorDep, body: OldWorkBody) -> OldWorkView:
+def erase_old_work(errand: InstructorDep, body: OldWorkBody) -> OldWorkView:
     """Erase submissions of an age, with reports, grades and comments; or tell what that would be."""
     if body.dry_run:
-        space = course_life.old_work(services, caller, body.older_than_days)
+        space = course_life.old_work(errand.services, errand.caller, body.older_than_days)
     else:
-        space = course_life.erase_old_work(services, caller, body.older_than_days, body.reason)
-    return OldWorkView(
-        **SpaceView.model_validate(space, from_attributes=True).model_dump(), dry_run=body.dry_run
-    )
+        space = course_life.erase_old_work(errand.services, errand.caller, body.older_than_days, body.reason)
+    return OldWorkView.of(space, dry_run=body.dry_run)
 
 
 @router.post(
@@ -144,12 +138,10 @@ def erase_old_work(services: ServicesDep, caller: InstructorDep, body: OldWorkBo
     summary="Forget a student",
     responses=responses(*_CHANGING, "member_not_found", "only_students"),
 )
-def forget_student(
-    services: ServicesDep, caller: InstructorDep, person: PersonId, body: ForgetBody
-) -> ForgottenView:
+def forget_student(errand: InstructorDep, person: PersonId, body: ForgetBody) -> ForgottenView:
     """Erase what a student handed in and every trace of who they are; this cannot be undone."""
-    found = course_life.forget_student(services, caller, person, body.reason)
-    return ForgottenView.model_validate(found, from_attributes=True)
+    found = course_life.forget_student(errand.services, errand.caller, person, body.reason)
+    return ForgottenView.of(found)
 
 
 @router.get(
@@ -165,7 +157,9 @@ def forget_student(
         **responses(*_READING),
     },
 )
-def export_course(services: ServicesDep, caller: InstructorDep) -> StreamingResponse:
+def export_course(errand: InstructorDep) -> StreamingResponse:
     """Return all that is stored of the course, made while it is sent."""
-    headers = to_save(f"{caller.course}.zip", **PRIVATE)
-    return StreamingResponse(course_export.export(services, caller), 200, headers, "application/zip")
+    headers = to_save(f"{errand.caller.course}.zip", **PRIVATE)
+    return StreamingResponse(
+        course_export.export(errand.services, errand.caller), 200, headers, "application/zip"
+    )

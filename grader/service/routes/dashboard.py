@@ -2,41 +2,39 @@
 
 import hashlib
 import json
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from datetime import datetime
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Header, Query, Response
-from pydantic import AliasPath, BaseModel, Field
+from pydantic import AliasPath, Field
 
 from grader.contracts.dashboard import ClassState
-from grader.contracts.identity import Caller
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import SubmissionState
 from grader.contracts.text import Language
 from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
     Address,
     AssignmentId,
+    Errand,
     LanguageDep,
     QueryWhole,
     SectionDep,
-    ServicesDep,
     StaffDep,
 )
-from grader.service.routes.health import QueueView, WorkerView, queue_view, worker_views
+from grader.service.routes.health import QueueView, WorkerView, worker_views
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases.assignments import in_course
 from grader.use_cases.concerned import Concern, concerned
 from grader.use_cases.dashboard import Overview, Selection, class_state, costs, overview, selected
-from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/dashboard", tags=["dashboard"])
 of_assignment = APIRouter(prefix="/api/v1/assignments", tags=["dashboard"])
 _MOST = 100_000
 
 
-class CellView(BaseModel):
+class CellView(View):
     """One student at one assignment."""
 
     best_score: float | None = Field(description="Null while nothing was scored.", examples=[8.5])
@@ -55,7 +53,7 @@ class CellView(BaseModel):
     latest_submission: Address
 
 
-class StudentView(BaseModel):
+class StudentView(View):
     """One row of the class matrix."""
 
     student: str = Field(examples=["20260123"])
@@ -65,7 +63,7 @@ class StudentView(BaseModel):
     assignments: dict[str, CellView] = Field(description="By id; assignments not begun are left out.")
 
 
-class BinView(BaseModel):
+class BinView(View):
     """Students whose best score lies in [from, to) per cent of the points; the last bin includes 100."""
 
     from_percent: int = Field(examples=[90])
@@ -73,7 +71,7 @@ class BinView(BaseModel):
     students: int = Field(examples=[12])
 
 
-class FailedItemView(BaseModel):
+class FailedItemView(View):
     """One rubric item and how many students fail it."""
 
     id: str = Field(examples=["angles"])
@@ -82,14 +80,14 @@ class FailedItemView(BaseModel):
     still: int = Field(description="Students who fail it in their best submission, too.", examples=[4])
 
 
-class MistakeView(BaseModel):
+class MistakeView(View):
     """One recognised mistake and how many students made it."""
 
     code: str = Field(examples=["degrees_for_radians"])
     students: int = Field(examples=[7])
 
 
-class AssignmentStatistics(BaseModel):
+class AssignmentStatistics(View):
     """What one assignment shows about the class."""
 
     id: str = Field(examples=["square"])
@@ -109,7 +107,7 @@ class AssignmentStatistics(BaseModel):
     most_common_mistakes: list[MistakeView] = Field(description="Most common first.")
 
 
-class RiskView(BaseModel):
+class RiskView(View):
     """A student who may need help."""
 
     student: str = Field(examples=["20260123"])
@@ -121,7 +119,7 @@ class RiskView(BaseModel):
     attempts: int = Field(examples=[4])
 
 
-class DashboardView(BaseModel):
+class DashboardView(View):
     """The class at a glance."""
 
     generated_at: datetime
@@ -136,7 +134,7 @@ class DashboardView(BaseModel):
     workers: list[WorkerView]
 
 
-class CostView(BaseModel):
+class CostView(View):
     """What one student's gradings cost the service in the last hour."""
 
     student: str = Field(examples=["20260123"])
@@ -147,13 +145,13 @@ class CostView(BaseModel):
     given_up: int = Field(description="That ended as `infrastructure_error`.", examples=[0])
 
 
-class CostsView(BaseModel):
+class CostsView(View):
     """Who costs the service how much; whoever costs most comes first."""
 
     students: list[CostView]
 
 
-class ConcernedView(BaseModel):
+class ConcernedView(View):
     """A student whom a number is about."""
 
     student: str = Field(examples=["20260123"])
@@ -167,7 +165,7 @@ class ConcernedView(BaseModel):
     verdict: str | None = Field(validation_alias=AliasPath("progress", "verdict"), examples=["crashed"])
 
 
-class ConcernedList(BaseModel):
+class ConcernedList(View):
     """Students whom a number is about."""
 
     students: list[ConcernedView]
@@ -176,12 +174,12 @@ class ConcernedList(BaseModel):
 @router.get(
     "/costs",
     summary="Who costs the service how much",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden"),
+    responses=responses("forbidden"),
 )
-def read_costs(services: ServicesDep, caller: StaffDep, response: Response) -> CostsView:
+def read_costs(errand: StaffDep, response: Response) -> CostsView:
     """Return how long the gradings of each student took in the last hour, and how many wait."""
     response.headers["Cache-Control"] = "no-store"
-    return CostsView.model_validate({"students": costs(services, caller)}, from_attributes=True)
+    return CostsView(students=[CostView.of(one) for one in costs(errand.services, errand.caller)])
 
 
 @router.get(
@@ -193,12 +191,11 @@ def read_costs(services: ServicesDep, caller: StaffDep, response: Response) -> C
             "headers": {"ETag": {"description": "Of everything but instants.", "schema": {"type": "string"}}}
         },
         304: {"description": "Nothing changed since the answer with the ETag of If-None-Match."},
-        **responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+        **responses("forbidden", "invalid_request"),
     },
 )
 def read_class(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     language: LanguageDep,
     *,
     search: Annotated[
@@ -217,44 +214,40 @@ def read_class(  # noqa: PLR0913
     Filters and pages choose students; the statistics are always about everybody.
     """
     selection = Selection(search=search, section=section, at_risk=at_risk, offset=offset, limit=limit)
-    state = class_state(services, caller)
-    tag = _tag(services, caller, state, language, selection)
+    state = class_state(errand.services, errand.caller)
+    tag = _tag(errand, state, language, selection)
     headers = {"Content-Language": language, "Vary": "Accept-Language, Authorization", "ETag": tag}
     if if_none_match is not None and tag in (one.strip() for one in if_none_match.split(",")):
         return Response(status_code=304, headers=headers)
-    shown = _view(selected(overview(services, caller, state, language), selection))
+    shown = _view(selected(overview(errand.services, errand.caller, state, language), selection))
     return Response(shown.model_dump_json(), media_type="application/json", headers=headers)
 
 
 def _view(whole: Overview) -> DashboardView:
     queue = whole.health.queue
-    values = {field.name: getattr(whole, field.name) for field in fields(whole) if field.name != "health"}
-    return DashboardView.model_validate(
-        {
-            **values,
-            "queue": queue_view(queue),
-            "oldest_queued_at": queue.oldest_queued_at,
-            "workers": worker_views(whole.health.workers),
-        },
-        from_attributes=True,
+    return DashboardView.of(
+        whole,
+        queue=QueueView.of(queue),
+        oldest_queued_at=queue.oldest_queued_at,
+        workers=worker_views(whole.health.workers),
     )
 
 
-def _tag(
-    services: Services, caller: Caller, state: ClassState, language: Language, selection: Selection
-) -> str:
+def _tag(errand: Errand, state: ClassState, language: Language, selection: Selection) -> str:
     """Return a weak ETag of everything shown but the instants of this answer and of heartbeats."""
-    alive = worker_views(services.workers.alive(services.settings.silent_s))
+    alive = worker_views(errand.services.workers.alive(errand.services.settings.silent_s))
     workers = [worker.model_dump(mode="json", exclude={"seen_at"}) for worker in alive]
-    versions = [(one.id, one.version, one.title.get(language)) for one in in_course(services, caller)]
-    queue = asdict(services.queue.state())
+    versions = [
+        (one.id, one.version, one.title.get(language)) for one in in_course(errand.services, errand.caller)
+    ]
+    queue = asdict(errand.services.queue.state())
     shown = [
         state.mark,
         queue,
         workers,
         versions,
         language,
-        services.settings.pass_fraction,
+        errand.services.settings.pass_fraction,
         asdict(selection),
     ]
     return f'W/"{hashlib.sha256(json.dumps(shown, default=str).encode()).hexdigest()[:32]}"'
@@ -263,11 +256,10 @@ def _tag(
 @of_assignment.get(
     "/{assignment_id}/students",
     summary="Who is behind a number",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden", "assignment_not_found", "invalid_request"),
+    responses=responses("forbidden", "assignment_not_found", "invalid_request"),
 )
-def read_concerned(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: StaffDep,
+def read_concerned(
+    errand: StaffDep,
     assignment_id: AssignmentId,
     *,
     item: Annotated[str | None, Query(max_length=128, description="They failed it at least once.")] = None,
@@ -277,5 +269,7 @@ def read_concerned(  # noqa: PLR0913
     ] = None,
 ) -> ConcernedList:
     """Return the students who handed in for an assignment and fit: who still fails, and tried most, first."""
-    found = concerned(services, caller, assignment_id, Concern(item=item, mistake=mistake, status=status))
-    return ConcernedList.model_validate({"students": found}, from_attributes=True)
+    found = concerned(
+        errand.services, errand.caller, assignment_id, Concern(item=item, mistake=mistake, status=status)
+    )
+    return ConcernedList(students=[ConcernedView.of(one) for one in found])

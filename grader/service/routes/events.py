@@ -17,7 +17,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, FastAPI, Header, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.sse import EventSourceResponse, ServerSentEvent
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.identity import Caller
 from grader.contracts.progress import ClassStanding, Standing
@@ -25,15 +25,15 @@ from grader.contracts.submission import SubmissionState
 from grader.contracts.text import Language
 from grader.render.labels import status_word
 from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
     SIGHT,
-    CallerDep,
+    ErrandDep,
     LanguageDep,
     ServicesDep,
     StaffDep,
     SubmissionId,
 )
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases.callers import name_of
 from grader.use_cases.following import Subject, SubjectWatch
 from grader.use_cases.services import Services
@@ -56,7 +56,7 @@ _SIGNALS = (signal.SIGTERM, signal.SIGINT)
 _PROBLEMS = ("too_many_streams", "streams_full")
 
 
-class ProgressView(BaseModel):
+class ProgressView(View):
     """Data of an event `progress`: where a submission stands."""
 
     status: SubmissionState = Field(examples=["queued"])
@@ -66,7 +66,7 @@ class ProgressView(BaseModel):
     estimated_finish_at: datetime | None = Field(description="Null when nobody can say.")
 
 
-class ClassProgressView(BaseModel):
+class ClassProgressView(View):
     """Data of an event `class`: the class's submissions by state. Whoever wants more asks for the dashboard."""
 
     queued: int = Field(examples=[4])
@@ -180,22 +180,22 @@ def owner_of(caller: Caller, otherwise: str) -> Owner:
 
 
 async def _watched_submission(
-    request: Request,
-    services: ServicesDep,
-    caller: CallerDep,
-    submission_id: SubmissionId,
-    last_event_id: LastEventId = None,
+    errand: ErrandDep, request: Request, submission_id: SubmissionId, last_event_id: LastEventId = None
 ) -> AsyncIterator[SubjectWatch]:
-    owner = owner_of(caller, f"submission {submission_id}")
-    async with watched(request, services, ("submission", submission_id), owner, last_event_id) as watch:
+    owner = owner_of(errand.caller, f"submission {submission_id}")
+    async with watched(
+        request, errand.services, ("submission", submission_id), owner, last_event_id
+    ) as watch:
         yield watch
 
 
 async def _watched_class(
-    request: Request, services: ServicesDep, caller: StaffDep, last_event_id: LastEventId = None
+    errand: StaffDep, request: Request, last_event_id: LastEventId = None
 ) -> AsyncIterator[SubjectWatch]:
-    owner = owner_of(caller, "")
-    async with watched(request, services, ("class", caller.course), owner, last_event_id) as watch:
+    owner = owner_of(errand.caller, "")
+    async with watched(
+        request, errand.services, ("class", errand.caller.course), owner, last_event_id
+    ) as watch:
         yield watch
 
 
@@ -206,7 +206,7 @@ async def _watched_class(
     responses={
         200: {"description": "Events `progress` (their data: `ProgressView`) until it is graded."},
         204: {"description": "Nothing more will happen, and the last event was received."},
-        **responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request", *_PROBLEMS),
+        **responses("submission_not_found", "invalid_request", *_PROBLEMS),
     },
 )
 async def follow_submission(
@@ -227,7 +227,7 @@ async def follow_submission(
     response_class=EventSourceResponse,
     responses={
         200: {"description": "Events `class` (their data: `ClassProgressView`) until the client goes."},
-        **responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request", *_PROBLEMS),
+        **responses("forbidden", "invalid_request", *_PROBLEMS),
     },
 )
 async def follow_class(

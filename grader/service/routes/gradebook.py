@@ -9,12 +9,10 @@ from grader.formats.sheets.writing import MEDIA_TYPE
 from grader.service.requests.answers import to_save
 from grader.service.requests.dependencies import (
     COSTLY,
-    ENTRY_PROBLEMS,
     SIGHT,
-    CallerDep,
+    ErrandDep,
     LanguageDep,
     SectionDep,
-    ServicesDep,
     StaffDep,
     SubmissionId,
 )
@@ -42,7 +40,7 @@ AssignmentQuery = Annotated[
 ColumnQuery = Annotated[str, Query(min_length=1, max_length=100, examples=["平时成绩"])]
 _WORKBOOK = {MEDIA_TYPE: {"schema": {"type": "string", "format": "binary"}}}
 _JSON = {"application/json": {"schema": {"type": "object"}}}
-_ONE = (*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_request")
+_ONE = ("submission_not_found", "not_graded_yet", "invalid_request")
 
 
 @router.get(
@@ -54,18 +52,17 @@ _ONE = (*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_requ
             "description": "CSV in UTF-8: every student of the course, the points that count by the rules.",
             "content": {"text/csv": {"schema": {"type": "string"}}},
         },
-        **responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+        **responses("forbidden", "invalid_request"),
     },
 )
 def read_gradebook(
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     section: SectionDep,
     format: Annotated[Format, Query(description="`canvas`: as Canvas imports grades.")] = "plain",
 ) -> Response:
     """Return everybody's points; without courses of everybody who handed something in."""
     headers = to_save(f"gradebook-{format}.csv", Vary="Authorization")
-    table = gradebook_csv(services, caller, format, section)
+    table = gradebook_csv(errand.services, errand.caller, format, section)
     return Response(table, media_type="text/csv; charset=utf-8", headers=headers)
 
 
@@ -78,12 +75,11 @@ def read_gradebook(
             "description": "Everybody's points, or one column of them for a registry.",
             "content": _WORKBOOK,
         },
-        **responses(*ENTRY_PROBLEMS, "forbidden", "assignment_not_found", "invalid_request"),
+        **responses("forbidden", "assignment_not_found", "invalid_request"),
     },
 )
 def read_workbook(  # noqa: PLR0913, PLR0917
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     language: LanguageDep,
     section: SectionDep,
     layout: Annotated[
@@ -94,9 +90,11 @@ def read_workbook(  # noqa: PLR0913, PLR0917
 ) -> Response:
     """Return everybody's points as spreadsheet programs keep them."""
     if layout == "full":
-        return as_workbook(gradebook_workbook(services, caller, language, section), "gradebook.xlsx")
+        return as_workbook(
+            gradebook_workbook(errand.services, errand.caller, language, section), "gradebook.xlsx"
+        )
     book = registry_workbook(
-        services, caller, language, column=column, assignment=assignment, section=section
+        errand.services, errand.caller, language, column=column, assignment=assignment, section=section
     )
     return as_workbook(book, "registry.xlsx")
 
@@ -111,7 +109,6 @@ def read_workbook(  # noqa: PLR0913, PLR0917
             "content": _WORKBOOK,
         },
         **responses(
-            *ENTRY_PROBLEMS,
             "forbidden",
             "assignment_not_found",
             "invalid_request",
@@ -122,14 +119,13 @@ def read_workbook(  # noqa: PLR0913, PLR0917
     },
 )
 def fill_sheet(
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     file: Annotated[UploadFile, File(description=".xlsx, .xls, .ods or CSV; at most 1 MiB.")],
     column: ColumnQuery,
     assignment: AssignmentQuery = "",
 ) -> Response:
     """Return a teacher's own sheet with everybody's points in the column called `column`."""
-    filled = fill_in(services, caller, file.file.read(MOST_BYTES + 1), column, assignment)
+    filled = fill_in(errand.services, errand.caller, file.file.read(MOST_BYTES + 1), column, assignment)
     response = as_workbook(filled.content, "filled.xlsx")
     response.headers["X-Filled-Rows"] = str(filled.filled)
     response.headers["X-Unknown-Rows"] = str(len(filled.unknown))
@@ -150,11 +146,9 @@ def as_workbook(content: bytes, name: str) -> Response:
         **responses(*_ONE),
     },
 )
-def read_gradescope(
-    services: ServicesDep, caller: CallerDep, language: LanguageDep, submission_id: SubmissionId
-) -> Response:
+def read_gradescope(errand: ErrandDep, language: LanguageDep, submission_id: SubmissionId) -> Response:
     """Return what a Gradescope autograder writes."""
-    document = exported(services, caller, submission_id, "gradescope", language)
+    document = exported(errand.services, errand.caller, submission_id, "gradescope", language)
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
 
 
@@ -164,9 +158,7 @@ def read_gradescope(
     response_class=JSONResponse,
     responses={200: {"description": "Without the plot.", "content": _JSON}, **responses(*_ONE)},
 )
-def read_prairielearn(
-    services: ServicesDep, caller: CallerDep, language: LanguageDep, submission_id: SubmissionId
-) -> Response:
+def read_prairielearn(errand: ErrandDep, language: LanguageDep, submission_id: SubmissionId) -> Response:
     """Return what a PrairieLearn external grader writes."""
-    document = exported(services, caller, submission_id, "prairielearn", language)
+    document = exported(errand.services, errand.caller, submission_id, "prairielearn", language)
     return JSONResponse(document, headers={"Cache-Control": "no-store"})

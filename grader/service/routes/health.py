@@ -1,22 +1,22 @@
 """Whether the service can do its work."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict
 from datetime import datetime
 from typing import Literal
 
 from fastapi import APIRouter, Response
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader import __version__
-from grader.contracts.submission import QueueState, WorkerState
+from grader.contracts.submission import WorkerState
 from grader.service.requests.dependencies import ServicesDep
-from grader.service.routes.problems import responses
+from grader.service.routes.problems import public_responses
+from grader.service.routes.views import View
 
 router = APIRouter(tags=["health"])
 
 
-class SandboxView(BaseModel):
+class SandboxView(View):
     """Whether submissions can be confined; nothing is graded otherwise."""
 
     ready: bool
@@ -24,7 +24,7 @@ class SandboxView(BaseModel):
     detail: str = Field(description="What is missing; empty when all is well.", examples=[""])
 
 
-class QueueView(BaseModel):
+class QueueView(View):
     """Submissions by state."""
 
     queued: int = Field(examples=[0])
@@ -36,7 +36,7 @@ class QueueView(BaseModel):
     )
 
 
-class WorkerView(BaseModel):
+class WorkerView(View):
     """A worker process that is alive."""
 
     id: str = Field(examples=["lab-pc:4711:9f2c01aa"])
@@ -47,7 +47,7 @@ class WorkerView(BaseModel):
     seen_at: datetime
 
 
-class Health(BaseModel):
+class Health(View):
     """State of the service."""
 
     status: Literal["ok", "degraded"] = Field(
@@ -68,7 +68,7 @@ class Health(BaseModel):
     summary="State of the service",
     responses={
         503: {"model": Health, "description": "Degraded: uploads are kept, nothing grades them right now."},
-        **{status: one for status, one in responses().items() if status != 503},
+        **{status: one for status, one in public_responses().items() if status != 503},
     },
 )
 def read(services: ServicesDep, response: Response) -> Health:
@@ -80,21 +80,16 @@ def read(services: ServicesDep, response: Response) -> Health:
         status="ok" if health.ready else "degraded",
         version=__version__,
         sandbox=_sandbox(health.ready or health.workers),
-        queue=queue_view(health.queue),
+        queue=QueueView.of(health.queue),
         oldest_queued_at=health.queue.oldest_queued_at,
         workers=worker_views(health.workers),
         broken_assignments=sorted(services.assignments.troubles()),
     )
 
 
-def queue_view(state: QueueState) -> QueueView:
-    """Return how much is waiting, as the interface shows it."""
-    return QueueView.model_validate(state, from_attributes=True)
-
-
 def worker_views(workers: Iterable[WorkerState]) -> list[WorkerView]:
     """Return workers as the interface shows them."""
-    return [WorkerView.model_validate({**asdict(one), "sandbox": _sandbox((one,))}) for one in workers]
+    return [WorkerView.of(one, sandbox=_sandbox((one,))) for one in workers]
 
 
 def _sandbox(workers: Sequence[WorkerState]) -> SandboxView:

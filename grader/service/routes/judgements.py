@@ -4,33 +4,30 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Path, Query, Response
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.comment import LONGEST_COMMENT
 from grader.contracts.errors import RefusedError
-from grader.contracts.identity import Caller
 from grader.contracts.judgement import COMMENT_PATTERN, JudgedItem
-from grader.contracts.submission import Judgement
 from grader.contracts.text import Language
 from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
     SIGHT,
     SUBMISSIONS,
+    Errand,
     LanguageDep,
     QueryWhole,
-    ServicesDep,
     StaffDep,
     SubmissionId,
     etag,
     seen,
 )
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.store.judgements import WaitingFor
 from grader.use_cases import judging
 from grader.use_cases.assignments import item_title
 from grader.use_cases.bodies import Body, Number
 from grader.use_cases.judging import WaitingPage
-from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/judgements", tags=["judgements"])
 of_submission = APIRouter(prefix="/api/v1/submissions", tags=["judgements"], dependencies=[SIGHT])
@@ -51,7 +48,7 @@ IfMatch = Annotated[
     ),
 ]
 _Id = Annotated[str | None, Query(max_length=128)]
-_KNOWN = (*ENTRY_PROBLEMS, "forbidden", "submission_not_found", "not_graded_yet", "invalid_request")
+_KNOWN = ("forbidden", "submission_not_found", "not_graded_yet", "invalid_request")
 _REFUSED = (
     "malformed_body",
     "too_large",
@@ -112,7 +109,7 @@ class JudgementsBody(Body):
     comment: Annotated[str, Field(max_length=LONGEST_COMMENT, pattern=COMMENT_PATTERN)] = ""
 
 
-class JudgementView(BaseModel):
+class JudgementView(View):
     """What somebody gave."""
 
     revision: int = Field(description="1 for the first judgement of the item.", examples=[1])
@@ -127,7 +124,7 @@ class JudgementView(BaseModel):
     source_sha256: str = Field(description="Digest of the answer that was judged.")
 
 
-class ManualItemView(BaseModel):
+class ManualItemView(View):
     """One rubric item, and what people gave for it."""
 
     item: str = Field(examples=["timer"])
@@ -149,7 +146,7 @@ class ManualItemView(BaseModel):
     )
 
 
-class ManualItemsView(BaseModel):
+class ManualItemsView(View):
     """The rubric items of one submission, and what people gave for them."""
 
     submission: str = Field(description="Its address.")
@@ -161,7 +158,7 @@ class ManualItemsView(BaseModel):
     items: list[ManualItemView]
 
 
-class QuestionView(BaseModel):
+class QuestionView(View):
     """How many answers to one question wait."""
 
     assignment: str = Field(examples=["theory_publisher_timer"])
@@ -171,7 +168,7 @@ class QuestionView(BaseModel):
     waiting: int = Field(examples=[17])
 
 
-class WaitingView(BaseModel):
+class WaitingView(View):
     """One rubric item of one submission that waits for a person."""
 
     submission: str = Field(description="Its address.")
@@ -185,7 +182,7 @@ class WaitingView(BaseModel):
     received_at: datetime
 
 
-class WaitingList(BaseModel):
+class WaitingList(View):
     """A page of what waits for a person: question by question, each in order of arrival."""
 
     total: int = Field(description="Of all pages.", examples=[34])
@@ -196,11 +193,10 @@ class WaitingList(BaseModel):
 @router.get(
     "/waiting",
     summary="What waits for a person",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+    responses=responses("forbidden", "invalid_request"),
 )
 def read_waiting(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     language: LanguageDep,
     *,
     assignment: _Id = None,
@@ -214,8 +210,8 @@ def read_waiting(  # noqa: PLR0913
 ) -> WaitingList:
     """Return answers to be judged, question by question, so that one question is judged with one measure."""
     which = WaitingFor(assignment=assignment, item=item, newest=not every)
-    page = judging.waiting(services, caller, which, offset=offset, limit=limit)
-    return _waiting(services, caller, page, language, anonymous=anonymous)
+    page = judging.waiting(errand.services, errand.caller, which, offset=offset, limit=limit)
+    return _waiting(errand, page, language, anonymous=anonymous)
 
 
 @of_submission.get(
@@ -223,11 +219,9 @@ def read_waiting(  # noqa: PLR0913
     summary="What people gave for a submission's items",
     responses=responses(*_KNOWN),
 )
-def read_judgements(
-    services: ServicesDep, caller: StaffDep, language: LanguageDep, submission_id: SubmissionId
-) -> ManualItemsView:
+def read_judgements(errand: StaffDep, language: LanguageDep, submission_id: SubmissionId) -> ManualItemsView:
     """Return every rubric item, whether it is left to people, and what was given by whom and when."""
-    return _all_items(services, caller, language, submission_id)
+    return _all_items(errand, language, submission_id)
 
 
 @of_submission.put(
@@ -236,30 +230,19 @@ def read_judgements(
     responses=responses(*_KNOWN, *_REFUSED),
 )
 def judge_several(
-    services: ServicesDep,
-    caller: StaffDep,
-    language: LanguageDep,
-    submission_id: SubmissionId,
-    body: JudgementsBody,
+    errand: StaffDep, language: LanguageDep, submission_id: SubmissionId, body: JudgementsBody
 ) -> ManualItemsView:
     """Add a judgement for each item that is named, with the same comment, all of them or none."""
     wanted = [(one.item, one.points, seen(one.etag)) for one in body.items]
-    judging.give_several(services, caller, submission_id, wanted, body.comment)
-    return _all_items(services, caller, language, submission_id)
+    judging.give_several(errand.services, errand.caller, submission_id, wanted, body.comment)
+    return _all_items(errand, language, submission_id)
 
 
-def _all_items(services: Services, caller: Caller, language: Language, submission_id: str) -> ManualItemsView:
-    submission, items = judging.items_of(services, caller, submission_id)
+def _all_items(errand: Errand, language: Language, submission_id: str) -> ManualItemsView:
+    submission, items = judging.items_of(errand.services, errand.caller, submission_id)
     own = SUBMISSIONS + submission.id
-    return ManualItemsView(
-        submission=own,
-        source=f"{own}/source",
-        student=submission.student,
-        assignment=submission.assignment,
-        score=submission.score,
-        max_score=submission.max_score,
-        items=[_item(one, language) for one in items],
-    )
+    shown = [_item(one, language) for one in items]
+    return ManualItemsView.of(submission, submission=own, source=f"{own}/source", items=shown)
 
 
 @of_submission.get(
@@ -267,17 +250,11 @@ def _all_items(services: Services, caller: Caller, language: Language, submissio
     summary="What people gave for one rubric item",
     responses={200: {"headers": _ETAG}, **responses(*_KNOWN, "item_not_found")},
 )
-def read_judgement(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: StaffDep,
-    language: LanguageDep,
-    response: Response,
-    *,
-    submission_id: SubmissionId,
-    item: ItemId,
+def read_judgement(
+    errand: StaffDep, language: LanguageDep, response: Response, *, submission_id: SubmissionId, item: ItemId
 ) -> ManualItemView:
     """Return one item, with its ETag."""
-    return _tagged(services, caller, language, response, submission_id, item)
+    return _tagged(errand, language, response, submission_id, item)
 
 
 @of_submission.put(
@@ -289,8 +266,7 @@ def read_judgement(  # noqa: PLR0913
     },
 )
 def judge(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     language: LanguageDep,
     response: Response,
     *,
@@ -305,21 +281,21 @@ def judge(  # noqa: PLR0913
     machine judged only instructors correct, with a comment; the machine's own points take a correction back.
     """
     judging.give(
-        services,
-        caller,
+        errand.services,
+        errand.caller,
         submission_id,
         item,
         points=body.points,
         comment=body.comment,
         seen=seen(if_match),
     )
-    return _tagged(services, caller, language, response, submission_id, item)
+    return _tagged(errand, language, response, submission_id, item)
 
 
-def _tagged(  # noqa: PLR0913, PLR0917
-    services: Services, caller: Caller, language: Language, response: Response, submission_id: str, item: str
+def _tagged(
+    errand: Errand, language: Language, response: Response, submission_id: str, item: str
 ) -> ManualItemView:
-    _, items = judging.items_of(services, caller, submission_id)
+    _, items = judging.items_of(errand.services, errand.caller, submission_id)
     found = next((one for one in items if one.id == item), None)
     if found is None:
         raise RefusedError("item_not_found", field="item", allowed=[one.id for one in items])
@@ -327,10 +303,8 @@ def _tagged(  # noqa: PLR0913, PLR0917
     return _item(found, language)
 
 
-def _waiting(
-    services: Services, caller: Caller, page: WaitingPage, language: Language, *, anonymous: bool
-) -> WaitingList:
-    known = {one.id: one for one in services.assignments.of(caller.course).all()}
+def _waiting(errand: Errand, page: WaitingPage, language: Language, *, anonymous: bool) -> WaitingList:
+    known = {one.id: one for one in errand.services.assignments.of(errand.caller.course).all()}
     return WaitingList(
         total=page.total,
         questions=[
@@ -344,16 +318,13 @@ def _waiting(
             for (assignment, item), count in page.questions.items()
         ],
         waiting=[
-            WaitingView(
+            WaitingView.of(
+                one,
                 submission=SUBMISSIONS + one.submission,
                 source=f"{SUBMISSIONS}{one.submission}/source",
                 judgement=f"{SUBMISSIONS}{one.submission}/judgements/{one.item}",
                 student=None if anonymous else one.student,
-                assignment=one.assignment,
-                item=one.item,
                 title=item_title(known.get(one.assignment), one.item, language),
-                points=one.points,
-                received_at=one.received_at,
             )
             for one in page.answers
         ],
@@ -361,17 +332,4 @@ def _waiting(
 
 
 def _item(item: JudgedItem, language: Language) -> ManualItemView:
-    return ManualItemView(
-        item=item.id,
-        title=item.title.get(language),
-        points=item.points,
-        machine=item.machine,
-        waits=item.waits,
-        judgement=None if item.judgement is None else _judgement(item.judgement),
-        history=[_judgement(one) for one in item.history],
-        etag=etag(item.tag),
-    )
-
-
-def _judgement(one: Judgement) -> JudgementView:
-    return JudgementView.model_validate(one, from_attributes=True)
+    return ManualItemView.of(item, item=item.id, title=item.title.get(language), etag=etag(item.tag))

@@ -6,24 +6,25 @@ from http.cookies import CookieError, SimpleCookie
 
 from fastapi import APIRouter, FastAPI, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
-from pydantic import BaseModel, Field
+from pydantic import Field
 from starlette.datastructures import Headers
 from starlette.routing import WebSocketRoute
 from starlette.types import Receive, Scope, Send
 
 from grader.contracts.identity import Caller
 from grader.live.connection import is_own_origin, refuse, serve
-from grader.service.requests.dependencies import DRAWN, ENTRY_PROBLEMS, SESSION_COOKIE, CallerDep, ServicesDep
+from grader.service.requests.dependencies import DRAWN, SESSION_COOKIE, ErrandDep
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases.live import OpenCar, car_behind, car_of, end_car, open_car
 from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/live", tags=["live"])
 _PATH = "/live/{key}"
-_PROBLEMS = (*ENTRY_PROBLEMS, "no_course")
+_PROBLEMS = ("no_course",)
 
 
-class LiveCarView(BaseModel):
+class LiveCarView(View):
     """The caller's car."""
 
     url: str = Field(
@@ -42,23 +43,23 @@ class LiveCarView(BaseModel):
     dependencies=[DRAWN],
     responses=responses(*_PROBLEMS, "live_off", "live_full"),
 )
-async def have_car(request: Request, services: ServicesDep, caller: CallerDep) -> LiveCarView:
+async def have_car(errand: ErrandDep, request: Request) -> LiveCarView:
     """Start a car, or return the one that is there: each person has one."""
-    return _view(request, services, await open_car(services, caller, _now_s()))
+    return _view(request, errand.services, await open_car(errand.services, errand.caller, _now_s()))
 
 
 @router.get("", summary="One's own car", responses=responses(*_PROBLEMS, "live_not_found"))
-async def read_car(request: Request, services: ServicesDep, caller: CallerDep) -> LiveCarView:
+async def read_car(errand: ErrandDep, request: Request) -> LiveCarView:
     """Return the caller's car and how many are connected to it."""
-    return _view(request, services, car_of(services, caller, _now_s()))
+    return _view(request, errand.services, car_of(errand.services, errand.caller, _now_s()))
 
 
 @router.delete(
     "", status_code=status.HTTP_204_NO_CONTENT, summary="End one's own car", responses=responses(*_PROBLEMS)
 )
-async def give_up_car(services: ServicesDep, caller: CallerDep) -> Response:
+async def give_up_car(errand: ErrandDep) -> Response:
     """End the car and all connections to it; its address opens nothing any more."""
-    end_car(services, caller)
+    end_car(errand.services, errand.caller)
     return Response(status_code=status.HTTP_204_NO_CONTENT)
 
 

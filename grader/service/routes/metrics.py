@@ -9,7 +9,7 @@ from fastapi.security import HTTPAuthorizationCredentials
 from grader.contracts.errors import RefusedError
 from grader.operation.metrics import MEDIA_TYPE
 from grader.service.requests.dependencies import ServicesDep, bearer
-from grader.service.routes.problems import responses
+from grader.service.routes.problems import public_responses
 from grader.use_cases.services import Services
 
 router = APIRouter(tags=["health"])
@@ -45,7 +45,7 @@ def require_reader(
             "description": "Prometheus' text format.",
             "content": {"text/plain": {"schema": {"type": "string"}}},
         },
-        **responses("unauthorized", "forbidden"),
+        **public_responses("unauthorized", "forbidden"),
     },
 )
 def read(services: ServicesDep) -> Response:

@@ -4,17 +4,18 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Path, Response, status
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
 from grader.contracts.notice import MailWishes, NewWebhook, NoticeKind, Outlet, Vendor
 from grader.service.requests.answers import PRIVATE
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep
+from grader.service.requests.dependencies import InstructorDep
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases import notices
 from grader.use_cases.bodies import Body
 
 router = APIRouter(prefix="/api/v1/course/notices", tags=["course"])
-_READING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "invalid_request")
+_READING = ("forbidden", "no_course", "invalid_request")
 _CHANGING = (*_READING, "course_archived", "malformed_body", "too_large")
 Group = Annotated[Literal[Outlet.CLASS, Outlet.STAFF], Path(description="Whose group chat it is.")]
 AnyChannel = Annotated[Outlet, Path(description="A group chat, or the caller's own e-mail address.")]
@@ -38,7 +39,7 @@ class WebhookBody(Body):
     )
 
 
-class WebhookView(BaseModel):
+class WebhookView(View):
     """The bot of a group chat, without what lets others speak there."""
 
     outlet: Outlet = Field(examples=["class"])
@@ -56,7 +57,7 @@ class MailBody(Body):
     faults: bool = Field(description="To instructors, what the service failed to grade.")
 
 
-class NoticeView(BaseModel):
+class NoticeView(View):
     """A notice, without what it says."""
 
     outlet: Outlet
@@ -71,7 +72,7 @@ class NoticeView(BaseModel):
     trouble: str = Field(description="What the other side said.", examples=["200, 19021: sign match fail"])
 
 
-class NoticesView(BaseModel):
+class NoticesView(View):
     """What is set up, and the latest notices."""
 
     webhooks: list[WebhookView]
@@ -81,22 +82,12 @@ class NoticesView(BaseModel):
 
 
 @router.get("", summary="What the course tells by itself", responses=responses(*_READING))
-def read_notices(services: ServicesDep, caller: InstructorDep, response: Response) -> NoticesView:
+def read_notices(errand: InstructorDep, response: Response) -> NoticesView:
     """Return where notices go and how the latest fared."""
     response.headers.update(PRIVATE)
-    found = notices.setup_of(services, caller)
-    return NoticesView(
-        webhooks=[WebhookView.model_validate(one, from_attributes=True) for one in found.webhooks.values()],
-        mail=MailBody.model_validate(found.mail, from_attributes=True),
-        can_mail=found.can_mail,
-        latest=[
-            NoticeView(
-                **{name: getattr(one, name) for name in NoticeView.model_fields if name != "waits"},
-                waits=bool(one.body),
-            )
-            for one in found.latest
-        ],
-    )
+    found = notices.setup_of(errand.services, errand.caller)
+    latest = [NoticeView.of(one, waits=bool(one.body)) for one in found.latest]
+    return NoticesView.of(found, webhooks=list(found.webhooks.values()), latest=latest)
 
 
 @router.put(
@@ -105,12 +96,12 @@ def read_notices(services: ServicesDep, caller: InstructorDep, response: Respons
     status_code=status.HTTP_204_NO_CONTENT,
     responses=responses(*_CHANGING, "invalid_webhook"),
 )
-def put_webhook(services: ServicesDep, caller: InstructorDep, outlet: Group, body: WebhookBody) -> None:
+def put_webhook(errand: InstructorDep, outlet: Group, body: WebhookBody) -> None:
     """Let a bot of Feishu, DingTalk or WeCom speak in a group; in place of the one before."""
     new = NewWebhook(
         outlet=outlet, vendor=body.vendor, address=body.address.strip(), secret=body.secret.strip()
     )
-    notices.set_webhook(services, caller, new)
+    notices.set_webhook(errand.services, errand.caller, new)
 
 
 @router.delete(
@@ -119,9 +110,9 @@ def put_webhook(services: ServicesDep, caller: InstructorDep, outlet: Group, bod
     status_code=status.HTTP_204_NO_CONTENT,
     responses=responses(*_READING, "webhook_not_found"),
 )
-def delete_webhook(services: ServicesDep, caller: InstructorDep, outlet: Group) -> None:
+def delete_webhook(errand: InstructorDep, outlet: Group) -> None:
     """Send nothing there any more."""
-    notices.remove_webhook(services, caller, outlet)
+    notices.remove_webhook(errand.services, errand.caller, outlet)
 
 
 @router.put(
@@ -130,9 +121,9 @@ def delete_webhook(services: ServicesDep, caller: InstructorDep, outlet: Group) 
     status_code=status.HTTP_204_NO_CONTENT,
     responses=responses(*_CHANGING, "mail_not_set_up"),
 )
-def put_mail(services: ServicesDep, caller: InstructorDep, body: MailBody) -> None:
+def put_mail(errand: InstructorDep, body: MailBody) -> None:
     """Send e-mail to those of the class list who have an address there."""
-    notices.set_mail(services, caller, MailWishes(**body.model_dump()))
+    notices.set_mail(errand.services, errand.caller, MailWishes(**body.model_dump()))
 
 
 @router.post(
@@ -143,6 +134,6 @@ def put_mail(services: ServicesDep, caller: InstructorDep, body: MailBody) -> No
         *_READING, "webhook_not_found", "mail_not_set_up", "no_own_address", "notice_not_taken"
     ),
 )
-def send_test(services: ServicesDep, caller: InstructorDep, outlet: AnyChannel) -> None:
+def send_test(errand: InstructorDep, outlet: AnyChannel) -> None:
     """Try a group's bot, or e-mail to oneself, now; the answer says what the other side said."""
-    notices.send_test(services, caller, outlet)
+    notices.send_test(errand.services, errand.caller, outlet)

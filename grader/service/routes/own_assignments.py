@@ -4,29 +4,24 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, File, Path, Query, Response, UploadFile, status
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.own_assignment import OwnAssignment, OwnState
 from grader.contracts.text import EMPTY, Language
 from grader.service.requests.answers import PRIVATE, to_save
-from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
-    InstructorDep,
-    LanguageDep,
-    ServicesDep,
-    StaffDep,
-)
+from grader.service.requests.dependencies import InstructorDep, LanguageDep, StaffDep
 from grader.service.requests.middleware import MOST_BYTES
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases import own_assignments
 
 router = APIRouter(prefix="/api/v1/course/assignments", tags=["course"])
-_READING = (*ENTRY_PROBLEMS, "forbidden", "invalid_request")
+_READING = ("forbidden", "invalid_request")
 _CHANGING = (*_READING, "no_course", "course_archived")
 Id = Annotated[str, Path(max_length=64, examples=["heptagon"])]
 
 
-class MisfitView(BaseModel):
+class MisfitView(View):
     """Something wrong in one of the files."""
 
     file: str = Field(examples=["assignment.yaml"])
@@ -35,7 +30,7 @@ class MisfitView(BaseModel):
     detail: str = Field(description="What is wrong, and what to do.")
 
 
-class VerdictView(BaseModel):
+class VerdictView(View):
     """What one of the assignment's own scripts scored."""
 
     script: str = Field(examples=["wrong/open_corner.py"])
@@ -44,7 +39,7 @@ class VerdictView(BaseModel):
     problem: str = Field(description="Why this is not what it must get; empty when it is.", examples=[""])
 
 
-class OwnAssignmentView(BaseModel):
+class OwnAssignmentView(View):
     """An upload of an assignment: the one that is used, or a later one that waits or was refused."""
 
     assignment: str = Field(examples=["heptagon"])
@@ -61,19 +56,17 @@ class OwnAssignmentView(BaseModel):
     trouble: str = Field(description="What the service failed at; it tries again. Empty: nothing.")
 
 
-class OwnAssignmentList(BaseModel):
+class OwnAssignmentList(View):
     """What was uploaded to the course, by id and then by age."""
 
     assignments: list[OwnAssignmentView]
 
 
 @router.get("", summary="The course's own assignments", responses=responses(*_READING))
-def read_all(
-    services: ServicesDep, caller: StaffDep, language: LanguageDep, response: Response
-) -> OwnAssignmentList:
+def read_all(errand: StaffDep, language: LanguageDep, response: Response) -> OwnAssignmentList:
     """Return what was uploaded, whether it can be used, and what its scripts scored."""
     response.headers.update(PRIVATE)
-    found = own_assignments.own_assignments(services, caller)
+    found = own_assignments.own_assignments(errand.services, errand.caller)
     return OwnAssignmentList(assignments=[_view(one, language) for one in found])
 
 
@@ -86,8 +79,7 @@ def read_all(
     ),
 )
 def upload(
-    services: ServicesDep,
-    caller: InstructorDep,
+    errand: InstructorDep,
     language: LanguageDep,
     response: Response,
     file: Annotated[UploadFile, File(description="The assignment's folder as a zip; at most 1 MiB.")],
@@ -97,7 +89,9 @@ def upload(
     An assignment that is new in the course begins as a draft: `PUT …/rules` publishes it.
     """
     response.headers.update(PRIVATE)
-    return _view(own_assignments.upload(services, caller, file.file.read(MOST_BYTES + 1)), language)
+    return _view(
+        own_assignments.upload(errand.services, errand.caller, file.file.read(MOST_BYTES + 1)), language
+    )
 
 
 @router.get(
@@ -109,9 +103,9 @@ def upload(
         **responses(*_READING, "assignment_not_found"),
     },
 )
-def download(services: ServicesDep, caller: InstructorDep, assignment_id: Id) -> Response:
+def download(errand: InstructorDep, assignment_id: Id) -> Response:
     """Return the folder that was uploaded last, with its solution and wrong scripts."""
-    content = own_assignments.folder(services, caller, assignment_id)
+    content = own_assignments.folder(errand.services, errand.caller, assignment_id)
     return Response(content, 200, to_save(f"{assignment_id}.zip", **PRIVATE), "application/zip")
 
 
@@ -122,38 +116,21 @@ def download(services: ServicesDep, caller: InstructorDep, assignment_id: Id) ->
     responses=responses(*_CHANGING, "assignment_not_found", "assignment_in_use"),
 )
 def remove(
-    services: ServicesDep,
-    caller: InstructorDep,
+    errand: InstructorDep,
     assignment_id: Id,
     reason: Annotated[str, Query(max_length=1_000, description="Goes into the audit log.")] = "",
 ) -> None:
     """Remove all versions, as long as nothing was handed in for it."""
-    own_assignments.remove(services, caller, assignment_id, reason)
+    own_assignments.remove(errand.services, errand.caller, assignment_id, reason)
 
 
 def _view(one: OwnAssignment, language: Language) -> OwnAssignmentView:
     examined = one.examined
-    return OwnAssignmentView(
-        assignment=one.assignment,
-        version=one.version,
-        state=one.state,
-        uploaded_at=one.uploaded_at,
-        uploaded_by=one.uploaded_by,
-        size_bytes=one.size_bytes,
+    return OwnAssignmentView.of(
+        one,
         scripts=[
-            VerdictView(
-                script=verdict.script,
-                score=verdict.score,
-                max_score=verdict.max_score,
-                problem="" if verdict.problem == EMPTY else verdict.problem.get(language),
-            )
-            for verdict in examined.verdicts
+            VerdictView.of(each, problem="" if each.problem == EMPTY else each.problem.get(language))
+            for each in examined.verdicts
         ],
-        misfits=[
-            MisfitView(
-                file=misfit.file, line=misfit.line, field=misfit.field, detail=misfit.told.get(language)
-            )
-            for misfit in examined.misfits
-        ],
-        trouble=one.trouble,
+        misfits=[MisfitView.of(each, detail=each.told.get(language)) for each in examined.misfits],
     )

@@ -4,22 +4,15 @@ from datetime import datetime
 from typing import Annotated, Any
 
 from fastapi import APIRouter, File, Path, Query, Response, UploadFile, status
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.assignment import Distro
 from grader.contracts.identity import Role, RosterEntry
 from grader.service.requests.answers import PRIVATE
-from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
-    CallerDep,
-    InstructorDep,
-    LanguageDep,
-    QueryWhole,
-    ServicesDep,
-    StaffDep,
-)
+from grader.service.requests.dependencies import ErrandDep, InstructorDep, LanguageDep, QueryWhole, StaffDep
 from grader.service.requests.middleware import MOST_BYTES
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases import people, signing_in
 from grader.use_cases.bodies import Body, Whole
 from grader.use_cases.people import changes, members, myself
@@ -27,11 +20,11 @@ from grader.use_cases.people import changes, members, myself
 router = APIRouter(prefix="/api/v1", tags=["people"])
 _PAGE = 100
 _LARGEST_ID = 2**63 - 1  # of a row in the database
-_CHANGING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "course_archived", "invalid_request")
+_CHANGING = ("forbidden", "no_course", "course_archived", "invalid_request")
 PersonId = Annotated[str, Path(max_length=64, description="Id of a member.", examples=["20260123"])]
 
 
-class CourseView(BaseModel):
+class CourseView(View):
     """The caller's course."""
 
     id: str = Field(examples=["ros2-2026"])
@@ -52,7 +45,7 @@ class CourseBody(Body):
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
 
 
-class MeView(BaseModel):
+class MeView(View):
     """Who the token belongs to. Without courses nobody's identity is known."""
 
     course: CourseView | None
@@ -61,7 +54,7 @@ class MeView(BaseModel):
     role: Role | None = Field(examples=["student"])
 
 
-class MemberView(BaseModel):
+class MemberView(View):
     """Somebody in the course."""
 
     id: str = Field(examples=["20260123"])
@@ -82,21 +75,21 @@ class MemberBody(Body):
     sections: list[str] | None = Field(default=None, max_length=100, examples=[["A"]])
 
 
-class ChangeView(BaseModel):
+class ChangeView(View):
     """A member before and after an import."""
 
     before: MemberView
     after: MemberView
 
 
-class SkippedView(BaseModel):
+class SkippedView(View):
     """A row of a class list that cannot be imported."""
 
     row: int = Field(description="As the file's own program counts it, from 1.", examples=[12])
     reason: str = Field(examples=["20260123 stands in line 4 already"])
 
 
-class ImportView(BaseModel):
+class ImportView(View):
     """What importing a class list does, or has done."""
 
     added: list[MemberView]
@@ -113,14 +106,14 @@ class TokenBody(Body):
     days: Annotated[Whole, Field(ge=1, le=3_660)] = 200
 
 
-class TokenView(BaseModel):
+class TokenView(View):
     """A new token. It is shown this once."""
 
     person: str = Field(examples=["20260123"])
     token: str = Field(examples=["grader_..."])
 
 
-class IdentityView(BaseModel):
+class IdentityView(View):
     """By which name a member signs in at a provider."""
 
     id: str = Field(examples=["3f2a9c0b1d4e"])
@@ -132,19 +125,19 @@ class IdentityView(BaseModel):
     )
 
 
-class IdentityList(BaseModel):
+class IdentityList(View):
     """By which names a member signs in, oldest first."""
 
     identities: list[IdentityView]
 
 
-class MemberList(BaseModel):
+class MemberList(View):
     """The people of a course in order of their ids."""
 
     members: list[MemberView]
 
 
-class AuditView(BaseModel):
+class AuditView(View):
     """One change of a grade or a setting."""
 
     id: int
@@ -157,25 +150,25 @@ class AuditView(BaseModel):
     reason: str = Field(examples=["tolerance was too tight"])
 
 
-class AuditPage(BaseModel):
+class AuditPage(View):
     """Changes, newest first."""
 
     entries: list[AuditView]
     next_before: int | None = Field(description="The parameter `before` of the next page; null: no more.")
 
 
-@router.get("/me", summary="Who the token belongs to", responses=responses(*ENTRY_PROBLEMS))
-def read_me(services: ServicesDep, caller: CallerDep, response: Response) -> MeView:
+@router.get("/me", summary="Who the token belongs to", responses=responses())
+def read_me(errand: ErrandDep, response: Response) -> MeView:
     """Return the caller's course, name and role."""
     response.headers.update(PRIVATE)
-    course, member = myself(services, caller)
+    course, member = myself(errand.services, errand.caller)
     if course is None:
-        return MeView(course=None, person=None, name=None, role=caller.role)
+        return MeView(course=None, person=None, name=None, role=errand.caller.role)
     return MeView(
-        course=CourseView.model_validate(course, from_attributes=True),
-        person=caller.person,
+        course=CourseView.of(course),
+        person=errand.caller.person,
         name=None if member is None else member.name,
-        role=caller.role,
+        role=errand.caller.role,
     )
 
 
@@ -184,30 +177,27 @@ def read_me(services: ServicesDep, caller: CallerDep, response: Response) -> MeV
     summary="Change the course",
     responses=responses(*_CHANGING, "malformed_body", "too_large"),
 )
-def put_course(
-    services: ServicesDep, caller: InstructorDep, body: CourseBody, response: Response
-) -> CourseView:
+def put_course(errand: InstructorDep, body: CourseBody, response: Response) -> CourseView:
     """Choose the release of ROS 2 for what is graded from now on; a re-grade grades by it, too."""
     response.headers.update(PRIVATE)
-    course = people.set_distro(services, caller, body.distro, body.reason)
-    return CourseView.model_validate(course, from_attributes=True)
+    course = people.set_distro(errand.services, errand.caller, body.distro, body.reason)
+    return CourseView.of(course)
 
 
 @router.get(
     "/members",
     summary="The people of the course",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+    responses=responses("forbidden", "invalid_request"),
 )
 def read_members(
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     response: Response,
     role: Annotated[Role | None, Query(description="Only those of this role.")] = None,
 ) -> MemberList:
     """Return who is in the caller's course; nobody while there are no courses."""
     response.headers.update(PRIVATE)
-    found = members(services, caller, role)
-    return MemberList(members=[MemberView.model_validate(one, from_attributes=True) for one in found])
+    found = members(errand.services, errand.caller, role)
+    return MemberList(members=[MemberView.of(one) for one in found])
 
 
 @router.post(
@@ -216,8 +206,7 @@ def read_members(
     responses=responses(*_CHANGING, "invalid_roster", "malformed_body", "too_large"),
 )
 def import_members(  # noqa: PLR0913, PLR0917
-    services: ServicesDep,
-    caller: InstructorDep,
+    errand: InstructorDep,
     language: LanguageDep,
     response: Response,
     file: Annotated[UploadFile, File(description=".xlsx, .xls, .ods or CSV; at most 1 MiB.")],
@@ -229,21 +218,11 @@ def import_members(  # noqa: PLR0913, PLR0917
     response.headers.update(PRIVATE)
     content = file.file.read(MOST_BYTES + 1)
     if dry_run:
-        plan = people.plan_import(services, caller, content)
+        plan = people.plan_import(errand.services, errand.caller, content)
     else:
-        plan = people.import_list(services, caller, content, skip=skip, remove=remove)
+        plan = people.import_list(errand.services, errand.caller, content, skip=skip, remove=remove)
     skipped = [SkippedView(row=one.number, reason=one.reason.get(language)) for one in plan.roster.skipped]
-    return ImportView.model_validate(
-        {
-            "added": plan.change.added,
-            "changed": plan.change.changed,
-            "unchanged": plan.change.unchanged,
-            "gone": plan.change.gone,
-            "skipped": skipped,
-            "dry_run": dry_run,
-        },
-        from_attributes=True,
-    )
+    return ImportView.of(plan.change, skipped=skipped, dry_run=dry_run)
 
 
 @router.put(
@@ -251,14 +230,12 @@ def import_members(  # noqa: PLR0913, PLR0917
     summary="Add or change a member",
     responses=responses(*_CHANGING, "invalid_roster", "malformed_body", "too_large"),
 )
-def put_member(
-    services: ServicesDep, caller: InstructorDep, person: PersonId, body: MemberBody, response: Response
-) -> MemberView:
+def put_member(errand: InstructorDep, person: PersonId, body: MemberBody, response: Response) -> MemberView:
     """Put somebody into the course, or change what the body names."""
     response.headers.update(PRIVATE)
     sections = None if body.sections is None else tuple(body.sections)
     entry = RosterEntry(id=person, name=body.name, role=body.role, email=body.email, sections=sections)
-    return MemberView.model_validate(people.set_member(services, caller, entry), from_attributes=True)
+    return MemberView.of(people.set_member(errand.services, errand.caller, entry))
 
 
 @router.delete(
@@ -268,13 +245,12 @@ def put_member(
     responses=responses(*_CHANGING, "member_not_found", "invalid_roster"),
 )
 def delete_member(
-    services: ServicesDep,
-    caller: InstructorDep,
+    errand: InstructorDep,
     person: PersonId,
     reason: Annotated[str, Query(max_length=1_000, description="Goes into the audit log.")] = "",
 ) -> None:
     """Take somebody out of the course, with their tokens; what they handed in stays stored."""
-    people.remove_member(services, caller, person, reason)
+    people.remove_member(errand.services, errand.caller, person, reason)
 
 
 @router.post(
@@ -283,27 +259,25 @@ def delete_member(
     status_code=status.HTTP_201_CREATED,
     responses=responses(*_CHANGING, "member_not_found", "malformed_body", "too_large"),
 )
-def make_token(
-    services: ServicesDep, caller: InstructorDep, person: PersonId, body: TokenBody, response: Response
-) -> TokenView:
+def make_token(errand: InstructorDep, person: PersonId, body: TokenBody, response: Response) -> TokenView:
     """Return a new token, which is shown this once; older ones work on."""
     response.headers.update(PRIVATE)
-    return TokenView(person=person, token=people.give_token(services, caller, person, body.days))
+    return TokenView(
+        person=person, token=people.give_token(errand.services, errand.caller, person, body.days)
+    )
 
 
 @router.get(
     "/members/{person}/identities",
     summary="By which names a member signs in",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden", "member_not_found", "invalid_request"),
+    responses=responses("forbidden", "member_not_found", "invalid_request"),
 )
-def read_identities(
-    services: ServicesDep, caller: InstructorDep, person: PersonId, response: Response
-) -> IdentityList:
+def read_identities(errand: InstructorDep, person: PersonId, response: Response) -> IdentityList:
     """Return what sign-in providers call a member."""
     response.headers.update(PRIVATE)
-    member = people.member_of(services, caller, person)
-    found = signing_in.ways_of(services, caller, member.id)
-    return IdentityList(identities=[IdentityView.model_validate(one, from_attributes=True) for one in found])
+    member = people.member_of(errand.services, errand.caller, person)
+    found = signing_in.ways_of(errand.services, errand.caller, member.id)
+    return IdentityList(identities=[IdentityView.of(one) for one in found])
 
 
 @router.delete(
@@ -313,23 +287,21 @@ def read_identities(
     responses=responses(*_CHANGING, "member_not_found", "identity_not_found"),
 )
 def delete_identity(
-    services: ServicesDep,
-    caller: InstructorDep,
-    person: PersonId,
-    identity: Annotated[str, Path(max_length=16)],
+    errand: InstructorDep, person: PersonId, identity: Annotated[str, Path(max_length=16)]
 ) -> None:
     """End a binding and the sessions that it opened; the next time a token is asked for, or the roster decides."""
-    signing_in.unbind(services, caller, people.member_of(services, caller, person).id, identity)
+    signing_in.unbind(
+        errand.services, errand.caller, people.member_of(errand.services, errand.caller, person).id, identity
+    )
 
 
 @router.get(
     "/audit",
     summary="What was changed, by whom",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+    responses=responses("forbidden", "invalid_request"),
 )
 def read_audit(
-    services: ServicesDep,
-    caller: InstructorDep,
+    errand: InstructorDep,
     response: Response,
     before: Annotated[
         QueryWhole | None, Query(ge=0, le=_LARGEST_ID, description="Only changes older than this id.")
@@ -338,6 +310,6 @@ def read_audit(
 ) -> AuditPage:
     """Return changes of grades and settings in the caller's course."""
     response.headers.update(PRIVATE)
-    entries, more = changes(services, caller, before, limit)
-    shown = [AuditView.model_validate(one, from_attributes=True) for one in entries]
+    entries, more = changes(errand.services, errand.caller, before, limit)
+    shown = [AuditView.of(one) for one in entries]
     return AuditPage(entries=shown, next_before=more)

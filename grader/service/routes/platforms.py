@@ -4,18 +4,19 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Response, status
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.identity import Seen
 from grader.contracts.platform import NewPlatform
 from grader.service.requests.answers import PRIVATE
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep
+from grader.service.requests.dependencies import InstructorDep
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases import platform_people, platforms
 from grader.use_cases.bodies import Body
 
 router = APIRouter(prefix="/api/v1/course/platforms", tags=["course"])
-_READING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "invalid_request")
+_READING = ("forbidden", "no_course", "invalid_request")
 _CHANGING = (*_READING, "course_archived", "malformed_body", "too_large", "platforms_not_set_up")
 PlatformId = Annotated[str, Path(max_length=16, description="Id of a platform.", examples=["1f0c9a7be2d4"])]
 
@@ -44,14 +45,14 @@ class PlatformBody(Body):
     )
 
 
-class PlatformView(PlatformBody):
+class PlatformView(PlatformBody, View):
     """A platform that sends people to the course."""
 
     id: str = Field(examples=["1f0c9a7be2d4"])
     created_at: datetime
 
 
-class ActivityView(BaseModel):
+class ActivityView(View):
     """An activity of a platform that was opened."""
 
     platform: str = Field(description="Id of the platform.", examples=["1f0c9a7be2d4"])
@@ -62,7 +63,7 @@ class ActivityView(BaseModel):
     used_at: datetime
 
 
-class UnsentView(BaseModel):
+class UnsentView(View):
     """A score that a platform does not take."""
 
     platform: str = Field(description="Id of the platform.", examples=["1f0c9a7be2d4"])
@@ -73,7 +74,7 @@ class UnsentView(BaseModel):
     not_before: datetime = Field(description="When it is tried again.")
 
 
-class PlatformsView(BaseModel):
+class PlatformsView(View):
     """The platforms of a course."""
 
     platforms: list[PlatformView] = Field(description="Oldest first.")
@@ -82,26 +83,16 @@ class PlatformsView(BaseModel):
 
 
 @router.get("", summary="The course's learning platforms", responses=responses(*_READING))
-def read_platforms(services: ServicesDep, caller: InstructorDep, response: Response) -> PlatformsView:
+def read_platforms(errand: InstructorDep, response: Response) -> PlatformsView:
     """Return the platforms, which activities there lead here, and which scores they do not take."""
     response.headers.update(PRIVATE)
     return PlatformsView(
-        platforms=[_view(one) for one in platforms.platforms_of(services, caller)],
+        platforms=[PlatformView.of(one) for one in platforms.platforms_of(errand.services, errand.caller)],
         activities=[
-            ActivityView(
-                platform=one.platform,
-                resource=one.resource,
-                title=one.title,
-                assignment=one.assignment,
-                takes_scores=bool(one.line_item),
-                used_at=one.used_at,
-            )
-            for one in platforms.links_of(services, caller)
+            ActivityView.of(one, takes_scores=bool(one.line_item))
+            for one in platforms.links_of(errand.services, errand.caller)
         ],
-        unsent=[
-            UnsentView.model_validate(one, from_attributes=True)
-            for one in platforms.troubles_of(services, caller)
-        ],
+        unsent=[UnsentView.of(one) for one in platforms.troubles_of(errand.services, errand.caller)],
     )
 
 
@@ -111,10 +102,10 @@ def read_platforms(services: ServicesDep, caller: InstructorDep, response: Respo
     status_code=status.HTTP_201_CREATED,
     responses=responses(*_CHANGING, "invalid_platform", "platform_exists", "too_many_platforms"),
 )
-def post_platform(services: ServicesDep, caller: InstructorDep, body: PlatformBody) -> PlatformView:
+def post_platform(errand: InstructorDep, body: PlatformBody) -> PlatformView:
     """Let a platform (LTI 1.3) send people to the course; it opens no other, and gives nobody a role."""
     new = NewPlatform(**{name: value.strip() for name, value in body.model_dump().items()})
-    return _view(platforms.add_platform(services, caller, new))
+    return PlatformView.of(platforms.add_platform(errand.services, errand.caller, new))
 
 
 @router.delete(
@@ -123,12 +114,12 @@ def post_platform(services: ServicesDep, caller: InstructorDep, body: PlatformBo
     status_code=status.HTTP_204_NO_CONTENT,
     responses=responses(*_READING, "platform_not_found"),
 )
-def delete_platform(services: ServicesDep, caller: InstructorDep, platform: PlatformId) -> None:
+def delete_platform(errand: InstructorDep, platform: PlatformId) -> None:
     """Take nobody in from it any more, and send it no scores. Its people are signed out."""
-    platforms.remove_platform(services, caller, platform)
+    platforms.remove_platform(errand.services, errand.caller, platform)
 
 
-class NewPersonView(BaseModel):
+class NewPersonView(View):
     """A student of a platform's course whom this course lacks."""
 
     id: str = Field(examples=["20260123"])
@@ -136,7 +127,7 @@ class NewPersonView(BaseModel):
     email: str | None = Field(examples=["wang@example.edu"])
 
 
-class PeopleView(BaseModel):
+class PeopleView(View):
     """Whom taking a platform's people in adds. Nobody is changed or removed, and all are students."""
 
     added: list[NewPersonView] = Field(description="In order of id.")
@@ -157,12 +148,10 @@ _PEOPLE = (*_READING, "platform_not_found", "platform_tells_nobody", "platform_p
     summary="Whom a platform's course has and this one lacks",
     responses=responses(*_PEOPLE),
 )
-def read_people(
-    services: ServicesDep, caller: InstructorDep, platform: PlatformId, response: Response
-) -> PeopleView:
+def read_people(errand: InstructorDep, platform: PlatformId, response: Response) -> PeopleView:
     """Ask the platform (NRPS 2.0). It has said where, once somebody opened an activity there."""
     response.headers.update(PRIVATE)
-    return _people(platform_people.plan(services, caller, platform))
+    return _people(platform_people.plan(errand.services, errand.caller, platform))
 
 
 @router.post(
@@ -171,22 +160,14 @@ def read_people(
     responses=responses(*_PEOPLE, "course_archived", "changed_meanwhile"),
 )
 def post_people(
-    services: ServicesDep,
-    caller: InstructorDep,
+    errand: InstructorDep,
     platform: PlatformId,
     plan: Annotated[str, Query(max_length=64, description="Refuse if others would be added.")] = "",
 ) -> PeopleView:
     """Add as students whom the course lacks."""
     seen = Seen.one(plan) if plan else Seen(None)
-    return _people(platform_people.add(services, caller, platform, seen))
+    return _people(platform_people.add(errand.services, errand.caller, platform, seen))
 
 
 def _people(plan: platform_people.PeoplePlan) -> PeopleView:
-    added = [NewPersonView(id=one.id, name=one.name, email=one.email) for one in plan.added]
-    return PeopleView(
-        added=added, known=plan.known, nameless=list(plan.nameless), others=plan.others, plan=plan.tag
-    )
-
-
-def _view(platform: object) -> PlatformView:
-    return PlatformView.model_validate(platform, from_attributes=True)
+    return PeopleView.of(plan, plan=plan.tag)

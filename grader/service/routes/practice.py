@@ -7,13 +7,13 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.sse import EventSourceResponse, ServerSentEvent
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.grading import RunProgress
 from grader.contracts.report import GradeStatus
 from grader.contracts.text import Language
-from grader.service.requests.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep, ServicesDep
+from grader.service.requests.dependencies import ErrandDep, LanguageDep
 from grader.service.requests.middleware import UploadRoute, single_parts
 from grader.service.routes.problems import problem_of, responses
 from grader.service.routes.submissions import (
@@ -24,6 +24,7 @@ from grader.service.routes.submissions import (
     item_view,
     run_view,
 )
+from grader.service.routes.views import View
 from grader.use_cases.handing_in import most_upload_bytes
 from grader.use_cases.practising import Practice, UnderWay, practising
 
@@ -34,7 +35,6 @@ router = APIRouter(
     dependencies=[Depends(single_parts)],
 )
 _PROBLEMS = (
-    *ENTRY_PROBLEMS,
     "no_course",
     "assignment_not_found",
     "practice_scripts_only",
@@ -51,7 +51,7 @@ _PROBLEMS = (
 )
 
 
-class PracticeView(BaseModel):
+class PracticeView(View):
     """What a practice run showed. There are no points: only handing in earns them."""
 
     assignment: str = Field(examples=["square"])
@@ -66,13 +66,13 @@ class PracticeView(BaseModel):
     )
 
 
-class PracticeWaitingView(BaseModel):
+class PracticeWaitingView(View):
     """Data of an event `waiting`: the run has not begun."""
 
     before: int = Field(description="How many runs have to end before it.", examples=[0])
 
 
-class PracticeRunningView(BaseModel):
+class PracticeRunningView(View):
     """Data of an event `running`: how far the run is."""
 
     virtual_s: float = Field(description="Virtual time, in seconds.", examples=[12.4])
@@ -81,10 +81,10 @@ class PracticeRunningView(BaseModel):
 
 
 async def _begun(
-    services: ServicesDep, caller: CallerDep, file: UploadedFile, assignment: AssignmentField
+    errand: ErrandDep, file: UploadedFile, assignment: AssignmentField
 ) -> AsyncIterator[UnderWay]:
-    content = await file.read(most_upload_bytes(services) + 1)
-    async with practising(services, caller, assignment, file.filename or "", content) as run:
+    content = await file.read(most_upload_bytes(errand.services) + 1)
+    async with practising(errand.services, errand.caller, assignment, file.filename or "", content) as run:
         yield run
 
 

@@ -15,7 +15,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, FastAPI, Path, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 from starlette.exceptions import HTTPException as StarletteHTTPException
 from starlette.routing import Match
 
@@ -26,6 +26,7 @@ from grader.messages import say
 from grader.operation import context
 from grader.render.escape import visible, visible_line
 from grader.service.requests.dependencies import LanguageDep, language_of
+from grader.service.routes.views import View
 from grader.use_cases.own_assignments import place_of
 
 _log = logging.getLogger(__name__)
@@ -183,14 +184,14 @@ PROBLEM_TYPES: Mapping[str, ProblemType] = {
 }
 
 
-class FieldError(BaseModel):
+class FieldError(View):
     """One field that was not accepted."""
 
     field: str = Field(description="Where it stands: `query.lang`, `student`, ...", examples=["student"])
     detail: str = Field(description="What is wrong with it.", examples=["This field is missing."])
 
 
-class Problem(BaseModel):
+class Problem(View):
     """A problem document (RFC 9457). Members without a value are left out."""
 
     model_config = ConfigDict(
@@ -233,7 +234,7 @@ class Problem(BaseModel):
     errors: list[FieldError] | None = Field(default=None, description="Every field that was not accepted.")
 
 
-class ProblemTypeView(BaseModel):
+class ProblemTypeView(View):
     """One kind of problem."""
 
     code: str = Field(examples=["not_utf8"])
@@ -259,6 +260,11 @@ async def problem_of(request: Request, error: RefusedError | InfrastructureError
 
 
 def responses(*codes: str) -> dict[int | str, dict[str, Any]]:
+    """Return the OpenAPI responses of an endpoint that asks who it is, besides with the problems `codes`."""
+    return public_responses("unauthorized", "too_many_requests", "too_many_at_once", *codes)
+
+
+def public_responses(*codes: str) -> dict[int | str, dict[str, Any]]:
     """Return the OpenAPI responses of an endpoint that can answer with the problems `codes`."""
     documented: dict[int | str, dict[str, Any]] = {}
     for code in (*codes, "internal_error", "unavailable"):
@@ -285,7 +291,9 @@ def _example(code: str) -> dict[str, Any]:
 
 
 @router.get(
-    "/{code}", summary="What a problem means", responses=responses("problem_not_found", "invalid_request")
+    "/{code}",
+    summary="What a problem means",
+    responses=public_responses("problem_not_found", "invalid_request"),
 )
 def read(
     language: LanguageDep, code: Annotated[str, Path(max_length=64, examples=["not_utf8"])]

@@ -4,27 +4,18 @@ import gzip
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Response
-from pydantic import BaseModel, Field
+from pydantic import Field
 
-from grader.service.requests.answers import plot
-from grader.service.requests.compression import accepts_gzip, trajectory_answer
-from grader.service.requests.dependencies import (
-    COSTLY,
-    DRAWN,
-    ENTRY_PROBLEMS,
-    CallerDep,
-    LanguageDep,
-    ServicesDep,
-    SubmissionId,
-)
+from grader.service.requests.answers import accepts_gzip, plot, trajectory_answer
+from grader.service.requests.dependencies import COSTLY, DRAWN, ErrandDep, LanguageDep, SubmissionId
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases import recordings
 
 router = APIRouter(prefix="/api/v1/submissions", tags=["recordings"])
 CaseQuery = Annotated[str | None, Query(description="Which run; the first when left out.", max_length=64)]
 _BAG_MEDIA_TYPE = "application/octet-stream"
 _PLOT_PROBLEMS = (
-    *ENTRY_PROBLEMS,
     "submission_not_found",
     "no_trajectory",
     "assignment_not_found",
@@ -40,7 +31,7 @@ def _described(media_type: str, form: str) -> dict[str, Any]:
     }
 
 
-class ContactView(BaseModel):
+class ContactView(View):
     """The car touched a wall."""
 
     start_ns: int = Field(examples=[2_000_000_000])
@@ -48,7 +39,7 @@ class ContactView(BaseModel):
     wall: str = Field(description="`left`, `right`, `top` or `bottom`.", examples=["right"])
 
 
-class TrajectoryView(BaseModel):
+class TrajectoryView(View):
     """Poses over virtual time in turtlesim's frame, one column per quantity, all of one length.
 
     Between two samples further apart than 16 ms the car stood still.
@@ -78,20 +69,19 @@ class TrajectoryView(BaseModel):
     response_class=Response,
     responses={
         200: {"model": TrajectoryView, "description": "The recorded trajectory; the ETag is its SHA-256."},
-        **responses(
-            *ENTRY_PROBLEMS, "submission_not_found", "no_trajectory", "not_graded_yet", "invalid_request"
-        ),
+        **responses("submission_not_found", "no_trajectory", "not_graded_yet", "invalid_request"),
     },
 )
 def read_trajectory(
-    services: ServicesDep,
-    caller: CallerDep,
+    errand: ErrandDep,
     submission_id: SubmissionId,
     case: CaseQuery = None,
     accept_encoding: Annotated[str | None, Header(include_in_schema=False)] = None,
 ) -> Response:
     """Return what the trusted simulator recorded in one run of the script."""
-    return trajectory_answer(recordings.trajectory(services, caller, submission_id, case), accept_encoding)
+    return trajectory_answer(
+        recordings.trajectory(errand.services, errand.caller, submission_id, case), accept_encoding
+    )
 
 
 @router.get(
@@ -109,14 +99,13 @@ def read_trajectory(
     },
 )
 def read_bag(
-    services: ServicesDep,
-    caller: CallerDep,
+    errand: ErrandDep,
     submission_id: SubmissionId,
     case: CaseQuery = None,
     accept_encoding: Annotated[str | None, Header(include_in_schema=False)] = None,
 ) -> Response:
     """Return the same bytes each time; they are made when asked for, and nothing is run again."""
-    bag = recordings.bag(services, caller, submission_id, case)
+    bag = recordings.bag(errand.services, errand.caller, submission_id, case)
     headers = {
         "ETag": f'"{bag.tag}"',
         "Vary": "Accept-Encoding",
@@ -136,15 +125,10 @@ def read_bag(
     responses={200: _described("image/png", "binary"), **responses(*_PLOT_PROBLEMS)},
 )
 async def read_plot(
-    services: ServicesDep,
-    submission_id: SubmissionId,
-    language: LanguageDep,
-    caller: CallerDep,
-    *,
-    case: CaseQuery = None,
+    errand: ErrandDep, submission_id: SubmissionId, language: LanguageDep, *, case: CaseQuery = None
 ) -> Response:
     """Return a PNG with labels in the language asked for."""
-    return await plot(services, caller, submission_id, case, language, "png")
+    return await plot(errand, submission_id, case, language, "png")
 
 
 @router.get(
@@ -155,12 +139,7 @@ async def read_plot(
     responses={200: _described("image/svg+xml", "xml"), **responses(*_PLOT_PROBLEMS)},
 )
 async def read_drawing(
-    services: ServicesDep,
-    submission_id: SubmissionId,
-    language: LanguageDep,
-    caller: CallerDep,
-    *,
-    case: CaseQuery = None,
+    errand: ErrandDep, submission_id: SubmissionId, language: LanguageDep, *, case: CaseQuery = None
 ) -> Response:
     """Return an SVG, text as outlines, with labels in the language asked for."""
-    return await plot(services, caller, submission_id, case, language, "svg")
+    return await plot(errand, submission_id, case, language, "svg")

@@ -4,29 +4,28 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
-from pydantic import AliasPath, BaseModel, Field, StringConstraints
+from pydantic import AliasPath, Field, StringConstraints
 
 from grader.contracts.regrade import Regrade, RegradeState, Wanted, Which
 from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
     SIGHT,
     Address,
-    CallerDep,
+    ErrandDep,
     InstructorDep,
     QueryWhole,
     RegradeId,
-    ServicesDep,
     StaffDep,
     SubmissionId,
 )
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases import regrading
 from grader.use_cases.bodies import Body
 
 router = APIRouter(prefix="/api/v1/regrades", tags=["regrades"])
 of_submission = APIRouter(prefix="/api/v1/submissions", tags=["regrades"], dependencies=[SIGHT])
 _MOST = 100_000
-_KNOWN = (*ENTRY_PROBLEMS, "forbidden", "invalid_request")
+_KNOWN = ("forbidden", "invalid_request")
 
 
 class RegradeOrder(Body):
@@ -53,7 +52,7 @@ class Decision(Body):
     ]
 
 
-class ItemChangeView(BaseModel):
+class ItemChangeView(View):
     """What one rubric item earned before and earns now; null where the rubric does not have it."""
 
     item: str = Field(examples=["closed"])
@@ -61,7 +60,7 @@ class ItemChangeView(BaseModel):
     after: float | None = Field(examples=[5.0])
 
 
-class ScoreChangeView(BaseModel):
+class ScoreChangeView(View):
     """What happens to one submission."""
 
     submission: Address = Field(description="Its address.")
@@ -76,7 +75,7 @@ class ScoreChangeView(BaseModel):
     )
 
 
-class RegradeSummary(BaseModel):
+class RegradeSummary(View):
     """A re-grade: while `open` and `waiting` is 0 it can be applied."""
 
     id: str
@@ -109,13 +108,13 @@ class RegradeView(RegradeSummary):
     )
 
 
-class RegradeList(BaseModel):
+class RegradeList(View):
     """Re-grades, newest first."""
 
     regrades: list[RegradeSummary]
 
 
-class ToldChangeView(BaseModel):
+class ToldChangeView(View):
     """What a re-grade changed of one submission, as its student is told."""
 
     at: datetime
@@ -131,13 +130,13 @@ class ToldChangeView(BaseModel):
     seen: bool = Field(description="The student has opened the submission's page since.")
 
 
-class ToldChanges(BaseModel):
+class ToldChanges(View):
     """What re-grades changed of a submission, the latest first."""
 
     changes: list[ToldChangeView]
 
 
-class PastGradingView(BaseModel):
+class PastGradingView(View):
     """One grading of a submission."""
 
     attempt: int
@@ -155,7 +154,7 @@ class PastGradingView(BaseModel):
     stands: bool = Field(description="The one that counts: the last one, unless its re-grade was undone.")
 
 
-class History(BaseModel):
+class History(View):
     """All gradings of a submission, oldest first."""
 
     gradings: list[PastGradingView]
@@ -175,39 +174,33 @@ class History(BaseModel):
         "course_archived",
     ),
 )
-def start(
-    services: ServicesDep, caller: InstructorDep, response: Response, order: RegradeOrder
-) -> RegradeView:
+def start(errand: InstructorDep, response: Response, order: RegradeOrder) -> RegradeView:
     """Queue trial gradings behind all fresh submissions. Nothing changes until they are applied."""
     students = tuple(order.students)
     wanted = Wanted(assignment=order.assignment, which=order.which, students=students)
-    opened = regrading.open_regrade(services, caller, wanted)
+    opened = regrading.open_regrade(errand.services, errand.caller, wanted)
     response.headers["Location"] = f"/api/v1/regrades/{opened.id}"
     return _view(opened)
 
 
-@router.get("", summary="All re-grades", responses=responses(*ENTRY_PROBLEMS, "forbidden"))
-def read_all(services: ServicesDep, caller: StaffDep) -> RegradeList:
+@router.get("", summary="All re-grades", responses=responses("forbidden"))
+def read_all(errand: StaffDep) -> RegradeList:
     """Return the re-grades of the caller's course."""
     return RegradeList(
-        regrades=[
-            RegradeSummary.model_validate(one, from_attributes=True)
-            for one in regrading.all_regrades(services, caller)
-        ]
+        regrades=[RegradeSummary.of(one) for one in regrading.all_regrades(errand.services, errand.caller)]
     )
 
 
 @router.get("/{regrade_id}", summary="What changes", responses=responses(*_KNOWN, "regrade_not_found"))
 def read(
-    services: ServicesDep,
-    caller: StaffDep,
+    errand: StaffDep,
     regrade_id: RegradeId,
     *,
     offset: Annotated[QueryWhole, Query(ge=0, le=_MOST, description="Changes left out at the start.")] = 0,
     limit: Annotated[QueryWhole | None, Query(ge=1, le=_MOST, description="Most changes; null: all.")] = None,
 ) -> RegradeView:
     """Return how far a re-grade is, who gains and who loses, by which item. Counts are of all changes."""
-    regrade = regrading.regrade_of(services, caller, regrade_id)
+    regrade = regrading.regrade_of(errand.services, errand.caller, regrade_id)
     return _view(regrade, slice(offset, None if limit is None else offset + limit))
 
 
@@ -218,11 +211,9 @@ def read(
         *_KNOWN, "malformed_body", "too_large", "regrade_not_found", "regrade_running", "regrade_decided"
     ),
 )
-def apply(
-    services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision
-) -> RegradeView:
+def apply(errand: InstructorDep, regrade_id: RegradeId, decision: Decision) -> RegradeView:
     """Make the trial gradings the submissions' latest; earlier ones stay in their history."""
-    return _view(regrading.decide(services, caller, regrade_id, "apply", decision.reason))
+    return _view(regrading.decide(errand.services, errand.caller, regrade_id, "apply", decision.reason))
 
 
 @router.post(
@@ -230,11 +221,9 @@ def apply(
     summary="Forget it",
     responses=responses(*_KNOWN, "malformed_body", "too_large", "regrade_not_found", "regrade_decided"),
 )
-def discard(
-    services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision
-) -> RegradeView:
+def discard(errand: InstructorDep, regrade_id: RegradeId, decision: Decision) -> RegradeView:
     """Drop the trial gradings; every submission stays as it is."""
-    return _view(regrading.decide(services, caller, regrade_id, "discard", decision.reason))
+    return _view(regrading.decide(errand.services, errand.caller, regrade_id, "discard", decision.reason))
 
 
 @router.post(
@@ -250,43 +239,41 @@ def discard(
         "regrade_superseded",
     ),
 )
-def undo(
-    services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision
-) -> RegradeView:
+def undo(errand: InstructorDep, regrade_id: RegradeId, decision: Decision) -> RegradeView:
     """Let the gradings stand again that an applied re-grade replaced, all of them; judgements by people stay.
 
     Later re-grades of the same submissions must be undone first.
     """
-    return _view(regrading.decide(services, caller, regrade_id, "undo", decision.reason))
+    return _view(regrading.decide(errand.services, errand.caller, regrade_id, "undo", decision.reason))
 
 
 @of_submission.get(
     "/{submission_id}/changes",
     summary="What re-grades changed",
-    responses=responses(*ENTRY_PROBLEMS, "invalid_request", "submission_not_found"),
+    responses=responses("invalid_request", "submission_not_found"),
 )
-def read_changes(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> ToldChanges:
+def read_changes(errand: ErrandDep, submission_id: SubmissionId) -> ToldChanges:
     """Return old and new points, when and why, as the page of the submission tells its student.
 
     Items that are hidden from the caller are left out. Reading it here does not mark it as seen.
     """
-    found = regrading.told_changes(services, caller, submission_id)
-    return ToldChanges(changes=[ToldChangeView.model_validate(one, from_attributes=True) for one in found])
+    found = regrading.told_changes(errand.services, errand.caller, submission_id)
+    return ToldChanges(changes=[ToldChangeView.of(one) for one in found])
 
 
 @of_submission.get(
     "/{submission_id}/gradings",
     summary="Every grading of a submission",
-    responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request", "submission_not_found"),
+    responses=responses("forbidden", "invalid_request", "submission_not_found"),
 )
-def read_history(services: ServicesDep, caller: StaffDep, submission_id: SubmissionId) -> History:
+def read_history(errand: StaffDep, submission_id: SubmissionId) -> History:
     """Return when, with which versions and why a submission was graded, and by whom again."""
-    found = regrading.history(services, caller, submission_id)
-    return History(gradings=[PastGradingView.model_validate(one, from_attributes=True) for one in found])
+    found = regrading.history(errand.services, errand.caller, submission_id)
+    return History(gradings=[PastGradingView.of(one) for one in found])
 
 
 def _view(regrade: Regrade, shown: slice = slice(None)) -> RegradeView:
     """Return a re-grade with the changes in the slice `shown`."""
-    view = RegradeView.model_validate(regrade, from_attributes=True)
+    view = RegradeView.of(regrade)
     view.changes = view.changes[shown]
     return view

@@ -5,23 +5,22 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Path, Response
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from grader.contracts.identity import Role
 from grader.contracts.rules import Extension
 from grader.service.requests.answers import PRIVATE
 from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
     SUBMISSIONS,
     AssignmentId,
-    CallerDep,
+    ErrandDep,
     InstructorDep,
-    ServicesDep,
     StaffDep,
     etag,
     seen,
 )
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.store.rules import tag
 from grader.use_cases import rules as use_case
 from grader.use_cases.assignments import Terms, terms_of, visible_assignment
@@ -29,7 +28,7 @@ from grader.use_cases.bodies import ExtensionBody, RulesBody, rules_from
 from grader.use_cases.rules import course_rules
 
 router = APIRouter(prefix="/api/v1/assignments/{assignment_id}", tags=["rules"])
-_KNOWN = (*ENTRY_PROBLEMS, "assignment_not_found", "invalid_request")
+_KNOWN = ("assignment_not_found", "invalid_request")
 _CHANGING = ("forbidden", "malformed_body", "too_large", "no_course", "course_archived", "changed_meanwhile")
 _ETAG = {
     "ETag": {"description": "Of the rules; for assistants and instructors.", "schema": {"type": "string"}}
@@ -66,13 +65,13 @@ class ExtensionView(ExtensionBody):
     )
 
 
-class ExtensionList(BaseModel):
+class ExtensionList(View):
     """All extensions of one assignment."""
 
     extensions: list[ExtensionView]
 
 
-class StandingView(BaseModel):
+class StandingView(View):
     """Where the caller stands under the rules of one assignment."""
 
     rules: RulesBody = Field(description="Students do not see which items are hidden.")
@@ -91,16 +90,14 @@ class StandingView(BaseModel):
     summary="The rules, and where one stands",
     responses={200: {"headers": _ETAG}, **responses(*_KNOWN)},
 )
-def read_rules(
-    services: ServicesDep, caller: CallerDep, response: Response, assignment_id: AssignmentId
-) -> StandingView:
+def read_rules(errand: ErrandDep, response: Response, assignment_id: AssignmentId) -> StandingView:
     """Return dates, limits and what lateness costs; for a member also attempts and what counts so far."""
-    visible_assignment(services, caller, assignment_id)
+    visible_assignment(errand.services, errand.caller, assignment_id)
     response.headers.update(PRIVATE)
-    terms = terms_of(services, caller, assignment_id)
-    if caller.is_staff:  # a student could find out from a digest which items are hidden
+    terms = terms_of(errand.services, errand.caller, assignment_id)
+    if errand.caller.is_staff:  # a student could find out from a digest which items are hidden
         response.headers["ETag"] = etag(tag(terms.rules))
-    return _standing(terms, shows_hidden=caller.role is not Role.STUDENT)
+    return _standing(terms, shows_hidden=errand.caller.role is not Role.STUDENT)
 
 
 @router.put(
@@ -111,25 +108,26 @@ def read_rules(
         **responses(*_KNOWN, *_CHANGING, "invalid_rules"),
     },
 )
-def change_rules(  # noqa: PLR0913, PLR0917
-    services: ServicesDep,
-    caller: InstructorDep,
+def change_rules(
+    errand: InstructorDep,
     response: Response,
     assignment_id: AssignmentId,
     change: RulesChange,
     if_match: IfMatch = None,
 ) -> RulesBody:
     """Put new rules in place of the old ones. They hold for what was handed in before, too."""
-    rules = rules_from(change, course_rules(services, caller, assignment_id).zone)
-    use_case.change_rules(services, caller, assignment_id, rules, change.reason, seen=seen(if_match))
+    rules = rules_from(change, course_rules(errand.services, errand.caller, assignment_id).zone)
+    use_case.change_rules(
+        errand.services, errand.caller, assignment_id, rules, change.reason, seen=seen(if_match)
+    )
     response.headers["ETag"] = etag(tag(rules))
     return RulesBody.of(rules)
 
 
 @router.get("/extensions", summary="Who got more", responses=responses(*_KNOWN, "forbidden"))
-def read_extensions(services: ServicesDep, caller: StaffDep, assignment_id: AssignmentId) -> ExtensionList:
+def read_extensions(errand: StaffDep, assignment_id: AssignmentId) -> ExtensionList:
     """Return all extensions of an assignment."""
-    found = use_case.extensions(services, caller, assignment_id)
+    found = use_case.extensions(errand.services, errand.caller, assignment_id)
     return ExtensionList(extensions=[_extension(student, one) for student, one in found])
 
 
@@ -138,17 +136,18 @@ def read_extensions(services: ServicesDep, caller: StaffDep, assignment_id: Assi
     summary="Give one student more",
     responses=responses(*_KNOWN, *_CHANGING, "unknown_student"),
 )
-def change_extension(  # noqa: PLR0913, PLR0917
-    services: ServicesDep,
-    caller: InstructorDep,
+def change_extension(
+    errand: InstructorDep,
     assignment_id: AssignmentId,
     student: Annotated[str, Path(max_length=64, examples=["20260123"])],
     change: ExtensionChange,
     if_match: IfMatch = None,
 ) -> ExtensionView:
     """Put an extension in place of what the student had."""
-    extension: Extension = change.meant(course_rules(services, caller, assignment_id).zone)
-    use_case.extend(services, caller, assignment_id, student, extension, change.reason, seen=seen(if_match))
+    extension: Extension = change.meant(course_rules(errand.services, errand.caller, assignment_id).zone)
+    use_case.extend(
+        errand.services, errand.caller, assignment_id, student, extension, change.reason, seen=seen(if_match)
+    )
     return _extension(student, extension)
 
 

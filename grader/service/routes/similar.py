@@ -1,38 +1,33 @@
 """Which scripts of a class are alike at places that few have: for staff to look at, part of no score."""
 
 from fastapi import APIRouter, Response
-from pydantic import BaseModel, Field
+from pydantic import Field
 from starlette.concurrency import run_in_threadpool
 
-from grader.service.requests.dependencies import (
-    ENTRY_PROBLEMS,
-    Address,
-    AssignmentId,
-    ServicesDep,
-    StaffDep,
-)
+from grader.service.requests.dependencies import Address, AssignmentId, StaffDep
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases.comparing import Similar, SimilarPair
 from grader.use_cases.similar import similar
 
 router = APIRouter(prefix="/api/v1/assignments", tags=["assignments"])
 
 
-class RangeView(BaseModel):
+class RangeView(View):
     """Lines of a file, from 1, both included."""
 
     first_line: int = Field(examples=[12])
     last_line: int = Field(examples=[31])
 
 
-class PlaceView(BaseModel):
+class PlaceView(View):
     """What two scripts have in common at one place of each."""
 
     first: RangeView
     second: RangeView
 
 
-class SimilarScriptView(BaseModel):
+class SimilarScriptView(View):
     """One student's script."""
 
     student: str = Field(examples=["20260123"])
@@ -40,7 +35,7 @@ class SimilarScriptView(BaseModel):
     share: float = Field(description="Of its own code, how much the other has as well.", examples=[0.85])
 
 
-class SimilarPairView(BaseModel):
+class SimilarPairView(View):
     """Two scripts with something in common that few have."""
 
     first: SimilarScriptView
@@ -53,7 +48,7 @@ class SimilarPairView(BaseModel):
     places: list[PlaceView] = Field(description="Where they are alike; the first 50.")
 
 
-class SimilarView(BaseModel):
+class SimilarView(View):
     """What the scripts of a class have in common, of each student the one that counts.
 
     Left out are the starters, the solutions, the lesson's listings and what staff handed in, and what more than
@@ -76,32 +71,21 @@ class SimilarView(BaseModel):
     "/{assignment_id}/similar",
     summary="Scripts that are alike where few are",
     response_model=SimilarView,
-    responses=responses(
-        *ENTRY_PROBLEMS, "forbidden", "assignment_not_found", "no_scripts", "invalid_request"
-    ),
+    responses=responses("forbidden", "assignment_not_found", "no_scripts", "invalid_request"),
 )
-async def read(services: ServicesDep, caller: StaffDep, assignment_id: AssignmentId) -> Response:
+async def read(errand: StaffDep, assignment_id: AssignmentId) -> Response:
     """Return where a person should look. It does not say that anybody copied, and no score depends on it.
 
     It takes a second for a class of 300, and is kept until a script or a grading changes.
     """
-    found = await similar(services, caller, assignment_id)
+    found = await similar(errand.services, errand.caller, assignment_id)
     body = await run_in_threadpool(_json, found)
     return Response(body, media_type="application/json", headers={"Cache-Control": "no-store"})
 
 
 def _json(found: Similar) -> str:
-    view = SimilarView(
-        assignment=found.assignment,
-        compared=found.compared,
-        not_compared=found.not_compared,
-        few=found.few,
-        too_little=list(found.too_little),
-        pairs=[_pair(one) for one in found.pairs],
-        left_out=found.left_out,
-        same_commands=[_pair(one) for one in found.same_drives],
-    )
-    return view.model_dump_json()
+    pairs, same_drives = ([_pair(one) for one in listed] for listed in (found.pairs, found.same_drives))
+    return SimilarView.of(found, pairs=pairs, same_commands=same_drives).model_dump_json()
 
 
 def _pair(one: SimilarPair) -> SimilarPairView:
@@ -110,11 +94,4 @@ def _pair(one: SimilarPair) -> SimilarPairView:
         SimilarScriptView(student=side.student, submission=side.submission, share=share)
         for side, share in ((one.first, pair.first_share), (one.second, pair.second_share))
     )
-    return SimilarPairView(
-        first=first,
-        second=second,
-        weight=pair.weight,
-        same_file=pair.same_file,
-        same_commands=pair.same_drive,
-        places=[PlaceView.model_validate(place, from_attributes=True) for place in pair.places],
-    )
+    return SimilarPairView.of(pair, first=first, second=second, same_commands=pair.same_drive)

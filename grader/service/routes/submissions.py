@@ -5,12 +5,11 @@ What a script wrote is shown in bounded length and with no invisible characters 
 
 import json
 from collections.abc import Mapping
-from dataclasses import fields
 from datetime import datetime
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, File, Form, Header, Query, Response, UploadFile, status
-from pydantic import BaseModel, BeforeValidator, Field
+from fastapi import APIRouter, Depends, File, Form, Header, Query, Request, Response, UploadFile, status
+from pydantic import BeforeValidator, Field
 from pydantic_core import PydanticCustomError
 
 from grader.contracts.judgement import judged
@@ -24,16 +23,15 @@ from grader.formats.packages.bundle import is_package
 from grader.render.escape import visible
 from grader.service.requests.dependencies import (
     COSTLY,
-    ENTRY_PROBLEMS,
     SUBMISSIONS,
-    CallerDep,
+    ErrandDep,
     LanguageDep,
     QueryWhole,
-    ServicesDep,
     SubmissionId,
 )
-from grader.service.requests.middleware import UploadRoute, arrival, single_parts
+from grader.service.requests.middleware import UploadRoute, arrival_of, single_parts
 from grader.service.routes.problems import responses
+from grader.service.routes.views import View
 from grader.use_cases import submissions
 from grader.use_cases.bodies import Instant
 from grader.use_cases.handing_in import Upload, hand_in, most_upload_bytes
@@ -79,7 +77,7 @@ IdempotencyKey = Annotated[
 ]
 
 
-class Receipt(BaseModel):
+class Receipt(View):
     """Answer to an upload: it is stored, and will be graded even if the service is stopped now."""
 
     id: str = Field(examples=[_EXAMPLE_ID])
@@ -97,7 +95,7 @@ class Receipt(BaseModel):
     )
 
 
-class Links(BaseModel):
+class Links(View):
     """Where the rest of a submission is."""
 
     self: str = Field(description="This document.", examples=[SUBMISSIONS + _EXAMPLE_ID])
@@ -110,7 +108,7 @@ class Links(BaseModel):
     plot: str = Field(description="The same as a picture.", examples=[f"{SUBMISSIONS}{_EXAMPLE_ID}/plot.png"])
 
 
-class SeenItemView(BaseModel):
+class SeenItemView(View):
     """One line of the checklist: what was seen."""
 
     id: str = Field(examples=["sides"])
@@ -134,14 +132,14 @@ class RubricItemView(SeenItemView):
     earned: float = Field(examples=[5.0])
 
 
-class StreamView(BaseModel):
+class StreamView(View):
     """Captured text, control characters shown as escapes. It is the student's: escape it for HTML."""
 
     text: str = Field(examples=["[INFO] [1700000000.000000000] [square_mover]: side 1\n"])
     dropped: int = Field(description="Bytes or characters left out of the middle or end.", examples=[0])
 
 
-class StudentErrorView(BaseModel):
+class StudentErrorView(View):
     """The exception that ended the script, with the student's own lines only."""
 
     type: str = Field(examples=["AssertionError"])
@@ -150,7 +148,7 @@ class StudentErrorView(BaseModel):
     traceback: str
 
 
-class EndpointView(BaseModel):
+class EndpointView(View):
     """A publisher, subscription, service or client of the script."""
 
     kind: str = Field(examples=["publisher"])
@@ -160,7 +158,7 @@ class EndpointView(BaseModel):
     count: int = Field(description="Messages published or requests sent.", examples=[160])
 
 
-class LogView(BaseModel):
+class LogView(View):
     """One message that reached /rosout."""
 
     t_s: float = Field(description="Virtual seconds since the start.", examples=[1.5])
@@ -169,7 +167,7 @@ class LogView(BaseModel):
     message: str = Field(examples=["side 1"])
 
 
-class RunView(BaseModel):
+class RunView(View):
     """What happened in one run of the script."""
 
     case: str = Field(examples=["default"])
@@ -192,7 +190,7 @@ class RunView(BaseModel):
     trajectory_sha256: str
 
 
-class SubmissionView(BaseModel):
+class SubmissionView(View):
     """Where a submission stands, and its grading once there is one."""
 
     id: str = Field(examples=[_EXAMPLE_ID])
@@ -236,7 +234,7 @@ class SubmissionView(BaseModel):
     links: Links
 
 
-class SubmissionLine(BaseModel):
+class SubmissionLine(View):
     """One submission in a list."""
 
     id: str = Field(examples=[_EXAMPLE_ID])
@@ -255,7 +253,7 @@ class SubmissionLine(BaseModel):
     report_sha256: str | None
 
 
-class SubmissionPage(BaseModel):
+class SubmissionPage(View):
     """Submissions, oldest first."""
 
     submissions: list[SubmissionLine]
@@ -265,11 +263,10 @@ class SubmissionPage(BaseModel):
 @router.get(
     "",
     summary="The class's submissions",
-    responses=responses(*ENTRY_PROBLEMS, "invalid_request"),
+    responses=responses("invalid_request"),
 )
 def read_all(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: CallerDep,
+    errand: ErrandDep,
     response: Response,
     *,
     student: Annotated[str | None, Query(max_length=64)] = None,
@@ -285,8 +282,8 @@ def read_all(  # noqa: PLR0913
     """Return every submission of the class, page by page; a student gets their own."""
     response.headers["Cache-Control"] = "no-store"
     wanted = SubmissionFilter(student=student, assignment=assignment, state=state, since=since, after=after)
-    found, more = submissions.listed(services, caller, wanted, limit)
-    lines = [SubmissionLine.model_validate(one, from_attributes=True) for one in found]
+    found, more = submissions.listed(errand.services, errand.caller, wanted, limit)
+    lines = [SubmissionLine.of(one) for one in found]
     return SubmissionPage(submissions=lines, next_after=more)
 
 
@@ -299,7 +296,6 @@ def read_all(  # noqa: PLR0913
     responses={
         202: {"headers": {"Location": {"description": "The submission.", "schema": {"type": "string"}}}},
         **responses(
-            *ENTRY_PROBLEMS,
             "forbidden",
             "malformed_body",
             "too_large",
@@ -326,9 +322,8 @@ def read_all(  # noqa: PLR0913
     },
 )
 def upload(  # noqa: PLR0913
-    services: ServicesDep,
-    caller: CallerDep,
-    arrived_at: Annotated[datetime, Depends(arrival)],
+    errand: ErrandDep,
+    request: Request,
     *,
     file: UploadedFile,
     assignment: AssignmentField,
@@ -343,11 +338,11 @@ def upload(  # noqa: PLR0913
         assignment=assignment,
         student=student,
         file_name=file.filename or "",
-        content=file.file.read(most_upload_bytes(services) + 1),
-        arrived_at=arrived_at,
+        content=file.file.read(most_upload_bytes(errand.services) + 1),
+        arrived_at=arrival_of(request),
         key=idempotency_key,
     )
-    submission, repeated = hand_in(services, caller, new)
+    submission, repeated = hand_in(errand.services, errand.caller, new)
     added = _receipt(submission, repeated)
     # checked when it was made: to be checked again, it would wait for a thread twice
     return Response(
@@ -359,38 +354,26 @@ def upload(  # noqa: PLR0913
 
 
 def _receipt(submission: Submission, repeated: bool) -> Receipt:
-    return Receipt(
-        id=submission.id,
-        status=submission.state,
-        status_url=SUBMISSIONS + submission.id,
-        assignment=submission.assignment,
-        student=submission.student,
-        sha256=submission.sha256,
-        received_at=submission.received_at,
-        repeated=repeated,
-    )
+    url = SUBMISSIONS + submission.id
+    return Receipt.of(submission, status=submission.state, status_url=url, repeated=repeated)
 
 
 @router.get(
     "/{submission_id}",
     summary="A submission and its grading",
-    responses=responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
+    responses=responses("submission_not_found", "invalid_request"),
 )
 def read(
-    services: ServicesDep,
-    caller: CallerDep,
-    response: Response,
-    language: LanguageDep,
-    submission_id: SubmissionId,
+    errand: ErrandDep, response: Response, language: LanguageDep, submission_id: SubmissionId
 ) -> SubmissionView:
     """Return where a submission stands; once graded, with score, rubric items, feedback and what ran."""
-    found = submissions.read(services, caller, submission_id)
+    found = submissions.read(errand.services, errand.caller, submission_id)
     response.headers.update(
         {"Content-Language": language, "Vary": "Accept-Language", "Cache-Control": "no-store"}
     )
     if found.grading is None:  # whoever waits for the result asks often
         return _view(found, language)
-    with services.allowances.costly.one_more(caller, f"submission {submission_id}"):
+    with errand.services.allowances.costly.one_more(errand.caller, f"submission {submission_id}"):
         return _view(found, language)
 
 
@@ -404,15 +387,15 @@ def read(
             "description": "Canonical JSON in both languages; its SHA-256 is the ETag.",
             "content": {"application/json": {"schema": {"type": "object"}}},
         },
-        **responses(*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_request"),
+        **responses("submission_not_found", "not_graded_yet", "invalid_request"),
     },
 )
-def read_report(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> Response:
+def read_report(errand: ErrandDep, submission_id: SubmissionId) -> Response:
     """Return the report as it was graded: the same bytes for the same file and assignment.
 
     While rubric items are hidden, students get a copy without them.
     """
-    _, report = graded(services, caller, submission_id)
+    _, report = graded(errand.services, errand.caller, submission_id)
     return Response(report.content, media_type="application/json", headers={"ETag": f'"{report.sha256}"'})
 
 
@@ -428,27 +411,23 @@ def read_report(services: ServicesDep, caller: CallerDep, submission_id: Submiss
                 "application/zip": {"schema": {"type": "string", "format": "binary"}},
             },
         },
-        **responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
+        **responses("submission_not_found", "invalid_request"),
     },
 )
-def read_source(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> Response:
+def read_source(errand: ErrandDep, submission_id: SubmissionId) -> Response:
     """Return what the student uploaded: a script, the answer to a question, or a package as a zip."""
-    submission, source = submissions.read_source(services, caller, submission_id)
+    submission, source = submissions.read_source(errand.services, errand.caller, submission_id)
     headers = {"ETag": f'"{submission.sha256}"'}
     kind = "application/zip" if is_package(source) else "text/plain; charset=utf-8"
     return Response(source, media_type=kind, headers=headers)
-
-
-_OWN = SubmissionView.model_fields.keys() & {one.name for one in fields(Submission)}
-"""What is told of a submission as its contract has it."""
 
 
 def _view(read: ShownSubmission, language: Language) -> SubmissionView:
     """Return a submission and its latest grading in `language`."""
     submission, stored, lateness = read.submission, read.grading, read.lateness
     report = {} if stored is None else _whole(stored)
-    return SubmissionView(
-        **{name: getattr(submission, name) for name in _OWN},
+    return SubmissionView.of(
+        submission,
         status=submission.state,
         queue_position=read.position,
         estimated_finish_at=read.estimated_finish_at,

@@ -1,4 +1,4 @@
-"""Who looks at a page, and what they may see. No other module of the pages decides that.
+"""Who looks at a page, in which language, and what they may see. No other module of the pages decides that.
 
 The browser keeps the session that a bearer token opened (`grader.use_cases.callers`), in a cookie that lasts as
 long as the browser is open. While the service has no courses, a student says their id and is believed, as on
@@ -16,10 +16,12 @@ from fastapi.responses import RedirectResponse
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import ANYBODY, Caller, is_person_id
 from grader.contracts.submission import StoredReport, Submission
+from grader.contracts.text import LANGUAGES, Language
 from grader.service.requests.dependencies import (
     PEER,
     SESSION_COOKIE,
     AssignmentId,
+    Errand,
     QueryWhole,
     RegradeId,
     ServicesDep,
@@ -43,6 +45,7 @@ __all__ = (
     "SubmissionId",
 )
 STUDENT_COOKIE = "grader_student"
+LANGUAGE_COOKIE = "grader_language"
 ENTER = "/enter"
 
 
@@ -77,6 +80,29 @@ class Visitor:
         return self.staff or self.student is not None
 
 
+@dataclass(frozen=True, slots=True)
+class PageErrand(Errand):
+    """What a visitor of a page asks for."""
+
+    request: Request
+    visitor: Visitor
+
+    @property
+    def language(self) -> Language:
+        """Return the language to answer in."""
+        return language_of(self.request)
+
+
+def language_of(request: Request) -> Language:
+    """Return the language of a page: ``?lang=``, else the one chosen before, else the service's default."""
+    for asked in (request.query_params.get("lang"), request.cookies.get(LANGUAGE_COOKIE)):
+        for language in LANGUAGES:
+            if asked == language:
+                return language
+    default: Language = request.app.state.default_language
+    return default
+
+
 class EnterFirstError(Exception):
     """The page shows something personal, and the visitor has not said who they are."""
 
@@ -97,22 +123,24 @@ def _identified(request: Request) -> Visitor:
 
 async def present(
     request: Request, visitor: Annotated[Visitor, Depends(_identified)]
-) -> AsyncIterator[Visitor]:
-    """Dependency of every page: the visitor.
+) -> AsyncIterator[PageErrand]:
+    """Dependency of every page: what a visitor asks for.
 
     Raises:
         RefusedError: a student of a course asks too often, or somebody for too much at once.
     """
-    with under_way(request, services_of(request), visitor.caller):
-        yield visitor
+    services = services_of(request)
+    with under_way(request, services, visitor.caller):
+        yield PageErrand(services, visitor.caller, request, visitor)
 
 
-VisitorDep = Annotated[Visitor, Depends(present)]
+ErrandDep = Annotated[PageErrand, Depends(present)]
 
 
 def _costly(weight: int) -> Any:
-    async def counted(services: ServicesDep, visitor: VisitorDep) -> AsyncIterator[None]:
-        with services.allowances.costly.one_more(visitor.caller, f"visitor {visitor.student}", weight):
+    async def counted(errand: ErrandDep) -> AsyncIterator[None]:
+        otherwise = f"visitor {errand.visitor.student}"
+        with errand.services.allowances.costly.one_more(errand.caller, otherwise, weight):
             yield
 
     return Depends(counted)
@@ -122,82 +150,82 @@ COSTLY, DRAWN = _costly(1), _costly(PLOT_WEIGHT)
 """Of pages that take time to make, and of plots: a student has few under way, and few in a minute."""
 
 
-async def require_staff(visitor: VisitorDep) -> Visitor:
+async def require_staff(errand: ErrandDep) -> PageErrand:
     """Dependency of the class's pages.
 
     Raises:
         EnterFirstError: nobody has said who they are.
         RefusedError: the visitor is a student.
     """
-    if not visitor.staff:
-        if visitor.caller.role is None:
+    if not errand.visitor.staff:
+        if errand.caller.role is None:
             raise EnterFirstError
         raise RefusedError("forbidden")
-    return visitor
+    return errand
 
 
-StaffDep = Annotated[Visitor, Depends(require_staff)]
+StaffDep = Annotated[PageErrand, Depends(require_staff)]
 
 
-async def require_instructor(visitor: StaffDep) -> Visitor:
+async def require_instructor(errand: StaffDep) -> PageErrand:
     """Dependency of pages and forms that show or change what only instructors may.
 
     Raises:
         RefusedError: the visitor is an assistant.
     """
-    if not visitor.caller.is_instructor:
+    if not errand.caller.is_instructor:
         raise RefusedError("forbidden")
-    return visitor
+    return errand
 
 
-InstructorDep = Annotated[Visitor, Depends(require_instructor)]
+InstructorDep = Annotated[PageErrand, Depends(require_instructor)]
 
 
-async def require_known(visitor: VisitorDep) -> Visitor:
+async def require_known(errand: ErrandDep) -> PageErrand:
     """Dependency of what is personal: the visitor is asked for their name before anything is looked up.
 
     Raises:
         EnterFirstError: the visitor has not said who they are.
     """
-    if not visitor.known:
+    if not errand.visitor.known:
         raise EnterFirstError
-    return visitor
+    return errand
 
 
-KnownDep = Annotated[Visitor, Depends(require_known)]
+KnownDep = Annotated[PageErrand, Depends(require_known)]
 
 
-async def require_member(visitor: VisitorDep) -> Visitor:
+async def require_member(errand: ErrandDep) -> PageErrand:
     """Dependency of what rules show or hide: where there are courses, the visitor is asked for their name.
 
     Raises:
         EnterFirstError: there are courses, and the visitor has not said who they are.
     """
-    return visitor if visitor.open else await require_known(visitor)
+    return errand if errand.visitor.open else await require_known(errand)
 
 
-MemberDep = Annotated[Visitor, Depends(require_member)]
+MemberDep = Annotated[PageErrand, Depends(require_member)]
 
 
-def seen(services: Services, visitor: Visitor, submission_id: str) -> tuple[Submission, StoredReport | None]:
+def seen(errand: PageErrand, submission_id: str) -> tuple[Submission, StoredReport | None]:
     """Return a submission and its grading, if there is one yet, to somebody who may see it.
 
     Raises:
         RefusedError: there is none of that id, or it is somebody else's: the visitor cannot tell which.
     """
-    submission, stored = found(services, visitor.caller, submission_id)
-    require_own(visitor, submission)
+    submission, stored = found(errand.services, errand.caller, submission_id)
+    require_own(errand.visitor, submission)
     return submission, stored
 
 
-def require_sight(services: Services, visitor: Visitor, submission_id: str) -> Submission:
+def require_sight(errand: PageErrand, submission_id: str) -> Submission:
     """Return a submission, without its grading, to somebody who may see it.
 
     Raises:
         RefusedError: as `seen`.
     """
-    submission = visible_submission(services, visitor.caller, submission_id)
-    require_own(visitor, submission)
+    submission = visible_submission(errand.services, errand.caller, submission_id)
+    require_own(errand.visitor, submission)
     return submission
 
 

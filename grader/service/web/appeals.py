@@ -3,7 +3,7 @@
 from functools import partial
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi import APIRouter, Depends, Form, Query, Response
 from fastapi.responses import RedirectResponse
 from pydantic import BaseModel, Field
 
@@ -12,17 +12,16 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Role, Seen, sections_of
 from grader.contracts.judgement import JudgedItem
 from grader.service.web import access
-from grader.service.web.access import KnownDep, ServicesDep, StaffDep, SubmissionId, Visitor, require_staff
-from grader.service.web.forms import require_own_form
+from grader.service.web.access import KnownDep, PageErrand, StaffDep, SubmissionId, require_staff
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.judging import AT_FIELDS, typed_points
-from grader.service.web.pages import language_of, page
+from grader.service.web.pages import page
 from grader.service.web.paging import PageQuery, pages_of
 from grader.store.appeals import AppealsWanted
 from grader.use_cases import appealing, judging
 from grader.use_cases.appealing import AppealAnswer
 from grader.use_cases.assignments import item_title, published
 from grader.use_cases.people import members, named, names
-from grader.use_cases.services import Services
 
 HOME = "/class/appeals"
 router = APIRouter(prefix=HOME, include_in_schema=False, dependencies=[Depends(require_staff)])
@@ -48,50 +47,44 @@ class AnswerForm(BaseModel):
     seen: str = Field(default="", max_length=200)
 
 
-@of_submission.post("", dependencies=[Depends(require_own_form)])
+@of_submission.post("", dependencies=OWN_FORM)
 def ask(
-    services: ServicesDep,
-    visitor: KnownDep,
+    errand: KnownDep,
     submission_id: SubmissionId,
     item: Annotated[str, Form(max_length=128)] = "",
     reason: Annotated[str, Form(max_length=20_000)] = "",
 ) -> Response:
     """Keep what a student asks about an item, and lead back to it."""
-    appealing.ask(services, visitor.caller, submission_id, item, reason)
+    appealing.ask(errand.services, errand.caller, submission_id, item, reason)
     return _back(submission_id, item)
 
 
-@of_submission.post("/withdraw", dependencies=[Depends(require_own_form)])
+@of_submission.post("/withdraw", dependencies=OWN_FORM)
 def take_back(
-    services: ServicesDep,
-    visitor: KnownDep,
-    submission_id: SubmissionId,
-    item: Annotated[str, Form(max_length=128)] = "",
+    errand: KnownDep, submission_id: SubmissionId, item: Annotated[str, Form(max_length=128)] = ""
 ) -> Response:
     """Take an open appeal back."""
-    appealing.take_back(services, visitor.caller, submission_id, item)
+    appealing.take_back(errand.services, errand.caller, submission_id, item)
     return _back(submission_id, item)
 
 
 @router.get("")
-def read_queue(
-    request: Request, services: ServicesDep, visitor: StaffDep, query: Annotated[AppealsQuery, Query()]
-) -> Response:
+def read_queue(errand: StaffDep, query: Annotated[AppealsQuery, Query()]) -> Response:
     """Show what students ask: what waits, or what was answered."""
     wanted = AppealsWanted(
         open=query.state == "open", assignment=query.assignment or None, section=query.section or None
     )
     start = (query.page - 1) * _PAGE
-    listed = appealing.queue(services, visitor.caller, wanted, offset=start, limit=_PAGE)
-    students = members(services, visitor.caller, Role.STUDENT)
+    listed = appealing.queue(errand.services, errand.caller, wanted, offset=start, limit=_PAGE)
+    students = members(errand.services, errand.caller, Role.STUDENT)
     return page(
-        request,
+        errand.request,
         "appeals.html",
         listed=listed,
         query=query,
         pages=pages_of(listed.total, _PAGE),
-        assignments={one.id: one for one in services.assignments.of(visitor.caller.course).all()},
-        item_title=partial(item_title, language=language_of(request)),
+        assignments={one.id: one for one in errand.services.assignments.of(errand.caller.course).all()},
+        item_title=partial(item_title, language=errand.language),
         sections=sections_of(students),
         names={one.id: one.name for one in students},
         named=named,
@@ -100,26 +93,16 @@ def read_queue(
 
 @router.get("/{submission_id}")
 def read(
-    request: Request,
-    services: ServicesDep,
-    visitor: StaffDep,
-    submission_id: SubmissionId,
-    item: Annotated[str, Query(max_length=128)] = "",
+    errand: StaffDep, submission_id: SubmissionId, item: Annotated[str, Query(max_length=128)] = ""
 ) -> Response:
     """Show one appeal and the form that answers it."""
-    return _one(request, services, visitor, submission_id, AnswerForm(item=item))
+    return _one(errand, submission_id, AnswerForm(item=item))
 
 
-@router.post("/{submission_id}", dependencies=[Depends(require_own_form)])
-def answer(
-    request: Request,
-    services: ServicesDep,
-    visitor: StaffDep,
-    submission_id: SubmissionId,
-    form: Annotated[AnswerForm, Form()],
-) -> Response:
+@router.post("/{submission_id}", dependencies=OWN_FORM)
+def answer(errand: StaffDep, submission_id: SubmissionId, form: Annotated[AnswerForm, Form()]) -> Response:
     """Answer an appeal and lead back to its item; on a refusal show the form with the reason at its field."""
-    access.require_sight(services, visitor, submission_id)
+    access.require_sight(errand, submission_id)
     errors = _errors(form)
     if not errors:
         corrects = form.decision == "corrected"
@@ -127,14 +110,14 @@ def answer(
         given = AppealAnswer(state=AppealState(form.decision), text=form.text, points=points)
         seen = Seen.one(form.seen) if form.seen else None
         try:
-            appealing.answer(services, visitor.caller, submission_id, form.item, given, seen=seen)
+            appealing.answer(errand.services, errand.caller, submission_id, form.item, given, seen=seen)
         except RefusedError as problem:
             if problem.code not in AT_FIELDS:
                 raise
             field, key = AT_FIELDS[problem.code]
             errors = {"text" if field == "comment" else field: key}
     if errors:
-        return _one(request, services, visitor, submission_id, form, errors)
+        return _one(errand, submission_id, form, errors)
     return _back(submission_id, form.item)
 
 
@@ -153,30 +136,25 @@ def _errors(form: AnswerForm) -> dict[str, str]:
     return errors
 
 
-def _one(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: Services,
-    visitor: Visitor,
-    submission_id: str,
-    form: AnswerForm,
-    errors: dict[str, str] | None = None,
+def _one(
+    errand: PageErrand, submission_id: str, form: AnswerForm, errors: dict[str, str] | None = None
 ) -> Response:
-    submission = access.require_sight(services, visitor, submission_id)
-    found = {one.item: one for one in appealing.appeals_of(services, visitor.caller, submission.id)}
+    submission = access.require_sight(errand, submission_id)
+    found = {one.item: one for one in appealing.appeals_of(errand.services, errand.caller, submission.id)}
     if form.item not in found:
         raise RefusedError("appeal_not_found")
-    assignment = published(services, visitor.caller, submission.assignment)
+    assignment = published(errand.services, errand.caller, submission.assignment)
     return page(
-        request,
+        errand.request,
         "appeal.html",
         status=422 if errors else 200,
         submission=submission,
         assignment=assignment,
-        title=item_title(assignment, form.item, language_of(request)),
+        title=item_title(assignment, form.item, errand.language),
         appeal=found[form.item],
-        name=named(names(services, visitor.caller), submission.student),
-        item=_judged(services, visitor, submission.id, form.item),
-        corrects=judging.may_correct(services, visitor.caller, submission.assignment),
+        name=named(names(errand.services, errand.caller), submission.student),
+        item=_judged(errand, submission.id, form.item),
+        corrects=judging.may_correct(errand.services, errand.caller, submission.assignment),
         form=form,
         errors=errors or {},
         longest_text=LONGEST_TEXT,
@@ -184,9 +162,9 @@ def _one(  # noqa: PLR0913, PLR0917
     )
 
 
-def _judged(services: Services, visitor: Visitor, submission_id: str, item: str) -> JudgedItem | None:
+def _judged(errand: PageErrand, submission_id: str, item: str) -> JudgedItem | None:
     """Return the item as it is now; None when a later grading does not have it."""
-    items = judging.items_of(services, visitor.caller, submission_id)[1]
+    items = judging.items_of(errand.services, errand.caller, submission_id)[1]
     return next((one for one in items if one.id == item), None)
 
 

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Response
 
 from grader import __version__
 from grader.contracts.errors import RefusedError
@@ -14,10 +14,10 @@ from grader.formats.packages.bundle import text_of
 from grader.messages import outline
 from grader.render.labels import status_word
 from grader.service.web import access
-from grader.service.web.access import ServicesDep, StaffDep, Visitor, require_staff
+from grader.service.web.access import PageErrand, StaffDep, require_staff
 from grader.service.web.comparison import compare
 from grader.service.web.matrix import SHOWS, MatrixQuery, matrix
-from grader.service.web.pages import language_of, page
+from grader.service.web.pages import page
 from grader.use_cases.appealing import waiting
 from grader.use_cases.assignments import item_title, published
 from grader.use_cases.commenting import unread
@@ -36,54 +36,48 @@ _STATUSES = {*SubmissionState, *GradeStatus}
 
 
 @router.get("")
-def read_matrix(
-    request: Request, services: ServicesDep, visitor: StaffDep, query: Annotated[MatrixQuery, Query()]
-) -> Response:
+def read_matrix(errand: StaffDep, query: Annotated[MatrixQuery, Query()]) -> Response:
     """Show students by assignments."""
-    students = members(services, visitor.caller, Role.STUDENT)
-    whole = _overview(request, services, visitor)
+    students = members(errand.services, errand.caller, Role.STUDENT)
+    whole = _overview(errand)
     return page(
-        request,
+        errand.request,
         "class.html",
         overview=whole,
         matrix=matrix(whole, query, students),
         sections=sections_of(students),
         shows=SHOWS,
         stuck_attempts=STUCK_ATTEMPTS,
-        unread=unread(services, visitor.caller),
-        appeals=waiting(services, visitor.caller),
+        unread=unread(errand.services, errand.caller),
+        appeals=waiting(errand.services, errand.caller),
     )
 
 
 @router.get("/assignments/{assignment_id}")
-def read_assignment(
-    request: Request, services: ServicesDep, visitor: StaffDep, assignment_id: str
-) -> Response:
+def read_assignment(errand: StaffDep, assignment_id: str) -> Response:
     """Show how the class does at one assignment: scores, failed items, mistakes."""
-    whole = _overview(request, services, visitor)
+    whole = _overview(errand)
     statistics = next((one for one in whole.assignments if one.id == assignment_id), None)
     if statistics is None:
         raise RefusedError("assignment_not_found")
-    language = language_of(request)
+    language = errand.language
     mistakes = [
         (one.code, outline(language, f"mistake.{one.code}") or one.code, one.students)
         for one in statistics.most_common_mistakes
     ]
     return page(
-        request,
+        errand.request,
         "class_assignment.html",
         overview=whole,
         statistics=statistics,
         mistakes=mistakes,
-        compared=is_compared(published(services, visitor.caller, assignment_id)),
+        compared=is_compared(published(errand.services, errand.caller, assignment_id)),
     )
 
 
 @router.get("/assignments/{assignment_id}/students")
-def read_concerned(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: ServicesDep,
-    visitor: StaffDep,
+def read_concerned(
+    errand: StaffDep,
     assignment_id: str,
     item: Annotated[str, Query(max_length=128)] = "",
     mistake: _Id = "",
@@ -91,15 +85,18 @@ def read_concerned(  # noqa: PLR0913, PLR0917
 ) -> Response:
     """Show who failed an item, made a mistake, or whose latest submission has a status."""
     concern = Concern(item=item or None, mistake=mistake or None, status=status or None)
-    found = concerned(services, visitor.caller, assignment_id, concern)
-    language, assignment = language_of(request), published(services, visitor.caller, assignment_id)
+    found = concerned(errand.services, errand.caller, assignment_id, concern)
+    language, assignment = (
+        errand.language,
+        published(errand.services, errand.caller, assignment_id),
+    )
     told = [
         *([item_title(assignment, item, language)] if item else []),
         *([outline(language, f"mistake.{mistake}") or mistake] if mistake else []),
         *([status_word(status, language) if status in _STATUSES else status] if status else []),
     ]
     return page(
-        request,
+        errand.request,
         "concerned.html",
         found=found,
         concern=concern,
@@ -110,22 +107,22 @@ def read_concerned(  # noqa: PLR0913, PLR0917
 
 
 @router.get("/students/{student}")
-def read_student(
-    request: Request, services: ServicesDep, visitor: StaffDep, student: str, assignment: _Id = ""
-) -> Response:
+def read_student(errand: StaffDep, student: str, assignment: _Id = "") -> Response:
     """Show the attempts of one student, at one assignment or all, two of them to be compared."""
-    attempts = services.submissions.of_student(student, assignment or None, course=visitor.caller.course)
-    known = names(services, visitor.caller)
-    if not visitor.caller.may_see(visitor.caller.course, student) or (not attempts and student not in known):
+    attempts = errand.services.submissions.of_student(
+        student, assignment or None, course=errand.caller.course
+    )
+    known = names(errand.services, errand.caller)
+    if not errand.caller.may_see(errand.caller.course, student) or (not attempts and student not in known):
         raise RefusedError("submission_not_found")
-    every = services.assignments.of(visitor.caller.course).all()
+    every = errand.services.assignments.of(errand.caller.course).all()
     by_assignment: dict[str, list[Submission]] = {one.id: [] for one in every}
     for one in attempts:
         by_assignment.setdefault(one.assignment, []).append(one)
     groups = [(id_, own) for id_, own in by_assignment.items() if own]
     titles = {one.id: one.title for one in every}
     return page(
-        request,
+        errand.request,
         "class_student.html",
         student=student,
         person=person(known, student),
@@ -136,47 +133,45 @@ def read_student(
 
 
 @router.get("/compare")
-def read_comparison(
-    request: Request, services: ServicesDep, visitor: StaffDep, first: _Id, second: _Id
-) -> Response:
+def read_comparison(errand: StaffDep, first: _Id, second: _Id) -> Response:
     """Show two attempts side by side: rubric items, pictures and what changed in the file."""
-    chosen = sorted(
-        (_graded(services, visitor, one) for one in (first, second)), key=lambda one: one[0].received_at
-    )
+    chosen = sorted((_graded(errand, one) for one in (first, second)), key=lambda one: one[0].received_at)
     (earlier, earlier_stored), (later, later_stored) = chosen
     comparison = compare(
         judged(earlier_stored),
         judged(later_stored),
-        _source(services, earlier),
-        _source(services, later),
-        language_of(request),
+        _source(errand.services, earlier),
+        _source(errand.services, later),
+        errand.language,
     )
     cases = [tuple(one.cases) for one in (earlier_stored, later_stored)]
-    return page(request, "compare.html", first=earlier, second=later, comparison=comparison, cases=cases)
+    return page(
+        errand.request, "compare.html", first=earlier, second=later, comparison=comparison, cases=cases
+    )
 
 
 @router.get("/service")
-def read_service(request: Request, services: ServicesDep, visitor: StaffDep) -> Response:
+def read_service(errand: StaffDep) -> Response:
     """Show queue, workers and sandbox, and who costs the service most."""
-    costly = costs(services, visitor.caller)[:_MOST_COSTLY]
+    costly = costs(errand.services, errand.caller)[:_MOST_COSTLY]
     return page(
-        request,
+        errand.request,
         "service.html",
-        health=services.health(),
-        troubles=own_troubles(services, visitor.caller),
+        health=errand.services.health(),
+        troubles=own_troubles(errand.services, errand.caller),
         costs=costly,
-        space=None if visitor.caller.course is None else counted_space(services, visitor.caller),
+        space=None if errand.caller.course is None else counted_space(errand.services, errand.caller),
         version=__version__,
     )
 
 
-def _overview(request: Request, services: Services, visitor: Visitor) -> Overview:
-    state = class_state(services, visitor.caller)
-    return overview(services, visitor.caller, state, language_of(request))
+def _overview(errand: PageErrand) -> Overview:
+    state = class_state(errand.services, errand.caller)
+    return overview(errand.services, errand.caller, state, errand.language)
 
 
-def _graded(services: Services, visitor: Visitor, submission_id: str) -> tuple[Submission, StoredReport]:
-    submission, stored = access.seen(services, visitor, submission_id)
+def _graded(errand: PageErrand, submission_id: str) -> tuple[Submission, StoredReport]:
+    submission, stored = access.seen(errand, submission_id)
     if stored is None:
         raise RefusedError("not_graded_yet")
     return submission, stored

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi import APIRouter, Depends, Form, Query, Response
 from fastapi.responses import RedirectResponse, StreamingResponse
 from pydantic import BaseModel, Field
 
@@ -10,16 +10,15 @@ from grader.contracts.errors import RefusedError
 from grader.service.requests.answers import to_save
 from grader.service.web.access import (
     InstructorDep,
+    PageErrand,
     QueryWhole,
-    ServicesDep,
     StaffDep,
-    Visitor,
     require_staff,
     services_of,
 )
 from grader.service.web.errors import form_problem
-from grader.service.web.forms import require_own_form
-from grader.service.web.pages import language_of, page
+from grader.service.web.forms import OWN_FORM
+from grader.service.web.pages import page
 from grader.store.course_life import MOST_DAYS_MOVED, MOST_DAYS_OLD, NewCourse
 from grader.use_cases import course_life
 from grader.use_cases.course_export import export
@@ -41,68 +40,60 @@ class CopyForm(BaseModel):
 
 @router.get("")
 def read_course(
-    request: Request,
-    visitor: StaffDep,
+    errand: StaffDep,
     older_than: Annotated[QueryWhole | None, Query(ge=1, le=MOST_DAYS_OLD)] = None,
     done: Done = "",
 ) -> Response:
     """Show what the course is, what can be done with it, and what of it is older than some days."""
-    return _course_page(request, visitor, older_than=older_than, done=done)
+    return _course_page(errand, older_than=older_than, done=done)
 
 
 @router.get("/export.zip")
-def export_course(services: ServicesDep, visitor: InstructorDep) -> Response:
+def export_course(errand: InstructorDep) -> Response:
     """Send everything of the course."""
-    headers = to_save(f"{visitor.caller.course}.zip")
-    return StreamingResponse(export(services, visitor.caller), 200, headers, "application/zip")
+    headers = to_save(f"{errand.caller.course}.zip")
+    return StreamingResponse(export(errand.services, errand.caller), 200, headers, "application/zip")
 
 
-@router.post("/copy", dependencies=[Depends(require_own_form)])
-def copy_course(
-    request: Request, services: ServicesDep, visitor: InstructorDep, form: Annotated[CopyForm, Form()]
-) -> Response:
+@router.post("/copy", dependencies=OWN_FORM)
+def copy_course(errand: InstructorDep, form: Annotated[CopyForm, Form()]) -> Response:
     """Make a course with the rules of this one and show its token, this once."""
     new = NewCourse(id=form.id.strip(), title=form.title, move_days=form.move_days)
     try:
-        copied = course_life.copy_course(services, visitor.caller, new)
+        copied = course_life.copy_course(errand.services, errand.caller, new)
     except RefusedError as error:
-        return _course_page(request, visitor, form=form, error=error, of="copy")
-    return _course_page(request, visitor, copied=copied)
+        return _course_page(errand, form=form, error=error, of="copy")
+    return _course_page(errand, copied=copied)
 
 
-@router.post("/archive", dependencies=[Depends(require_own_form)])
+@router.post("/archive", dependencies=OWN_FORM)
 def archive_course(
-    request: Request,
-    services: ServicesDep,
-    visitor: InstructorDep,
+    errand: InstructorDep,
     archived: Annotated[bool, Form()],
     reason: Annotated[str, Form(max_length=1_000)] = "",
 ) -> Response:
     """Archive the course, or reopen it."""
     try:
-        course_life.archive_course(services, visitor.caller, reason.strip(), archived=archived)
+        course_life.archive_course(errand.services, errand.caller, reason.strip(), archived=archived)
     except RefusedError as error:
-        return _course_page(request, visitor, error=error, of="archive")
+        return _course_page(errand, error=error, of="archive")
     return RedirectResponse(f"/class/course?done={'archived' if archived else 'reopened'}", status_code=303)
 
 
-@router.post("/erase", dependencies=[Depends(require_own_form)])
+@router.post("/erase", dependencies=OWN_FORM)
 def erase_old_work(
-    services: ServicesDep,
-    visitor: InstructorDep,
+    errand: InstructorDep,
     older_than: Annotated[QueryWhole, Form(ge=1, le=MOST_DAYS_OLD)],
     reason: Annotated[str, Form(max_length=1_000)] = "",
 ) -> Response:
     """Erase the submissions that are older than the given number of days."""
-    course_life.erase_old_work(services, visitor.caller, older_than, reason.strip())
+    course_life.erase_old_work(errand.services, errand.caller, older_than, reason.strip())
     return RedirectResponse("/class/course?done=erased", status_code=303)
 
 
-@router.post("/forget", dependencies=[Depends(require_own_form)])
-def forget_student(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: ServicesDep,
-    visitor: InstructorDep,
+@router.post("/forget", dependencies=OWN_FORM)
+def forget_student(
+    errand: InstructorDep,
     person: Annotated[str, Form(max_length=64)],
     again: Annotated[str, Form(max_length=64)],
     reason: Annotated[str, Form(max_length=1_000)] = "",
@@ -111,15 +102,14 @@ def forget_student(  # noqa: PLR0913, PLR0917
     try:
         if person.strip() != again.strip():
             raise RefusedError("not_the_same")
-        course_life.forget_student(services, visitor.caller, person.strip(), reason.strip())
+        course_life.forget_student(errand.services, errand.caller, person.strip(), reason.strip())
     except RefusedError as error:
-        return _course_page(request, visitor, error=error, of="forget")
+        return _course_page(errand, error=error, of="forget")
     return RedirectResponse("/class/course?done=forgotten", status_code=303)
 
 
 def _course_page(  # noqa: PLR0913
-    request: Request,
-    visitor: Visitor,
+    errand: PageErrand,
     *,
     form: CopyForm | None = None,
     error: RefusedError | None = None,
@@ -128,16 +118,16 @@ def _course_page(  # noqa: PLR0913
     older_than: int | None = None,
     done: str = "",
 ) -> Response:
-    services = services_of(request)
-    problem = None if error is None else form_problem(error, language_of(request), field=of)
-    caller, has_course = visitor.caller, visitor.caller.course is not None
+    services = services_of(errand.request)
+    problem = None if error is None else form_problem(error, errand.language, field=of)
+    caller, has_course = errand.caller, errand.caller.course is not None
     shows_old = older_than is not None and has_course and caller.is_instructor
     return page(
-        request,
+        errand.request,
         "course.html",
         status=200 if problem is None else problem.status,
-        course=course_life.own_course(services, visitor.caller) if has_course else None,
-        members=len(members(services, visitor.caller)),
+        course=course_life.own_course(services, errand.caller) if has_course else None,
+        members=len(members(services, errand.caller)),
         form=form or CopyForm(),
         most_days=MOST_DAYS_MOVED,
         problem=problem,

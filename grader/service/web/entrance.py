@@ -2,16 +2,17 @@
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi import APIRouter, Form, Query, Request, Response
 from fastapi.responses import RedirectResponse
 from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
 from grader.messages import on_page
 from grader.service.web import access
+from grader.service.web.access import language_of
 from grader.service.web.errors import form_problem
-from grader.service.web.forms import require_own_form
-from grader.service.web.pages import language_of, page
+from grader.service.web.forms import OWN_FORM
+from grader.service.web.pages import page
 
 router = APIRouter(include_in_schema=False)
 _LONGEST = 2_000
@@ -45,7 +46,7 @@ def read(request: Request, next: Annotated[str, Query(max_length=_LONGEST)] = ""
     return _ask(request, EnterForm(next=next))
 
 
-@router.post(access.ENTER, dependencies=[Depends(require_own_form)])
+@router.post(access.ENTER, dependencies=OWN_FORM)
 def enter(request: Request, entry: Annotated[EnterForm, Form()]) -> Response:
     """Remember a student or an instructor on this browser and lead to where they wanted."""
     language = language_of(request)
@@ -66,7 +67,7 @@ def enter(request: Request, entry: Annotated[EnterForm, Form()]) -> Response:
     return response
 
 
-@router.post("/leave", dependencies=[Depends(require_own_form)])
+@router.post("/leave", dependencies=OWN_FORM)
 def leave(request: Request) -> Response:
     """Forget who used this browser."""
     response = RedirectResponse("/", status_code=303)

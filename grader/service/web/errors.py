@@ -10,8 +10,8 @@ from fastapi import FastAPI, Request, Response
 from grader.contracts.errors import RefusedError
 from grader.contracts.text import Language
 from grader.service.routes.problems import PROBLEM_TYPES
-from grader.service.web.access import EnterFirstError, ask_to_enter
-from grader.service.web.pages import keep_language, language_of, page
+from grader.service.web.access import EnterFirstError, ask_to_enter, language_of
+from grader.service.web.pages import keep_language, page
 
 _Handler = Callable[[Request, Exception], Awaitable[Response]]
 _MACHINES = ("/api/", "/healthz")

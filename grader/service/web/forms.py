@@ -10,7 +10,7 @@ import re
 import secrets
 from typing import Annotated
 
-from fastapi import Form, Request, Response
+from fastapi import Depends, Form, Request, Response
 
 from grader.contracts.errors import RefusedError
 
@@ -44,7 +44,7 @@ def set_private_cookie(request: Request, response: Response, name: str, value: s
 def require_own_form(
     request: Request, form_token: Annotated[str, Form(alias=FIELD, max_length=64)] = ""
 ) -> None:
-    """Dependency of everything that a form changes.
+    """Refuse a form of another site.
 
     Raises:
         RefusedError: the form was not sent by one of our pages, or the browser was closed in between.
@@ -55,3 +55,7 @@ def require_own_form(
         own_site and _TOKEN.fullmatch(known) and hmac.compare_digest(known.encode(), form_token.encode())
     ):
         raise RefusedError("foreign_form")
+
+
+OWN_FORM = [Depends(require_own_form)]
+"""Dependencies of everything that a form changes."""

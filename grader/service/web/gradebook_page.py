@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Depends, File, Form, Query, Request, Response, UploadFile
+from fastapi import APIRouter, Depends, File, Form, Query, Response, UploadFile
 from pydantic import Field
 
 from grader.contracts.assignment import Assignment
@@ -15,15 +15,14 @@ from grader.contracts.identity import Member, sections_of
 from grader.contracts.rubric import summed
 from grader.formats.sheets.writing import MEDIA_TYPE
 from grader.service.requests.answers import to_save
-from grader.service.web.access import ServicesDep, StaffDep, Visitor, require_staff
+from grader.service.web.access import PageErrand, StaffDep, require_staff
 from grader.service.web.errors import FormProblem, form_problem
-from grader.service.web.forms import MOST_FILE_BYTES, require_own_form
-from grader.service.web.pages import language_of, page
+from grader.service.web.forms import MOST_FILE_BYTES, OWN_FORM
+from grader.service.web.pages import page
 from grader.service.web.paging import PageQuery, cut
 from grader.use_cases import gradebook
 from grader.use_cases.assignments import in_course
 from grader.use_cases.gradebook import Format, Scores
-from grader.use_cases.services import Services
 
 Section = Annotated[str, Query(max_length=64)]
 Column = Annotated[str, Query(min_length=1, max_length=100)]
@@ -76,51 +75,42 @@ def book_page(
 
 
 @router.get("/gradebook")
-def read(
-    request: Request, services: ServicesDep, visitor: StaffDep, query: Annotated[BookQuery, Query()]
-) -> Response:
+def read(errand: StaffDep, query: Annotated[BookQuery, Query()]) -> Response:
     """Show the points that count by student and assignment."""
-    return _gradebook_page(request, services, visitor, query)
+    return _gradebook_page(errand, query)
 
 
 @router.get("/gradebook.csv")
 def download(
-    services: ServicesDep,
-    visitor: StaffDep,
-    format: Annotated[Format, Query()] = "plain",
-    section: Section = "",
+    errand: StaffDep, format: Annotated[Format, Query()] = "plain", section: Section = ""
 ) -> Response:
     """Return the gradebook as CSV."""
-    table = gradebook.gradebook_csv(services, visitor.caller, format, section)
+    table = gradebook.gradebook_csv(errand.services, errand.caller, format, section)
     return _file(table, f"gradebook-{format}.csv", "text/csv; charset=utf-8")
 
 
 @router.get("/gradebook.xlsx")
-def download_workbook(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: ServicesDep,
-    visitor: StaffDep,
+def download_workbook(
+    errand: StaffDep,
     layout: Annotated[Literal["full", "registry"], Query()] = "full",
     column: Column = "成绩",
     assignment: Annotated[str, Query(max_length=64)] = "",
     section: Section = "",
 ) -> Response:
     """Return the gradebook as a workbook, or one column of it."""
-    caller, language = visitor.caller, language_of(request)
+    caller, language = errand.caller, errand.language
     if layout == "full":
-        content = gradebook.gradebook_workbook(services, caller, language, section)
+        content = gradebook.gradebook_workbook(errand.services, caller, language, section)
     else:
         content = gradebook.registry_workbook(
-            services, caller, language, column=column, assignment=assignment, section=section
+            errand.services, caller, language, column=column, assignment=assignment, section=section
         )
     return _file(content, "gradebook.xlsx" if layout == "full" else "registry.xlsx", MEDIA_TYPE)
 
 
-@router.post("/gradebook/fill", dependencies=[Depends(require_own_form)])
-def fill_in(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: ServicesDep,
-    visitor: StaffDep,
+@router.post("/gradebook/fill", dependencies=OWN_FORM)
+def fill_in(
+    errand: StaffDep,
     file: Annotated[UploadFile, File()],
     column: Annotated[str, Form(max_length=100)] = "",
     assignment: Annotated[str, Form(max_length=64)] = "",
@@ -128,11 +118,11 @@ def fill_in(  # noqa: PLR0913, PLR0917
     """Return a teacher's own sheet with points in it, or the page with what is wrong."""
     try:
         filled = gradebook.fill_in(
-            services, visitor.caller, file.file.read(MOST_FILE_BYTES + 1), column, assignment
+            errand.services, errand.caller, file.file.read(MOST_FILE_BYTES + 1), column, assignment
         )
     except RefusedError as error:
-        problem = form_problem(error, language_of(request), field="file")
-        return _gradebook_page(request, services, visitor, BookQuery(), problem, column)
+        problem = form_problem(error, errand.language, field="file")
+        return _gradebook_page(errand, BookQuery(), problem, column)
     return _file(filled.content, "filled.xlsx", MEDIA_TYPE)
 
 
@@ -140,25 +130,20 @@ def _file(content: str | bytes, name: str, media_type: str) -> Response:
     return Response(content, 200, to_save(name, Vary="Accept-Language, Authorization"), media_type)
 
 
-def _gradebook_page(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: Services,
-    visitor: Visitor,
-    query: BookQuery,
-    problem: FormProblem | None = None,
-    column: str = "",
+def _gradebook_page(
+    errand: PageErrand, query: BookQuery, problem: FormProblem | None = None, column: str = ""
 ) -> Response:
-    members, scores = gradebook.book(services, visitor.caller)
-    assignments = in_course(services, visitor.caller)
+    members, scores = gradebook.book(errand.services, errand.caller)
+    assignments = in_course(errand.services, errand.caller)
     chosen = [one for one in members if not query.section or query.section in one.sections]
     return page(
-        request,
+        errand.request,
         "gradebook.html",
         status=200 if problem is None else problem.status,
         book=book_page(chosen, scores, assignments, query),
         assignments=assignments,
         sections=sections_of(members),
-        pass_fraction=services.settings.pass_fraction,
+        pass_fraction=errand.services.settings.pass_fraction,
         problem=problem,
         column=column,
     )

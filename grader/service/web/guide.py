@@ -9,7 +9,8 @@ from fastapi import APIRouter, Request, Response
 from markupsafe import Markup
 
 from grader.contracts.text import Language
-from grader.service.web.pages import language_of, page
+from grader.service.web.access import language_of
+from grader.service.web.pages import page
 
 router = APIRouter(include_in_schema=False)
 ADDRESS: Final = "/guide"

@@ -5,7 +5,7 @@ from functools import partial
 from typing import Annotated, Literal
 from urllib.parse import urlencode
 
-from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi import APIRouter, Depends, Form, Query, Response
 from fastapi.responses import RedirectResponse
 from pydantic import BaseModel, Field
 
@@ -15,21 +15,31 @@ from grader.contracts.identity import Seen
 from grader.contracts.judgement import JudgedItem, is_comment
 from grader.contracts.notation import decimal, written
 from grader.service.web import access
-from grader.service.web.access import ServicesDep, StaffDep, SubmissionId, Visitor, require_staff
-from grader.service.web.forms import require_own_form
-from grader.service.web.pages import language_of, page
+from grader.service.web.access import PageErrand, StaffDep, SubmissionId, require_staff
+from grader.service.web.forms import OWN_FORM
+from grader.service.web.pages import page
 from grader.service.web.paging import PageQuery, pages_of
 from grader.store.judgements import WaitingFor
 from grader.use_cases import judging
 from grader.use_cases.assignments import item_title, published
 from grader.use_cases.people import named, names
-from grader.use_cases.services import Services
 
 HOME = "/class/judgements"
 router = APIRouter(prefix=HOME, include_in_schema=False, dependencies=[Depends(require_staff)])
 _PAGE = 50
 _MOST_ITEMS = 200
 _CENT = 2  # decimals of points
+
+AT_FIELDS: Mapping[str, tuple[str, str]] = {
+    "invalid_points": ("points", "judge.error.points"),
+    "points_unchanged": ("points", "judge.error.same"),
+    "invalid_request": ("comment", "judge.error.reason"),
+    "judged_meanwhile": ("form", "judge.error.meanwhile"),
+}
+"""Problems that the form shows: the field, and the id of the sentence about it."""
+
+_SEVERAL = {"invalid_points": "judge.error.some_points", "points_unchanged": "judge.error.some_same"}
+"""What a form about several items says otherwise."""
 
 
 class WaitingQuery(PageQuery):
@@ -61,63 +71,61 @@ class SeveralPoints(BaseModel):
 
 
 @router.get("")
-def read_waiting(
-    request: Request, services: ServicesDep, visitor: StaffDep, query: Annotated[WaitingQuery, Query()]
-) -> Response:
+def read_waiting(errand: StaffDep, query: Annotated[WaitingQuery, Query()]) -> Response:
     """Show what waits for a person: questions, and the answers to them."""
     which = WaitingFor(assignment=query.assignment or None, item=query.item or None)
-    listed = judging.waiting(services, visitor.caller, which, offset=(query.page - 1) * _PAGE, limit=_PAGE)
+    listed = judging.waiting(
+        errand.services, errand.caller, which, offset=(query.page - 1) * _PAGE, limit=_PAGE
+    )
     return page(
-        request,
+        errand.request,
         "judgements.html",
         listed=listed,
-        assignments={one.id: one for one in services.assignments.of(visitor.caller.course).all()},
-        item_title=partial(item_title, language=language_of(request)),
+        assignments={one.id: one for one in errand.services.assignments.of(errand.caller.course).all()},
+        item_title=partial(item_title, language=errand.language),
         query=query,
         pages=pages_of(listed.total, _PAGE),
-        names=names(services, visitor.caller),
+        names=names(errand.services, errand.caller),
         named=named,
     )
 
 
 @router.get("/{submission_id}")
-def read(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: ServicesDep,
-    visitor: StaffDep,
+def read(
+    errand: StaffDep,
     submission_id: SubmissionId,
     item: Annotated[str, Query(max_length=128)] = "",
     anonymous: bool = False,
 ) -> Response:
     """Show one answer and the form for one of its items; without `item` the first that waits."""
-    return _desk(request, services, visitor, submission_id, PointsForm(item=item, anonymous=anonymous))
+    return _desk(errand, submission_id, PointsForm(item=item, anonymous=anonymous))
 
 
-@router.post("/{submission_id}", dependencies=[Depends(require_own_form)])
-def judge(
-    request: Request,
-    services: ServicesDep,
-    visitor: StaffDep,
-    submission_id: SubmissionId,
-    form: Annotated[PointsForm, Form()],
-) -> Response:
+@router.post("/{submission_id}", dependencies=OWN_FORM)
+def judge(errand: StaffDep, submission_id: SubmissionId, form: Annotated[PointsForm, Form()]) -> Response:
     """Keep the points and lead to the next answer; on a refusal show the form with the reason at its field."""
-    submission, _ = access.seen(services, visitor, submission_id)
+    submission, _ = access.seen(errand, submission_id)
     given, errors = _read(form)
     if given is not None:
         points, comment = given
         seen = Seen.one(form.seen) if form.seen else None
         try:
             judging.give(
-                services, visitor.caller, submission.id, form.item, points=points, comment=comment, seen=seen
+                errand.services,
+                errand.caller,
+                submission.id,
+                form.item,
+                points=points,
+                comment=comment,
+                seen=seen,
             )
         except RefusedError as problem:
             if problem.code not in AT_FIELDS:
                 raise
             errors = dict([AT_FIELDS[problem.code]])
     if errors:
-        return _desk(request, services, visitor, submission.id, form, errors)
-    around = judging.neighbours(services, visitor.caller, submission, form.item)
+        return _desk(errand, submission.id, form, errors)
+    around = judging.neighbours(errand.services, errand.caller, submission, form.item)
     kept: dict[str, object] = {"item": form.item, "anonymous": int(form.anonymous)}
     if form.then == "next" and around.next is not None:
         address = f"{HOME}/{around.next}?{urlencode(kept)}"
@@ -131,24 +139,18 @@ def judge(
 
 
 @router.get("/{submission_id}/several")
-def read_several(
-    request: Request, services: ServicesDep, visitor: StaffDep, submission_id: SubmissionId
-) -> Response:
+def read_several(errand: StaffDep, submission_id: SubmissionId) -> Response:
     """Show the form that corrects several items of a submission at once."""
-    return _several(request, services, visitor, submission_id, SeveralPoints())
+    return _several(errand, submission_id, SeveralPoints())
 
 
-@router.post("/{submission_id}/several", dependencies=[Depends(require_own_form)])
+@router.post("/{submission_id}/several", dependencies=OWN_FORM)
 def judge_several(
-    request: Request,
-    services: ServicesDep,
-    visitor: StaffDep,
-    submission_id: SubmissionId,
-    form: Annotated[SeveralPoints, Form()],
+    errand: StaffDep, submission_id: SubmissionId, form: Annotated[SeveralPoints, Form()]
 ) -> Response:
     """Keep the points that differ from what counts, with one reason; on a refusal show the form again."""
-    access.require_sight(services, visitor, submission_id)
-    wanted, errors = _changed(form, judging.items_of(services, visitor.caller, submission_id)[1])
+    access.require_sight(errand, submission_id)
+    wanted, errors = _changed(form, judging.items_of(errand.services, errand.caller, submission_id)[1])
     comment = form.comment.replace("\r\n", "\n").strip()
     if not comment or not is_comment(comment, LONGEST_COMMENT):
         errors["comment"] = "judge.error.reason" if not comment else "judge.error.comment"
@@ -156,13 +158,13 @@ def judge_several(
         errors["form"] = "judge.error.nothing"
     if not errors:
         try:
-            judging.give_several(services, visitor.caller, submission_id, wanted, comment)
+            judging.give_several(errand.services, errand.caller, submission_id, wanted, comment)
         except RefusedError as problem:
             if problem.code not in AT_FIELDS:
                 raise
             errors["form"] = _SEVERAL.get(problem.code, AT_FIELDS[problem.code][1])
     if errors:
-        return _several(request, services, visitor, submission_id, form, errors)
+        return _several(errand, submission_id, form, errors)
     return RedirectResponse(f"/submissions/{submission_id}#items", status_code=303)
 
 
@@ -190,41 +192,24 @@ def _counts(item: JudgedItem) -> float | None:
     return item.machine if item.judgement is None else item.judgement.points
 
 
-def _several(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: Services,
-    visitor: Visitor,
-    submission_id: str,
-    form: SeveralPoints,
-    errors: dict[str, str] | None = None,
+def _several(
+    errand: PageErrand, submission_id: str, form: SeveralPoints, errors: dict[str, str] | None = None
 ) -> Response:
-    submission, items = judging.items_of(services, visitor.caller, submission_id)
-    if not judging.may_correct(services, visitor.caller, submission.assignment):
+    submission, items = judging.items_of(errand.services, errand.caller, submission_id)
+    if not judging.may_correct(errand.services, errand.caller, submission.assignment):
         raise RefusedError("forbidden")
     return page(
-        request,
+        errand.request,
         "correct_several.html",
         status=422 if errors else 200,
         submission=submission,
-        assignment=published(services, visitor.caller, submission.assignment),
+        assignment=published(errand.services, errand.caller, submission.assignment),
         corrections={one.id: one for one in items},
         typed=dict(zip(form.item, form.points, strict=False)),
         reason=form.comment,
         errors=errors or {},
         longest_comment=LONGEST_COMMENT,
     )
-
-
-_SEVERAL = {"invalid_points": "judge.error.some_points", "points_unchanged": "judge.error.some_same"}
-"""What a form about several items says otherwise."""
-
-AT_FIELDS: Mapping[str, tuple[str, str]] = {
-    "invalid_points": ("points", "judge.error.points"),
-    "points_unchanged": ("points", "judge.error.same"),
-    "invalid_request": ("comment", "judge.error.reason"),
-    "judged_meanwhile": ("form", "judge.error.meanwhile"),
-}
-"""Problems that the form shows: the field, and the id of the sentence about it."""
 
 
 def _read(form: PointsForm) -> tuple[tuple[float, str] | None, dict[str, str]]:
@@ -255,30 +240,25 @@ def typed_points(text: str) -> float:
     return points
 
 
-def _desk(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: Services,
-    visitor: Visitor,
-    submission_id: str,
-    form: PointsForm,
-    errors: dict[str, str] | None = None,
+def _desk(
+    errand: PageErrand, submission_id: str, form: PointsForm, errors: dict[str, str] | None = None
 ) -> Response:
-    submission, items = judging.items_of(services, visitor.caller, submission_id)
-    corrects = judging.may_correct(services, visitor.caller, submission.assignment)
+    submission, items = judging.items_of(errand.services, errand.caller, submission_id)
+    corrects = judging.may_correct(errand.services, errand.caller, submission.assignment)
     item = _chosen(items, form.item, corrects=corrects)
     return page(
-        request,
+        errand.request,
         "judge.html",
         status=422 if errors else 200,
         submission=submission,
         items=items,
         item=item,
-        assignment=published(services, visitor.caller, submission.assignment),
-        answer=str(services.submissions.source(submission.id) or b"", "utf-8", "replace"),
+        assignment=published(errand.services, errand.caller, submission.assignment),
+        answer=str(errand.services.submissions.source(submission.id) or b"", "utf-8", "replace"),
         form=form if errors else _filled(form, item),
         errors=errors or {},
-        around=judging.neighbours(services, visitor.caller, submission, item.id),
-        name=named(names(services, visitor.caller), submission.student),
+        around=judging.neighbours(errand.services, errand.caller, submission, item.id),
+        name=named(names(errand.services, errand.caller), submission.student),
         longest=LONGEST_COMMENT,
     )
 

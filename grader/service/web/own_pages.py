@@ -2,23 +2,16 @@
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Depends, File, Form, Path, Query, Request, Response, UploadFile
+from fastapi import APIRouter, Depends, File, Form, Path, Query, Response, UploadFile
 from fastapi.responses import RedirectResponse
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.own_assignment import OwnState
 from grader.service.requests.answers import to_save
-from grader.service.web.access import (
-    InstructorDep,
-    ServicesDep,
-    StaffDep,
-    Visitor,
-    require_staff,
-    services_of,
-)
+from grader.service.web.access import InstructorDep, PageErrand, StaffDep, require_staff, services_of
 from grader.service.web.errors import form_problem
-from grader.service.web.forms import MOST_FILE_BYTES, require_own_form
-from grader.service.web.pages import language_of, page
+from grader.service.web.forms import MOST_FILE_BYTES, OWN_FORM
+from grader.service.web.pages import page
 from grader.use_cases import own_assignments
 
 router = APIRouter(prefix="/class/own", include_in_schema=False, dependencies=[Depends(require_staff)])
@@ -27,55 +20,47 @@ Done = Annotated[Literal["", "uploaded", "removed"], Query()]
 
 
 @router.get("")
-def read_all(request: Request, visitor: StaffDep, done: Done = "") -> Response:
+def read_all(errand: StaffDep, done: Done = "") -> Response:
     """Show what was uploaded, whether it can be used, and what its scripts scored."""
-    return _page(request, visitor, done=done)
+    return _page(errand, done=done)
 
 
-@router.post("", dependencies=[Depends(require_own_form)])
-def upload(
-    request: Request, services: ServicesDep, visitor: InstructorDep, file: Annotated[UploadFile, File()]
-) -> Response:
+@router.post("", dependencies=OWN_FORM)
+def upload(errand: InstructorDep, file: Annotated[UploadFile, File()]) -> Response:
     """Take a folder in, or show what is wrong with it."""
     try:
-        own_assignments.upload(services, visitor.caller, file.file.read(MOST_FILE_BYTES + 1))
+        own_assignments.upload(errand.services, errand.caller, file.file.read(MOST_FILE_BYTES + 1))
     except RefusedError as error:
-        return _page(request, visitor, error=error)
+        return _page(errand, error=error)
     return RedirectResponse("/class/own?done=uploaded", status_code=303)
 
 
 @router.get("/{assignment_id}/folder.zip")
-def download(services: ServicesDep, visitor: InstructorDep, assignment_id: Id) -> Response:
+def download(errand: InstructorDep, assignment_id: Id) -> Response:
     """Send the folder that was uploaded last."""
-    content = own_assignments.folder(services, visitor.caller, assignment_id)
+    content = own_assignments.folder(errand.services, errand.caller, assignment_id)
     return Response(content, 200, to_save(f"{assignment_id}.zip"), "application/zip")
 
 
-@router.post("/{assignment_id}/remove", dependencies=[Depends(require_own_form)])
+@router.post("/{assignment_id}/remove", dependencies=OWN_FORM)
 def remove(
-    request: Request,
-    services: ServicesDep,
-    visitor: InstructorDep,
-    assignment_id: Id,
-    reason: Annotated[str, Form(max_length=1_000)] = "",
+    errand: InstructorDep, assignment_id: Id, reason: Annotated[str, Form(max_length=1_000)] = ""
 ) -> Response:
     """Remove an assignment for which nothing was handed in."""
     try:
-        own_assignments.remove(services, visitor.caller, assignment_id, reason.strip())
+        own_assignments.remove(errand.services, errand.caller, assignment_id, reason.strip())
     except RefusedError as error:
-        return _page(request, visitor, error=error, of=assignment_id)
+        return _page(errand, error=error, of=assignment_id)
     return RedirectResponse("/class/own?done=removed", status_code=303)
 
 
-def _page(
-    request: Request, visitor: Visitor, *, error: RefusedError | None = None, of: str = "", done: str = ""
-) -> Response:
-    services = services_of(request)
-    found = own_assignments.own_assignments(services, visitor.caller)
-    known = {one.id: one.title for one in services.assignments.of(visitor.caller.course).all()}
-    problem = None if error is None else form_problem(error, language_of(request))
+def _page(errand: PageErrand, *, error: RefusedError | None = None, of: str = "", done: str = "") -> Response:
+    services = services_of(errand.request)
+    found = own_assignments.own_assignments(services, errand.caller)
+    known = {one.id: one.title for one in services.assignments.of(errand.caller.course).all()}
+    problem = None if error is None else form_problem(error, errand.language)
     return page(
-        request,
+        errand.request,
         "own.html",
         status=200 if problem is None else problem.status,
         uploads=found,

@@ -16,16 +16,15 @@ from fastapi.templating import Jinja2Templates
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
-from grader.contracts.text import LANGUAGES, Language
+from grader.contracts.text import Language
 from grader.messages import on_page, quantity
 from grader.render.escape import visible_html
 from grader.render.labels import status_word
 from grader.service.web import forms
-from grader.service.web.access import visitor_of
+from grader.service.web.access import LANGUAGE_COOKIE, language_of, visitor_of
 from grader.service.web.compiled import CompiledTemplates
 
 FOLDER = Path(__file__).parent
-LANGUAGE_COOKIE = "grader_language"
 _A_YEAR_S = 365 * 24 * 3600
 _HTML_LANGUAGE = {"zh": "zh-CN", "en": "en"}
 _HEADERS = {
@@ -33,16 +32,6 @@ _HEADERS = {
     "connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'",
     "Cache-Control": "no-store",
 }
-
-
-def language_of(request: Request) -> Language:
-    """Return the language of a page: ``?lang=``, else the one chosen before, else the service's default."""
-    for asked in (request.query_params.get("lang"), request.cookies.get(LANGUAGE_COOKIE)):
-        for language in LANGUAGES:
-            if asked == language:
-                return language
-    default: Language = request.app.state.default_language
-    return default
 
 
 def page(request: Request, template: str, *, status: int = 200, **values: Any) -> HTMLResponse:

@@ -14,22 +14,12 @@ from grader.formats.sheets.roster import as_csv
 from grader.formats.sheets.writing import csv_table
 from grader.render.audit_lines import Teller
 from grader.service.requests.answers import to_save
-from grader.service.web.access import (
-    InstructorDep,
-    QueryWhole,
-    ServicesDep,
-    StaffDep,
-    Visitor,
-    require_staff,
-    services_of,
-    visitor_of,
-)
+from grader.service.web.access import InstructorDep, PageErrand, QueryWhole, StaffDep, require_staff
 from grader.service.web.errors import FormProblem, form_problem
-from grader.service.web.forms import MOST_FILE_BYTES, require_own_form
-from grader.service.web.pages import language_of, page
+from grader.service.web.forms import MOST_FILE_BYTES, OWN_FORM
+from grader.service.web.pages import page
 from grader.use_cases import people, signing_in
 from grader.use_cases.people import ImportPlan, changes, members
-from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
 _ENTRIES = 50
@@ -70,74 +60,65 @@ class MemberForm(BaseModel):
 
 
 @router.get("/people")
-def read_people(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: ServicesDep,
-    visitor: StaffDep,
+def read_people(
+    errand: StaffDep,
     search: Annotated[str, Query(max_length=100)] = "",
     section: Annotated[str, Query(max_length=64)] = "",
     done: Done = "",
 ) -> Response:
     """Show the roster."""
-    return _people_page(request, services, visitor, search=search, section=section, done=done)
+    return _people_page(errand, search=search, section=section, done=done)
 
 
-@router.post("/people", dependencies=[Depends(require_own_form)])
-def add_member(
-    request: Request, services: ServicesDep, visitor: InstructorDep, form: Annotated[MemberForm, Form()]
-) -> Response:
+@router.post("/people", dependencies=OWN_FORM)
+def add_member(errand: InstructorDep, form: Annotated[MemberForm, Form()]) -> Response:
     """Add somebody, or show the form again with what is wrong."""
     try:
-        people.add_member(services, visitor.caller, form.entry())
+        people.add_member(errand.services, errand.caller, form.entry())
     except RefusedError as error:
-        problem = form_problem(error, language_of(request), field="person")
-        return _people_page(request, services, visitor, form=form, problem=problem)
+        problem = form_problem(error, errand.language, field="person")
+        return _people_page(errand, form=form, problem=problem)
     return RedirectResponse("/class/people?done=saved", status_code=303)
 
 
-@router.post("/people/preview", dependencies=[Depends(require_own_form)])
-def preview_import(
-    request: Request, services: ServicesDep, visitor: InstructorDep, file: Annotated[UploadFile, File()]
-) -> Response:
+@router.post("/people/preview", dependencies=OWN_FORM)
+def preview_import(errand: InstructorDep, file: Annotated[UploadFile, File()]) -> Response:
     """Show what importing a class list would change."""
     try:
-        plan = people.plan_import(services, visitor.caller, file.file.read(MOST_FILE_BYTES + 1))
+        plan = people.plan_import(errand.services, errand.caller, file.file.read(MOST_FILE_BYTES + 1))
     except RefusedError as error:
-        problem = form_problem(error, language_of(request), field="file")
-        return _people_page(request, services, visitor, problem=problem)
-    return _preview_page(request, plan)
+        problem = form_problem(error, errand.language, field="file")
+        return _people_page(errand, problem=problem)
+    return _preview_page(errand.request, plan)
 
 
-@router.post("/people/import", dependencies=[Depends(require_own_form)])
-def import_list(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: ServicesDep,
-    visitor: InstructorDep,
+@router.post("/people/import", dependencies=OWN_FORM)
+def import_list(
+    errand: InstructorDep,
     entries: Annotated[str, Form(max_length=MOST_FILE_BYTES)],
     seen: Annotated[str, Form(max_length=64)],
     remove: Annotated[bool, Form()] = False,
 ) -> Response:
     """Import the class list whose preview was confirmed."""
-    content, caller = entries.encode(), visitor.caller
+    content, caller = entries.encode(), errand.caller
     try:
-        people.import_list(services, caller, content, skip=True, remove=remove, seen=Seen.one(seen))
+        people.import_list(errand.services, caller, content, skip=True, remove=remove, seen=Seen.one(seen))
     except RefusedError as error:
         if error.code == "changed_meanwhile":
-            return _preview_page(request, people.plan_import(services, caller, content), meanwhile=True)
-        problem = form_problem(error, language_of(request), field="file")
-        return _people_page(request, services, visitor, problem=problem)
+            return _preview_page(
+                errand.request, people.plan_import(errand.services, caller, content), meanwhile=True
+            )
+        problem = form_problem(error, errand.language, field="file")
+        return _people_page(errand, problem=problem)
     return RedirectResponse("/class/people?done=imported", status_code=303)
 
 
-@router.post("/people/tokens", dependencies=[Depends(require_own_form)])
+@router.post("/people/tokens", dependencies=OWN_FORM)
 def make_missing_tokens(
-    request: Request,
-    services: ServicesDep,
-    visitor: InstructorDep,
-    form: Annotated[str, Form(pattern="^(csv|sheet)$")] = "sheet",
+    errand: InstructorDep, form: Annotated[str, Form(pattern="^(csv|sheet)$")] = "sheet"
 ) -> Response:
     """Make a token for everybody without one, as a table or as slips to print."""
-    made = people.give_missing_tokens(services, visitor.caller, _DAYS)
+    made = people.give_missing_tokens(errand.services, errand.caller, _DAYS)
     if not made:
         return RedirectResponse("/class/people?done=none_missing", status_code=303)
     if form == "csv":
@@ -145,91 +126,77 @@ def make_missing_tokens(
         rows = [(one.id, one.name, one.role.value, one.email, token) for one, token in made]
         table = csv_table([head, *rows])
         return Response(table, 200, to_save("tokens.csv"), "text/csv; charset=utf-8")
-    course, _ = people.myself(services, visitor.caller)
-    return page(request, "token_slips.html", made=made, course=course, address=str(request.base_url))
+    course, _ = people.myself(errand.services, errand.caller)
+    return page(
+        errand.request, "token_slips.html", made=made, course=course, address=str(errand.request.base_url)
+    )
 
 
 @router.get("/people/{person}")
-def read_member(
-    request: Request, services: ServicesDep, visitor: StaffDep, person: PersonId, done: Done = ""
-) -> Response:
+def read_member(errand: StaffDep, person: PersonId, done: Done = "") -> Response:
     """Show one member, to be changed."""
-    return _member_page(request, people.member_of(services, visitor.caller, person), done=done)
+    return _member_page(errand, people.member_of(errand.services, errand.caller, person), done=done)
 
 
-@router.post("/people/{person}", dependencies=[Depends(require_own_form)])
-def change_member(
-    request: Request,
-    services: ServicesDep,
-    visitor: InstructorDep,
-    person: PersonId,
-    form: Annotated[MemberForm, Form()],
-) -> Response:
+@router.post("/people/{person}", dependencies=OWN_FORM)
+def change_member(errand: InstructorDep, person: PersonId, form: Annotated[MemberForm, Form()]) -> Response:
     """Change a member, or show the form again with what is wrong."""
-    member = people.member_of(services, visitor.caller, person)
+    member = people.member_of(errand.services, errand.caller, person)
     form = form.model_copy(update={"person": person})
     try:
-        people.set_member(services, visitor.caller, form.entry())
+        people.set_member(errand.services, errand.caller, form.entry())
     except RefusedError as error:
-        return _member_page(request, member, form=form, error=error)
+        return _member_page(errand, member, form=form, error=error)
     return RedirectResponse(f"/class/people/{quote(person, safe='')}?done=saved", status_code=303)
 
 
-@router.post("/people/{person}/remove", dependencies=[Depends(require_own_form)])
+@router.post("/people/{person}/remove", dependencies=OWN_FORM)
 def remove_member(
-    request: Request,
-    services: ServicesDep,
-    visitor: InstructorDep,
-    person: PersonId,
-    reason: Annotated[str, Form(max_length=1_000)] = "",
+    errand: InstructorDep, person: PersonId, reason: Annotated[str, Form(max_length=1_000)] = ""
 ) -> Response:
     """Take a member out of the course."""
-    member = people.member_of(services, visitor.caller, person)
+    member = people.member_of(errand.services, errand.caller, person)
     try:
-        people.remove_member(services, visitor.caller, person, reason.strip())
+        people.remove_member(errand.services, errand.caller, person, reason.strip())
     except RefusedError as error:
-        return _member_page(request, member, error=error)
+        return _member_page(errand, member, error=error)
     return RedirectResponse("/class/people?done=removed", status_code=303)
 
 
-@router.post("/people/{person}/token", dependencies=[Depends(require_own_form)])
-def make_token(request: Request, services: ServicesDep, visitor: InstructorDep, person: PersonId) -> Response:
+@router.post("/people/{person}/token", dependencies=OWN_FORM)
+def make_token(errand: InstructorDep, person: PersonId) -> Response:
     """Make a token for a member and show it, this once."""
-    member = people.member_of(services, visitor.caller, person)
-    return _member_page(request, member, token=people.give_token(services, visitor.caller, person, _DAYS))
+    member = people.member_of(errand.services, errand.caller, person)
+    return _member_page(
+        errand, member, token=people.give_token(errand.services, errand.caller, person, _DAYS)
+    )
 
 
-@router.post("/people/{person}/unbind", dependencies=[Depends(require_own_form)])
+@router.post("/people/{person}/unbind", dependencies=OWN_FORM)
 def unbind(
-    services: ServicesDep,
-    visitor: InstructorDep,
-    person: PersonId,
-    identity: Annotated[str, Form(max_length=16)] = "",
+    errand: InstructorDep, person: PersonId, identity: Annotated[str, Form(max_length=16)] = ""
 ) -> Response:
     """Unbind a member from an identity at a provider."""
-    member = people.member_of(services, visitor.caller, person)
-    signing_in.unbind(services, visitor.caller, member.id, identity)
+    member = people.member_of(errand.services, errand.caller, person)
+    signing_in.unbind(errand.services, errand.caller, member.id, identity)
     return RedirectResponse(f"/class/people/{quote(person, safe='')}?done=saved", status_code=303)
 
 
 @router.get("/audit")
 def read_audit(
-    request: Request,
-    services: ServicesDep,
-    visitor: InstructorDep,
-    before: Annotated[QueryWhole | None, Query(ge=0, le=_LARGEST_ID)] = None,
+    errand: InstructorDep, before: Annotated[QueryWhole | None, Query(ge=0, le=_LARGEST_ID)] = None
 ) -> Response:
     """Show changes of grades and settings, newest first."""
-    entries, more = changes(services, visitor.caller, before, _ENTRIES)
-    teller = Teller(language_of(request), services.rules.of(visitor.caller.course).zone)
+    entries, more = changes(errand.services, errand.caller, before, _ENTRIES)
+    teller = Teller(errand.language, errand.services.rules.of(errand.caller.course).zone)
     lines = [(one, teller.differences(one.before, one.after), address(one.subject)) for one in entries]
-    return page(request, "audit.html", lines=lines, teller=teller, next_before=more, newest=before is None)
+    return page(
+        errand.request, "audit.html", lines=lines, teller=teller, next_before=more, newest=before is None
+    )
 
 
 def _people_page(  # noqa: PLR0913
-    request: Request,
-    services: Services,
-    visitor: Visitor,
+    errand: PageErrand,
     *,
     search: str = "",
     section: str = "",
@@ -237,8 +204,8 @@ def _people_page(  # noqa: PLR0913
     form: MemberForm | None = None,
     problem: FormProblem | None = None,
 ) -> Response:
-    course, _ = people.myself(services, visitor.caller)
-    everybody = members(services, visitor.caller)
+    course, _ = people.myself(errand.services, errand.caller)
+    everybody = members(errand.services, errand.caller)
     wanted = search.strip().lower()
     found = [
         one
@@ -247,7 +214,7 @@ def _people_page(  # noqa: PLR0913
         and (not section or section in one.sections)
     ]
     return page(
-        request,
+        errand.request,
         "people.html",
         status=200 if problem is None else problem.status,
         course=course,
@@ -264,7 +231,7 @@ def _people_page(  # noqa: PLR0913
 
 
 def _member_page(  # noqa: PLR0913
-    request: Request,
+    errand: PageErrand,
     member: Member,
     *,
     form: MemberForm | None = None,
@@ -272,11 +239,11 @@ def _member_page(  # noqa: PLR0913
     token: str = "",
     done: str = "",
 ) -> Response:
-    problem = None if error is None else form_problem(error, language_of(request))
-    caller = visitor_of(request).caller
-    ways = signing_in.ways_of(services_of(request), caller, member.id) if caller.is_instructor else ()
+    problem = None if error is None else form_problem(error, errand.language)
+    services, caller = errand.services, errand.caller
+    ways = signing_in.ways_of(services, caller, member.id) if caller.is_instructor else ()
     return page(
-        request,
+        errand.request,
         "person.html",
         ways=ways,
         status=200 if problem is None else problem.status,

@@ -14,9 +14,9 @@ from fastapi.responses import RedirectResponse
 
 from grader.contracts.errors import RefusedError
 from grader.messages import on_page
-from grader.service.web.access import ServicesDep
+from grader.service.web.access import ServicesDep, language_of
 from grader.service.web.errors import FRAMES, form_problem
-from grader.service.web.pages import language_of, page
+from grader.service.web.pages import page
 from grader.use_cases import picking
 
 PICK = "/lti/pick"

@@ -16,10 +16,10 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen
 from grader.contracts.platform import NewPlatform
 from grader.outside.lti import Kept
-from grader.service.web.access import InstructorDep, ServicesDep, Visitor, require_staff
+from grader.service.web.access import InstructorDep, PageErrand, ServicesDep, require_staff
 from grader.service.web.errors import FRAMES, form_problem
-from grader.service.web.forms import require_own_form
-from grader.service.web.pages import language_of, page
+from grader.service.web.forms import OWN_FORM
+from grader.service.web.pages import page
 from grader.service.web.picking import PICK, framed_by, lead_to, set_cookie
 from grader.service.web.signing_in import arrived, kept_by
 from grader.use_cases import platform_people, platforms, registering
@@ -99,71 +99,61 @@ def launch(
 
 
 @desk.get("")
-def read(request: Request, services: ServicesDep, visitor: InstructorDep) -> Response:
+def read(errand: InstructorDep) -> Response:
     """Show the course's platforms and how to add one."""
-    return _desk(request, services, visitor)
+    return _desk(errand)
 
 
-@desk.post("", dependencies=[Depends(require_own_form)])
-def add(
-    request: Request, services: ServicesDep, visitor: InstructorDep, form: Annotated[PlatformForm, Form()]
-) -> Response:
+@desk.post("", dependencies=OWN_FORM)
+def add(errand: InstructorDep, form: Annotated[PlatformForm, Form()]) -> Response:
     """Add a platform, or show the form again with what is wrong."""
     try:
-        platforms.add_platform(services, visitor.caller, form.stripped())
+        platforms.add_platform(errand.services, errand.caller, form.stripped())
     except RefusedError as error:
-        problem = form_problem(error, language_of(request))
-        return _desk(request, services, visitor, form, problem=problem)
+        problem = form_problem(error, errand.language)
+        return _desk(errand, form, problem=problem)
     return RedirectResponse("/class/platforms", status_code=303)
 
 
-@desk.post("/invite", dependencies=[Depends(require_own_form)])
-def invite(request: Request, services: ServicesDep, visitor: InstructorDep) -> Response:
+@desk.post("/invite", dependencies=OWN_FORM)
+def invite(errand: InstructorDep) -> Response:
     """Show an address by which the platform adds itself."""
-    return _desk(request, services, visitor, invitation=registering.invite(services, visitor.caller))
+    return _desk(errand, invitation=registering.invite(errand.services, errand.caller))
 
 
-@desk.post("/remove", dependencies=[Depends(require_own_form)])
-def remove(services: ServicesDep, visitor: InstructorDep, platform: PlatformId = "") -> Response:
+@desk.post("/remove", dependencies=OWN_FORM)
+def remove(errand: InstructorDep, platform: PlatformId = "") -> Response:
     """Take a platform away."""
-    platforms.remove_platform(services, visitor.caller, platform)
+    platforms.remove_platform(errand.services, errand.caller, platform)
     return RedirectResponse("/class/platforms", status_code=303)
 
 
-@desk.post("/people", dependencies=[Depends(require_own_form)])
-def preview_people(
-    request: Request, services: ServicesDep, visitor: InstructorDep, platform: PlatformId = ""
-) -> Response:
+@desk.post("/people", dependencies=OWN_FORM)
+def preview_people(errand: InstructorDep, platform: PlatformId = "") -> Response:
     """Ask the platform who is in its course, and show whom that would add."""
-    return _people(request, services, visitor, platform)
+    return _people(errand, platform)
 
 
-@desk.post("/people/add", dependencies=[Depends(require_own_form)])
+@desk.post("/people/add", dependencies=OWN_FORM)
 def add_people(
-    request: Request,
-    services: ServicesDep,
-    visitor: InstructorDep,
-    seen: Annotated[str, Form(max_length=64)],
-    platform: PlatformId = "",
+    errand: InstructorDep, seen: Annotated[str, Form(max_length=64)], platform: PlatformId = ""
 ) -> Response:
     """Add the people that the instructor was shown; if the list has changed meanwhile, show the new one."""
     try:
-        platform_people.add(services, visitor.caller, platform, Seen.one(seen))
+        platform_people.add(errand.services, errand.caller, platform, Seen.one(seen))
     except RefusedError as error:
         if error.code == "changed_meanwhile":
-            return _people(request, services, visitor, platform, meanwhile=True)
-        return _desk(request, services, visitor, problem=form_problem(error, language_of(request)))
+            return _people(errand, platform, meanwhile=True)
+        return _desk(errand, problem=form_problem(error, errand.language))
     return RedirectResponse("/class/people?done=imported", status_code=303)
 
 
-def _people(
-    request: Request, services: ServicesDep, visitor: Visitor, platform: str, *, meanwhile: bool = False
-) -> Response:
+def _people(errand: PageErrand, platform: str, *, meanwhile: bool = False) -> Response:
     try:
-        plan = platform_people.plan(services, visitor.caller, platform)
+        plan = platform_people.plan(errand.services, errand.caller, platform)
     except RefusedError as error:
-        return _desk(request, services, visitor, problem=form_problem(error, language_of(request)))
-    return page(request, "platform_people.html", plan=plan, meanwhile=meanwhile)
+        return _desk(errand, problem=form_problem(error, errand.language))
+    return page(errand.request, "platform_people.html", plan=plan, meanwhile=meanwhile)
 
 
 def _login(request: Request, services: ServicesDep, said: dict[str, str]) -> Response:
@@ -180,18 +170,16 @@ def _login(request: Request, services: ServicesDep, said: dict[str, str]) -> Res
     return response
 
 
-def _desk(
-    request: Request, services: ServicesDep, visitor: Visitor, form: PlatformForm | None = None, **shown: Any
-) -> Response:
-    public_url, problem = services.providers.public_url, shown.get("problem")
+def _desk(errand: PageErrand, form: PlatformForm | None = None, **shown: Any) -> Response:
+    public_url, problem = errand.services.providers.public_url, shown.get("problem")
     return page(
-        request,
+        errand.request,
         "platforms.html",
         status=200 if problem is None else problem.status,
-        platforms=platforms.platforms_of(services, visitor.caller),
-        links=platforms.links_of(services, visitor.caller),
+        platforms=platforms.platforms_of(errand.services, errand.caller),
+        links=platforms.links_of(errand.services, errand.caller),
         form=form or PlatformForm(),
         **{"problem": None, "invitation": "", **shown},
         ours={name: f"{public_url}{path}" for name, path in _OURS.items()} if public_url else {},
-        troubles=platforms.troubles_of(services, visitor.caller),
+        troubles=platforms.troubles_of(errand.services, errand.caller),
     )

@@ -2,17 +2,17 @@
 
 import asyncio
 
-from fastapi import APIRouter, Depends, Request, Response
+from fastapi import APIRouter, Response
 from fastapi.responses import JSONResponse
 
 from grader.contracts.errors import RefusedError
 from grader.messages import on_page
 from grader.operation.context import note
 from grader.service.routes.live import address_of
-from grader.service.web.access import COSTLY, DRAWN, KnownDep, ServicesDep
+from grader.service.web.access import COSTLY, DRAWN, KnownDep
 from grader.service.web.errors import form_problem
-from grader.service.web.forms import require_own_form
-from grader.service.web.pages import language_of, page
+from grader.service.web.forms import OWN_FORM
+from grader.service.web.pages import page
 from grader.use_cases.assignments import checklist
 from grader.use_cases.live import open_car
 from grader.use_cases.practising import may_practise
@@ -23,34 +23,36 @@ _SPEEDS_MPS = (0.5, 1, 2)
 
 
 @router.get("", dependencies=[COSTLY])
-def read(request: Request, services: ServicesDep, visitor: KnownDep) -> Response:
+def read(errand: KnownDep) -> Response:
     """Show the car's controls, and which assignments have an editor."""
-    caller, language = visitor.caller, language_of(request)
+    caller, language = errand.caller, errand.language
     if caller.course is None:
         raise RefusedError("no_course")
-    offered = services.practice.offered
+    offered = errand.services.practice.offered
     return page(
-        request,
+        errand.request,
         "playground.html",
         assignments=[
-            one for one in checklist(services, caller) if offered and may_practise(services, caller, one)
+            one
+            for one in checklist(errand.services, caller)
+            if offered and may_practise(errand.services, caller, one)
         ],
-        off=None if services.live.most else form_problem(RefusedError("live_off"), language),
-        idle_minutes=round(services.live.idle_s / 60),
-        life_minutes=round(services.live.life_s / 60),
+        off=None if errand.services.live.most else form_problem(RefusedError("live_off"), language),
+        idle_minutes=round(errand.services.live.idle_s / 60),
+        life_minutes=round(errand.services.live.life_s / 60),
         speeds=_SPEEDS_MPS,
         words={name: on_page(language, f"playground.{name}") for name in _WORDS},
     )
 
 
-@router.post("/car", dependencies=[Depends(require_own_form), DRAWN])
-async def have_car(request: Request, services: ServicesDep, visitor: KnownDep) -> Response:
+@router.post("/car", dependencies=[*OWN_FORM, DRAWN])
+async def have_car(errand: KnownDep) -> Response:
     """Start the visitor's car, or find the one that is there; answer with its address."""
     headers = {"Cache-Control": "no-store"}
     try:
-        car = await open_car(services, visitor.caller, asyncio.get_running_loop().time())
+        car = await open_car(errand.services, errand.caller, asyncio.get_running_loop().time())
     except RefusedError as problem:
         note(code=problem.code)
-        told = form_problem(problem, language_of(request))
+        told = form_problem(problem, errand.language)
         return JSONResponse({"refused": [told.title, told.fix]}, told.status, headers)
-    return JSONResponse({"url": address_of(request, car)}, headers=headers)
+    return JSONResponse({"url": address_of(errand.request, car)}, headers=headers)

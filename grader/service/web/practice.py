@@ -11,10 +11,10 @@ from grader.contracts.errors import RefusedError
 from grader.messages import on_page
 from grader.service.requests.middleware import UploadRoute
 from grader.service.routes.practice import events
-from grader.service.web.access import COSTLY, KnownDep, ServicesDep
+from grader.service.web.access import COSTLY, KnownDep, language_of
 from grader.service.web.errors import form_problem
-from grader.service.web.forms import require_own_form
-from grader.service.web.pages import fragment, language_of, page
+from grader.service.web.forms import OWN_FORM
+from grader.service.web.pages import fragment, page
 from grader.service.web.result import figure_document, replay_words, result_page, stream_text
 from grader.use_cases.assignments import terms_of
 from grader.use_cases.handing_in import most_upload_bytes
@@ -28,20 +28,22 @@ _WORDS = ("next", "waiting", "running", "virtual_time", "done", "lost", "reset_s
 
 
 @router.get("", dependencies=[COSTLY])
-def read(request: Request, services: ServicesDep, visitor: KnownDep, assignment_id: str) -> Response:
+def read(errand: KnownDep, assignment_id: str) -> Response:
     """Show the editor with the assignment's starter, or what this browser had in it."""
-    caller, language = visitor.caller, language_of(request)
-    assignment = practisable(services, caller, assignment_id)
-    services.practice.warm_up()
-    terms = terms_of(services, caller, assignment.id)
+    caller, language = errand.caller, errand.language
+    assignment = practisable(errand.services, caller, assignment_id)
+    errand.services.practice.warm_up()
+    terms = terms_of(errand.services, caller, assignment.id)
     closed = None if terms.refusal is None else RefusedError(terms.refusal.code)
     return page(
-        request,
+        errand.request,
         "practice.html",
         assignment=assignment,
-        starter=services.assignments.of(caller.course).starter(assignment.id).decode(errors="replace"),
+        starter=errand.services.assignments.of(caller.course).starter(assignment.id).decode(errors="replace"),
         file_name=f"{assignment.id}.py",
-        off=None if services.practice.offered else form_problem(RefusedError("practice_off"), language),
+        off=None
+        if errand.services.practice.offered
+        else form_problem(RefusedError("practice_off"), language),
         terms=terms,
         closed=None if closed is None else form_problem(closed, language),
         words={name: on_page(language, f"practice.{name}") for name in _WORDS},
@@ -49,17 +51,14 @@ def read(request: Request, services: ServicesDep, visitor: KnownDep, assignment_
 
 
 async def _begun(
-    services: ServicesDep,
-    visitor: KnownDep,
-    assignment_id: str,
-    file: Annotated[UploadFile, File()],
+    errand: KnownDep, assignment_id: str, file: Annotated[UploadFile, File()]
 ) -> AsyncIterator[UnderWay]:
-    content = await file.read(most_upload_bytes(services) + 1)
-    async with practising(services, visitor.caller, assignment_id, file.filename or "", content) as run:
+    content = await file.read(most_upload_bytes(errand.services) + 1)
+    async with practising(errand.services, errand.caller, assignment_id, file.filename or "", content) as run:
         yield run
 
 
-@runs.post("", response_class=EventSourceResponse, dependencies=[Depends(require_own_form)])
+@runs.post("", response_class=EventSourceResponse, dependencies=OWN_FORM)
 async def run(request: Request, run: Annotated[UnderWay, Depends(_begun)]) -> AsyncIterator[ServerSentEvent]:
     """Run what is in the editor; tell where that is, and at last a part of the page with the data of its replay.
 

@@ -13,17 +13,16 @@ from grader.contracts.judgement import judged
 from grader.contracts.regrade import Wanted, Which
 from grader.messages import on_page
 from grader.service.web import access
-from grader.service.web.access import InstructorDep, RegradeId, ServicesDep, StaffDep, require_staff
+from grader.service.web.access import InstructorDep, RegradeId, StaffDep, language_of, require_staff
 from grader.service.web.comparison import compare
 from grader.service.web.errors import form_problem
-from grader.service.web.forms import require_own_form
-from grader.service.web.pages import language_of, page
+from grader.service.web.forms import OWN_FORM
+from grader.service.web.pages import page
 from grader.service.web.regrade_table import PARTS, ChangesQuery, changes
 from grader.use_cases import regrading
 from grader.use_cases.assignments import published
 from grader.use_cases.people import names, person
 from grader.use_cases.regrading import Ending, all_regrades, both_gradings, open_regrade, regrade_of
-from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/class/regrades", include_in_schema=False, dependencies=[Depends(require_staff)])
 WHICH: tuple[Which, ...] = ("all", "latest", "best", "faults")
@@ -55,97 +54,75 @@ class FormError(BaseModel):
 
 
 @router.get("")
-def read_all(
-    request: Request, services: ServicesDep, visitor: StaffDep, order: Annotated[Order, Query()]
-) -> Response:
+def read_all(errand: StaffDep, order: Annotated[Order, Query()]) -> Response:
     """Show all re-grades and the form that starts one; `order` fills the form."""
-    return _list(request, services, visitor, order)
+    return _list(errand, order)
 
 
-@router.post("", dependencies=[Depends(require_own_form)])
-def start(
-    request: Request, services: ServicesDep, visitor: InstructorDep, order: Annotated[Order, Form()]
-) -> Response:
+@router.post("", dependencies=OWN_FORM)
+def start(errand: InstructorDep, order: Annotated[Order, Form()]) -> Response:
     """Start a trial and lead to its page; on a refusal show the form with the reason."""
     students = [one for one in _SEPARATORS.split(order.students) if one]
-    wrong = _refused_students(request, services, visitor, students)
+    wrong = _refused_students(errand, students)
     if wrong is not None:
-        return _list(request, services, visitor, order, wrong)
+        return _list(errand, order, wrong)
     try:
         wanted = Wanted(assignment=order.assignment, which=order.which, students=tuple(students))
-        started = open_regrade(services, visitor.caller, wanted)
+        started = open_regrade(errand.services, errand.caller, wanted)
     except RefusedError as problem:
-        return _list(request, services, visitor, order, _refusal(request, problem))
+        return _list(errand, order, _refusal(errand.request, problem))
     return RedirectResponse(f"/class/regrades/{started.id}", status_code=303)
 
 
 @router.get("/{regrade_id}")
-def read(
-    request: Request,
-    services: ServicesDep,
-    visitor: StaffDep,
-    regrade_id: RegradeId,
-    query: Annotated[ChangesQuery, Query()],
-) -> Response:
+def read(errand: StaffDep, regrade_id: RegradeId, query: Annotated[ChangesQuery, Query()]) -> Response:
     """Show how far a re-grade is and what it changes."""
-    return _one(request, services, visitor, regrade_id, query)
+    return _one(errand, regrade_id, query)
 
 
 @router.get("/{regrade_id}/state.json")
-def read_state(services: ServicesDep, visitor: StaffDep, regrade_id: RegradeId) -> Response:
+def read_state(errand: StaffDep, regrade_id: RegradeId) -> Response:
     """Say how far a trial is: what its page asks for again and again."""
-    regrade = regrade_of(services, visitor.caller, regrade_id)
+    regrade = regrade_of(errand.services, errand.caller, regrade_id)
     document = {"waiting": regrade.waiting, "total": regrade.total, "open": regrade.state == "open"}
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
 
 
-@router.post("/{regrade_id}", dependencies=[Depends(require_own_form)])
-def decide(
-    request: Request,
-    services: ServicesDep,
-    visitor: InstructorDep,
-    regrade_id: RegradeId,
-    form: Annotated[DecisionForm, Form()],
-) -> Response:
+@router.post("/{regrade_id}", dependencies=OWN_FORM)
+def decide(errand: InstructorDep, regrade_id: RegradeId, form: Annotated[DecisionForm, Form()]) -> Response:
     """Apply or discard; without a reason show the page again."""
     if not form.reason.strip():
-        wrong = FormError(field="reason", text=on_page(language_of(request), "form.reason_needed"))
-        return _one(request, services, visitor, regrade_id, ChangesQuery(), wrong)
-    regrading.decide(services, visitor.caller, regrade_id, form.decision, form.reason.strip())
+        wrong = FormError(field="reason", text=on_page(errand.language, "form.reason_needed"))
+        return _one(errand, regrade_id, ChangesQuery(), wrong)
+    regrading.decide(errand.services, errand.caller, regrade_id, form.decision, form.reason.strip())
     return RedirectResponse(f"/class/regrades/{regrade_id}", status_code=303)
 
 
 @router.get("/{regrade_id}/changes/{submission_id}")
-def read_change(
-    request: Request, services: ServicesDep, visitor: StaffDep, regrade_id: RegradeId, submission_id: str
-) -> Response:
+def read_change(errand: StaffDep, regrade_id: RegradeId, submission_id: str) -> Response:
     """Show a submission's grading before a re-grade and the one made by it, side by side."""
-    regrade, submission, first, second = both_gradings(services, visitor.caller, regrade_id, submission_id)
-    both = compare(judged(first), judged(second), "", "", language_of(request))
+    regrade, submission, first, second = both_gradings(
+        errand.services, errand.caller, regrade_id, submission_id
+    )
+    both = compare(judged(first), judged(second), "", "", errand.language)
     return page(
-        request,
+        errand.request,
         "compare_gradings.html",
         submission=submission,
-        person=person(names(services, visitor.caller), submission.student),
+        person=person(names(errand.services, errand.caller), submission.student),
         comparison=both,
         gradings=(first, second),
         regrade=regrade,
     )
 
 
-def _list(
-    request: Request,
-    services: Services,
-    visitor: access.Visitor,
-    order: Order,
-    wrong: FormError | None = None,
-) -> Response:
-    assignments = services.assignments.of(visitor.caller.course).all()
+def _list(errand: access.PageErrand, order: Order, wrong: FormError | None = None) -> Response:
+    assignments = errand.services.assignments.of(errand.caller.course).all()
     return page(
-        request,
+        errand.request,
         "regrades.html",
         status=200 if wrong is None else 422,
-        regrades=all_regrades(services, visitor.caller),
+        regrades=all_regrades(errand.services, errand.caller),
         titles={one.id: one.title for one in assignments},
         assignments=assignments,
         order=order,
@@ -154,17 +131,12 @@ def _list(
     )
 
 
-def _one(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: Services,
-    visitor: access.Visitor,
-    regrade_id: str,
-    query: ChangesQuery,
-    wrong: FormError | None = None,
+def _one(
+    errand: access.PageErrand, regrade_id: str, query: ChangesQuery, wrong: FormError | None = None
 ) -> Response:
-    regrade = regrade_of(services, visitor.caller, regrade_id)
-    known, language = names(services, visitor.caller), language_of(request)
-    assignment = published(services, visitor.caller, regrade.wanted.assignment)
+    regrade = regrade_of(errand.services, errand.caller, regrade_id)
+    known, language = names(errand.services, errand.caller), errand.language
+    assignment = published(errand.services, errand.caller, regrade.wanted.assignment)
     values: dict[str, Any] = {
         "regrade": regrade,
         "title": regrade.wanted.assignment if assignment is None else assignment.title.get(language),
@@ -173,14 +145,12 @@ def _one(  # noqa: PLR0913, PLR0917
         "people": [person(known, one) for one in regrade.wanted.students],
         "refusal": wrong,
     }
-    return page(request, "regrade.html", status=200 if wrong is None else 422, **values)
+    return page(errand.request, "regrade.html", status=200 if wrong is None else 422, **values)
 
 
-def _refused_students(
-    request: Request, services: Services, visitor: access.Visitor, students: list[str]
-) -> FormError | None:
+def _refused_students(errand: access.PageErrand, students: list[str]) -> FormError | None:
     """Return what is wrong with the named students, None when nothing is."""
-    language, known = language_of(request), names(services, visitor.caller)
+    language, known = errand.language, names(errand.services, errand.caller)
     unknown = [one for one in students if not is_person_id(one) or (known and one not in known)]
     if unknown:
         text = on_page(language, "regrade.unknown_students", students=", ".join(unknown[:10]))

@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi import APIRouter, Depends, Form, Query, Response
 from fastapi.responses import RedirectResponse
 
 from grader.contracts.assignment import DISTROS, Assignment, Distro
@@ -11,16 +11,9 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen, sections_of
 from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Corrector, Counts, Shown
 from grader.render.audit_lines import Teller
-from grader.service.web.access import (
-    AssignmentId,
-    InstructorDep,
-    ServicesDep,
-    StaffDep,
-    Visitor,
-    require_staff,
-)
-from grader.service.web.forms import require_own_form
-from grader.service.web.pages import language_of, page
+from grader.service.web.access import AssignmentId, InstructorDep, PageErrand, StaffDep, require_staff
+from grader.service.web.forms import OWN_FORM
+from grader.service.web.pages import page
 from grader.service.web.rule_form import (
     CHANGED_MEANWHILE,
     EXTENDED_MEANWHILE,
@@ -37,7 +30,6 @@ from grader.use_cases.assignments import require_published
 from grader.use_cases.people import members, names, set_distro
 from grader.use_cases.rules import change_rules, course_rules, extensions
 from grader.use_cases.rules import extend as extend_for
-from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/class/rules", include_in_schema=False, dependencies=[Depends(require_staff)])
 course_router = APIRouter(
@@ -46,145 +38,119 @@ course_router = APIRouter(
 
 
 @router.get("")
-def read_all(
-    request: Request,
-    services: ServicesDep,
-    visitor: StaffDep,
-    saved: Annotated[str, Query(pattern="^1?$")] = "",
-) -> Response:
+def read_all(errand: StaffDep, saved: Annotated[str, Query(pattern="^1?$")] = "") -> Response:
     """Show the rules of every assignment in a line, and a form for several of them."""
-    return overview_page(request, services, visitor, saved=bool(saved))
+    return overview_page(errand, saved=bool(saved))
 
 
-def overview_page(  # noqa: PLR0913
-    request: Request,
-    services: Services,
-    visitor: Visitor,
-    *,
-    form: object = None,
-    errors: dict[str, str] | None = None,
-    saved: bool = False,
+def overview_page(
+    errand: PageErrand, *, form: object = None, errors: dict[str, str] | None = None, saved: bool = False
 ) -> Response:
     """Return the page of all rules; `form` and `errors` of what was typed for several assignments."""
-    known = services.rules.of(visitor.caller.course)
-    teller = Teller(language_of(request), known.zone)
+    known = errand.services.rules.of(errand.caller.course)
+    teller = Teller(errand.language, known.zone)
     lines = []
-    for assignment in services.assignments.of(visitor.caller.course).all():
+    for assignment in errand.services.assignments.of(errand.caller.course).all():
         rules = known.of(assignment.id)
         late = teller.late(asdict(rules.late), in_full=False)
         lines.append((assignment.of_course(known.distro), rules, late, len(known.extended(assignment.id))))
     return page(
-        request,
+        errand.request,
         "rules.html",
         status=422 if errors else 200,
         lines=lines,
         zone=known.zone,
-        course=visitor.caller.course,
+        course=errand.caller.course,
         distro=known.distro,
         distros=DISTROS,
-        sections=sections_of(members(services, visitor.caller)),
+        sections=sections_of(members(errand.services, errand.caller)),
         shown=tuple(Shown),
         correctors=tuple(Corrector),
         form=form,
         errors=errors or {},
         saved=saved,
-        may_change=visitor.caller.is_instructor and visitor.caller.course is not None,
+        may_change=errand.caller.is_instructor and errand.caller.course is not None,
     )
 
 
-@course_router.post("", dependencies=[Depends(require_own_form)])
+@course_router.post("", dependencies=OWN_FORM)
 def change_course(
-    services: ServicesDep,
-    visitor: InstructorDep,
+    errand: InstructorDep,
     distro: Annotated[Distro, Form()],
     reason: Annotated[str, Form(max_length=1_000)] = "",
 ) -> Response:
     """Choose the release of ROS 2 of the course."""
-    set_distro(services, visitor.caller, distro, reason.strip())
+    set_distro(errand.services, errand.caller, distro, reason.strip())
     return RedirectResponse("/class/rules?saved=1", status_code=303)
 
 
 @router.get("/{assignment_id}")
-def read(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: ServicesDep,
-    visitor: StaffDep,
+def read(
+    errand: StaffDep,
     assignment_id: AssignmentId,
     student: Annotated[str, Query(max_length=64)] = "",
     saved: Annotated[str, Query(pattern="^(|rules|extension)$")] = "",
 ) -> Response:
     """Show the rules of one assignment and who got more; `student` fills the form of extensions."""
-    assignment = require_published(services, visitor.caller, assignment_id)
-    known = services.rules.of(visitor.caller.course)
+    assignment = require_published(errand.services, errand.caller, assignment_id)
+    known = errand.services.rules.of(errand.caller.course)
     extension = _extension_form(known, assignment.id, student)
-    return _page(request, services, visitor, assignment, extension=extension, saved=saved)
+    return _page(errand, assignment, extension=extension, saved=saved)
 
 
-@router.post("/{assignment_id}", dependencies=[Depends(require_own_form)])
-def change(
-    request: Request,
-    services: ServicesDep,
-    visitor: InstructorDep,
-    assignment_id: AssignmentId,
-    form: Annotated[RuleForm, Form()],
-) -> Response:
+@router.post("/{assignment_id}", dependencies=OWN_FORM)
+def change(errand: InstructorDep, assignment_id: AssignmentId, form: Annotated[RuleForm, Form()]) -> Response:
     """Put new rules in place of the old ones, or show the form again with what is wrong at its fields."""
-    assignment = require_published(services, visitor.caller, assignment_id)
-    known = course_rules(services, visitor.caller, assignment.id)
+    assignment = require_published(errand.services, errand.caller, assignment_id)
+    known = course_rules(errand.services, errand.caller, assignment.id)
     reader = Reader(known.zone)
     items = frozenset(item.id for item in assignment.items)
     rules = reader.rules(form, known.of(assignment.id), items)
     if not reader.errors:
         seen = Seen.one(form.seen) if form.seen else None
         try:
-            change_rules(services, visitor.caller, assignment.id, rules, form.reason.strip(), seen=seen)
+            change_rules(errand.services, errand.caller, assignment.id, rules, form.reason.strip(), seen=seen)
         except RefusedError as error:
             if error.code != "changed_meanwhile":
                 raise
             reader.errors["form"] = CHANGED_MEANWHILE
-            now = services.rules.of(visitor.caller.course).of(assignment.id)
+            now = errand.services.rules.of(errand.caller.course).of(assignment.id)
             form = form.model_copy(update={"seen": tag(now)})
     if reader.errors:
-        return _page(request, services, visitor, assignment, form=form, errors=reader.errors)
+        return _page(errand, assignment, form=form, errors=reader.errors)
     return RedirectResponse(f"/class/rules/{assignment.id}?saved=rules", status_code=303)
 
 
-@router.post("/{assignment_id}/extensions", dependencies=[Depends(require_own_form)])
+@router.post("/{assignment_id}/extensions", dependencies=OWN_FORM)
 def extend(
-    request: Request,
-    services: ServicesDep,
-    visitor: InstructorDep,
-    assignment_id: AssignmentId,
-    form: Annotated[ExtensionForm, Form()],
+    errand: InstructorDep, assignment_id: AssignmentId, form: Annotated[ExtensionForm, Form()]
 ) -> Response:
     """Give one student more, or show the form again; an empty extension takes back what there was."""
-    assignment = require_published(services, visitor.caller, assignment_id)
-    known = course_rules(services, visitor.caller, assignment.id)
+    assignment = require_published(errand.services, errand.caller, assignment_id)
+    known = course_rules(errand.services, errand.caller, assignment.id)
     student = form.student.strip()
     reader = Reader(known.zone)
     extension = reader.extension(form, known.extension(assignment.id, student))
     if not reader.errors:
         given = (assignment.id, student, extension, form.reason.strip())
         try:
-            extend_for(services, visitor.caller, *given, seen=_seen(form, student))
+            extend_for(errand.services, errand.caller, *given, seen=_seen(form, student))
         except RefusedError as error:
             if error.code == "unknown_student":
                 reader.errors["student"] = "rules.error.student"
             elif error.code == "changed_meanwhile":
                 reader.errors["form"] = EXTENDED_MEANWHILE
-                now = services.rules.of(visitor.caller.course).extension(assignment.id, student)
+                now = errand.services.rules.of(errand.caller.course).extension(assignment.id, student)
                 form = form.model_copy(update={"seen": tag(now), "seen_for": student})
             else:
                 raise
     if reader.errors:
-        return _page(request, services, visitor, assignment, extension=form, extension_errors=reader.errors)
+        return _page(errand, assignment, extension=form, extension_errors=reader.errors)
     return RedirectResponse(f"/class/rules/{assignment.id}?saved=extension#extensions", status_code=303)
 
 
 def _page(  # noqa: PLR0913
-    request: Request,
-    services: Services,
-    visitor: Visitor,
+    errand: PageErrand,
     assignment: Assignment,
     *,
     form: RuleForm | None = None,
@@ -193,20 +159,20 @@ def _page(  # noqa: PLR0913
     extension_errors: dict[str, str] | None = None,
     saved: str = "",
 ) -> Response:
-    known = services.rules.of(visitor.caller.course)
+    known = errand.services.rules.of(errand.caller.course)
     values: dict[str, Any] = {
         "assignment": assignment,
         "rules": known.of(assignment.id),
         "zone": known.zone,
         "form": form or _form(known, assignment.id),
         "errors": errors or {},
-        "extensions": extensions(services, visitor.caller, assignment.id),
-        "sections": _sections(request, services, visitor, known, assignment.id),
+        "extensions": extensions(errand.services, errand.caller, assignment.id),
+        "sections": _sections(errand, known, assignment.id),
         "extension": extension or _extension_form(known, assignment.id, ""),
         "tag": tag,
         "extension_errors": extension_errors or {},
-        "names": names(services, visitor.caller),
-        "may_change": visitor.caller.is_instructor and visitor.caller.course is not None,
+        "names": names(errand.services, errand.caller),
+        "may_change": errand.caller.is_instructor and errand.caller.course is not None,
         "short_fields": widgets(),
         "late_parameters": late_parameters(),
         "late_kinds": tuple(LATE_PARAMETERS),
@@ -215,16 +181,16 @@ def _page(  # noqa: PLR0913
         "shown": tuple(Shown),
         "saved": saved,
     }
-    return page(request, "rules_assignment.html", status=422 if errors or extension_errors else 200, **values)
+    return page(
+        errand.request, "rules_assignment.html", status=422 if errors or extension_errors else 200, **values
+    )
 
 
-def _sections(
-    request: Request, services: Services, visitor: Visitor, known: CourseRules, assignment_id: str
-) -> list[tuple[str, str, str]]:
+def _sections(errand: PageErrand, known: CourseRules, assignment_id: str) -> list[tuple[str, str, str]]:
     """Return every section with its own due date (else nothing) and what lateness costs there."""
-    rules, teller = known.of(assignment_id), Teller(language_of(request), known.zone)
+    rules, teller = known.of(assignment_id), Teller(errand.language, known.zone)
     own = {one.section: teller.value("due", one.due.isoformat()) for one in rules.by_section}
-    everybody = {*sections_of(members(services, visitor.caller)), *own}
+    everybody = {*sections_of(members(errand.services, errand.caller)), *own}
     return [
         (name, own.get(name, ""), teller.late(asdict(rules.for_sections([name]).late), in_full=False))
         for name in sorted(everybody)

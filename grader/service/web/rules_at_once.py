@@ -5,20 +5,19 @@ import re
 from datetime import datetime
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Depends, Form, Request, Response
+from fastapi import APIRouter, Depends, Form, Response
 from fastapi.responses import RedirectResponse
 from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Role
 from grader.contracts.rules import NO_EXTENSION, Corrector, Extension, RuleError, Rules, Shown
-from grader.service.web.access import InstructorDep, ServicesDep, Visitor, require_staff
-from grader.service.web.forms import require_own_form
+from grader.service.web.access import InstructorDep, PageErrand, require_staff
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.rule_form import Reader
 from grader.service.web.rule_pages import overview_page
 from grader.use_cases.people import members
 from grader.use_cases.rules import change_rules, course_rules, extend
-from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/class/rules", include_in_schema=False, dependencies=[Depends(require_staff)])
 _MOST = 200
@@ -42,26 +41,24 @@ class SeveralForm(BaseModel):
     reason: str = Field(default="", max_length=1_000)
 
 
-@router.post("", dependencies=[Depends(require_own_form)])
-def change_several(
-    request: Request, services: ServicesDep, visitor: InstructorDep, form: Annotated[SeveralForm, Form()]
-) -> Response:
+@router.post("", dependencies=OWN_FORM)
+def change_several(errand: InstructorDep, form: Annotated[SeveralForm, Form()]) -> Response:
     """Change what was chosen, all of it or nothing, or show the form again with what is wrong."""
     errors: dict[str, str] = {}
     if not form.assignment:
         errors["assignment"] = "rules.error.no_assignment"
     elif form.action == "rules":
-        errors = _change(services, visitor, form)
+        errors = _change(errand, form)
     else:
-        errors = _extend(services, visitor, form)
+        errors = _extend(errand, form)
     if errors:
-        return overview_page(request, services, visitor, form=form, errors=errors)
+        return overview_page(errand, form=form, errors=errors)
     return RedirectResponse("/class/rules?saved=1", status_code=303)
 
 
-def _change(services: Services, visitor: Visitor, form: SeveralForm) -> dict[str, str]:
+def _change(errand: PageErrand, form: SeveralForm) -> dict[str, str]:
     """Change the rules of the assignments; return what is wrong, by field."""
-    known = {one: course_rules(services, visitor.caller, one) for one in form.assignment}
+    known = {one: course_rules(errand.services, errand.caller, one) for one in form.assignment}
     reader = Reader(next(iter(known.values())).zone)
     values: dict[str, object] = {
         name: reader.typed(Rules, name, getattr(form, name)) for name in ("opens", "due", "appeals_until")
@@ -77,19 +74,19 @@ def _change(services: Services, visitor: Visitor, form: SeveralForm) -> dict[str
             reader.errors.setdefault(error.field, f"rules.error.{error.code}")
     if not reader.errors:
         for assignment, new in changed.items():
-            change_rules(services, visitor.caller, assignment, new, form.reason.strip(), seen=None)
+            change_rules(errand.services, errand.caller, assignment, new, form.reason.strip(), seen=None)
     return reader.errors
 
 
-def _extend(services: Services, visitor: Visitor, form: SeveralForm) -> dict[str, str]:
+def _extend(errand: PageErrand, form: SeveralForm) -> dict[str, str]:
     """Give several students more; return what is wrong, by field. What is left empty stays as each had it."""
-    known = {one: course_rules(services, visitor.caller, one) for one in form.assignment}
+    known = {one: course_rules(errand.services, errand.caller, one) for one in form.assignment}
     reader = Reader(next(iter(known.values())).zone)
     due: datetime | None = reader.typed(Extension, "due", form.new_due)
     extra: int | None = reader.typed(Extension, "extra_attempts", form.extra_attempts)
     errors = {("new_due" if name == "due" else name): key for name, key in reader.errors.items()}
     named = set(filter(None, _BETWEEN_IDS.split(form.students)))
-    everybody = members(services, visitor.caller, Role.STUDENT)
+    everybody = members(errand.services, errand.caller, Role.STUDENT)
     if named - {one.id for one in everybody}:
         errors["students"] = "rules.error.students"
     wanted = [one.id for one in everybody if one.id in named or set(one.sections) & set(form.section)]
@@ -107,7 +104,9 @@ def _extend(services: Services, visitor: Visitor, form: SeveralForm) -> dict[str
                 extra_attempts=before.extra_attempts if extra is None else extra,
             )
             try:
-                extend(services, visitor.caller, assignment, student, more, form.reason.strip(), seen=None)
+                extend(
+                    errand.services, errand.caller, assignment, student, more, form.reason.strip(), seen=None
+                )
             except RefusedError as error:
                 if error.code != "unknown_student":  # removed in between
                     raise

@@ -9,8 +9,8 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import LONGEST_SECTION, Seen
 from grader.contracts.rules import LATE_PARAMETERS, RuleError, Rules, SectionRule
-from grader.service.web.access import AssignmentId, InstructorDep, ServicesDep, require_staff
-from grader.service.web.forms import require_own_form
+from grader.service.web.access import AssignmentId, InstructorDep, require_staff
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import page
 from grader.service.web.rule_form import (
     CHANGED_MEANWHILE,
@@ -29,47 +29,39 @@ SectionName = Annotated[str, Query(alias="name", min_length=1, max_length=LONGES
 
 
 @router.get("/{assignment_id}/section")
-def read(
-    request: Request,
-    services: ServicesDep,
-    visitor: InstructorDep,
-    assignment_id: AssignmentId,
-    section: SectionName,
-) -> Response:
+def read(errand: InstructorDep, assignment_id: AssignmentId, section: SectionName) -> Response:
     """Show due date and late rule of a section; those of the course if it has none of its own."""
-    assignment = require_published(services, visitor.caller, assignment_id)
-    known = course_rules(services, visitor.caller, assignment.id)
-    return _page(request, known, assignment, section)
+    assignment = require_published(errand.services, errand.caller, assignment_id)
+    known = course_rules(errand.services, errand.caller, assignment.id)
+    return _page(errand.request, known, assignment, section)
 
 
-@router.post("/{assignment_id}/section", dependencies=[Depends(require_own_form)])
-def change(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: ServicesDep,
-    visitor: InstructorDep,
+@router.post("/{assignment_id}/section", dependencies=OWN_FORM)
+def change(
+    errand: InstructorDep,
     assignment_id: AssignmentId,
     section: SectionName,
     form: Annotated[RuleForm, Form()],
     remove: Annotated[bool, Form()] = False,
 ) -> Response:
     """Set or remove the section's rule; if something is wrong, show the form again."""
-    assignment = require_published(services, visitor.caller, assignment_id)
-    known = course_rules(services, visitor.caller, assignment.id)
+    assignment = require_published(errand.services, errand.caller, assignment_id)
+    known = course_rules(errand.services, errand.caller, assignment.id)
     reader = Reader(known.zone)
     rules = known.of(assignment.id)
     changed = rules.with_section(section, None) if remove else _typed(reader, form, rules, section)
     if not reader.errors:
         seen, reason = Seen.one(form.seen) if form.seen else None, form.reason.strip()
         try:
-            change_rules(services, visitor.caller, assignment.id, changed, reason, seen=seen)
+            change_rules(errand.services, errand.caller, assignment.id, changed, reason, seen=seen)
         except RefusedError as error:
             if error.code != "changed_meanwhile":
                 raise
             reader.errors["form"] = CHANGED_MEANWHILE
-            known = services.rules.of(visitor.caller.course)
+            known = errand.services.rules.of(errand.caller.course)
             form = form.model_copy(update={"seen": tag(known.of(assignment.id))})
     if reader.errors:
-        return _page(request, known, assignment, section, form, reader.errors)
+        return _page(errand.request, known, assignment, section, form, reader.errors)
     return RedirectResponse(f"/class/rules/{assignment.id}?saved=rules#by-section", status_code=303)
 
 

@@ -11,16 +11,16 @@ import re
 from typing import Annotated
 from urllib.parse import parse_qsl, urlencode
 
-from fastapi import APIRouter, Depends, Form, Path, Query, Request, Response
+from fastapi import APIRouter, Form, Path, Query, Request, Response
 from fastapi.responses import RedirectResponse
 
 from grader.contracts.errors import RefusedError
 from grader.messages import on_page
 from grader.outside.signin import Person, SignInAttempt, is_subject
-from grader.service.web.access import ENTER, PEER, SESSION_COOKIE, ServicesDep
+from grader.service.web.access import ENTER, PEER, SESSION_COOKIE, ServicesDep, language_of
 from grader.service.web.entrance import own_address
-from grader.service.web.forms import require_own_form, set_private_cookie
-from grader.service.web.pages import language_of, page
+from grader.service.web.forms import OWN_FORM, set_private_cookie
+from grader.service.web.pages import page
 from grader.use_cases import signing_in
 from grader.use_cases.signing_in import Arrival
 
@@ -66,7 +66,7 @@ def come_back(request: Request, services: ServicesDep, provider_id: ProviderId) 
     return response
 
 
-@router.post("/bind", dependencies=[Depends(require_own_form)])
+@router.post("/bind", dependencies=OWN_FORM)
 def bind(
     request: Request,
     services: ServicesDep,
@@ -81,7 +81,7 @@ def bind(
     return _let_in(request, session, own_address(next))
 
 
-@router.post("/course", dependencies=[Depends(require_own_form)])
+@router.post("/course", dependencies=OWN_FORM)
 def choose(
     request: Request,
     services: ServicesDep,

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Response
 from starlette.concurrency import run_in_threadpool
 
 from grader.contracts.identity import Caller
 from grader.contracts.text import Language
-from grader.service.web.access import ServicesDep, StaffDep, Visitor, require_staff
-from grader.service.web.pages import language_of, page
+from grader.service.web.access import PageErrand, StaffDep, require_staff
+from grader.service.web.pages import page
 from grader.service.web.source import source_view
 from grader.similarity.places import Range
 from grader.store.scripts import HandedIn
@@ -47,42 +47,33 @@ class MarkedScript:
 
 
 @router.get("/{assignment_id}")
-async def read_similar(
-    request: Request, services: ServicesDep, visitor: StaffDep, assignment_id: str
-) -> Response:
+async def read_similar(errand: StaffDep, assignment_id: str) -> Response:
     """Show which scripts have something in common that few have, and which drove alike."""
-    found = await similar(services, visitor.caller, assignment_id)
+    found = await similar(errand.services, errand.caller, assignment_id)
 
     def made() -> Response:
-        known = names(services, visitor.caller)
+        known = names(errand.services, errand.caller)
         people = {
             one.student: person(known, one.student)
             for pair in (*found.pairs, *found.same_drives)
             for one in (pair.first, pair.second)
         }
-        title = _title(services, visitor.caller, assignment_id, language_of(request))
-        return page(request, "similar.html", title=title, similar=found, people=people)
+        title = _title(errand.services, errand.caller, assignment_id, errand.language)
+        return page(errand.request, "similar.html", title=title, similar=found, people=people)
 
     return await run_in_threadpool(made)
 
 
 @router.get("/{assignment_id}/pair")
-async def read_pair(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: ServicesDep,
-    visitor: StaffDep,
-    assignment_id: str,
-    first: _Id,
-    second: _Id,
-) -> Response:
+async def read_pair(errand: StaffDep, assignment_id: str, first: _Id, second: _Id) -> Response:
     """Show two of these scripts side by side, with what they have in common marked."""
-    shown = await side_by_side(services, visitor.caller, assignment_id, first, second)
+    shown = await side_by_side(errand.services, errand.caller, assignment_id, first, second)
 
     def made() -> Response:
-        title = _title(services, visitor.caller, assignment_id, language_of(request))
-        scripts = _scripts(services, visitor, shown)
+        title = _title(errand.services, errand.caller, assignment_id, errand.language)
+        scripts = _scripts(errand, shown)
         return page(
-            request,
+            errand.request,
             "similar_pair.html",
             title=title,
             assignment_id=assignment_id,
@@ -98,8 +89,8 @@ def _title(services: Services, caller: Caller, assignment_id: str, language: Lan
     return assignment_id if assignment is None else assignment.title.get(language)
 
 
-def _scripts(services: Services, visitor: Visitor, shown: SideBySide) -> tuple[MarkedScript, MarkedScript]:
-    known, pair = names(services, visitor.caller), shown.pair
+def _scripts(errand: PageErrand, shown: SideBySide) -> tuple[MarkedScript, MarkedScript]:
+    known, pair = names(errand.services, errand.caller), shown.pair
     ours = [(place.first, place.second) for place in pair.found.places]
     theirs = [(there, here) for here, there in ours]
 

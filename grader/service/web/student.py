@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, File, Form, Request, Response, UploadFile
+from fastapi import APIRouter, File, Form, Response, UploadFile
 from fastapi.responses import RedirectResponse
 
 from grader.checks import published_rubric
@@ -15,17 +15,16 @@ from grader.operation.context import note
 from grader.render.audit_lines import Teller
 from grader.service.requests.middleware import UploadRoute, arrival_of
 from grader.service.web import access
-from grader.service.web.access import COSTLY, KnownDep, MemberDep, ServicesDep, Visitor
+from grader.service.web.access import COSTLY, KnownDep, MemberDep, PageErrand
 from grader.service.web.errors import form_problem
-from grader.service.web.forms import require_own_form
-from grader.service.web.pages import language_of, page
+from grader.service.web.forms import OWN_FORM
+from grader.service.web.pages import page
 from grader.use_cases.appealing import pending
 from grader.use_cases.assignments import Terms, all_terms, checklist, terms_of, visible_assignment
 from grader.use_cases.commenting import unread
 from grader.use_cases.handing_in import Upload, hand_in, most_upload_bytes, upload_limit
 from grader.use_cases.practising import may_practise
 from grader.use_cases.regrading import unseen_changes
-from grader.use_cases.services import Services
 from grader.use_cases.submissions import PastAttempt, best_of, history
 
 router = APIRouter(include_in_schema=False)
@@ -34,36 +33,32 @@ _MOST_ATTEMPTS = 50
 
 
 @router.get("/", dependencies=[COSTLY])
-def read_assignments(request: Request, services: ServicesDep, visitor: MemberDep) -> Response:
+def read_assignments(errand: MemberDep) -> Response:
     """Show the checklist, with what the student reached so far."""
-    own = [one.submission for one in _attempts(services, visitor)]
+    own = [one.submission for one in _attempts(errand)]
     return page(
-        request,
+        errand.request,
         "assignments.html",
-        assignments=checklist(services, visitor.caller),
+        assignments=checklist(errand.services, errand.caller),
         best=best_of(own),
         latest={one.assignment: one for one in reversed(own)},
-        terms=all_terms(services, visitor.caller),
-        now=services.clock(),
-        unread=unread(services, visitor.caller),
-        appeals=pending(services, visitor.caller),
-        changed=unseen_changes(services, visitor.caller),
+        terms=all_terms(errand.services, errand.caller),
+        now=errand.services.clock(),
+        unread=unread(errand.services, errand.caller),
+        appeals=pending(errand.services, errand.caller),
+        changed=unseen_changes(errand.services, errand.caller),
     )
 
 
 @router.get("/assignments/{assignment_id}", dependencies=[COSTLY])
-def read_assignment(
-    request: Request, services: ServicesDep, visitor: MemberDep, assignment_id: str
-) -> Response:
+def read_assignment(errand: MemberDep, assignment_id: str) -> Response:
     """Show what is asked and how it earns points, and take a file."""
-    return _assignment_page(request, visible_assignment(services, visitor.caller, assignment_id))
+    return _assignment_page(errand, visible_assignment(errand.services, errand.caller, assignment_id))
 
 
-@uploads.post("/assignments/{assignment_id}", dependencies=[Depends(require_own_form)])
-def take_file(  # noqa: PLR0913, PLR0917
-    request: Request,
-    services: ServicesDep,
-    visitor: MemberDep,
+@uploads.post("/assignments/{assignment_id}", dependencies=OWN_FORM)
+def take_file(
+    errand: MemberDep,
     assignment_id: str,
     file: Annotated[UploadFile | None, File()] = None,
     student: Annotated[str, Form(max_length=200)] = "",
@@ -72,69 +67,69 @@ def take_file(  # noqa: PLR0913, PLR0917
 
     None was chosen where a browser does not insist on it: it is refused as any file without a name.
     """
-    assignment = visible_assignment(services, visitor.caller, assignment_id)
-    given = visitor.student or student.strip()
+    assignment = visible_assignment(errand.services, errand.caller, assignment_id)
+    given = errand.visitor.student or student.strip()
     upload = Upload(
         assignment=assignment.id,
         student=given,
         file_name="" if file is None else file.filename or "",
-        content=b"" if file is None else file.file.read(most_upload_bytes(services) + 1),
-        arrived_at=arrival_of(request),
+        content=b"" if file is None else file.file.read(most_upload_bytes(errand.services) + 1),
+        arrived_at=arrival_of(errand.request),
     )
     try:
-        submission, repeated = hand_in(services, visitor.caller, upload)
+        submission, repeated = hand_in(errand.services, errand.caller, upload)
     except RefusedError as problem:
         note(code=problem.code)
-        return _assignment_page(request, assignment, problem, student)
+        return _assignment_page(errand, assignment, problem, student)
     same = "?same=true" if repeated else ""
     response = RedirectResponse(f"/submissions/{submission.id}{same}", status_code=303)
-    if visitor.open:
-        access.enter_student(request, response, given)
+    if errand.visitor.open:
+        access.enter_student(errand.request, response, given)
     return response
 
 
 @router.get("/submissions", dependencies=[COSTLY])
-def read_attempts(request: Request, services: ServicesDep, visitor: KnownDep) -> Response:
+def read_attempts(errand: KnownDep) -> Response:
     """Show the student's earlier attempts, newest first."""
-    titles = {one.id: one.title for one in services.assignments.of(visitor.caller.course).all()}
-    own = _attempts(services, visitor)
+    titles = {one.id: one.title for one in errand.services.assignments.of(errand.caller.course).all()}
+    own = _attempts(errand)
     return page(
-        request,
+        errand.request,
         "attempts.html",
         attempts=own,
         titles=titles,
-        terms=all_terms(services, visitor.caller),
+        terms=all_terms(errand.services, errand.caller),
         newest={one.submission.assignment: one.submission.id for one in reversed(own)},
     )
 
 
-def _attempts(services: Services, visitor: Visitor, assignment: str | None = None) -> tuple[PastAttempt, ...]:
-    return () if visitor.student is None else history(services, visitor.caller, visitor.student, assignment)
+def _attempts(errand: PageErrand, assignment: str | None = None) -> tuple[PastAttempt, ...]:
+    student = errand.visitor.student
+    return () if student is None else history(errand.services, errand.caller, student, assignment)
 
 
 def _assignment_page(
-    request: Request, assignment: Assignment, problem: RefusedError | None = None, given: str = ""
+    errand: PageErrand, assignment: Assignment, problem: RefusedError | None = None, given: str = ""
 ) -> Response:
-    services: Services = request.app.state.services
-    visitor, language = access.visitor_of(request), language_of(request)
-    terms = None if visitor.caller.course is None else terms_of(services, visitor.caller, assignment.id)
+    services, caller, language = errand.services, errand.caller, errand.language
+    terms = None if caller.course is None else terms_of(services, caller, assignment.id)
     closed = None if terms is None or terms.refusal is None else RefusedError(terms.refusal.code)
     refused = None if problem is None else form_problem(problem, language, field="file")
     return page(
-        request,
+        errand.request,
         "assignment.html",
         status=200 if refused is None else refused.status,
         assignment=assignment,
         rubric=published_rubric(assignment),
         terms=terms,
         late="" if terms is None else _late(terms, language),
-        attempts=_attempts(services, visitor, assignment.id)[:_MOST_ATTEMPTS],
+        attempts=_attempts(errand, assignment.id)[:_MOST_ATTEMPTS],
         suffixes=SUFFIXES[assignment.input],
         max_bytes=upload_limit(services, assignment.input),
         closed=None if closed is None else form_problem(closed, language),
         refusal=refused,
         given=given,
-        practice=services.practice.offered and may_practise(services, visitor.caller, assignment),
+        practice=services.practice.offered and may_practise(services, caller, assignment),
     )
 
 

@@ -24,14 +24,21 @@ from grader.contracts.report import report_from
 from grader.contracts.submission import StoredReport, Submission
 from grader.formats.packages.bundle import line_in_text, text_of
 from grader.messages import on_page
-from grader.service.requests.answers import plot
-from grader.service.requests.compression import trajectory_answer
+from grader.service.requests.answers import plot, trajectory_answer
 from grader.service.routes.events import LastEventId, events, owner_of, watched
 from grader.service.web import access
-from grader.service.web.access import COSTLY, DRAWN, KnownDep, ServicesDep, SubmissionId, Visitor
+from grader.service.web.access import (
+    COSTLY,
+    DRAWN,
+    KnownDep,
+    PageErrand,
+    ServicesDep,
+    SubmissionId,
+    language_of,
+)
 from grader.service.web.comparison import DiffLine, changes
-from grader.service.web.forms import require_own_form
-from grader.service.web.pages import language_of, page
+from grader.service.web.forms import OWN_FORM
+from grader.service.web.pages import page
 from grader.service.web.result import (
     StreamText,
     figure_document,
@@ -65,100 +72,87 @@ class Changed:
 
 
 @router.get("", dependencies=[COSTLY])
-def read(  # noqa: PLR0913
-    request: Request,
-    services: ServicesDep,
-    visitor: KnownDep,
-    submission_id: SubmissionId,
-    case: Case = None,
-    *,
-    same: bool = False,
-) -> Response:
+def read(errand: KnownDep, submission_id: SubmissionId, case: Case = None, *, same: bool = False) -> Response:
     """Show where a submission stands, and its grading once there is one. `same`: the file was sent again."""
-    found = submissions.read(services, visitor.caller, submission_id)
+    found = submissions.read(errand.services, errand.caller, submission_id)
     submission = found.submission
-    access.require_own(visitor, submission)
-    assignment = published(services, visitor.caller, submission.assignment)
+    access.require_own(errand.visitor, submission)
+    assignment = published(errand.services, errand.caller, submission.assignment)
     return page(
-        request,
+        errand.request,
         "submission.html",
         submission=submission,
         assignment=assignment,
         progress=progress(
             submission.state,
             found.position,
-            left_s(found.estimated_finish_at, services.clock()),
-            language_of(request),
+            left_s(found.estimated_finish_at, errand.services.clock()),
+            errand.language,
             is_open=submissions.is_open(submission),
         ),
         late=found.lateness,
-        hiding=hiding(services, submission),
+        hiding=hiding(errand.services, submission),
         same=same,
-        corrections=_corrections(services, visitor, submission, found.grading),
-        source=_source(services, submission, found.grading),
-        line_of=lambda error: _line_of(services, submission, error),
-        **_beside(services, visitor, submission),
-        **_comments(services, visitor, submission),
-        told_changes=look_at_changes(services, visitor.caller, submission),
-        item_title=partial(item_title, language=language_of(request)),
-        **_appeals(services, visitor, submission, found.grading),
-        **_result(request, services, assignment, found.grading, case),
+        corrections=_corrections(errand, submission, found.grading),
+        source=_source(errand.services, submission, found.grading),
+        line_of=lambda error: _line_of(errand.services, submission, error),
+        **_beside(errand, submission),
+        **_comments(errand, submission),
+        told_changes=look_at_changes(errand.services, errand.caller, submission),
+        item_title=partial(item_title, language=errand.language),
+        **_appeals(errand, submission, found.grading),
+        **_result(errand, assignment, found.grading, case),
     )
 
 
-@router.post("/comments", dependencies=[Depends(require_own_form)])
+@router.post("/comments", dependencies=OWN_FORM)
 def write_comment(
-    services: ServicesDep,
-    visitor: KnownDep,
+    errand: KnownDep,
     submission_id: SubmissionId,
     text: Annotated[str, Form(max_length=20_000)] = "",
     line: Annotated[str, Form(max_length=20)] = "",
 ) -> Response:
     """Keep what staff or the student write about a submission, and lead back to it."""
     number = None if not line.strip() else int(line) if line.strip().isdecimal() else 0  # there is no line 0
-    added = commenting.add_comment(services, visitor.caller, submission_id, text, number)
+    added = commenting.add_comment(errand.services, errand.caller, submission_id, text, number)
     return RedirectResponse(f"/submissions/{submission_id}#comment-{added.number}", status_code=303)
 
 
 @router.get("/source")
-def download_source(services: ServicesDep, visitor: KnownDep, submission_id: SubmissionId) -> Response:
+def download_source(errand: KnownDep, submission_id: SubmissionId) -> Response:
     """Send the file as it was handed in, to be kept: a browser must not show what a student wrote."""
-    submission = access.require_sight(services, visitor, submission_id)
+    submission = access.require_sight(errand, submission_id)
     headers = {
         "Content-Disposition": f"attachment; filename*=UTF-8''{quote(submission.file_name, safe='')}",
         "X-Content-Type-Options": "nosniff",
     }
-    content = services.submissions.source(submission.id) or b""
+    content = errand.services.submissions.source(submission.id) or b""
     return Response(content, media_type="application/octet-stream", headers=headers)
 
 
 @router.get("/state.json")
-def read_state(
-    request: Request, services: ServicesDep, visitor: KnownDep, submission_id: SubmissionId
-) -> Response:
+def read_state(errand: KnownDep, submission_id: SubmissionId) -> Response:
     """Say where a submission stands: what the progress display asks for again and again."""
-    submission = access.require_sight(services, visitor, submission_id)
-    position, estimated_at = submissions.place(services, submission)
+    submission = access.require_sight(errand, submission_id)
+    position, estimated_at = submissions.place(errand.services, submission)
     document = progress(
         submission.state,
         position,
-        left_s(estimated_at, services.clock()),
-        language_of(request),
+        left_s(estimated_at, errand.services.clock()),
+        errand.language,
         is_open=submissions.is_open(submission),
     )
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
 
 
 async def _watched(
-    request: Request,
-    services: ServicesDep,
-    visitor: KnownDep,
-    submission_id: SubmissionId,
-    last_event_id: LastEventId = None,
+    errand: KnownDep, submission_id: SubmissionId, last_event_id: LastEventId = None
 ) -> AsyncIterator[SubjectWatch]:
-    await run_in_threadpool(access.require_sight, services, visitor, submission_id)
-    owner = owner_of(visitor.caller, f"visitor {visitor.student}")
-    async with watched(request, services, ("submission", submission_id), owner, last_event_id) as watch:
+    await run_in_threadpool(access.require_sight, errand, submission_id)
+    owner = owner_of(errand.caller, f"visitor {errand.visitor.student}")
+    async with watched(
+        errand.request, errand.services, ("submission", submission_id), owner, last_event_id
+    ) as watch:
         yield watch
 
 
@@ -183,76 +177,59 @@ async def follow(
 
 @router.get("/trajectory.json", dependencies=[COSTLY])
 def read_trajectory(
-    services: ServicesDep,
-    visitor: KnownDep,
+    errand: KnownDep,
     submission_id: SubmissionId,
     case: Case = None,
     accept_encoding: Annotated[str | None, Header()] = None,
 ) -> Response:
     """Return what the car did, for the replay."""
-    access.require_sight(services, visitor, submission_id)
-    recording = recordings.trajectory(services, visitor.caller, submission_id, case)
+    access.require_sight(errand, submission_id)
+    recording = recordings.trajectory(errand.services, errand.caller, submission_id, case)
     return trajectory_answer(recording, accept_encoding)
 
 
 @router.get("/sketch.json", dependencies=[COSTLY])
-def read_sketch(
-    request: Request,
-    services: ServicesDep,
-    visitor: KnownDep,
-    submission_id: SubmissionId,
-    case: Case = None,
-) -> Response:
+def read_sketch(errand: KnownDep, submission_id: SubmissionId, case: Case = None) -> Response:
     """Return what the checks saw in the motion; an empty object when they cannot say."""
-    _, stored = access.seen(services, visitor, submission_id)
+    _, stored = access.seen(errand, submission_id)
     run = None if stored is None else judged(stored).run_of(case)
     if stored is None or run is None:
         return JSONResponse({})
-    figure = recordings.measured_figure(services, visitor.caller, stored, run)
-    document = {} if figure is None else figure_document(figure, language_of(request))
+    figure = recordings.measured_figure(errand.services, errand.caller, stored, run)
+    document = {} if figure is None else figure_document(figure, errand.language)
     return JSONResponse(document)
 
 
 @router.get("/recording.mcap", dependencies=[COSTLY])
-def read_bag(
-    services: ServicesDep, visitor: KnownDep, submission_id: SubmissionId, case: Case = None
-) -> Response:
+def read_bag(errand: KnownDep, submission_id: SubmissionId, case: Case = None) -> Response:
     """Return one run as a ROS bag, to be saved."""
-    access.require_sight(services, visitor, submission_id)
-    bag = recordings.bag(services, visitor.caller, submission_id, case)
+    access.require_sight(errand, submission_id)
+    bag = recordings.bag(errand.services, errand.caller, submission_id, case)
     headers = {"Content-Disposition": f'attachment; filename="{bag.name}"'}
     return Response(bag.content, media_type="application/octet-stream", headers=headers)
 
 
 @router.get("/film.png", dependencies=[COSTLY])
-def read_film(
-    services: ServicesDep, visitor: KnownDep, submission_id: SubmissionId, case: Case = None
-) -> Response:
+def read_film(errand: KnownDep, submission_id: SubmissionId, case: Case = None) -> Response:
     """Return the pictures of a PyBullet world as one that moves."""
-    access.require_sight(services, visitor, submission_id)
-    drawn = recordings.film(services, visitor.caller, submission_id, case)
+    access.require_sight(errand, submission_id)
+    drawn = recordings.film(errand.services, errand.caller, submission_id, case)
     headers = {"ETag": f'"{drawn.tag}"'}
     return Response(drawn.content, media_type="image/png", headers=headers)
 
 
 @router.get("/plot.png", dependencies=[DRAWN])
-async def read_plot(
-    request: Request,
-    services: ServicesDep,
-    visitor: KnownDep,
-    submission_id: SubmissionId,
-    case: Case = None,
-) -> Response:
+async def read_plot(errand: KnownDep, submission_id: SubmissionId, case: Case = None) -> Response:
     """Return the picture of one run, for browsers without scripts and for comparing."""
-    await run_in_threadpool(access.require_sight, services, visitor, submission_id)
-    return await plot(services, visitor.caller, submission_id, case, language_of(request), "png")
+    await run_in_threadpool(access.require_sight, errand, submission_id)
+    return await plot(errand, submission_id, case, errand.language, "png")
 
 
 def _corrections(
-    services: Services, visitor: Visitor, submission: Submission, stored: StoredReport | None
+    errand: PageErrand, submission: Submission, stored: StoredReport | None
 ) -> dict[str, JudgedItem]:
     """Return the items by id, for whoever may correct what the machine gave; else none."""
-    if stored is None or not may_correct(services, visitor.caller, submission.assignment):
+    if stored is None or not may_correct(errand.services, errand.caller, submission.assignment):
         return {}
     return {one.id: one for one in judged_items(stored)}
 
@@ -269,41 +246,41 @@ def _line_of(services: Services, submission: Submission, error: StudentError) ->
     return line_in_text(source, error.file, error.line or 0)
 
 
-def _beside(services: Services, visitor: Visitor, submission: Submission) -> dict[str, Any]:
+def _beside(errand: PageErrand, submission: Submission) -> dict[str, Any]:
     """Return what the page shows beside a submission: other attempts, other students, what the rules say now."""
-    caller = visitor.caller
-    attempts = submissions.history(services, caller, submission.student, submission.assignment)
-    own = caller.course is not None and visitor.student == submission.student
+    caller = errand.caller
+    attempts = submissions.history(errand.services, caller, submission.student, submission.assignment)
+    own = caller.course is not None and errand.visitor.student == submission.student
     return {
         "attempts": attempts,
-        "changed": _changed(services, submission, [one.submission for one in attempts]),
-        "beside": submissions.student_in_class(services, caller, submission) if visitor.staff else None,
-        "terms": terms_of(services, caller, submission.assignment) if own else None,
+        "changed": _changed(errand.services, submission, [one.submission for one in attempts]),
+        "beside": submissions.student_in_class(errand.services, caller, submission)
+        if errand.visitor.staff
+        else None,
+        "terms": terms_of(errand.services, caller, submission.assignment) if own else None,
     }
 
 
-def _comments(services: Services, visitor: Visitor, submission: Submission) -> dict[str, Any]:
+def _comments(errand: PageErrand, submission: Submission) -> dict[str, Any]:
     """Return the comments by line, those about the whole under None, and what their authors are called."""
-    found = commenting.look(services, visitor.caller, submission)
+    found = commenting.look(errand.services, errand.caller, submission)
     by_line: dict[int | None, list[Comment]] = {}
     for one in found:
         by_line.setdefault(one.line, []).append(one)
     return {
         "comments": by_line,
-        "authors": commenting.author_names(services, found, submission.course),
+        "authors": commenting.author_names(errand.services, found, submission.course),
         "longest_comment": LONGEST_COMMENT,
-        "may_comment": visitor.caller.course is not None,
+        "may_comment": errand.caller.course is not None,
     }
 
 
-def _appeals(
-    services: Services, visitor: Visitor, submission: Submission, stored: StoredReport | None
-) -> dict[str, Any]:
+def _appeals(errand: PageErrand, submission: Submission, stored: StoredReport | None) -> dict[str, Any]:
     """Return the appeals by item, and the items about which the visitor may ask now."""
-    known = appealing.look(services, visitor.caller, submission)
+    known = appealing.look(errand.services, errand.caller, submission)
     return {
         "appeals": known,
-        "appealable": appealing.open_to(services, visitor.caller, submission, stored, known),
+        "appealable": appealing.open_to(errand.services, errand.caller, submission, stored, known),
         "longest_appeal": LONGEST_TEXT,
     }
 
@@ -335,21 +312,18 @@ def _cut_output(services: Services, stored: StoredReport) -> dict[str, tuple[Str
 
 
 def _result(
-    request: Request,
-    services: Services,
-    assignment: Assignment | None,
-    stored: StoredReport | None,
-    case: str | None,
+    errand: PageErrand, assignment: Assignment | None, stored: StoredReport | None, case: str | None
 ) -> dict[str, Any]:
     if stored is None:
         return {"result": None, "replay": False}
-    language = language_of(request)
+    language = errand.language
     report = judged(stored)
     run = report.run_of(case)
     if run is None and case is not None:
         raise RefusedError("no_trajectory", field="case", allowed=list(stored.cases))
-    caller = access.visitor_of(request).caller
-    figure = None if run is None else recordings.measured_figure(services, caller, stored, run)
+    figure = None
+    if run is not None:
+        figure = recordings.measured_figure(errand.services, errand.caller, stored, run)
     names = {name: on_page(language, f"figure.{name}") for name in _FIGURE_WORDS}
     result = result_page(report, assignment, language)
     in_room = assignment is not None and assignment.world.kind == "robot"
@@ -357,7 +331,7 @@ def _result(
         "result": result,
         "pictures": [part for part in result.runs if in_room and part.case in stored.cases],
         "run": run,
-        "cut": _cut_output(services, stored),
+        "cut": _cut_output(errand.services, stored),
         "parts": () if figure is None else figure_parts(figure, names),
         "replay": run is not None and run.case in stored.cases and _is_replayed(figure),
         "film": figure is not None and figure.view == "frames",

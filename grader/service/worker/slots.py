@@ -183,7 +183,7 @@ class GradingSlot:
         held = self._parts.clock() - self._claimed_at
         if held <= TURN or held.total_seconds() <= _TIMES_ORDINARY * (queue.median_duration_s() or 0.0):
             return
-        if queue.waits_in_turn():
+        if queue.is_due(in_turn=True):
             self.abandon(claim, gives_way=True)
 
     def close(self) -> None:

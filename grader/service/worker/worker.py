@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 
 from grader.contracts.errors import InfrastructureError
 from grader.operation.context import bound
@@ -96,7 +97,8 @@ class Worker:
 def _examiner(parts: WorkerParts, ready: Callable[[], bool]) -> Examiner | None:
     if parts.uploads is None:
         return None
-    return Examiner(parts.uploads, parts.assignments, ready=ready, students_wait=parts.queue.waits_in_turn)
+    students_wait = partial(parts.queue.is_due, in_turn=True)
+    return Examiner(parts.uploads, parts.assignments, ready=ready, students_wait=students_wait)
 
 
 @contextmanager

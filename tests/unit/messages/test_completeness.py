@@ -17,7 +17,7 @@ def measure_ids() -> set[str]:
     for kind, one in KINDS.items():
         for name, measure in one.measures.items():
             seen = ("yes", "no") if measure.form == "flag" else ("seen",)
-            ids |= {f"{kind}.{name}.{part}" for part in ("name", "hint", *seen)}
+            ids |= {f"{measure.of or kind}.{name}.{part}" for part in ("name", "hint", *seen)}
     return ids
 
 
@@ -74,14 +74,14 @@ def test_an_entry_that_is_given_twice_or_over_two_lines_is_found(
 ) -> None:
     text = file_of("en", "pages").read_text(encoding="utf-8")
     copy = tmp_path / "pages.po"
-    text += '\nmsgid "page.points"\nmsgstr "-"\n\nmsgid "page.no"\nmsgstr ""\n"no"\n'
+    text += '\nmsgid "page.points"\nmsgstr "-"\n\nmsgid "page.skip"\nmsgstr ""\n"no"\n'
     copy.write_text(text, encoding="utf-8")
     monkeypatch.setattr(
         check, "file_of", lambda *names: copy if names == ("en", "pages") else file_of(*names)
     )
     faults = list(check.differences())
     assert "en: page.points stands there 2 times" in faults
-    assert "en: page.no stands there 2 times" in faults
+    assert "en: page.skip stands there 2 times" in faults
 
 
 def test_a_value_in_two_languages_is_inserted_in_each() -> None:

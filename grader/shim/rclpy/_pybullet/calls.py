@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import os
 import struct
 
 TYPE_CHECKING = False
@@ -12,55 +13,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from typing import Any
 
-RECORDED = (
-    "stepSimulation",
-    "setJointMotorControl2",
-    "setJointMotorControlArray",
-    "setJointMotorControl",
-    "setJointMotorControlMultiDof",
-    "setJointMotorControlMultiDofArray",
-    "connect",
-    "disconnect",
-    "resetSimulation",
-    "setAdditionalSearchPath",
-    "loadURDF",
-    "loadSDF",
-    "loadMJCF",
-    "loadTexture",
-    "createCollisionShape",
-    "createCollisionShapeArray",
-    "createVisualShape",
-    "createVisualShapeArray",
-    "createMultiBody",
-    "removeBody",
-    "removeCollisionShape",
-    "setGravity",
-    "setTimeStep",
-    "setPhysicsEngineParameter",
-    "setDefaultContactERP",
-    "changeDynamics",
-    "changeVisualShape",
-    "resetVisualShapeData",
-    "resetBasePositionAndOrientation",
-    "resetBaseVelocity",
-    "resetJointState",
-    "resetJointStateMultiDof",
-    "resetJointStatesMultiDof",
-    "applyExternalForce",
-    "applyExternalTorque",
-    "createConstraint",
-    "changeConstraint",
-    "removeConstraint",
-    "setCollisionFilterPair",
-    "setCollisionFilterGroupMask",
-    "enableJointForceTorqueSensor",
-    "performCollisionDetection",
-    "resetDebugVisualizerCamera",
-    "getLinkState",
-    "getLinkStates",
-)
-"""Functions whose calls are recorded, by their numbers on the wire. The last two only where they recompute the
-links' places, which the physics then starts from."""
+with open(os.path.join(os.path.dirname(__file__), "recorded.txt"), encoding="ascii") as _file:
+    RECORDED = tuple(_file.read().split())
+"""Functions whose calls are recorded, by their numbers on the wire; the trusted side reads the same file. The last
+two only where they recompute the links' places, which the physics then starts from."""
 
 MAX_CALL_BYTES = 32_768
 """A longer call does not fit into a frame with others."""

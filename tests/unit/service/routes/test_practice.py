@@ -231,11 +231,11 @@ def test_a_queued_submission_waits_for_nobody(
     services: Services, upload: Callable[..., httpx.Response], school: Any, clock: FakeClock
 ) -> None:
     """What the composition gives to practice as `submissions_wait`."""
-    assert not services.queue.waits()
+    assert not services.queue.is_due()
     upload(student="", headers=school.as_("li"))
-    assert services.queue.waits()
+    assert services.queue.is_due()
     assert services.queue.claim("w") is not None
-    assert not services.queue.waits()
+    assert not services.queue.is_due()
 
 
 def test_a_run_is_followed_to_its_end(follow: Follow, practise: Practise, grader: Recording) -> None:
