@@ -118,7 +118,7 @@ def command_mistakes(
     if (found := _unfit_commands(run, world)) is not None:
         return found
     if (longest_ns := _longest_motion_ns(run.trajectory)) < TOO_BRIEF_NS:
-        if (motions := times_begun(map(is_motion, run.trajectory.commands))) > _MANY_MOTIONS:
+        if (motions := times_begun(map(is_motion, run.trajectory.commands))) > MANY_MOTIONS:
             return (mistake("stop_in_loop", times=motions),)
         return (mistake("too_brief", longest=number(longest_ns / 1e6, "ms")),)
     return _timeouts(run.trajectory, outcome, turns, drives)
@@ -130,8 +130,9 @@ def only_turned(run: Run, spoilt: tuple[str, ...]) -> Iterator[Mistake]:
         return  # it was told to drive, but sideways
     moves = moves_of(run.trajectory)
     if moves and not any(abs(command.v_mps) > MOVING_MPS for command in moves):
-        # the theta of a script that hears nothing belongs to a teleport
-        by_pose = run.outcome.hears and ScriptText(run.source).lines_with(r"\.theta\b|\borientation\b")
+        # the pose of a script that hears nothing belongs to a teleport
+        place = r"\.theta\b|\borientation\b|(?<!linear)\.x ?[-+)]|[-+] ?[\w.]+(?<!linear)\.x\b"
+        by_pose = run.outcome.hears and ScriptText(run.source).lines_with(place)
         yield swings(run, spoilt) or mistake("no_drive_by_pose" if by_pose else "no_drive", spoilt)
 
 
@@ -539,10 +540,10 @@ def not_called(run: Run) -> Mistake | None:
     """Recognise a function that was named where it should have been called, or not awaited."""
     if (coroutine := _UNAWAITED.search(run.outcome.stderr.text)) is not None:
         return _unawaited(coroutine[1], ScriptText(run.source))
-    named = ScriptText(run.source).uncalled
-    if named is None:
+    script = ScriptText(run.source)
+    if (named := script.uncalled) is None:
         return None
-    given = "msg" if named.name.endswith(".publish") else ""
+    given = (script.message_beside(named.line) or "msg") if named.name.endswith(".publish") else ""
     return mistake("not_called", line=named.line, name=named.name, call=f"{named.name}({given})")
 
 
@@ -661,7 +662,7 @@ def _empty_message(script: ScriptText) -> Mistake | None:
     if not filled or not publishes:
         return None
     if fresh == publishes:
-        return mistake("publishes_empty", line=fresh[0])
+        return mistake("publishes_empty", line=fresh[0], message=script.message_beside(fresh[0]) or "msg")
     if (other := _other_message(script, filled[0], publishes)) is not None:
         return other
     later = all(number > publishes[-1] for number in filled)
@@ -690,7 +691,7 @@ def _other_message(script: ScriptText, filled: int, publishes: list[int]) -> Mis
 TOO_BRIEF_NS = 50_000_000  # three updates of turtlesim
 
 
-_MANY_MOTIONS = 40  # more than the sides and corners of any figure, driven twice
+MANY_MOTIONS = 40  # more than the sides and corners of any figure, driven twice
 
 
 def times_begun(flags: Iterable[bool]) -> int:

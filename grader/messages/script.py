@@ -294,6 +294,19 @@ class ScriptText:
         found = (re.match(rf"(?:def|class) (\w{{1,{LONGEST_NAME}}})\b", line) for line in self.lines)
         return [one[1] for one in found if one is not None]
 
+    def is_behind(self, number: int, first: int) -> bool:
+        """Whether a line may run after the line `first` above it: it is in no other branch of an ``if``."""
+        around = [self.owner_of(first)]
+        while (above := around[-1]) is not None:
+            around.append(self.owner_of(above))
+        head = number
+        while (above := self.owner_of(head)) not in around:
+            head = above or number
+        between = self.lines[first : head - 1]
+        own = rf"[ \t]{{{_indent(self.lines[head - 1])}}}if\b"
+        other = re.match(r"[ \t]*(elif|else)\b", self.lines[head - 1])
+        return other is None or any(re.match(own, line) for line in between)
+
     def conditions_of(self, number: int) -> list[str]:
         """Return the heads of the blocks around a line, up to its function; of an ``else`` also its ``if``."""
         heads: list[str] = []
@@ -357,7 +370,9 @@ class ScriptText:
             if _indent(line) > indent:
                 continue  # inside a block that is judged by its head, or the rest of a call
             if re.match(r"[ \t]*(def|class|if __name__)\b", line):
-                return False
+                if self.function_around(number) or line.startswith("if"):
+                    return False
+                continue
             indent = _indent(line)
             if line.strip() == f"{self.function_around(number)}()":
                 continue
@@ -437,6 +452,13 @@ class ScriptText:
                 return above
             above = self.owner_of(above)
         return None
+
+    def message_beside(self, number: int) -> str | None:
+        """Return the only variable that the function around a line makes a Twist of, if there is one above."""
+        around = self.function_around(number)
+        twists = self.matches(r"^[ \t]*([\w.]+) ?= ?Twist\(")
+        made = {found[1] for at, found in twists if at <= number and self.function_around(at) == around}
+        return made.pop() if len(made) == 1 else None
 
     def given_in(self, name: str) -> set[str]:
         """Return the attributes of ``self`` that the function of that name assigns."""

@@ -89,6 +89,8 @@ _COUNTED: Final = (
 
 _TURNED_LONG: Final = frozenset(("endless_turn", "turns_too_far", "too_slow"))
 
+_TOO_FAR: Final = frozenset(("wall_hit", "turns_behind_loop"))
+
 _BY_POSE: Final = _LOST | {"side_goes_on", "turned_instead", "no_turns"}
 """Mistakes that a wrong comparison with a pose may cause."""
 
@@ -102,8 +104,8 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_COUNTED, counts.set_to_plus),
     (_COUNTED | _BY_POSE | {"curved"}, flow.state_never_set),
     (_STUCK | _NO_MOTION | {"turned_instead", "endless_turn", "never_stops"}, flow.compared_only),
-    (_STUCK | _TURNED_LONG | {"place_never_stops"}, ticks.sleeps_in_callback),
-    (_STUCK | {"endless_turn"}, ticks.ticks_too_long),
+    (_STUCK | _TURNED_LONG | _TOO_FAR | {"place_never_stops"}, ticks.sleeps_in_callback),
+    (_STUCK | _TOO_FAR | {"endless_turn", "no_turns"}, ticks.ticks_too_long),
     (_BY_POSE | _COUNT | {"wall_hit"}, steering.equals_exactly),
     (_BY_POSE | _CORNERS | _COUNT | {"endless_turn", "degrees_as_radians"}, steering.degrees_added),
     (_NO_MOTION | _LOST | {"never_stops", "wall_hit", "side_goes_on", "endless_turn"}, flow.deaf_loop),
@@ -124,7 +126,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_NO_MOTION | _SHORT, numbers.int_is_zero),
     (_NO_MOTION | _COUNT, numbers.negative_time),
     (_NO_MOTION | _SHORT, times.clock_before_sleep),
-    (_NO_MOTION | _COUNT | {"turned_instead"}, times.start_once),
+    (_SHORT | _NO_MOTION | _COUNT | {"turned_instead"}, times.start_once),
     (_NO_MOTION, times.since_1970),
     (_NO_MOTION, times.waits_for_past),
     (_NO_MOTION | {"never_stops", "endless_turn"}, counts.count_anew),
@@ -138,7 +140,6 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
         numbers.degrees_for_radians,
     ),
     (_CORNERS | _LOST | {"degrees_as_radians", "no_drive_by_pose"}, numbers.degrees_of_radians),
-    (_LOST | _WRONG_WAY | {"no_drive_by_pose"}, steering.yaw_without_sign),
     (_LOST | _WRONG_WAY | {"no_drive_by_pose"}, steering.quaternion_for_yaw),
     (_WRONG_WAY, steering.arctan_exchanged),
     (_LOST | _WRONG_WAY | {"no_drive_by_pose", "turned_instead"}, steering.turns_away),
@@ -147,15 +148,15 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("turns_too_short", "one_corner_off")), steering.wide_tolerance),
     (_CORNERS | _COUNT | {"no_turns", "wall_hit", "curved", "arcs"}, flow.timers_overrule),
     (_CORNERS - {"one_radian"}, times.wrong_time),
-    (frozenset(("turns_too_short", "one_corner_off", "turn_too_short", "too_short")), numbers.ticks_cut),
+    (_SHORT | {"one_corner_off"}, numbers.ticks_cut),
     (_SHORT | {"no_turns", "too_brief", "turned_instead"}, ticks.count_not_reset),
     (_SHORT | _COUNT | {"unequal_sides", "drives_too_brief", "turned_instead"}, ticks.sum_not_reset),
     (_SHORT, ticks.counts_ticks),
     (_COUNT | {"too_slow"}, times.sleeps_on),
     (_COUNT, flow.removes_in_loop),
-    (_COUNT, flow.leaves_loop),
+    (_COUNT | {"drives_too_brief", "too_brief"}, flow.leaves_loop),
     (_COUNT | {"no_turns"}, flow.skips_rest),
-    (frozenset(("no_turns",)), flow.branch_without_publish),
+    (_STUCK | {"no_turns", "no_drive"}, flow.branch_without_publish),
     (_COUNT, times.timer_ends),
     (_COUNT, flow.no_loop),
     (_LENGTHS | _CORNERS | _COUNT | {"other_figure"}, counts.always_true),
@@ -168,7 +169,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("wrong_lengths",)), given.clamped),
     (frozenset(("wrong_lengths",)), given.parameter_default),
     (frozenset(("stopped_at_once", "too_brief", "stop_in_loop")), flow.timer_stops),
-    (_NOT_ON, flow.spin_once),
+    (_NOT_ON | {"no_turns", "too_short", "turn_too_short"}, flow.spin_once),
     (_NOT_ON, flow.ends_in_callback),
     (frozenset(("log_not_reached",)), flow.level_raised),
     (frozenset(("log_not_reached",)), flow.log_behind_spin),
@@ -180,13 +181,11 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("wrong_topic",)), flow.lookalike),
     (frozenset(("never_published",)), flow.no_publish),
     (frozenset(("never_published", "publish_not_reached")), flow.long_period),
-    (frozenset(("publisher_not_reached",)), flow.class_not_made),
+    (frozenset(("publisher_not_reached", "log_not_reached")), flow.class_not_made),
     (frozenset(("publish_not_reached",)), flow.returns_before),
     (frozenset(("publish_not_reached",)), flow.lambda_names),
     (_WAITS, flow.waits_for_two),
     (_KEPT_BUSY, flow.loop_for_spin),
-    (frozenset(("cpu_limit",)), flow.timer_in_timer),
-    (frozenset(("cpu_limit",)), flow.large_message),
     (frozenset(("error_hidden",)), numbers.hidden_int),
 )
 """Mistakes, each with a function that looks for a cause of them; the first cause that is found counts."""

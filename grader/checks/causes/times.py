@@ -53,7 +53,29 @@ def start_once(seen: Searched) -> Mistake | None:
         around = "__init__" if owner else ""
         if once and seen.script.function_around(line) == around and len(again) > bool(owner):
             return mistake("start_once", line=line, name=owner + name, again=found.string.strip())
+        if owner and _counts_motions(owner + name, seen.script):
+            return mistake("start_once", line=line, name=owner + name, again=found.string.strip())
     return None
+
+
+def _counts_motions(start: str, script: ScriptText) -> bool:
+    """Whether a timer's callback counts its motions up where a time since `start` is over, which it never sets."""
+    for _, callback in script.callbacks("timer")[:1]:
+        made = script.definition(callback)
+        block = script.block(made.line) if made is not None else []
+        ends = [
+            found
+            for text in block
+            if (found := re.match(r"[ \t]*(?:if|elif) ([\w.]+) ?[<>]=? ?([\w.]+) ?:$", text))
+            and _passed(found[1], start, block)
+        ]
+        raised = [text for text in block if re.match(r"[ \t]*self\.\w+ ?\+= ?1$", text)]
+        grows = ends and script.lines_with(rf"{itself(ends[0][2])} ?(\+=|= ?{itself(ends[0][2])} ?\+)")
+        if len(ends) == len(raised) == 1 and not grows:
+            return {script.function_around(at) for at in script.lines_with(rf"{itself(start)} ?=(?!=)")} == {
+                "__init__"
+            }
+    return False
 
 
 def _assigns(name: str, at: int, script: ScriptText) -> bool:
@@ -105,7 +127,9 @@ def waits_for_past(seen: Searched) -> Mistake | None:
 
 def nanoseconds_unit(seen: Searched) -> Mistake | None:
     """Find nanoseconds that are compared with seconds, or with seconds times something else than 1e9."""
-    for line, found in seen.script.matches(rf"\.nanoseconds\)* ?[<>]=? ?({_TIMES_OR_NAME})\)* ?:"):
+    for line, found in seen.script.matches(
+        rf"\.nanoseconds(?: ?- ?[\w.]+)?\)* ?[<>]=? ?({_TIMES_OR_NAME})\)* ?:"
+    ):
         name, factor = found[1].partition("*")[0].strip(), found[1].partition("*")[2].strip()
         value = value_of(found[1], seen.script)
         right = f"{name} * 1e9"
@@ -123,7 +147,9 @@ def not_seconds(seen: Searched) -> Mistake | None:
         name, divisor = found[1], value_of(found[3], seen.script) if found[3] else 1.0
         if divisor is None or not 1.0 <= divisor < _TO_SECONDS:
             continue
-        compared = seen.script.matches(rf"\b(?:if|elif|while)\b.*{itself(name)} ?[<>]=? ?([\w.]+)")
+        compared = seen.script.matches(
+            rf"\b(?:if|elif|while)\b.*{itself(name)} ?[<>]=? ?([\w.]+)(?![\w.]| ?\*)"
+        )
         limits = [value_of(one[1], seen.script) for _, one in compared]
         if any(limit is not None and 0.0 < limit < _FEW_SECONDS for limit in limits):
             return mistake("not_seconds", line=line, name=name, right=f"{name} = {found[2]} / 1e9")
@@ -293,18 +319,19 @@ def no_stop_between(seen: Searched) -> Mistake | None:
     lasts = [(one, (until - one.t_ns) / 1e9) for one, until in with_ends(seen.run.trajectory)]
     held = [
         (one, lasted_s)
-        for (one, lasted_s), after in zip(lasts, commands[1:], strict=False)
-        if one.w_radps and not one.v_mps and after.v_mps and lasted_s >= _HELD_S
+        for (one, lasted_s), after in zip(lasts, [*commands[1:], None], strict=True)
+        if one.w_radps and not one.v_mps and (after is None or after.v_mps) and lasted_s >= _HELD_S
     ]
     usual_s = sorted(lasted_s for _, lasted_s in lasts)[len(lasts) // 2] if lasts else 0.0
     corner, item = seen.findings.measures.get("corner_deg"), seen.assignment.item_on("corner_deg")
     if len(held) < 2 or corner is None or item is None or item.low is None or item.high is None:
         return None
-    extra_deg = min(math.degrees(abs(one.w_radps)) * (lasted_s - usual_s) for one, lasted_s in held)
-    if abs(corner.value - (item.low + item.high) / 2.0 - extra_deg) > _BESIDE_DEG:
+    extra_deg = [math.degrees(abs(one.w_radps)) * (lasted_s - usual_s) for one, lasted_s in held]
+    excess_deg = corner.value - (item.low + item.high) / 2.0
+    if not any(abs(excess_deg - extra) <= _BESIDE_DEG for extra in extra_deg):
         return None
     values = {"paused": number(held[0][1], "s"), "publisher": seen.script.publisher_name}
-    return mistake("no_stop_between", excess=number(extra_deg, "deg"), **values)
+    return mistake("no_stop_between", excess=number(min(extra_deg), "deg"), **values)
 
 
 _HELD_S: Final = 0.1
