@@ -259,9 +259,7 @@ def _behind_spin(run: Run) -> Mistake | None:
         return None
     if call.line in script.lines_with(r"\btarget ?= ?[\w.]*\bspin\("):
         return mistake("thread_called", line=call.line)
-    around: list[int | None] = [script.owner_of(call.line)]  # the blocks in which the first call stands
-    while (block := around[-1]) is not None:
-        around.append(script.owner_of(block))
+    around = {None, *(at for at, _ in script.outwards(call.line))}
     inside = script.function_around(call.line)
     for line in script.lines_with(r"\brclpy\.spin\("):
         if line > call.line and script.function_around(line) == inside and script.owner_of(line) in around:

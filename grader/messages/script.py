@@ -195,20 +195,13 @@ class ScriptText:
 
     def in_method(self, number: int) -> bool:
         """Whether the given line stands in a function whose first parameter is ``self``."""
-        above: int | None = number if 0 < number <= len(self.lines) else None
-        while above is not None:
-            if re.match(r"[ \t]*def\b", self.lines[above - 1]):
-                return re.search(r"\([ \t]*self\b", self.lines[above - 1]) is not None
-            above = self.owner_of(above)
-        return False
+        heads = (head for _, head in self.outwards(number) if re.match(r"[ \t]*def\b", head))
+        return re.search(r"\([ \t]*self\b", next(heads, "")) is not None
 
     def object_at(self, number: int) -> str:
         """Return what the node is called on a line: ``self`` in a method, else the variable that keeps it."""
-        above: int | None = number if 0 < number <= len(self.lines) else None
-        while above is not None:
-            if re.match(r"[ \t]*def \w+ ?\( ?self\b", self.lines[above - 1]):
-                return "self"
-            above = self.owner_of(above)
+        if any(re.match(r"[ \t]*def \w+ ?\( ?self\b", head) for _, head in self.outwards(number)):
+            return "self"
         made = rf"^[ \t]*(\w+) ?= ?{self.node_class}\("
         return next((found[1] for _, found in self.matches(made)), "node")
 
@@ -276,6 +269,13 @@ class ScriptText:
         """Return the line that begins the block in which the given line stands; None at the top level."""
         return self._owners[number - 1] if 0 < number <= len(self.lines) else None
 
+    def outwards(self, number: int) -> Iterator[tuple[int, str]]:
+        """Yield the given line and those that begin the blocks around it, the innermost first, with their text."""
+        above = number if 0 < number <= len(self.lines) else None
+        while above is not None:
+            yield above, self.lines[above - 1]
+            above = self._owners[above - 1]
+
     @cached_property
     def _owners(self) -> list[int | None]:
         owners: list[int | None] = []
@@ -296,36 +296,30 @@ class ScriptText:
 
     def is_behind(self, number: int, first: int) -> bool:
         """Whether a line may run after the line `first` above it: it is in no other branch of an ``if``."""
-        around = [self.owner_of(first)]
-        while (above := around[-1]) is not None:
-            around.append(self.owner_of(above))
-        head = number
-        while (above := self.owner_of(head)) not in around:
-            head = above or number
-        between = self.lines[first : head - 1]
-        own = rf"[ \t]{{{_indent(self.lines[head - 1])}}}if\b"
-        other = re.match(r"[ \t]*(elif|else)\b", self.lines[head - 1])
-        return other is None or any(re.match(own, line) for line in between)
+        inside = dict(self.outwards(number))
+        others = dict(self._heads_of(number)).keys() - inside.keys()
+        return not others.intersection(dict(self.outwards(first)))
 
     def conditions_of(self, number: int) -> list[str]:
         """Return the heads of the blocks around a line, up to its function; of an ``else`` also its ``if``."""
-        heads: list[str] = []
-        above = self.owner_of(number)
-        while above is not None and not re.match(r"[ \t]*(def|class)\b", self.lines[above - 1]):
-            heads += self._chain(above)
-            above = self.owner_of(above)
-        return heads
+        return [head for _, head in self._heads_of(number)]
 
-    def _chain(self, number: int) -> list[str]:
-        """Return the head of a block, and of an ``elif`` or ``else`` also those before it, up to ``if``."""
-        heads = [self.lines[number - 1]]
-        indent = _indent(heads[0])
-        for line in reversed(self.lines[: number - 1]):
-            if not re.match(r"[ \t]*(elif|else)\b", heads[-1]) or (line.strip() and _indent(line) < indent):
-                break
-            if line.strip() and _indent(line) == indent:
-                heads.append(line)
-        return heads
+    def _heads_of(self, number: int) -> Iterator[tuple[int, str]]:
+        """Yield the same with their lines."""
+        for at, head in itertools.islice(self.outwards(number), 1, None):
+            if re.match(r"[ \t]*(def|class)\b", head):
+                return
+            yield at, head
+            last = head
+            for above in range(at - 1, 0, -1):
+                line = self.lines[above - 1]
+                if not re.match(r"[ \t]*(elif|else)\b", last) or (
+                    line.strip() and _indent(line) < _indent(head)
+                ):
+                    break
+                if line.strip() and _indent(line) == _indent(head):
+                    yield above, line
+                    last = line
 
     @property
     def counters(self) -> set[str]:
@@ -382,13 +376,9 @@ class ScriptText:
 
     def function_around(self, number: int) -> str:
         """Return the name of the function in which the given line stands; nothing at the top level."""
-        above = self.owner_of(number)
-        while above is not None:
-            found = re.match(r"[ \t]*def (\w+)", self.lines[above - 1])
-            if found is not None:
-                return found[1]
-            above = self.owner_of(above)
-        return ""
+        around = itertools.islice(self.outwards(number), 1, None)
+        names = (found[1] for _, head in around if (found := re.match(r"[ \t]*def (\w+)", head)))
+        return next(names, "")
 
     @property
     def uncalled(self) -> Mention | None:
@@ -435,23 +425,17 @@ class ScriptText:
 
     def loop_of(self, number: int) -> int | None:
         """Return the line of the innermost ``while`` around the given line, in the same function."""
-        above: int | None = number
-        while above is not None and 0 < above <= len(self.lines):
-            if re.match(r"[ \t]*while\b", self.lines[above - 1]):
-                return above
-            if above != number and re.match(r"[ \t]*(def|class)\b", self.lines[above - 1]):
+        for at, head in self.outwards(number):
+            if re.match(r"[ \t]*while\b", head):
+                return at
+            if at != number and re.match(r"[ \t]*(def|class)\b", head):
                 return None
-            above = self.owner_of(above)
         return None
 
     def for_of(self, number: int, counter: str) -> int | None:
         """Return the line of the ``for`` around the given line that counts with `counter`."""
-        above: int | None = number if 0 < number <= len(self.lines) else None
-        while above is not None:
-            if re.match(rf"[ \t]*for {re.escape(counter)} in\b", self.lines[above - 1]):
-                return above
-            above = self.owner_of(above)
-        return None
+        begins = rf"[ \t]*for {re.escape(counter)} in\b"
+        return next((at for at, head in self.outwards(number) if re.match(begins, head)), None)
 
     def message_beside(self, number: int) -> str | None:
         """Return the only variable that the function around a line makes a Twist of, if there is one above."""

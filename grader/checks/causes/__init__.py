@@ -162,7 +162,6 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_LENGTHS | _CORNERS | _COUNT | {"other_figure"}, counts.always_true),
     (_LENGTHS | {"never_stops", "sides_extra", "drove_on", "turned_on"}, counts.counter_unchanged),
     (frozenset(("one_corner_off", "unequal_sides", "turns_too_far")), counts.grows),
-    (_NO_MOTION | _LENGTHS, given.other_kind),
     (_NO_MOTION | _SILENT | {"no_input", "exited_early"}, given.whole_only),
     (frozenset(("none_in_sum", "still_none", "crashed")), given.no_default),
     (frozenset(("wrong_lengths",)), given.rounded),

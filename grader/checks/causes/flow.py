@@ -299,12 +299,10 @@ def long_period(seen: Searched) -> Mistake | None:
 def class_not_made(seen: Searched) -> Mistake | None:
     """Find a class that has the publisher, or logs, but of which the script creates no object."""
     for line in seen.script.lines_with(r"\bcreate_publisher\(|\bget_logger\("):
-        above: int | None = line
-        while above is not None and not re.match(r"class (\w+)", seen.script.lines[above - 1]):
-            above = seen.script.owner_of(above)
-        found = re.match(r"class (\w+)", seen.script.lines[above - 1]) if above is not None else None
-        if found is not None and not seen.script.lines_with(rf"(?<!class )\b{found[1]}\b"):
-            return mistake("class_not_made", name=found[1], begins=above)
+        for begins, head in seen.script.outwards(line):
+            found = re.match(r"class (\w+)", head)
+            if found is not None and not seen.script.lines_with(rf"(?<!class )\b{found[1]}\b"):
+                return mistake("class_not_made", name=found[1], begins=begins)
     return None
 
 

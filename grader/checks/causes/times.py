@@ -49,33 +49,22 @@ def start_once(seen: Searched) -> Mistake | None:
         waits = seen.script.lines_with(rf"\bwhile\b.*{itself(owner + name)}")
         waits = [at for at in waits if not _guards(seen.script.lines[at - 1])]
         waits = waits if owner else [at for at in waits if not _assigns(name, at, seen.script)]
-        again = waits if owner else [at for at in waits if _runs_again(at, seen.script)]
+        waits = waits if owner else [at for at in waits if _runs_again(at, seen.script)]
         around = "__init__" if owner else ""
-        if once and seen.script.function_around(line) == around and len(again) > bool(owner):
-            return mistake("start_once", line=line, name=owner + name, again=found.string.strip())
-        if owner and _counts_motions(owner + name, seen.script):
+        again = len(waits) > bool(owner) or (owner and _counts_motions(owner + name, seen.script))
+        if once and again and seen.script.function_around(line) == around:
             return mistake("start_once", line=line, name=owner + name, again=found.string.strip())
     return None
 
 
 def _counts_motions(start: str, script: ScriptText) -> bool:
-    """Whether a timer's callback counts its motions up where a time since `start` is over, which it never sets."""
-    for _, callback in script.callbacks("timer")[:1]:
-        made = script.definition(callback)
-        block = script.block(made.line) if made is not None else []
-        ends = [
-            found
-            for text in block
-            if (found := re.match(r"[ \t]*(?:if|elif) ([\w.]+) ?[<>]=? ?([\w.]+) ?:$", text))
-            and _passed(found[1], start, block)
-        ]
-        raised = [text for text in block if re.match(r"[ \t]*self\.\w+ ?\+= ?1$", text)]
-        grows = ends and script.lines_with(rf"{itself(ends[0][2])} ?(\+=|= ?{itself(ends[0][2])} ?\+)")
-        if len(ends) == len(raised) == 1 and not grows:
-            return {script.function_around(at) for at in script.lines_with(rf"{itself(start)} ?=(?!=)")} == {
-                "__init__"
-            }
-    return False
+    """Whether a timer's callback raises one count where a time since `start` passes a limit that does not grow."""
+    made = [script.definition(name) for _, name in script.callbacks("timer")[:1]]
+    block = script.block(made[0].line) if made and made[0] is not None else []
+    heads = [re.match(r"[ \t]*(?:if|elif) ([\w.]+) ?[<>]=? ?([\w.]+) ?:$", text) for text in block]
+    limits = [found[2] for found in heads if found is not None and _passed(found[1], start, block)]
+    raised = [text for text in block if re.match(r"[ \t]*self\.\w+ ?\+= ?1$", text)]
+    return len(limits) == len(raised) == 1 and not script.lines_with(rf"{itself(limits[0])} ?(\+=|=.*\+)")
 
 
 def _assigns(name: str, at: int, script: ScriptText) -> bool:
