@@ -546,18 +546,20 @@ def not_called(run: Run) -> Mistake | None:
 
 
 def _unawaited(name: str, script: ScriptText) -> Mistake:
-    """Return how to run a coroutine: with asyncio if it awaits `asyncio.sleep`, else as a plain function."""
+    """Return how to run a coroutine: by await in another one, with asyncio where that is used, else plainly."""
     calls = script.lines_with(rf"^[ \t]*(\w+\.)*{name}\(.*\)$")
     if len(calls) != 1 or not script.lines_with(r"\basyncio\.sleep\("):
         return mistake("never_awaited", name=name)
     call = script.lines[calls[0] - 1].strip()
-    return mistake("await_with_asyncio", name=name, line=calls[0], call=call)
+    inside = any(re.match(r"[ \t]*async def\b", head) for _, head in script.outwards(calls[0]))
+    right = f"await {call}" if inside else f"asyncio.run({call})"
+    return mistake("await_with_asyncio", name=name, line=calls[0], right=right)
 
 
 def _not_reached(run: Run, kind: str) -> Mistake | None:
     """Recognise a publisher (of `kind`, unless empty) on a line that the script never reached."""
     script = ScriptText(run.source)
-    lines = script.lines_with(rf"\bcreate_publisher\(\s*{kind}")
+    lines = script.lines_with(rf"(?<!def )\bcreate_publisher\(\s*{kind}")
     if not lines:
         return None
     if (named := not_called(run)) is not None:

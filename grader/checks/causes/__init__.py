@@ -109,10 +109,10 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_BY_POSE | _COUNT | {"wall_hit"}, steering.equals_exactly),
     (_BY_POSE | _CORNERS | _COUNT | {"endless_turn", "degrees_as_radians"}, steering.degrees_added),
     (_NO_MOTION | _LOST | {"never_stops", "wall_hit", "side_goes_on", "endless_turn"}, flow.deaf_loop),
-    (_STUCK | _NO_MOTION | _LOST | _SILENT, flow.kept_local),
+    (_STUCK | _NO_MOTION | _BY_POSE | _SILENT, flow.kept_local),
     (_NO_MOTION | _LOST | _SILENT | _BY_POSE, flow.kept_global),
     (_NO_MOTION | _LOST | _SILENT | _WAITS, flow.thread_runs_here),
-    (_NO_MOTION | _SILENT | {"never_spun", "stalled"}, flow.thread_not_started),
+    (_NO_MOTION | _SILENT | _BY_POSE | {"never_spun", "stalled"}, flow.thread_not_started),
     (_NO_MOTION | _SILENT, flow.never_filled),
     (_TIMED, times.nanoseconds_unit),
     (_TIMED, times.not_seconds),
@@ -174,7 +174,8 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("log_not_reached",)), flow.log_behind_spin),
     (frozenset(("log_not_reached",)), flow.long_period),
     (
-        _NO_MOTION | {"log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on"},
+        _NO_MOTION
+        | {"stopped_at_once", "log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on"},
         flow.uncalled,
     ),
     (frozenset(("wrong_topic",)), flow.lookalike),
