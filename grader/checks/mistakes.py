@@ -662,7 +662,8 @@ def _empty_message(script: ScriptText) -> Mistake | None:
     if not filled or not publishes:
         return None
     if fresh == publishes:
-        return mistake("publishes_empty", line=fresh[0], message=script.message_beside(fresh[0]) or "msg")
+        message = re.split(r"\.(?:linear|angular)", script.lines[filled[0] - 1].strip())[0]
+        return mistake("publishes_empty", line=fresh[0], filled=filled[0], message=message)
     if (other := _other_message(script, filled[0], publishes)) is not None:
         return other
     later = all(number > publishes[-1] for number in filled)

@@ -142,7 +142,8 @@ def list_too_short(error: StudentError, written: str, script: ScriptText) -> Clo
         if script.lines_with(rf"\b{name}\.(append|extend|insert|pop|remove|clear)\(|\b{name} ?\+="):
             continue
         length = len([part for part in inside[1].split(",") if part.strip()])
-        number = script.for_of(error.line or 0, index)
+        around = script.outwards(error.line or 0)
+        number = next((at for at, head in around if re.match(rf"[ \t]*for {index} in\b", head)), None)
         turns = re.search(r"range\( ?(\d+) ?\)", script.lines[number - 1]) if number else None
         if number and length and turns is not None and int(turns[1]) > length:
             values = {"length": length, "turns": turns[1], "loop": number, "given": made.line}

@@ -41,7 +41,7 @@ _SIGNS: Final = (
     (_LINE + r"<(\?xml|!DOCTYPE|html|launch|package|robot)\b", "markup_file"),
     (_LINE + r"(\}\s*)?(else[ \t]+if|elseif|elsif)\b", "else_if"),
     (_LINE + r"else[ \t]+[^:\n]+:", "else_condition"),
-    (r"SyntaxError: invalid syntax\n.*\n +(?P<word>else|elif)\b.*:", "else_alone"),
+    (r"SyntaxError: invalid syntax\n.*\n +(?P<word>else|elif(?=[ \t]+\w))\b.*:", "else_alone"),
     (_LINE + r"(%\w|!\w|(In|Out) ?\[\d*\] ?:)", "pasted_mark"),
     (
         _LINE + r"(//|/\*|\}|(int|void)[ \t]+main[ \t]*\(|(for|while|if)[ \t]*\([^)\n]*;|"

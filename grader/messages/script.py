@@ -296,15 +296,14 @@ class ScriptText:
 
     def is_behind(self, number: int, first: int) -> bool:
         """Whether a line may run after the line `first` above it: it is in no other branch of an ``if``."""
-        inside = dict(self.outwards(number))
-        others = dict(self._heads_of(number)).keys() - inside.keys()
-        return not others.intersection(dict(self.outwards(first)))
+        others = dict(self.heads_of(number)).keys() - dict(self.outwards(number)).keys()
+        return others.isdisjoint(dict(self.outwards(first)))
 
     def conditions_of(self, number: int) -> list[str]:
         """Return the heads of the blocks around a line, up to its function; of an ``else`` also its ``if``."""
-        return [head for _, head in self._heads_of(number)]
+        return [head for _, head in self.heads_of(number)]
 
-    def _heads_of(self, number: int) -> Iterator[tuple[int, str]]:
+    def heads_of(self, number: int) -> Iterator[tuple[int, str]]:
         """Yield the same with their lines."""
         for at, head in itertools.islice(self.outwards(number), 1, None):
             if re.match(r"[ \t]*(def|class)\b", head):
@@ -425,17 +424,8 @@ class ScriptText:
 
     def loop_of(self, number: int) -> int | None:
         """Return the line of the innermost ``while`` around the given line, in the same function."""
-        for at, head in self.outwards(number):
-            if re.match(r"[ \t]*while\b", head):
-                return at
-            if at != number and re.match(r"[ \t]*(def|class)\b", head):
-                return None
-        return None
-
-    def for_of(self, number: int, counter: str) -> int | None:
-        """Return the line of the ``for`` around the given line that counts with `counter`."""
-        begins = rf"[ \t]*for {re.escape(counter)} in\b"
-        return next((at for at, head in self.outwards(number) if re.match(begins, head)), None)
+        heads = itertools.chain(itertools.islice(self.outwards(number), 1), self.heads_of(number))
+        return next((at for at, head in heads if re.match(r"[ \t]*while\b", head)), None)
 
     def message_beside(self, number: int) -> str | None:
         """Return the only variable that the function around a line makes a Twist of, if there is one above."""

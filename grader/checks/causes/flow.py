@@ -249,10 +249,9 @@ def uncalled(seen: Searched) -> Mistake | None:
     """Find a function that is named and not called; where no motion came, one that is called nowhere else."""
     named = seen.script.uncalled
     loud = {"log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on"}
-    if named is not None and seen.mistake.code not in loud:
-        called = rf"(?<!def )\b{re.escape(named.name.rpartition('.')[2])}\("
-        return None if seen.script.lines_with(called) else not_called(seen.run)
-    return not_called(seen.run)
+    name = "" if named is None else re.escape(named.name.rpartition(".")[2])
+    called = seen.script.lines_with(rf"(?<!def )\b{name}\(") if name else []
+    return None if called and seen.mistake.code not in loud else not_called(seen.run)
 
 
 def lookalike(seen: Searched) -> Mistake | None:
@@ -282,8 +281,7 @@ def no_publish(seen: Searched) -> Mistake | None:
     if made is None:
         return None
     last, _ = (seen.script.body(made.line) or [(made.line, "")])[-1]
-    message = seen.script.message_beside(last) or "msg"
-    call = f"{seen.script.publisher or 'self.pub'}.publish({message})"
+    call = f"{seen.script.publisher or 'self.pub'}.publish({seen.script.message_beside(last) or 'msg'})"
     return mistake("no_publish", name=timers[0][1], begins=made.line, call=call)
 
 

@@ -117,6 +117,5 @@ _READ_IN: Final = r"\binput\(|\bget_parameter\(.*value\b"
 def no_default(seen: Searched) -> Mistake | None:
     """Find a parameter that is declared without a default, in a run that sets none."""
     lines = seen.script.lines_with(r'\bdeclare_parameter\( ?"" ?\)')
-    return (
-        mistake("no_default", line=lines[0]) if lines and (seen.case is None or not seen.case.args) else None
-    )
+    unset = seen.case is None or not seen.case.args
+    return mistake("no_default", line=lines[0]) if lines and unset else None

@@ -43,7 +43,7 @@ def _loops_on(seen: Searched, name: str, after: int) -> bool:
 
 def start_once(seen: Searched) -> Mistake | None:
     """Find a start time that only ``__init__`` or the module sets, though several motions are measured from it."""
-    for line, found in seen.script.matches(rf"^(?:[ \t]*(self\.)|)(\w+) ?= ?.*{CLOCK}"):
+    for line, found in list(seen.script.matches(rf"^(?:[ \t]*(self\.)|)(\w+) ?= ?.*{CLOCK}"))[:_MOST_CLOCKS]:
         owner, name = found[1] or "", found[2]
         once = not owner or seen.script.assigned(name) is not None
         waits = seen.script.lines_with(rf"\bwhile\b.*{itself(owner + name)}")
@@ -51,10 +51,13 @@ def start_once(seen: Searched) -> Mistake | None:
         waits = waits if owner else [at for at in waits if not _assigns(name, at, seen.script)]
         waits = waits if owner else [at for at in waits if _runs_again(at, seen.script)]
         around = "__init__" if owner else ""
-        again = len(waits) > bool(owner) or (owner and _counts_motions(owner + name, seen.script))
-        if once and again and seen.script.function_around(line) == around:
+        here = once and seen.script.function_around(line) == around
+        if here and (len(waits) > bool(owner) or (owner and _counts_motions(owner + name, seen.script))):
             return mistake("start_once", line=line, name=owner + name, again=found.string.strip())
     return None
+
+
+_MOST_CLOCKS: Final = 50  # each is looked for in all lines
 
 
 def _counts_motions(start: str, script: ScriptText) -> bool:
