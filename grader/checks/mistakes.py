@@ -118,7 +118,7 @@ def command_mistakes(
     if (found := _unfit_commands(run, world)) is not None:
         return found
     if (longest_ns := _longest_motion_ns(run.trajectory)) < TOO_BRIEF_NS:
-        if (motions := times_begun(map(is_motion, run.trajectory.commands))) > _MANY_MOTIONS:
+        if (motions := times_begun(map(is_motion, run.trajectory.commands))) > MANY_MOTIONS:
             return (mistake("stop_in_loop", times=motions),)
         return (mistake("too_brief", longest=number(longest_ns / 1e6, "ms")),)
     return _timeouts(run.trajectory, outcome, turns, drives)
@@ -130,8 +130,9 @@ def only_turned(run: Run, spoilt: tuple[str, ...]) -> Iterator[Mistake]:
         return  # it was told to drive, but sideways
     moves = moves_of(run.trajectory)
     if moves and not any(abs(command.v_mps) > MOVING_MPS for command in moves):
-        # the theta of a script that hears nothing belongs to a teleport
-        by_pose = run.outcome.hears and ScriptText(run.source).lines_with(r"\.theta\b|\borientation\b")
+        # the pose of a script that hears nothing belongs to a teleport
+        place = r"\.theta\b|\borientation\b|(?<!linear)\.x ?[-+)]|[-+] ?[\w.]+(?<!linear)\.x\b"
+        by_pose = run.outcome.hears and ScriptText(run.source).lines_with(place)
         yield swings(run, spoilt) or mistake("no_drive_by_pose" if by_pose else "no_drive", spoilt)
 
 
@@ -258,9 +259,7 @@ def _behind_spin(run: Run) -> Mistake | None:
         return None
     if call.line in script.lines_with(r"\btarget ?= ?[\w.]*\bspin\("):
         return mistake("thread_called", line=call.line)
-    around: list[int | None] = [script.owner_of(call.line)]  # the blocks in which the first call stands
-    while (block := around[-1]) is not None:
-        around.append(script.owner_of(block))
+    around = {None, *(at for at, _ in script.outwards(call.line))}
     inside = script.function_around(call.line)
     for line in script.lines_with(r"\brclpy\.spin\("):
         if line > call.line and script.function_around(line) == inside and script.owner_of(line) in around:
@@ -539,26 +538,28 @@ def not_called(run: Run) -> Mistake | None:
     """Recognise a function that was named where it should have been called, or not awaited."""
     if (coroutine := _UNAWAITED.search(run.outcome.stderr.text)) is not None:
         return _unawaited(coroutine[1], ScriptText(run.source))
-    named = ScriptText(run.source).uncalled
-    if named is None:
+    script = ScriptText(run.source)
+    if (named := script.uncalled) is None:
         return None
-    given = "msg" if named.name.endswith(".publish") else ""
+    given = (script.message_beside(named.line) or "msg") if named.name.endswith(".publish") else ""
     return mistake("not_called", line=named.line, name=named.name, call=f"{named.name}({given})")
 
 
 def _unawaited(name: str, script: ScriptText) -> Mistake:
-    """Return how to run a coroutine: with asyncio if it awaits `asyncio.sleep`, else as a plain function."""
+    """Return how to run a coroutine: by await in another one, with asyncio where that is used, else plainly."""
     calls = script.lines_with(rf"^[ \t]*(\w+\.)*{name}\(.*\)$")
     if len(calls) != 1 or not script.lines_with(r"\basyncio\.sleep\("):
         return mistake("never_awaited", name=name)
     call = script.lines[calls[0] - 1].strip()
-    return mistake("await_with_asyncio", name=name, line=calls[0], call=call)
+    inside = any(re.match(r"[ \t]*async def\b", head) for _, head in script.outwards(calls[0]))
+    right = f"await {call}" if inside else f"asyncio.run({call})"
+    return mistake("await_with_asyncio", name=name, line=calls[0], right=right)
 
 
 def _not_reached(run: Run, kind: str) -> Mistake | None:
     """Recognise a publisher (of `kind`, unless empty) on a line that the script never reached."""
     script = ScriptText(run.source)
-    lines = script.lines_with(rf"\bcreate_publisher\(\s*{kind}")
+    lines = script.lines_with(rf"(?<!def )\bcreate_publisher\(\s*{kind}")
     if not lines:
         return None
     if (named := not_called(run)) is not None:
@@ -661,7 +662,8 @@ def _empty_message(script: ScriptText) -> Mistake | None:
     if not filled or not publishes:
         return None
     if fresh == publishes:
-        return mistake("publishes_empty", line=fresh[0])
+        message = re.split(r"\.(?:linear|angular)", script.lines[filled[0] - 1].strip())[0]
+        return mistake("publishes_empty", line=fresh[0], filled=filled[0], message=message)
     if (other := _other_message(script, filled[0], publishes)) is not None:
         return other
     later = all(number > publishes[-1] for number in filled)
@@ -690,7 +692,7 @@ def _other_message(script: ScriptText, filled: int, publishes: list[int]) -> Mis
 TOO_BRIEF_NS = 50_000_000  # three updates of turtlesim
 
 
-_MANY_MOTIONS = 40  # more than the sides and corners of any figure, driven twice
+MANY_MOTIONS = 40  # more than the sides and corners of any figure, driven twice
 
 
 def times_begun(flags: Iterable[bool]) -> int:

@@ -142,7 +142,8 @@ def list_too_short(error: StudentError, written: str, script: ScriptText) -> Clo
         if script.lines_with(rf"\b{name}\.(append|extend|insert|pop|remove|clear)\(|\b{name} ?\+="):
             continue
         length = len([part for part in inside[1].split(",") if part.strip()])
-        number = script.for_of(error.line or 0, index)
+        around = script.outwards(error.line or 0)
+        number = next((at for at, head in around if re.match(rf"[ \t]*for {index} in\b", head)), None)
         turns = re.search(r"range\( ?(\d+) ?\)", script.lines[number - 1]) if number else None
         if number and length and turns is not None and int(turns[1]) > length:
             values = {"length": length, "turns": turns[1], "loop": number, "given": made.line}
@@ -299,15 +300,16 @@ def overwritten(error: StudentError, written: str, script: ScriptText) -> Closer
 def too_early(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Recognise a method called before the line of the same function that assigns what it needs."""
     found = re.search(r"has no attribute '(\w+)'", error.message)
-    made = script.assigned(found[1]) if found else None
-    if found is None or made is None or script.function_around(made.line) != "__init__":
-        return None
+    given = [] if found is None else [line for line, _ in script.attributes_set.get(found[1], ())]
+    given = [line for line in given if script.function_around(line) == "__init__"]
     around = script.function_around(error.line or 0) if error.line else ""
     calls = script.lines_with(rf"\bself\.{re.escape(around)}\(") if around else []
-    early = [n for n in calls if n < made.line and script.function_around(n) == "__init__"]
-    if not early or around == "__init__":
+    early = [n for n in calls if given and n < given[0] and script.function_around(n) == "__init__"]
+    if found is None or not early or around == "__init__":
         return None
-    return "called_too_early", {"name": found[1], "given": made.line, "called": early[0], "method": around}
+    if script.hands_over(early[0], around):
+        return called_here(error, written, script)
+    return "called_too_early", {"name": found[1], "given": given[0], "called": early[0], "method": around}
 
 
 def imported_as(error: StudentError, written: str, script: ScriptText) -> Closer:

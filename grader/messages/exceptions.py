@@ -41,7 +41,7 @@ _SIGNS: Final = (
     (_LINE + r"<(\?xml|!DOCTYPE|html|launch|package|robot)\b", "markup_file"),
     (_LINE + r"(\}\s*)?(else[ \t]+if|elseif|elsif)\b", "else_if"),
     (_LINE + r"else[ \t]+[^:\n]+:", "else_condition"),
-    (r"SyntaxError: invalid syntax\n.*\n +(?P<word>else|elif)\b.*:", "else_alone"),
+    (r"SyntaxError: invalid syntax\n.*\n +(?P<word>else|elif(?=[ \t]+\w))\b.*:", "else_alone"),
     (_LINE + r"(%\w|!\w|(In|Out) ?\[\d*\] ?:)", "pasted_mark"),
     (
         _LINE + r"(//|/\*|\}|(int|void)[ \t]+main[ \t]*\(|(for|while|if)[ \t]*\([^)\n]*;|"
@@ -49,12 +49,14 @@ _SIGNS: Final = (
         "c_syntax",
     ),
     (r"SyntaxError: invalid decimal literal" + r".*\n.*\n.*\d\.\d*f\b", "c_syntax"),
+    (r"NameError: .*" + _AT + r".*[\d)\]]  +//+ *[A-Za-z\u4e00-\u9fff][\w ]*\n", "c_syntax"),
     (_LINE + r"[^\"'#\n]*\d[ \t]*(m/s|rad/s|rad|m|s|cm|米|秒|度|弧度)(?!\w)", "unit_in_code"),
     (_LINE + r"(.*\W)?(?P<name>[A-Za-z_][\w.]*)(\+\+|--)[ \t]*[;)]?[ \t]*(#.*)?\n", "increment"),
     (r"SyntaxError: .*Maybe you meant '==' .*\n.*\n +(if|elif|while)\b", "single_equals"),
     (_LINE + r"(if|elif|while|return|\w+[ \t]*=)\b[^\"'#\n]*(&&|\|\||![\w (])", "c_operator"),
     (
-        _LINE + r"(int|float|double|bool|string|String|var|let|const|auto)[ \t]+[A-Za-z_]\w*[ \t]*(=|;|\n)",
+        _LINE
+        + r"(int|float|double|bool|string|String|var|let|const|auto)[ \t]+[A-Za-z_][\w.]*[ \t]*(=|;|\n)",
         "typed_name",
     ),
     (_LINE + r"(class|def)[ \t]+\w+[ \t]+\w+[ \t]*[(:]", "blank_in_name"),
@@ -72,6 +74,7 @@ _SIGNS: Final = (
         r"SyntaxError: invalid syntax.*\n.*\n +([^\"'#\n]*[(,][ \t]*)?(?P<topic>/[A-Za-z]\w*(/\w+)*)[ \t]*[,)]",
         "topic_without_quotes",
     ),
+    (_LINE + r"def[ \t]+\w+[ \t]*\([^()\n]*\w[ \t]+\w", "missing_comma"),
     (r"SyntaxError: f-string: ", "f_string"),
     (r"SyntaxError: expected '\('", "def_parentheses"),
     (r"SyntaxError: expected 'except' or 'finally' block", "try_alone"),
@@ -225,7 +228,12 @@ _SIGNS: Final = (
     ),
     (r"TypeError: Node\.__init__\(\) missing", "no_super_init"),
     (r"TypeError: create_node\(\) missing .*'node_name'", "no_node_name"),
-    (r"TypeError: init\(\) takes 0 positional.*" + _AT + r".*\brclpy\.init\(", "init_arguments"),
+    (
+        r"(TypeError: init\(\) takes 0 positional|NameError: name 'arg[sv]*' is not).*"
+        + _AT
+        + r".*\brclpy\.init\(",
+        "init_arguments",
+    ),
     (r"TypeError: Node\.__init__\(\) (takes 2 positional|got an unexpected keyword)", "node_name_only"),
     (
         r"AttributeError: '\w+' object has no attribute '(_(clock|default_callback_group|logger|parameters|"
@@ -284,7 +292,7 @@ _SIGNS: Final = (
     (r"TypeError: '(?!type)\w+' object is not callable", "not_callable"),
     (r"TypeError: 'NoneType' object does not support the context manager protocol", "with_init"),
     (
-        r"(AttributeError: (?=')|TypeError: (?!.*(keyword|positional) argument))"
+        r"(AttributeError: (?=')(?!.*'handle')|TypeError: (?!.*(keyword|positional) argument))"
         r"(?:(?! attribute ).)*['\"](builtin_function_or_method|function|method)['\"]",
         "function_not_called",
     ),
@@ -316,7 +324,7 @@ _SIGNS: Final = (
     (r"TypeError: unsupported operand type\(s\) for .*'property'", "field_of_class"),
     (r"ModuleNotFoundError: No module named '(rospy|roslib|rosbag|roslaunch)\b", "ros_1"),
     (
-        r"ModuleNotFoundError: No module named '(getch|keyboard|msvcrt|pygame|pynput|readchar)\b",
+        r"ModuleNotFoundError: No module named '(getch|keyboard|msvcrt|pynput|readchar)\b",
         "no_terminal",
     ),
     (r"(ModuleNotFound|Import)Error: ", "missing_module"),
@@ -612,13 +620,23 @@ def _args(error: StudentError, script: ScriptText) -> Closer:
 
 
 def _made_late(error: StudentError, script: ScriptText) -> Closer:
-    """Look closer at a node that was made without ``init``: it may have been named only, or ended already."""
+    """Look closer at a node that was made without ``init``: it was named only, ended already, or never reached."""
     made = script.lines_with(rf"(?<!class )\b({script.node_class}|Node|create_node)\(")
     ended = [number for number in script.lines_with(r"\bshutdown\(") if made and number < made[-1]]
     begun = [number for number in script.lines_with(r"\brclpy\.init\(") if ended and number < ended[0]]
     if begun and script.function_around(ended[0]) == script.function_around(made[-1]):
         return "shutdown_early", {"where": _where(ended)}
+    functions = {script.function_around(line) for line in script.lines_with(r"\brclpy\.init\(")}
+    name = functions.pop() if len(functions) == 1 else ""
+    if (main := script.definition(name)) is not None and not script.calls(name):
+        return "never_called", {"name": name, "begins": main.line}
     return _not_started(error, script)
+
+
+def _object_for_class(error: StudentError, script: ScriptText) -> Closer:
+    """Find the publisher that was given an object for the class of its messages, which shows at ``publish``."""
+    lines = script.lines_with(r"\bcreate_publisher\( ?\w+\( ?\)") if "isinstance" in error.message else []
+    return ("wrong_order", {"line": lines[0]}) if lines else None
 
 
 def _where(lines: list[int]) -> Text | str:
@@ -647,6 +665,7 @@ _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
     "no_request": _service,
     "urdf_not_found": _urdf,
     "not_initialized": _made_late,
+    "wrong_order": _object_for_class,
     "syntax_error": _statement,
     "text_for_number": _text,
     "wrong_parameters": _parameters,

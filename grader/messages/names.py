@@ -64,7 +64,7 @@ _MODULES: Final = tuple(dict.fromkeys((
 _LIBRARIES_NOT_HERE: Final = frozenset((
     "PIL", "RPi", "bs4", "cv2", "cv_bridge", "flask", "gazebo_msgs", "gym",
     "gymnasium", "imageio", "moveit_msgs", "nav2_simple_commander", "open3d",
-    "openai", "pandas", "psutil", "pybullet", "pybullet_data", "requests", "scipy", "seaborn", "serial",
+    "openai", "pandas", "psutil", "pybullet", "pybullet_data", "pygame", "requests", "scipy", "seaborn", "serial",
     "skimage", "sklearn", "smbus", "spidev", "sympy", "tensorflow", "torch", "torchvision", "tqdm",
     "transforms3d", "ultralytics", "usb", "yolov5",
 ))  # fmt: skip
@@ -125,15 +125,21 @@ _OF_ROS_1: Final = {
     "loginfo": "node.get_logger().info('...')",
     "sleep": "time.sleep(0.1)",
     "Time": "node.get_clock().now()",
-    "create_publisher": "node.create_publisher(Twist, '/turtle1/cmd_vel', 10)",
-    "create_timer": "node.create_timer(0.1, callback)",
     "Service": "node.create_service(SetBool, '/my_service', callback)",
     "ServiceProxy": "node.create_client(Spawn, '/spawn')",
     "Timer": "node.create_timer(0.1, callback)",
     "get_param": "node.declare_parameter('side', 2.0).value",
-    "get_logger": "node.get_logger()",
 }
 """Attributes that ``rclpy`` does not have, each with what to write instead."""
+
+
+def _of_ros_1(used: str, name: str, line: int, script: ScriptText) -> Closer:
+    """Say what ROS 2 has instead, with the node as it is called on that line."""
+    instead = _OF_ROS_1.get(name, "rclpy").replace("node.", f"{script.object_at(line)}.")
+    if script.lines_with(r"\brclpy\.init\("):
+        instead = instead.removeprefix("rclpy.init(); ")
+    return "ros_1_habit", {"name": used, "instead": instead}
+
 
 _DURATION_OF_ROS_1: Final = {
     "to_sec": ".nanoseconds / 1e9",
@@ -151,7 +157,7 @@ def is_of_node(owner: str | None, name: str, script: ScriptText) -> bool:
     return made is not None and made.takes_self and not script.class_without_base(owner or "")
 
 
-def _name(error: StudentError) -> Closer:
+def _name(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at an unknown name."""
     found = re.match(r"name '(\w+)' is not defined", error.message)
     if found is None:
@@ -164,8 +170,7 @@ def _name(error: StudentError) -> Closer:
         return "underscores", {}
     if name == "rospy":
         used = re.search(r"\brospy\.(\w+)", written)
-        instead = _OF_ROS_1.get(used[1] if used else "", "rclpy")
-        return "ros_1_habit", {"name": used[0] if used else name, "instead": instead}
+        return _of_ros_1(used[0] if used else name, used[1] if used else "", error.line or 0, script)
     if name in _OTHER_LANGUAGES:
         return "other_language", {"name": name, "instead": _OTHER_LANGUAGES[name]}
     if name in IMPORTS:
@@ -175,8 +180,8 @@ def _name(error: StudentError) -> Closer:
     suggestion = suggested(error)
     if suggestion is None:
         return None
-    is_called = re.search(rf"\b{name}[ \t]*\(", written) is not None
-    if not is_called and suggestion not in ("True", "False", "None") and _is_function(suggestion, name):
+    is_class = re.search(rf"\b{name}[ \t]*\(|^class\b.*\({name}\b", written) is not None
+    if not is_class and suggestion not in ("True", "False", "None") and _is_function(suggestion, name):
         return None  # `node`, which nobody made, is not the class `Node`, nor `size` the function `slice`
     return "misspelt", {"suggestion": suggestion}
 
@@ -203,14 +208,13 @@ def unknown_name(error: StudentError, script: ScriptText) -> Closer:
     if found is None:
         return None
     name, line, written = found[1], error.line or 0, script_line(error)
-    if re.search(rf"({_NAMING})\([ \t]*{name}[ \t]*[,)]", written):
+    if re.search(rf"({_NAMING})\([ \t]*{name}[ \t]*[,)]", written) or _is_text(name, written, script):
         return "name_without_quotes", {"name": name}
     node = script.object_at(line)
     made = script.definition(name)
     if made is not None and made.takes_self:
         called = re.search(rf"\b{name}[ \t]*\(", written) is not None
-        values = {"name": name, "call": "(...)" if called else ""}
-        return ("missing_self", values) if node == "self" else ("missing_object", {**values, "object": node})
+        return _of_node(name, "(...)" if called else "", line, script)
     if made is not None and script.owner_of(made.line) is not None:
         return "function_inside", {"name": name, "begins": made.line}
     if name in _NODE_ATTRIBUTES and script.in_method(line):
@@ -225,11 +229,26 @@ def unknown_name(error: StudentError, script: ScriptText) -> Closer:
         return closer
     if script.node_class and name not in _OTHER_LANGUAGES and _is_node(name, written):
         return "node_not_made", {"name": name, "owner": script.node_class}
-    return _nearest_own(name, line, script, _name(error))
+    return _nearest_own(name, line, script, _name(error, script))
+
+
+def _of_node(name: str, call: str, line: int, script: ScriptText) -> Closer:
+    """Say that a method belongs to the object, and what that is called on the line."""
+    node = script.object_at(line)
+    code = "missing_self" if node == "self" else "missing_object"
+    return code, {"name": name, "call": call, "object": node}
 
 
 _NAMING: Final = r"\b__init__|\bNode|\bcreate_node|\b(?:get|declare|has)_parameter"
 """Calls whose first argument is a name, which is text."""
+
+
+def _is_text(name: str, written: str, script: ScriptText) -> bool:
+    """Whether a line assigns, or compares with, what stands in quotes elsewhere: the name of a state."""
+    quoted = (script.written(line) for line in script.lines_with('""'))
+    return re.search(rf"(=|\bis( not)?) ?{name}( ?[:#]|$)", written) is not None and any(
+        re.search(rf"[\"']{name}[\"']", text) for text in quoted
+    )
 
 
 def _assigned_in_class(name: str, script: ScriptText) -> list[int]:
@@ -246,10 +265,14 @@ def _nearest_own(name: str, line: int, script: ScriptText, otherwise: Closer) ->
         return otherwise
     if not script.is_short or len(name) > LONGEST_NAME:
         return otherwise
-    if script.publisher and re.search(
-        rf"(?<![\w.]){name}\.publish\(", "".join(script.lines[line - 1 : line])
-    ):
+    text = "".join(script.lines[line - 1 : line])
+    if script.publisher and re.search(rf"(?<![\w.]){name}\.publish\(", text):
         return "misspelt", {"suggestion": script.publisher}
+    if (message := script.message_beside(line)) is not None:
+        if re.search(rf"\.publish\( ?{name} ?\)|(?<![\w.]){name}\.(linear|angular)\b", text):
+            return "misspelt", {"suggestion": message}
+        if name in ("linear", "angular"):
+            return "misspelt", {"suggestion": f"{message}.{name}"}
     if name in script.defined_names:
         begins = script.lines_with(rf"^(def|class) {name}\b")[-1]
         return ("defined_below", {"name": name, "begins": begins}) if begins > line else None
@@ -267,6 +290,8 @@ def _of_other(local: Assigned, line: int, script: ScriptText) -> Closer:
         return None
     if script.in_method(line) and local.value.startswith(f"{script.node_class}("):
         return "node_is_self", {"name": local.name, "given": local.line}
+    if re.search(r"\b(now|time)\(", local.value):
+        return None  # each of the functions takes a time of its own
     both = script.in_method(line) and script.in_method(local.line)
     code = "local_of_method" if both else "local_of_function"
     return code, {"name": local.name, "given": local.line, "function": around[0]}
@@ -306,10 +331,12 @@ def _of_module(error: StudentError, script: ScriptText) -> Closer:
     if found is None:
         return None
     module, name = found.groups()
-    if (module, name) == ("time", "now"):
+    if module == "time" and name in ("now", "clock"):
         return "misspelt", {"suggestion": "time.time()"}
     if module == "rclpy" and name in _OF_ROS_1:
-        return "ros_1_habit", {"name": f"rclpy.{name}", "instead": _OF_ROS_1[name]}
+        return _of_ros_1(f"rclpy.{name}", name, error.line or 0, script)
+    if module == "rclpy" and name in _NODE_ATTRIBUTES:
+        return _of_node(name, "(...)", error.line or 0, script)
     if module == "rclpy" and IMPORTS.get(name, "").startswith("from rclpy."):
         return "not_in_module", {"name": name, "statement": IMPORTS[name]}
     if name in ("msg", "srv", "action") or f"{module}.{name}" in _MODULES:
@@ -397,7 +424,7 @@ def _own_attribute(owner: str, name: str, script: ScriptText) -> Closer:
         return "no_base_class", {"line": begins}
     made = script.definition(name)
     if made is not None and (around := script.owner_of(made.line)) != begins:
-        return _defined_elsewhere(owner, name, made, "" if around is None else script.lines[around - 1])
+        return _defined_elsewhere(owner, name, made, around, script)
     given = script.lines_with(rf"\bself\.{re.escape(name)}[ \t]*(:[^=]*)?=(?!=)")
     if not given and (
         outside := script.lines_with(rf"^([\w ,]*, ?)?{re.escape(name)} ?(,[\w ,]*|:[^=]*)?=(?!=)")
@@ -412,10 +439,15 @@ def _own_attribute(owner: str, name: str, script: ScriptText) -> Closer:
     return _local(name, local[0], script) if local and local[0] > begins else None
 
 
-def _defined_elsewhere(owner: str, name: str, made: Definition, around: str) -> Closer:
-    """Look at a ``def`` that is none of the class `owner`, and at the head of the block in which it stands."""
+def _defined_elsewhere(
+    owner: str, name: str, made: Definition, block: int | None, script: ScriptText
+) -> Closer:
+    """Look at a ``def`` that is none of the class `owner`, and at the line that begins the block around it."""
+    around = "" if block is None else script.lines[block - 1]
     if re.match(r"[ \t]*class\b", around):
         return None
+    if (lost := re.match(r"def (\w+) ?\( ?self\b", around)) is not None:
+        return "method_outside", {"name": lost[1], "owner": owner, "begins": block}
     if re.match(r"[ \t]*def\b", around):
         return "method_inside", {"name": name, "owner": owner, "begins": made.line}
     if not around and not made.takes_self:

@@ -195,20 +195,13 @@ class ScriptText:
 
     def in_method(self, number: int) -> bool:
         """Whether the given line stands in a function whose first parameter is ``self``."""
-        above: int | None = number if 0 < number <= len(self.lines) else None
-        while above is not None:
-            if re.match(r"[ \t]*def\b", self.lines[above - 1]):
-                return re.search(r"\([ \t]*self\b", self.lines[above - 1]) is not None
-            above = self.owner_of(above)
-        return False
+        heads = (head for _, head in self.outwards(number) if re.match(r"[ \t]*def\b", head))
+        return re.search(r"\([ \t]*self\b", next(heads, "")) is not None
 
     def object_at(self, number: int) -> str:
         """Return what the node is called on a line: ``self`` in a method, else the variable that keeps it."""
-        above: int | None = number if 0 < number <= len(self.lines) else None
-        while above is not None:
-            if re.match(r"[ \t]*def \w+ ?\( ?self\b", self.lines[above - 1]):
-                return "self"
-            above = self.owner_of(above)
+        if any(re.match(r"[ \t]*def \w+ ?\( ?self\b", head) for _, head in self.outwards(number)):
+            return "self"
         made = rf"^[ \t]*(\w+) ?= ?{self.node_class}\("
         return next((found[1] for _, found in self.matches(made)), "node")
 
@@ -276,6 +269,13 @@ class ScriptText:
         """Return the line that begins the block in which the given line stands; None at the top level."""
         return self._owners[number - 1] if 0 < number <= len(self.lines) else None
 
+    def outwards(self, number: int) -> Iterator[tuple[int, str]]:
+        """Yield the given line and those that begin the blocks around it, the innermost first, with their text."""
+        above = number if 0 < number <= len(self.lines) else None
+        while above is not None:
+            yield above, self.lines[above - 1]
+            above = self._owners[above - 1]
+
     @cached_property
     def _owners(self) -> list[int | None]:
         owners: list[int | None] = []
@@ -294,25 +294,31 @@ class ScriptText:
         found = (re.match(rf"(?:def|class) (\w{{1,{LONGEST_NAME}}})\b", line) for line in self.lines)
         return [one[1] for one in found if one is not None]
 
+    def is_behind(self, number: int, first: int) -> bool:
+        """Whether a line may run after the line `first` above it: it is in no other branch of an ``if``."""
+        others = dict(self.heads_of(number)).keys() - dict(self.outwards(number)).keys()
+        return others.isdisjoint(dict(self.outwards(first)))
+
     def conditions_of(self, number: int) -> list[str]:
         """Return the heads of the blocks around a line, up to its function; of an ``else`` also its ``if``."""
-        heads: list[str] = []
-        above = self.owner_of(number)
-        while above is not None and not re.match(r"[ \t]*(def|class)\b", self.lines[above - 1]):
-            heads += self._chain(above)
-            above = self.owner_of(above)
-        return heads
+        return [head for _, head in self.heads_of(number)]
 
-    def _chain(self, number: int) -> list[str]:
-        """Return the head of a block, and of an ``elif`` or ``else`` also those before it, up to ``if``."""
-        heads = [self.lines[number - 1]]
-        indent = _indent(heads[0])
-        for line in reversed(self.lines[: number - 1]):
-            if not re.match(r"[ \t]*(elif|else)\b", heads[-1]) or (line.strip() and _indent(line) < indent):
-                break
-            if line.strip() and _indent(line) == indent:
-                heads.append(line)
-        return heads
+    def heads_of(self, number: int) -> Iterator[tuple[int, str]]:
+        """Yield the same with their lines."""
+        for at, head in itertools.islice(self.outwards(number), 1, None):
+            if re.match(r"[ \t]*(def|class)\b", head):
+                return
+            yield at, head
+            last = head
+            for above in range(at - 1, 0, -1):
+                line = self.lines[above - 1]
+                if not re.match(r"[ \t]*(elif|else)\b", last) or (
+                    line.strip() and _indent(line) < _indent(head)
+                ):
+                    break
+                if line.strip() and _indent(line) == _indent(head):
+                    yield above, line
+                    last = line
 
     @property
     def counters(self) -> set[str]:
@@ -357,7 +363,9 @@ class ScriptText:
             if _indent(line) > indent:
                 continue  # inside a block that is judged by its head, or the rest of a call
             if re.match(r"[ \t]*(def|class|if __name__)\b", line):
-                return False
+                if self.function_around(number) or line.startswith("if"):
+                    return False
+                continue
             indent = _indent(line)
             if line.strip() == f"{self.function_around(number)}()":
                 continue
@@ -367,13 +375,9 @@ class ScriptText:
 
     def function_around(self, number: int) -> str:
         """Return the name of the function in which the given line stands; nothing at the top level."""
-        above = self.owner_of(number)
-        while above is not None:
-            found = re.match(r"[ \t]*def (\w+)", self.lines[above - 1])
-            if found is not None:
-                return found[1]
-            above = self.owner_of(above)
-        return ""
+        around = itertools.islice(self.outwards(number), 1, None)
+        names = (found[1] for _, head in around if (found := re.match(r"[ \t]*def (\w+)", head)))
+        return next(names, "")
 
     @property
     def uncalled(self) -> Mention | None:
@@ -420,23 +424,15 @@ class ScriptText:
 
     def loop_of(self, number: int) -> int | None:
         """Return the line of the innermost ``while`` around the given line, in the same function."""
-        above: int | None = number
-        while above is not None and 0 < above <= len(self.lines):
-            if re.match(r"[ \t]*while\b", self.lines[above - 1]):
-                return above
-            if above != number and re.match(r"[ \t]*(def|class)\b", self.lines[above - 1]):
-                return None
-            above = self.owner_of(above)
-        return None
+        heads = itertools.chain(itertools.islice(self.outwards(number), 1), self.heads_of(number))
+        return next((at for at, head in heads if re.match(r"[ \t]*while\b", head)), None)
 
-    def for_of(self, number: int, counter: str) -> int | None:
-        """Return the line of the ``for`` around the given line that counts with `counter`."""
-        above: int | None = number if 0 < number <= len(self.lines) else None
-        while above is not None:
-            if re.match(rf"[ \t]*for {re.escape(counter)} in\b", self.lines[above - 1]):
-                return above
-            above = self.owner_of(above)
-        return None
+    def message_beside(self, number: int) -> str | None:
+        """Return the only variable that the function around a line makes a Twist of, if there is one above."""
+        around = self.function_around(number)
+        twists = self.matches(r"^[ \t]*([\w.]+) ?= ?Twist\(")
+        made = {found[1] for at, found in twists if at <= number and self.function_around(at) == around}
+        return made.pop() if len(made) == 1 else None
 
     def given_in(self, name: str) -> set[str]:
         """Return the attributes of ``self`` that the function of that name assigns."""

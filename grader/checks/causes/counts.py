@@ -66,10 +66,15 @@ def _raised_once(name: str, function: str, script: ScriptText) -> bool:
 
 
 def count_kept(seen: Searched) -> Mistake | None:
-    """Find a count of a timer's ticks that tells a side from a turn, and that is never set back to 0."""
+    """Find a count that ends a motion and is never set back to 0: of a loop in a loop, or of a timer's ticks."""
     sides = seen.findings.measures.get("sides")
     if sides is None or sides.value != 1.0:
         return None
+    for line, found in list(seen.script.matches(r"^[ \t]+while ([^\W\d]\w*) ?<=? ?[\w.]+ ?:"))[:_MOST_COUNTS]:
+        given = seen.script.lines_with(rf"{itself(found[1])} ?=(?!=)(?! ?{found[1]} ?\+)")
+        heads = [head for head in seen.script.heads_of(line) if re.match(r"[ \t]*(for|while)\b", head[1])]
+        if heads and found[1] in seen.script.counters and given and max(given) < heads[-1][0]:
+            return mistake("count_kept", name=found[1])
     for _, callback in seen.script.callbacks("timer")[:1]:
         made = seen.script.definition(callback)
         text = "\n".join(seen.script.block(made.line)) if made else ""

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
-from grader.checks.causes.searched import CLOCK, SHOWS, Searched, itself
+from grader.checks.causes.searched import CLOCK, SHOWS, Searched, is_repeated, itself
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import not_called
 from grader.messages.arithmetic import value_of
@@ -57,16 +57,6 @@ def loop_for_spin(seen: Searched) -> Mistake | None:
     return None
 
 
-def large_message(seen: Searched) -> Mistake | None:
-    """Find what makes messages so large that they took all the time: a list of pixels, or one that grows."""
-    for line, found in seen.script.matches(r"\.data ?= ?.*\.tolist\( ?\)"):
-        return mistake("list_of_pixels", line=line, written=found[0].lstrip("."))
-    if seen.script.lines_with(r"\.publish\("):
-        for line, found in seen.script.matches(r"\.(poses|points|markers|data)\.append\("):
-            return mistake("message_grows", line=line, name=found[1])
-    return None
-
-
 def empty_function(seen: Searched) -> Mistake | None:
     """Find functions in which nothing but ``pass`` stands, and that the script calls."""
     empty = []
@@ -106,8 +96,8 @@ def removes_in_loop(seen: Searched) -> Mistake | None:
 
 
 def leaves_loop(seen: Searched) -> Mistake | None:
-    """Find a ``return`` or ``break`` that ends a ``for`` loop in its first round, whatever happens."""
-    for loop in seen.script.lines_with(r"^[ \t]*for \w+ in "):
+    """Find a ``return`` or ``break`` that ends a loop in its first round, whatever happens."""
+    for loop in seen.script.lines_with(r"^[ \t]*(for|while)\b"):
         for line, text in seen.script.body(loop):
             found = re.match(r"(return|break)\b", text)
             if found is not None:
@@ -117,27 +107,19 @@ def leaves_loop(seen: Searched) -> Mistake | None:
 
 def branch_without_publish(seen: Searched) -> Mistake | None:
     """Find a branch of a timer's callback that fills a new message, behind which no publish can be reached."""
+    field = "linear.x" if seen.mistake.code == "no_drive" else "angular.z"
     script = seen.script
     for callback in {name: None for _, name in script.callbacks("timer")}:
         made = script.definition(callback)
         block = script.block(made.line) if made is not None else []
         for line, text in enumerate(block, start=made.line if made is not None else 0):
-            filled = re.match(r"[ \t]*(\w+)\.angular\.z ?=(?!=)(?! ?-?[0.]+ ?(;|$))", text)
+            filled = re.match(rf"[ \t]*(\w+)\.{field} ?=(?!=)(?! ?-?[0.]+ ?(;|$))", text)
             if filled is None or not any(re.match(rf"[ \t]*{filled[1]} ?= ?Twist\(", one) for one in block):
                 continue
-            around = set(_around(line, script))
             later = [at for at in script.lines_with(r"\.publish\(|\w\(.*\b" + filled[1]) if at > line]
-            if script.lines_with(r"\.publish\(") and not any(script.owner_of(at) in around for at in later):
-                return mistake("branch_without_publish", line=line, callback=callback)
+            if script.lines_with(r"\.publish\(") and not any(script.is_behind(at, line) for at in later):
+                return mistake("branch_without_publish", line=line, callback=callback, field=field)
     return None
-
-
-def _around(line: int, script: ScriptText) -> Iterator[int]:
-    """Yield the first lines of the blocks in which a line stands."""
-    above = script.owner_of(line)
-    while above is not None:
-        yield above
-        above = script.owner_of(above)
 
 
 def skips_rest(seen: Searched) -> Mistake | None:
@@ -221,16 +203,12 @@ def spin_once(seen: Searched) -> Mistake | None:
     if seen.mistake.code == "lost_at_home" and not callbacks:
         return None
     once = seen.script.lines_with(r"\bspin_once\(")
-    loose = [line for line in once if _loop_around(seen.script, line) is None]
+    loose = [line for line in once if not is_repeated(line, seen.script)]
+    ran = seen.mistake.code in {"no_turns", "too_short", "turn_too_short"}
+    if ran and loose and seen.script.function_around(loose[0]) not in {"", "main"}:
+        return None  # a loop may call the function
     spins = seen.script.lines_with(r"\bspin\(")
     return mistake("spin_once", line=loose[0]) if len(once) == len(loose) == 1 and not spins else None
-
-
-def _loop_around(script: ScriptText, number: int) -> int | None:
-    above = script.owner_of(number)
-    while above is not None and not re.match(r"[ \t]*(while|for)\b", script.lines[above - 1]):
-        above = script.owner_of(above)
-    return above
 
 
 _ENDS: Final = re.compile(r"\b(shutdown|destroy_timer|destroy_node|cancel|exit)\(|^raise SystemExit")
@@ -271,10 +249,9 @@ def uncalled(seen: Searched) -> Mistake | None:
     """Find a function that is named and not called; where no motion came, one that is called nowhere else."""
     named = seen.script.uncalled
     loud = {"log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on"}
-    if named is not None and seen.mistake.code not in loud:
-        called = rf"(?<!def )\b{re.escape(named.name.rpartition('.')[2])}\("
-        return None if seen.script.lines_with(called) else not_called(seen.run)
-    return not_called(seen.run)
+    name = "" if named is None else re.escape(named.name.rpartition(".")[2])
+    called = seen.script.lines_with(rf"(?<!def )\b{name}\(") if name else []
+    return None if called and seen.mistake.code not in loud else not_called(seen.run)
 
 
 def lookalike(seen: Searched) -> Mistake | None:
@@ -301,8 +278,11 @@ def no_publish(seen: Searched) -> Mistake | None:
     if not timers or seen.script.lines_with(r"\bpublish\b"):
         return None
     made = seen.script.definition(timers[0][1])
-    publisher = seen.script.publisher or "self.pub"
-    return mistake("no_publish", name=timers[0][1], begins=made.line, publisher=publisher) if made else None
+    if made is None:
+        return None
+    last, _ = (seen.script.body(made.line) or [(made.line, "")])[-1]
+    call = f"{seen.script.publisher or 'self.pub'}.publish({seen.script.message_beside(last) or 'msg'})"
+    return mistake("no_publish", name=timers[0][1], begins=made.line, call=call)
 
 
 def long_period(seen: Searched) -> Mistake | None:
@@ -315,14 +295,12 @@ def long_period(seen: Searched) -> Mistake | None:
 
 
 def class_not_made(seen: Searched) -> Mistake | None:
-    """Find a class that has the publisher, but of which the script creates no object."""
-    for line in seen.script.lines_with(r"\bcreate_publisher\("):
-        above: int | None = line
-        while above is not None and not re.match(r"class (\w+)", seen.script.lines[above - 1]):
-            above = seen.script.owner_of(above)
-        found = re.match(r"class (\w+)", seen.script.lines[above - 1]) if above is not None else None
-        if found is not None and not seen.script.lines_with(rf"(?<!class )\b{found[1]}\b"):
-            return mistake("class_not_made", name=found[1], begins=above)
+    """Find a class that has the publisher, or logs, but of which the script creates no object."""
+    for line in seen.script.lines_with(r"\bcreate_publisher\(|\bget_logger\("):
+        for begins, head in seen.script.outwards(line):
+            found = re.match(r"class (\w+)", head)
+            if found is not None and not seen.script.lines_with(rf"(?<!class )\b{found[1]}\b"):
+                return mistake("class_not_made", name=found[1], begins=begins)
     return None
 
 
@@ -371,15 +349,6 @@ def thread_not_started(seen: Searched) -> Mistake | None:
     for line, found in script.matches(made):
         kept = found[1] or f"{found[2] or found[3]}(...)"
         return mistake("thread_not_started", line=line, call=f"{kept}.start()")
-    return None
-
-
-def timer_in_timer(seen: Searched) -> Mistake | None:
-    """Find a timer's callback that makes another timer each time it is called."""
-    named = {name for _, name in seen.script.callbacks("timer")}
-    for line in seen.script.lines_with(r"\bcreate_timer\("):
-        if (name := seen.script.function_around(line)) in named:
-            return mistake("timer_in_timer", line=line, name=name)
     return None
 
 
@@ -578,10 +547,11 @@ def state_never_set(seen: Searched) -> Mistake | None:
     known = {found[2] for _, text in written for found in _STATE_SET.finditer(text)}
     asked = {found[2] for _, text in written for found in _STATE_ASKED.finditer(text)}
     unset, unasked = sorted(asked - known), sorted(known - asked)
+    branches = [one for one in unasked if not re.match(_LAST, one)]
     for line, text in written if len(known) + len(asked) <= _MOST_STATES else ():
         for found in _STATE_ASKED.finditer(text):
-            only = len(unset) == len(unasked) == 1 and not re.match(_LAST, unasked[0])
-            near = unasked if only else _alike(found[2], unasked)
+            only = len(unset) == len(branches) == 1
+            near = _alike(found[2], unasked) or (branches if only else [])
             if found[2] in unset and near:
                 return mistake("state_never_set", line=line, name=found[1], asked=found[2], known=near[0])
         for found in _STATE_SET.finditer(text):

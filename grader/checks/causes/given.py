@@ -114,30 +114,8 @@ def rounded(seen: Searched) -> Mistake | None:
 _READ_IN: Final = r"\binput\(|\bget_parameter\(.*value\b"
 
 
-def other_kind(seen: Searched) -> Mistake | None:
-    """Find a parameter that is read as another kind than its default has: what is read then is 0."""
-    script = seen.script
-    declared = [
-        found
-        for line in script.lines_with(r"\bdeclare_parameter\(")
-        for found in _DECLARED.finditer(script.written(line))
-    ]
-    kinds = {found[1]: "double_value" if "." in found[2] else "integer_value" for found in declared}
-    for line in script.lines_with(r"\bget_parameter\(.*\.(integer|double)_value\b"):
-        for read in _READ.finditer(script.written(line)):
-            right = kinds.get(read[1], read[2])
-            if read[2] != right:
-                return mistake("other_kind", line=line, name=read[1], written=read[2], right=right)
-    return None
-
-
-_DECLARED: Final = re.compile(r"declare_parameter\( *[\"'](\w+)[\"'] *, *(\d+(?:\.\d*)?) *\)")
-_READ: Final = re.compile(r"get_parameter\( *[\"'](\w+)[\"'] *\)[\w.()]*\.(integer_value|double_value)")
-
-
 def no_default(seen: Searched) -> Mistake | None:
     """Find a parameter that is declared without a default, in a run that sets none."""
     lines = seen.script.lines_with(r'\bdeclare_parameter\( ?"" ?\)')
-    return (
-        mistake("no_default", line=lines[0]) if lines and (seen.case is None or not seen.case.args) else None
-    )
+    unset = seen.case is None or not seen.case.args
+    return mistake("no_default", line=lines[0]) if lines and unset else None

@@ -89,7 +89,7 @@ def ticks_cut(seen: Searched) -> Mistake | None:
         for written, value in cut:
             share = 0.0 if value is None or value <= 1.0 else (value - math.floor(value)) / value
             if value is not None and share > _CUT and _explains(share, seen):
-                values = {"value": number(value, ""), "whole": math.floor(value)}
+                values = {"value": exact(value), "whole": math.floor(value)}
                 return mistake("ticks_cut", line=line, written=written, **values)
     return None
 

@@ -162,14 +162,6 @@ _PRESENT: Final = r"(?i)(?:theta|yaw)$"
 _WANTED: Final = r"(?i)target|goal|want|desire|aim|ref|dest|next|end"
 
 
-def yaw_without_sign(seen: Searched) -> Mistake | None:
-    """Find a heading that is computed from a quaternion's w alone, so that left and right are the same."""
-    if seen.script.lines_with(r"\borientation\.z\b|\bq\w*\.z\b|\bcopysign\("):
-        return None
-    lines = seen.script.lines_with(r"\bacos\(.*\.w\b")
-    return mistake("yaw_without_sign", line=lines[0]) if lines else None
-
-
 def quaternion_for_yaw(seen: Searched) -> Mistake | None:
     """Find a component of a quaternion that is taken for a heading."""
     heading = r"(?i)(?<![\w.])[\w.]{0,40}(?:theta|yaw|heading|angle)\w{0,40}"

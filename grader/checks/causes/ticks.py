@@ -10,6 +10,7 @@ from grader.checks.causes.counts import counted_each_tick
 from grader.checks.causes.searched import LOGS, Searched, itself, sets
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import motions_of
+from grader.contracts.outcome import RunStatus
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
@@ -109,12 +110,12 @@ def _only_logs(limit: _Limit, script: ScriptText) -> bool:
 
 def ticks_too_long(seen: Searched) -> Mistake | None:
     """Find a count of ticks that takes longer than the run, or as long as the longest motion in it."""
-    timer = _timer(seen.script)
+    timer, ended = _timer(seen.script), seen.run.outcome
     if timer is None:
         return None
     longest_ns = max((lasted_ns for _, lasted_ns in motions_of(seen.run.trajectory)), default=0)
     for limit in _limits(timer, seen.script):
-        beyond = limit.took_s * 1e9 > seen.run.outcome.duration_ns
+        beyond = ended.status is RunStatus.INTERRUPTED and limit.took_s * 1e9 > ended.duration_ns
         too_long = beyond or (limit.fits(longest_ns) and limit.took_s >= _LONG_S)
         if too_long and not _only_logs(limit, seen.script):
             return _told("ticks_too_long", limit)

@@ -43,17 +43,31 @@ def _loops_on(seen: Searched, name: str, after: int) -> bool:
 
 def start_once(seen: Searched) -> Mistake | None:
     """Find a start time that only ``__init__`` or the module sets, though several motions are measured from it."""
-    for line, found in seen.script.matches(rf"^(?:[ \t]*(self\.)|)(\w+) ?= ?.*{CLOCK}"):
+    for line, found in list(seen.script.matches(rf"^(?:[ \t]*(self\.)|)(\w+) ?= ?.*{CLOCK}"))[:_MOST_CLOCKS]:
         owner, name = found[1] or "", found[2]
         once = not owner or seen.script.assigned(name) is not None
         waits = seen.script.lines_with(rf"\bwhile\b.*{itself(owner + name)}")
         waits = [at for at in waits if not _guards(seen.script.lines[at - 1])]
         waits = waits if owner else [at for at in waits if not _assigns(name, at, seen.script)]
-        again = waits if owner else [at for at in waits if _runs_again(at, seen.script)]
+        waits = waits if owner else [at for at in waits if _runs_again(at, seen.script)]
         around = "__init__" if owner else ""
-        if once and seen.script.function_around(line) == around and len(again) > bool(owner):
+        here = once and seen.script.function_around(line) == around
+        if here and (len(waits) > bool(owner) or (owner and _counts_motions(owner + name, seen.script))):
             return mistake("start_once", line=line, name=owner + name, again=found.string.strip())
     return None
+
+
+_MOST_CLOCKS: Final = 50  # each is looked for in all lines
+
+
+def _counts_motions(start: str, script: ScriptText) -> bool:
+    """Whether a timer's callback raises one count where a time since `start` passes a limit that does not grow."""
+    made = [script.definition(name) for _, name in script.callbacks("timer")[:1]]
+    block = script.block(made[0].line) if made and made[0] is not None else []
+    heads = [re.match(r"[ \t]*(?:if|elif) ([\w.]+) ?[<>]=? ?([\w.]+) ?:$", text) for text in block]
+    limits = [found[2] for found in heads if found is not None and _passed(found[1], start, block)]
+    raised = [text for text in block if re.match(r"[ \t]*self\.\w+ ?\+= ?1$", text)]
+    return len(limits) == len(raised) == 1 and not script.lines_with(rf"{itself(limits[0])} ?(\+=|=.*\+)")
 
 
 def _assigns(name: str, at: int, script: ScriptText) -> bool:
@@ -105,7 +119,9 @@ def waits_for_past(seen: Searched) -> Mistake | None:
 
 def nanoseconds_unit(seen: Searched) -> Mistake | None:
     """Find nanoseconds that are compared with seconds, or with seconds times something else than 1e9."""
-    for line, found in seen.script.matches(rf"\.nanoseconds\)* ?[<>]=? ?({_TIMES_OR_NAME})\)* ?:"):
+    for line, found in seen.script.matches(
+        rf"\.nanoseconds(?: ?- ?[\w.]+)?\)* ?[<>]=? ?({_TIMES_OR_NAME})\)* ?:"
+    ):
         name, factor = found[1].partition("*")[0].strip(), found[1].partition("*")[2].strip()
         value = value_of(found[1], seen.script)
         right = f"{name} * 1e9"
@@ -123,7 +139,9 @@ def not_seconds(seen: Searched) -> Mistake | None:
         name, divisor = found[1], value_of(found[3], seen.script) if found[3] else 1.0
         if divisor is None or not 1.0 <= divisor < _TO_SECONDS:
             continue
-        compared = seen.script.matches(rf"\b(?:if|elif|while)\b.*{itself(name)} ?[<>]=? ?([\w.]+)")
+        compared = seen.script.matches(
+            rf"\b(?:if|elif|while)\b.*{itself(name)} ?[<>]=? ?([\w.]+)(?![\w.]| ?\*)"
+        )
         limits = [value_of(one[1], seen.script) for _, one in compared]
         if any(limit is not None and 0.0 < limit < _FEW_SECONDS for limit in limits):
             return mistake("not_seconds", line=line, name=name, right=f"{name} = {found[2]} / 1e9")
@@ -293,18 +311,19 @@ def no_stop_between(seen: Searched) -> Mistake | None:
     lasts = [(one, (until - one.t_ns) / 1e9) for one, until in with_ends(seen.run.trajectory)]
     held = [
         (one, lasted_s)
-        for (one, lasted_s), after in zip(lasts, commands[1:], strict=False)
-        if one.w_radps and not one.v_mps and after.v_mps and lasted_s >= _HELD_S
+        for (one, lasted_s), after in zip(lasts, [*commands[1:], None], strict=True)
+        if one.w_radps and not one.v_mps and (after is None or after.v_mps) and lasted_s >= _HELD_S
     ]
     usual_s = sorted(lasted_s for _, lasted_s in lasts)[len(lasts) // 2] if lasts else 0.0
     corner, item = seen.findings.measures.get("corner_deg"), seen.assignment.item_on("corner_deg")
     if len(held) < 2 or corner is None or item is None or item.low is None or item.high is None:
         return None
-    extra_deg = min(math.degrees(abs(one.w_radps)) * (lasted_s - usual_s) for one, lasted_s in held)
-    if abs(corner.value - (item.low + item.high) / 2.0 - extra_deg) > _BESIDE_DEG:
+    extra_deg = [math.degrees(abs(one.w_radps)) * (lasted_s - usual_s) for one, lasted_s in held]
+    excess_deg = corner.value - (item.low + item.high) / 2.0
+    if not any(abs(excess_deg - extra) <= _BESIDE_DEG for extra in extra_deg):
         return None
     values = {"paused": number(held[0][1], "s"), "publisher": seen.script.publisher_name}
-    return mistake("no_stop_between", excess=number(extra_deg, "deg"), **values)
+    return mistake("no_stop_between", excess=number(min(extra_deg), "deg"), **values)
 
 
 _HELD_S: Final = 0.1

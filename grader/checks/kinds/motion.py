@@ -133,7 +133,7 @@ def _problem_with_direction(value: Option) -> Text | None:
 
 
 MIN_MOTION_M = 0.05  # a shorter way was not meant as driving
-_CREPT_M = 0.001  # but a car that still drives in the end was meant to
+_CREPT_M = 0.001  # but may be what became of a drive
 _LEAST_SIGN_CHANGES = 4  # of the speed: a script that changes it this often does not do so on purpose
 SPOT_RADIUS_M = 0.1  # an arc tighter than this is a turn on the spot
 
@@ -162,7 +162,7 @@ def motion_mistakes(
     slow = drive.cut_short or (held is not None and held.v_mps != 0.0)
     if "way_back_m" in lost and values["advance_m"] > -MIN_MOTION_M:
         yield mistake("came_back", ("way_back_m", "advance_m"), way_back=number(values["way_back_m"], "m"))
-    elif "advance_m" in lost and values["advance_m"] > (_CREPT_M if slow else MIN_MOTION_M):
+    elif "advance_m" in lost and values["advance_m"] > _CREPT_M:
         code = "drive_too_slow" if slow else "too_short"
         yield mistake(code, ("advance_m",), distance=number(values["advance_m"], "m"))
 

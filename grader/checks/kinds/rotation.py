@@ -119,7 +119,7 @@ def rotation_mistakes(
     if short and _goals(run) and not moves_of(run.trajectory):
         code = "rotation_aborted" if run.outcome.command_count else "rotation_absolute"
         yield mistake(code, ("turned_deg",), turned=number(turned, "deg"))
-    elif short and turned > MIN_TURN_DEG:
+    elif short and any(command.w_radps for command in run.trajectory.commands):
         yield from _short_turn(turned, drive, run)
 
 

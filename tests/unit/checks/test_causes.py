@@ -63,10 +63,18 @@ HEARD = (
     "        self.pose = None\n    def hear(self, msg):\n        {kept}\n    def tick(self):\n"
     "        if self.pose is None:\n            return\n        go()\n"
 )
-READ = (
-    "self.declare_parameter('side', {default})\n"
-    "self.side = self.get_parameter('side').get_parameter_value().{kind}\n"
-)
+NANOSECONDS = "d = 2.0\nb = now().nanoseconds\nwhile now().nanoseconds - b < {limit}:\n    go()\n"
+ONE_START = """
+class A(Node):
+    def __init__(self):
+        self.t0 = time.time()
+        self.create_timer(0.1, self.tick)
+    def tick(self):
+        passed = time.time() - self.t0
+        if passed > self.limit:
+            self.{count} += 1
+            {more}
+"""
 FAR = (
     "class A(Node):\n    def __init__(self):\n        self.create_subscription(Pose, '/p', self.hear, 10)\n"
     "    def hear(self, msg):\n        self.pose = msg\n"
@@ -182,7 +190,6 @@ GROWS = "for i in range(4):\n    {line}\n"
         ),
         ("place_away", "a = math.atan2(dx, dy)", "arctan_exchanged"),
         ("place_lost", "a = atan2(self.goal_x - p.x, self.goal_y - p.y)", "arctan_exchanged"),
-        ("swings", "yaw = 2 * math.acos(o.pose.pose.orientation.w)", "yaw_without_sign"),
         ("swings", "yaw = msg.pose.pose.orientation.z", "quaternion_for_yaw"),
         ("swings", "yaw = 2 * msg.pose.pose.orientation.z", "swings"),
         ("swings", "yaw = math.copysign(2 * math.acos(q.w), q.z)", "swings"),
@@ -232,16 +239,6 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("publish_not_reached", LOST.format(value="msg", more=""), "never_called"),
         ("publish_not_reached", LOST.format(value="False", more=""), "publish_not_reached"),
         ("publish_not_reached", LOST.format(value="msg", more="        self.p = 1\n"), "publish_not_reached"),
-        ("cpu_limit", KEPT.format(loop="def f():", block="node.create_timer(1, tick)"), "cpu_limit"),
-        (
-            "cpu_limit",
-            KEPT.format(loop="pass", block="").replace("go()", "node.create_timer(1, tick)"),
-            "timer_in_timer",
-        ),
-        ("cpu_limit", "m.data = img.flatten().tolist()\n", "list_of_pixels"),
-        ("cpu_limit", "m.data = img.tobytes()\n", "cpu_limit"),
-        ("cpu_limit", "self.path.poses.append(p)\nself.pub.publish(self.path)\n", "message_grows"),
-        ("cpu_limit", "self.seen.append(p)\nself.pub.publish(m)\n", "cpu_limit"),
         ("never_finished", STATES.format(asked="Turn"), "state_never_set"),
         ("sides_missing", STATES.format(asked="truning"), "state_never_set"),
         ("never_finished", STATES.format(asked="turning"), "never_finished"),
@@ -250,10 +247,21 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("turns_too_short", MEASURED.format(condition="self.state == 'turn'"), "counts_ticks"),
         ("none_in_sum", "self.declare_parameter('side')", "no_default"),
         ("none_in_sum", "self.declare_parameter('side', 2.0)", "none_in_sum"),
-        ("no_drive", READ.format(default="2.0", kind="integer_value"), "other_kind"),
-        ("no_drive", READ.format(default="2", kind="double_value"), "other_kind"),
-        ("no_drive", READ.format(default="2.0", kind="double_value"), "no_drive"),
-        ("no_drive", READ.format(default="side", kind="integer_value"), "no_drive"),
+        ("turn_too_short", NANOSECONDS.format(limit="d * 1e9"), "turn_too_short"),
+        ("turn_too_short", NANOSECONDS.format(limit="d * 1e6"), "nanoseconds_unit"),
+        ("turn_too_short", NANOSECONDS.format(limit="d"), "nanoseconds_unit"),
+        ("turns_too_short", ONE_START.format(count="step", more="pass"), "start_once"),
+        ("turns_too_short", ONE_START.format(count="step", more="self.limit += 2.0"), "turns_too_short"),
+        ("turns_too_short", ONE_START.format(count="step", more="self.t0 = time.time()"), "turns_too_short"),
+        ("no_turns", "rclpy.spin_once(node)", "spin_once"),
+        ("no_turns", "def f():\n    rclpy.spin_once(node)\nwhile True:\n    f()\n", "no_turns"),
+        (
+            "log_not_reached",
+            "class A(Node):\n    def f(self):\n        self.get_logger()\n",
+            "class_not_made",
+        ),
+        ("drives_too_brief", "while t < 2:\n    go()\n    break\n", "leaves_loop"),
+        ("drives_too_brief", "while t < 2:\n    if done:\n        break\n", "drives_too_brief"),
     ],
 )
 def test_the_cause_is_told_where_the_script_shows_it(code: str, source: str, wanted: str) -> None:

@@ -92,6 +92,13 @@ def test_silence(status: RunStatus, changes: dict[str, object], code: str, word:
     assert word in scoring.hint.en
 
 
+def test_a_method_that_overrides_create_publisher_creates_none() -> None:
+    source = "class A(Node):\n    def create_publisher(self, kind, name, depth):\n        return None\n"
+    run = replace(run_of(drive([]), RunStatus.FINISHED), source=source)
+    quiet = replace(run, outcome=replace(run.outcome, command_count=0, endpoints=()))
+    assert evaluate(assignment("square"), [quiet]).mistakes == ("no_publisher",)
+
+
 WAITING = """class Mover(Node):
     def __init__(self):
         self.create_subscription(Pose, "/turtle1/pose", self.heard, 10)

@@ -40,7 +40,8 @@ def test_lines_that_the_script_does_not_have_may_be_asked_for(number: int) -> No
     assert script.written(number) == ""
     assert script.conditions_of(number) == []
     assert script.loop_of(number) is None
-    assert script.for_of(number, "i") is None
+    assert list(script.outwards(number)) == []
+    assert script.message_beside(number) is None
     assert not script.in_method(number)
     assert not script.is_decorated(number)
     assert not script.works_after(number)
@@ -96,3 +97,21 @@ def test_a_cause_is_told_only_where_the_script_shows_it(
 ) -> None:
     error = StudentError(type=kind, message=problem, line=1, traceback="")
     assert meaning(error, "crashed", ScriptText(source))[0] == code
+
+
+@pytest.mark.parametrize(
+    ("number", "behind"),
+    [
+        (3, True),
+        (5, False),
+        (7, False),
+        (8, True),
+        (10, True),  # under a condition of its own, though it reads like that of the first line
+        (12, True),
+    ],
+)
+def test_a_line_in_another_branch_does_not_run_behind_it(number: int, behind: bool) -> None:
+    source = (
+        "if a:\n    first()\n    x()\nelif b:\n    x()\nelse:\n    x()\nx()\nif a:\n    x()\nelse:\n    x()\n"
+    )
+    assert ScriptText(source).is_behind(number, 2) is behind

@@ -19,10 +19,12 @@ from grader.checks.drive import (
 from grader.checks.kinds.polygon.figures import FULL_TURN_DEG, SAME_DEG, DrivenPolygon, WantedPolygon
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import (
+    MANY_MOTIONS,
     TOO_BRIEF_NS,
     command_mistakes,
     defined_twice,
     loop_in_callback,
+    motions_of,
     no_final_stop,
     noted,
     only_turned,
@@ -127,11 +129,10 @@ def _never_drives(run: Run) -> bool:
     return script.has_code and script.is_short and not script.lines_with(written)
 
 
-def _drives_m(run: Run) -> list[float]:
+def _drives_m(run: Run, since_ns: int = 0) -> list[float]:
     """Return the lengths of the drives that were commanded, with a stop or a turn between one and the next."""
-    drives = itertools.groupby(
-        with_ends(run.trajectory), lambda commanded: abs(commanded[0].v_mps) > MOVING_MPS
-    )
+    commanded = (one for one in with_ends(run.trajectory) if one[0].t_ns >= since_ns)
+    drives = itertools.groupby(commanded, lambda one: abs(one[0].v_mps) > MOVING_MPS)
     return [
         sum(abs(command.v_mps) * (until_ns - command.t_ns) for command, until_ns in drive) / 1e9
         for drives_on, drive in drives
@@ -162,7 +163,8 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
             return  # turned by turtlesim's own action
         if not _on_first_side(seen):
             closer = loop_in_callback(seen.run) or defined_twice(seen.run)
-            if closer is None and contacts and _goes_on(seen, contacts[0].start_ns):
+            once = times_begun(map(is_motion, commands)) == 1
+            if closer is None and once and contacts and _goes_on(seen, contacts[0].start_ns):
                 return  # `_wall` says what by pose never ended
             if closer is None and _drives_to_the_end(seen):
                 closer = mistake(
@@ -245,7 +247,9 @@ def _brief_drives(seen: _Seen) -> Iterator[Mistake]:
         with_ends(seen.run.trajectory), lambda commanded: abs(commanded[0].v_mps) > MOVING_MPS
     )
     lasted_ns = [sum(until - one.t_ns for one, until in drive) for drives_on, drive in drives if drives_on]
-    if lasted_ns and max(lasted_ns) < TOO_BRIEF_NS:
+    if len(lasted_ns) > MANY_MOTIONS and max(lasted_ns) < TOO_BRIEF_NS:
+        yield mistake("stop_in_loop", _SHAPE, times=len(lasted_ns))
+    elif lasted_ns and max(lasted_ns) < TOO_BRIEF_NS:
         yield mistake("drives_too_brief", _SHAPE, longest=number(max(lasted_ns) / 1e6, "ms"))
 
 
@@ -305,7 +309,7 @@ def _wall(seen: _Seen) -> Iterator[Mistake]:
 def _drives_since_turn(seen: _Seen, hit_ns: int) -> int:
     """Return how many drives began between the last turn before a wall was hit, and that."""
     commands = [command for command in seen.run.trajectory.commands if command.t_ns <= hit_ns]
-    last = max((at for at, command in enumerate(commands) if _turns(command)), default=-1)
+    last = max((at for at, command in enumerate(commands) if _turns(command)), default=len(commands))
     return times_begun(map(is_motion, commands[last + 1 :]))
 
 
@@ -339,10 +343,10 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
     by_pose = seen.run.outcome.hears and bool(ScriptText(seen.run.source).lines_with(r"\.theta\b"))
     if fastest >= (_FAST_BY_POSE_RADPS if by_pose else FAST_TURN_RADPS):
         yield mistake("degrees_as_radians", _SHAPE, rate=number(fastest, ""), ideal=_degree(seen.ideal_deg))
-    elif math.degrees(widest) > 1.25 * FULL_TURN_DEG and unfinished and not _circling(seen):
+    elif _is_endless(seen, widest, by_pose) and unfinished and not _circling(seen):
         code = "endless_turn_by_pose" if by_pose else "endless_turn"
         yield mistake(code, _SHAPE, turned=_degree(math.degrees(widest)), ideal=_degree(seen.ideal_deg))
-    elif math.degrees(widest) > FULL_TURN_DEG - seen.ideal_deg / 2 and unfinished and _drove_once(seen):
+    elif math.degrees(widest) > FULL_TURN_DEG - seen.ideal_deg / 2 and unfinished and _drove_first(seen):
         turned = _degree(math.degrees(widest))
         yield mistake("turned_instead", _SHAPE, turned=turned, ideal=_degree(seen.ideal_deg))
 
@@ -351,10 +355,19 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
 _FAST_BY_POSE_RADPS = 40.0
 
 
-def _drove_once(seen: _Seen) -> bool:
-    """Whether the script commanded one drive, or further ones of a jolt each, and turned on the spot."""
-    far = [length_m for length_m in _drives_m(seen.run) if length_m > _SEEN_M]
-    return len(far) == 1 and not any(map(_is_arc, moves_of(seen.run.trajectory)))
+def _is_endless(seen: _Seen, widest_rad: float, by_pose: bool) -> bool:
+    """Whether the car turned in one place for far too long: by time in one go, by pose also with pauses."""
+    turns = ((abs(one.w_radps), lasted_ns / 1e9) for one, lasted_ns in motions_of(seen.run.trajectory))
+    longest_rad = max((rate_radps * lasted_s for rate_radps, lasted_s in turns), default=0.0)
+    return math.degrees(widest_rad if by_pose else longest_rad) > 1.25 * FULL_TURN_DEG
+
+
+def _drove_first(seen: _Seen) -> bool:
+    """Whether the script commanded drives and then turns on the spot, with no more than jolts between these."""
+    moves = moves_of(seen.run.trajectory)
+    turned_ns = next((command.t_ns for command in moves if _turns(command)), 0)
+    longest_m, after_m = (max(_drives_m(seen.run, since), default=0.0) for since in (0, turned_ns))
+    return longest_m > _SEEN_M >= after_m and not any(map(_is_arc, moves))
 
 
 def _circling(seen: _Seen) -> bool:
