@@ -14,6 +14,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -258,6 +259,7 @@ class _Piece:
     detours: tuple[tuple[int, int], ...] = ()
 
 
+@lru_cache(maxsize=1)  # what looks at a driven path asks for its pieces again and again
 def segment(path: Path) -> Segments:
     """Cut `path` into alternating turns and straights."""
     extent_m = max(path.extent_m, MIN_EXTENT_M)

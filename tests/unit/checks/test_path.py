@@ -175,6 +175,23 @@ def test_credit_falls_as_one_error_grows(name: str, spoilt: object) -> None:
     assert scores[-1] < 75
 
 
+@pytest.mark.parametrize(
+    "spoilt",
+    [
+        lambda e: [*TRIANGLE[:4], ("line", 2.0 * math.sqrt(2.0) * (1.0 - e))],
+        lambda e: [*TRIANGLE[:2], ("line", 2.0 * (1.0 - e)), *TRIANGLE[3:]],
+        lambda e: [*TRIANGLE[:2], ("line", 2.0 * (1.0 + e)), *TRIANGLE[3:]],
+    ],
+)
+def test_a_line_far_too_short_or_too_long_costs_no_corner(spoilt: object) -> None:
+    """Another way of driving the path may lie nearer to such a drive, with all its corners wrong."""
+    scorings = [graded("right_triangle", drive(legs(spoilt(e)))) for e in (0.3, 0.4, 0.45, 0.5, 0.6)]  # type: ignore[operator]
+    assert all(item(scoring, "corners").earned == 25 for scoring in scorings)
+    scores = list(map(score, scorings))
+    assert scores == sorted(scores, reverse=True)
+    assert scores[-1] > 30
+
+
 @pytest.mark.parametrize("laps", [2, 3])
 def test_a_closed_path_may_be_driven_over_again_and_cut_by_the_horizon(laps: int) -> None:
     way = legs([*TRIANGLE, ("turn", 135.0)]) * laps

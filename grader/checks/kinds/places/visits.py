@@ -14,7 +14,7 @@ from grader.contracts.trajectory import Floats, Trajectory
 NEAR_M = 0.02
 MOST_PARTS = 8  # into which the way between two samples is divided for that
 SAME_M = 0.01  # jumps that are shorter, all together, do not count as being put elsewhere
-# A missed goal counts this much at most, and the less, the larger it must be to be reached: at twice its size nothing.
+# A missed goal counts this much at most, the less, the larger it must be to be reached; nothing at twice its size.
 NEARLY_COUNTS = 0.75
 NEARLY_STEPS = 25  # from that to nothing
 FOR_EVER_S = math.inf
