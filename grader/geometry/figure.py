@@ -15,6 +15,7 @@ import numpy as np
 
 from grader.contracts.record import PositionalRecord
 from grader.geometry.path import (
+    ARC_SHARE,
     FULL_TURN_RAD,
     MIN_TURN_RAD,
     SETTLING_SHARE,
@@ -479,7 +480,7 @@ def _bow(straight: Straight, extent_m: float, side_m: float) -> float:
 
     A bend counts from half of that on.
     """
-    most_rad = max(straight.length_m / extent_m, MIN_TURN_RAD)
+    most_rad = max(straight.length_m / (ARC_SHARE * extent_m), MIN_TURN_RAD)
     bent = 2.0 * straight.bend_rad / most_rad - 1.0
     strayed = straight.strayed_m / straight.length_m if straight.length_m > 0.0 else 0.0
     astray = (strayed - STRAYED_SHARE) / (LOST_SHARE - STRAYED_SHARE)

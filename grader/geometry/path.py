@@ -184,9 +184,9 @@ HEADING_TOLERANCE_RAD = math.radians(10.0)  # doubled, it swallows the corners o
 DISTANCE_TOLERANCE_SHARE = 0.02  # of the extent; doubled, weaving is taken for corners
 WOBBLE_RAD = math.radians(12.0)  # to either side: a swing of 10° with some noise is still straight
 
-# Half of a dodecagon's corner. A smaller change of direction, or one in an arc wider than the path, is a
-# straight that bends.
-MIN_TURN_RAD = math.radians(15.0)
+# Half of a dodecagon's corner. A smaller change of direction, or one in an arc of a radius of more than this share
+# of the extent, is a straight that bends. A circle has a radius of 0.35 of its extent.
+MIN_TURN_RAD, ARC_SHARE = math.radians(15.0), 0.75
 
 # Of the extent: shorter straight bits belong to the corner around them. Halved, a step after the figure counts
 # as a side; doubled, a weaving side falls apart.
@@ -264,11 +264,13 @@ def segment(path: Path) -> Segments:
     """Cut `path` into alternating turns and straights."""
     extent_m = max(path.extent_m, MIN_EXTENT_M)
     path = _steadied(path, extent_m)
-    corners = _simplify(
-        path.along_m / (DISTANCE_TOLERANCE_SHARE * extent_m), path.travel_rad / HEADING_TOLERANCE_RAD
-    )
-    pieces = _classify(path, _without_wobble(path, corners), extent_m)
-    return _assemble(path, _join(path, pieces))
+    across, up = path.along_m / (DISTANCE_TOLERANCE_SHARE * extent_m), path.travel_rad / HEADING_TOLERANCE_RAD
+    corners = _without_wobble(path, _simplify(across, up))
+    for piece in _classify(path, corners, extent_m):
+        if not piece.straight:  # half the tolerance tells a side that bends at one end from an arc
+            part = slice(piece.first, piece.last + 1)
+            corners += [piece.first + i for i in _simplify(across[part], 2.0 * up[part])[1:-1]]
+    return _assemble(path, _join(path, _classify(path, sorted(corners), extent_m)))
 
 
 def _steadied(path: Path, extent_m: float) -> Path:
@@ -338,7 +340,7 @@ def _classify(path: Path, corners: list[int], extent_m: float) -> list[_Piece]:
     pieces = []
     for i in range(len(corners) - 1):
         change_rad, length_m = abs(travel[i + 1] - travel[i]), along[i + 1] - along[i]
-        bent = change_rad > MIN_TURN_RAD and abs(length_m) < extent_m * change_rad
+        bent = change_rad > MIN_TURN_RAD and abs(length_m) < ARC_SHARE * extent_m * change_rad
         short = length_m < MIN_STRAIGHT_SHARE * extent_m  # as a correction is, in which the distance falls
         pieces.append(_Piece(corners[i], corners[i + 1], straight=not bent and not short))
     return pieces

@@ -373,7 +373,7 @@ def test_a_turn_between_laps_costs_no_less_the_further_it_is_off(cut_s: float | 
 
 @pytest.mark.sweep(2)
 @pytest.mark.parametrize(
-    ("name", "sides", "most_deg"), [("square", 4, 40), ("octagon", 8, 20), ("pentagon", 5, 28)]
+    ("name", "sides", "most_deg"), [("square", 4, 53), ("octagon", 8, 24), ("pentagon", 5, 36)]
 )
 @pytest.mark.parametrize("bent", ["all", "one"])
 def test_points_fall_step_by_step_as_sides_bend(name: str, sides: int, most_deg: int, bent: str) -> None:
