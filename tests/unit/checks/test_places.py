@@ -178,7 +178,7 @@ def test_who_stops_just_before_the_goal_does_not_lose_all_that_needs_it() -> Non
         scoring = graded(asked, through((8.0 - short_m, 3.0)))
         earned.append(sum(item.earned for item in scoring.items))
     assert earned[0] == 100
-    assert earned[1] == pytest.approx(90, abs=2.0)  # 35 while all else needed the whole goal
+    assert earned[1] == pytest.approx(94, abs=2.0)  # 35 while all else needed the whole goal
     assert earned == sorted(earned, reverse=True)
     assert max(one - other for one, other in itertools.pairwise(earned)) < 22
 
