@@ -57,6 +57,8 @@ SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's exte
 # Of the distance travelled along a side: so much may be driven beside its line (`Straight.strayed_m`) before it
 # counts as less than one side, and from the second on it counts as none.
 STRAYED_SHARE, LOST_SHARE = 0.1, 0.5
+# From the first bend on a part of a side counts as driven while turning, from the second on all of it.
+BENT_RAD, ROUND_RAD = math.radians(10.0), math.radians(30.0)
 # Of a side from corner to corner: with less than the first driven straight it counts as less than one side, with
 # the second as none, because the figure is nearly a circle.
 LEVEL_SHARE, ROUND_SHARE = 0.45, 0.27
@@ -163,12 +165,13 @@ def _corners(path: Path, segments: Segments) -> list[float]:
 def _closing_corner(path: Path, segments: Segments, first: int) -> list[float]:
     """Return the turn after the last straight, if there is one.
 
-    The next side would be driven as straight `first` was: forward or backing up.
+    The next side would be driven as straight `first` was: forward or backing up, and as bent.
     """
     if (closing := segments.turns[-1]) is None:
         return []
     last = segments.straights[-1]
-    corner_rad = float(path.travel_rad[closing.last]) - last.direction_rad - last.spun_rad
+    next_rad = float(path.travel_rad[closing.last]) + 0.5 * segments.straights[first].bend_rad
+    corner_rad = next_rad - last.direction_rad - last.spun_rad
     other_way = _backs_up(path, last) != _backs_up(path, segments.straights[first])
     return [math.remainder(corner_rad + math.pi, FULL_TURN_RAD) if other_way else corner_rad]
 
@@ -468,11 +471,9 @@ def _curved_m(straights: Sequence[Straight], turns: Sequence[Turn | None]) -> fl
 
 
 def _bent_m(straight: Straight) -> float:
-    """Return how much of a side counts as driven while turning.
-
-    A side may bend by as much as the least corner for nothing; from twice that on all of it counts.
-    """
-    return straight.length_m * min(max(straight.bend_rad / MIN_TURN_RAD - 1.0, 0.0), 1.0)
+    """Return how much of a side counts as driven while turning."""
+    share = (abs(straight.bend_rad) - BENT_RAD) / (ROUND_RAD - BENT_RAD)
+    return straight.length_m * min(max(share, 0.0), 1.0)
 
 
 def _bow(straight: Straight, extent_m: float, side_m: float) -> float:
@@ -481,7 +482,7 @@ def _bow(straight: Straight, extent_m: float, side_m: float) -> float:
     A bend counts from half of that on.
     """
     most_rad = max(straight.length_m / (ARC_SHARE * extent_m), MIN_TURN_RAD)
-    bent = 2.0 * straight.bend_rad / most_rad - 1.0
+    bent = 2.0 * abs(straight.bend_rad) / most_rad - 1.0
     strayed = straight.strayed_m / straight.length_m if straight.length_m > 0.0 else 0.0
     astray = (strayed - STRAYED_SHARE) / (LOST_SHARE - STRAYED_SHARE)
     level = straight.length_m / side_m if side_m > 0.0 else 1.0

@@ -208,7 +208,7 @@ class Straight(PositionalRecord):
 
     Attributes:
         direction_rad: mean continuous direction of travel over its middle part, detours left out.
-        bend_rad: by how much that direction changes from its start to its end, wobble aside (not negative).
+        bend_rad: by how much that direction changes from its start to its end, wobble aside; positive to the left.
         length_m: distance travelled.
         strayed_m: distance driven in its detours, and beyond its end and back, but for a correction.
         spun_rad: whole turns made on the way: by so much the direction at its end is ahead of `direction_rad`.
@@ -395,7 +395,8 @@ def _line(path: Path, piece: _Piece) -> tuple[float, float, float]:
     ahead = ahead - float(np.dot(steps, ahead) / total)
     spread = float(np.dot(steps, ahead * ahead))
     slope = float(np.dot(steps, ahead * (middle - direction))) / spread if spread > 0.0 else 0.0
-    return direction, min(length * abs(slope), abs(float(travel[-1] - travel[0]))), spun_rad
+    most_rad = abs(float(travel[-1] - travel[0]))
+    return direction, min(max(length * slope, -most_rad), most_rad), spun_rad
 
 
 def _without_detours(path: Path, piece: _Piece) -> tuple[Floats, float]:

@@ -142,7 +142,7 @@ def test_who_steers_to_corners_loses_little_by_a_heading_a_few_degrees_off(
     earned = [score(graded(name, drive(homing(sides, side_m, off, near_m)))) for off in (1, 3, 5, 7, 8.5)]
     assert earned == sorted(earned, reverse=True)
     assert earned[1] > 98
-    assert earned[-1] > 80
+    assert earned[-1] > 75
 
 
 def test_who_backs_up_for_most_of_a_side_has_driven_it_twice() -> None:
