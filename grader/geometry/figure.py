@@ -448,13 +448,13 @@ def _closed_up(path: Path, vertices: list[int], begun: Turn | None, closing: Tur
             return False
         if turn.length_m < SETTLING_SHARE * path.extent_m or _is_arc(path, turn):
             return False
-        return abs(chord(path, _vertex(path, turn), far) - usual_m) < abs(side_m - usual_m)
+        return abs(chord(path, half_turned(path, turn), far) - usual_m) < abs(side_m - usual_m)
 
     rest = len(path) - 1
     if begun is not None and better(begun, rest, vertices[-2], sides[-1]):
-        return [*vertices[:-1], _vertex(path, begun)]
+        return [*vertices[:-1], half_turned(path, begun)]
     if closing is not None and better(closing, rest, vertices[1], sides[0]):
-        return [_vertex(path, closing), *vertices[1:]]
+        return [half_turned(path, closing), *vertices[1:]]
     return vertices
 
 
@@ -531,11 +531,11 @@ def _from_its_sense(corners: list[float]) -> list[float]:
 def span(path: Path, segments: Segments, index: int) -> tuple[int, int]:
     """Return the sample indices of the two vertices of straight `index`."""
     straight, before, after = segments.straights[index], segments.turns[index], segments.turns[index + 1]
-    start = _start(path, straight) if index == 0 or before is None else _vertex(path, before)
+    start = _start(path, straight) if index == 0 or before is None else half_turned(path, before)
     if after is None:
         return start, _end(path, straight)
     is_last = index == len(segments.straights) - 1
-    return start, _last_vertex(path, after) if is_last else _vertex(path, after)
+    return start, _last_vertex(path, after) if is_last else half_turned(path, after)
 
 
 def chord(path: Path, start: int, stop: int) -> float:
@@ -543,7 +543,7 @@ def chord(path: Path, start: int, stop: int) -> float:
     return math.hypot(float(path.x_m[stop] - path.x_m[start]), float(path.y_m[stop] - path.y_m[start]))
 
 
-def _vertex(path: Path, turn: Turn) -> int:
+def half_turned(path: Path, turn: Turn) -> int:
     """Return the sample at which half of the turn is done: where the corner of a rounded turn is measured from."""
     travel = path.travel_rad[turn.first : turn.last + 1]
     return turn.first + int(np.argmin(np.abs(travel - (travel[0] + travel[-1]) / 2.0)))

@@ -1,5 +1,6 @@
 """Check ``path``: a measure of the figure, not of the style; what may differ, what costs, and what is said."""
 
+import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -173,6 +174,29 @@ def test_credit_falls_as_one_error_grows(name: str, spoilt: object) -> None:
     assert scores[:2] == [100, 100]
     assert scores == sorted(scores, reverse=True)
     assert scores[-1] < 75
+
+
+def steered(*points: complex, gain: float) -> list[Leg]:
+    """Drive from point to point, turning and driving at once, as fast as the distance and the heading say."""
+    at, heading_rad, legs = 0j, 0.0, []
+    for point in points:
+        while abs(point - at) > 0.05:
+            error_rad = math.remainder(cmath.phase(point - at) - heading_rad, math.tau)
+            v = abs(point - at) * max(math.cos(error_rad), 0.02)
+            legs.append((0.02, v, gain * error_rad))
+            heading_rad += 0.01 * gain * error_rad
+            at += cmath.rect(0.02 * v, heading_rad)
+            heading_rad += 0.01 * gain * error_rad
+    return legs
+
+
+def test_a_corner_that_is_steered_round_is_where_half_of_it_is_turned() -> None:
+    scores = [
+        score(graded("letter_l", drive(steered(3 + 0j, 3 + 1.5j, gain=gain)))) for gain in (6, 4, 3, 2, 1.5)
+    ]
+    assert scores == sorted(scores, reverse=True)
+    assert scores[0] > 99
+    assert scores[-1] > 85
 
 
 @pytest.mark.parametrize(

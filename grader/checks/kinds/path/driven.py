@@ -24,6 +24,7 @@ from grader.checks.kinds.path.wanted import (
 from grader.checks.mistakes import with_ends
 from grader.contracts.assignment import StartPose, WantedPath
 from grader.contracts.trajectory import Trajectory
+from grader.geometry.figure import half_turned
 from grader.geometry.matching import (
     Floats,
     Points,
@@ -48,9 +49,8 @@ UNFINISHED_SHARE = 0.85  # of the wanted length: a shorter drive has left someth
 COVERED_SHARE = 0.05
 BEGUN_SHARE = 0.02  # of the size: a part that is nowhere further off is the first part of the path
 NEARLY_SHARE = 0.002  # of the size: residuals that differ by less count as equal
-CORNER_COUNTS = (
-    0.05  # of the size, for a radian by which a corner is off: it chooses among ways that fit alike
-)
+# Of the size, for a radian by which a corner is off: of ways that fit alike, that of the driven corners is taken.
+CORNER_COUNTS = 0.05
 LIKELY = 4  # ways of driving that are matched, those that fit best at equal distances
 THIN = 4  # the matching uses every fourth point: it only chooses among them
 NO_LINE_SHARE = 0.02  # of the path: a corner this near to its end has no line behind it
@@ -459,7 +459,7 @@ def inner_corners(figure: Figure, drive: Drive) -> list[DrivenCorner] | None:
     along, segments = np.maximum.accumulate(drive.path.along_m), segment(drive.path)
     corners = [
         DrivenCorner(
-            (float(along[turn.first]) + float(along[turn.last])) / 2.0,
+            float(along[half_turned(drive.path, turn)]),
             after.direction_rad - before.direction_rad - before.spun_rad,
         )
         for (before, after), turn in zip(
