@@ -276,6 +276,16 @@ def test_walls_and_places_to_avoid() -> None:
     assert (value(wall, "contacts"), wall.mistakes[0]) == (1, "place_wall")
 
 
+@pytest.mark.parametrize(("hit_s", "code"), [(0.5, "place_wall"), (6.0, "place_lost")])
+def test_a_wall_before_the_nearest_place_is_told_first_and_one_behind_it_is_not(
+    hit_s: float, code: str
+) -> None:
+    past = drive([(1.0, 1.0, 0.0), (math.pi, 0.0, 1.0), (4.0, 1.0, 0.0)], start_m=START, idle_s=0.0)
+    hit = Contact(wall="left", start_ns=round(hit_s * 1e9), end_ns=round(hit_s * 1e9) + 1)
+    scoring = graded(task(*goals((9.0, 5.0))), replace(past, contacts=(hit,)), RunStatus.INTERRUPTED)
+    assert scoring.mistakes[0] == code
+
+
 def test_a_teleport_to_the_goal_is_no_visit() -> None:
     way = through((4.0, 3.0))
     x = way.x_m.copy()
