@@ -15,6 +15,7 @@ import numpy as np
 
 from grader.contracts.record import PositionalRecord
 from grader.geometry.path import (
+    ARC_SHARE,
     FULL_TURN_RAD,
     MIN_TURN_RAD,
     SETTLING_SHARE,
@@ -56,6 +57,8 @@ SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's exte
 # Of the distance travelled along a side: so much may be driven beside its line (`Straight.strayed_m`) before it
 # counts as less than one side, and from the second on it counts as none.
 STRAYED_SHARE, LOST_SHARE = 0.1, 0.5
+# From the first bend on a part of a side counts as driven while turning, from the second on all of it.
+BENT_RAD, ROUND_RAD = math.radians(10.0), math.radians(30.0)
 # Of a side from corner to corner: with less than the first driven straight it counts as less than one side, with
 # the second as none, because the figure is nearly a circle.
 LEVEL_SHARE, ROUND_SHARE = 0.45, 0.27
@@ -162,12 +165,13 @@ def _corners(path: Path, segments: Segments) -> list[float]:
 def _closing_corner(path: Path, segments: Segments, first: int) -> list[float]:
     """Return the turn after the last straight, if there is one.
 
-    The next side would be driven as straight `first` was: forward or backing up.
+    The next side would be driven as straight `first` was: forward or backing up, and as bent.
     """
     if (closing := segments.turns[-1]) is None:
         return []
     last = segments.straights[-1]
-    corner_rad = float(path.travel_rad[closing.last]) - last.direction_rad - last.spun_rad
+    next_rad = float(path.travel_rad[closing.last]) + 0.5 * segments.straights[first].bend_rad
+    corner_rad = next_rad - last.direction_rad - last.spun_rad
     other_way = _backs_up(path, last) != _backs_up(path, segments.straights[first])
     return [math.remainder(corner_rad + math.pi, FULL_TURN_RAD) if other_way else corner_rad]
 
@@ -444,13 +448,13 @@ def _closed_up(path: Path, vertices: list[int], begun: Turn | None, closing: Tur
             return False
         if turn.length_m < SETTLING_SHARE * path.extent_m or _is_arc(path, turn):
             return False
-        return abs(chord(path, _vertex(path, turn), far) - usual_m) < abs(side_m - usual_m)
+        return abs(chord(path, half_turned(path, turn), far) - usual_m) < abs(side_m - usual_m)
 
     rest = len(path) - 1
     if begun is not None and better(begun, rest, vertices[-2], sides[-1]):
-        return [*vertices[:-1], _vertex(path, begun)]
+        return [*vertices[:-1], half_turned(path, begun)]
     if closing is not None and better(closing, rest, vertices[1], sides[0]):
-        return [_vertex(path, closing), *vertices[1:]]
+        return [half_turned(path, closing), *vertices[1:]]
     return vertices
 
 
@@ -467,11 +471,9 @@ def _curved_m(straights: Sequence[Straight], turns: Sequence[Turn | None]) -> fl
 
 
 def _bent_m(straight: Straight) -> float:
-    """Return how much of a side counts as driven while turning.
-
-    A side may bend by as much as the least corner for nothing; from twice that on all of it counts.
-    """
-    return straight.length_m * min(max(straight.bend_rad / MIN_TURN_RAD - 1.0, 0.0), 1.0)
+    """Return how much of a side counts as driven while turning."""
+    share = (abs(straight.bend_rad) - BENT_RAD) / (ROUND_RAD - BENT_RAD)
+    return straight.length_m * min(max(share, 0.0), 1.0)
 
 
 def _bow(straight: Straight, extent_m: float, side_m: float) -> float:
@@ -479,8 +481,8 @@ def _bow(straight: Straight, extent_m: float, side_m: float) -> float:
 
     A bend counts from half of that on.
     """
-    most_rad = max(straight.length_m / extent_m, MIN_TURN_RAD)
-    bent = 2.0 * straight.bend_rad / most_rad - 1.0
+    most_rad = max(straight.length_m / (ARC_SHARE * extent_m), MIN_TURN_RAD)
+    bent = 2.0 * abs(straight.bend_rad) / most_rad - 1.0
     strayed = straight.strayed_m / straight.length_m if straight.length_m > 0.0 else 0.0
     astray = (strayed - STRAYED_SHARE) / (LOST_SHARE - STRAYED_SHARE)
     level = straight.length_m / side_m if side_m > 0.0 else 1.0
@@ -529,11 +531,11 @@ def _from_its_sense(corners: list[float]) -> list[float]:
 def span(path: Path, segments: Segments, index: int) -> tuple[int, int]:
     """Return the sample indices of the two vertices of straight `index`."""
     straight, before, after = segments.straights[index], segments.turns[index], segments.turns[index + 1]
-    start = _start(path, straight) if index == 0 or before is None else _vertex(path, before)
+    start = _start(path, straight) if index == 0 or before is None else half_turned(path, before)
     if after is None:
         return start, _end(path, straight)
     is_last = index == len(segments.straights) - 1
-    return start, _last_vertex(path, after) if is_last else _vertex(path, after)
+    return start, _last_vertex(path, after) if is_last else half_turned(path, after)
 
 
 def chord(path: Path, start: int, stop: int) -> float:
@@ -541,7 +543,7 @@ def chord(path: Path, start: int, stop: int) -> float:
     return math.hypot(float(path.x_m[stop] - path.x_m[start]), float(path.y_m[stop] - path.y_m[start]))
 
 
-def _vertex(path: Path, turn: Turn) -> int:
+def half_turned(path: Path, turn: Turn) -> int:
     """Return the sample at which half of the turn is done: where the corner of a rounded turn is measured from."""
     travel = path.travel_rad[turn.first : turn.last + 1]
     return turn.first + int(np.argmin(np.abs(travel - (travel[0] + travel[-1]) / 2.0)))

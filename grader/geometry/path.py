@@ -14,6 +14,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -183,9 +184,9 @@ HEADING_TOLERANCE_RAD = math.radians(10.0)  # doubled, it swallows the corners o
 DISTANCE_TOLERANCE_SHARE = 0.02  # of the extent; doubled, weaving is taken for corners
 WOBBLE_RAD = math.radians(12.0)  # to either side: a swing of 10° with some noise is still straight
 
-# Half of a dodecagon's corner. A smaller change of direction, or one in an arc wider than the path, is a
-# straight that bends.
-MIN_TURN_RAD = math.radians(15.0)
+# Half of a dodecagon's corner. A smaller change of direction, or one in an arc of a radius of more than this share
+# of the extent, is a straight that bends. A circle has a radius of 0.35 of its extent.
+MIN_TURN_RAD, ARC_SHARE = math.radians(15.0), 0.75
 
 # Of the extent: shorter straight bits belong to the corner around them. Halved, a step after the figure counts
 # as a side; doubled, a weaving side falls apart.
@@ -207,7 +208,7 @@ class Straight(PositionalRecord):
 
     Attributes:
         direction_rad: mean continuous direction of travel over its middle part, detours left out.
-        bend_rad: by how much that direction changes from its start to its end, wobble aside (not negative).
+        bend_rad: by how much that direction changes from its start to its end, wobble aside; positive to the left.
         length_m: distance travelled.
         strayed_m: distance driven in its detours, and beyond its end and back, but for a correction.
         spun_rad: whole turns made on the way: by so much the direction at its end is ahead of `direction_rad`.
@@ -258,15 +259,18 @@ class _Piece:
     detours: tuple[tuple[int, int], ...] = ()
 
 
+@lru_cache(maxsize=1)  # what looks at a driven path asks for its pieces again and again
 def segment(path: Path) -> Segments:
     """Cut `path` into alternating turns and straights."""
     extent_m = max(path.extent_m, MIN_EXTENT_M)
     path = _steadied(path, extent_m)
-    corners = _simplify(
-        path.along_m / (DISTANCE_TOLERANCE_SHARE * extent_m), path.travel_rad / HEADING_TOLERANCE_RAD
-    )
-    pieces = _classify(path, _without_wobble(path, corners), extent_m)
-    return _assemble(path, _join(path, pieces))
+    across, up = path.along_m / (DISTANCE_TOLERANCE_SHARE * extent_m), path.travel_rad / HEADING_TOLERANCE_RAD
+    corners = _without_wobble(path, _simplify(across, up))
+    for piece in _classify(path, corners, extent_m):
+        if not piece.straight:  # half the tolerance tells a side that bends at one end from an arc
+            part = slice(piece.first, piece.last + 1)
+            corners += [piece.first + i for i in _simplify(across[part], 2.0 * up[part])[1:-1]]
+    return _assemble(path, _join(path, _classify(path, sorted(corners), extent_m)))
 
 
 def _steadied(path: Path, extent_m: float) -> Path:
@@ -336,7 +340,7 @@ def _classify(path: Path, corners: list[int], extent_m: float) -> list[_Piece]:
     pieces = []
     for i in range(len(corners) - 1):
         change_rad, length_m = abs(travel[i + 1] - travel[i]), along[i + 1] - along[i]
-        bent = change_rad > MIN_TURN_RAD and abs(length_m) < extent_m * change_rad
+        bent = change_rad > MIN_TURN_RAD and abs(length_m) < ARC_SHARE * extent_m * change_rad
         short = length_m < MIN_STRAIGHT_SHARE * extent_m  # as a correction is, in which the distance falls
         pieces.append(_Piece(corners[i], corners[i + 1], straight=not bent and not short))
     return pieces
@@ -391,7 +395,8 @@ def _line(path: Path, piece: _Piece) -> tuple[float, float, float]:
     ahead = ahead - float(np.dot(steps, ahead) / total)
     spread = float(np.dot(steps, ahead * ahead))
     slope = float(np.dot(steps, ahead * (middle - direction))) / spread if spread > 0.0 else 0.0
-    return direction, min(length * abs(slope), abs(float(travel[-1] - travel[0]))), spun_rad
+    most_rad = abs(float(travel[-1] - travel[0]))
+    return direction, min(max(length * slope, -most_rad), most_rad), spun_rad
 
 
 def _without_detours(path: Path, piece: _Piece) -> tuple[Floats, float]:

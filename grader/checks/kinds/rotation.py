@@ -49,7 +49,7 @@ def _goals(run: Run) -> int:
 
 
 def _rotation(path: Path) -> dict[str, Measure]:
-    total_deg = math.degrees(float(np.max(np.abs(path.heading_rad - path.heading_rad[0]))))
+    total_deg = math.degrees(float(np.ptp(path.heading_rad)))
     turned_deg = math.degrees(_in_one_place(path))
     strayed = np.hypot(path.x_m - path.x_m[0], path.y_m - path.y_m[0])
     return {

@@ -215,6 +215,7 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("turns_too_far", "theta = math.degrees(msg.theta)\ntarget = theta + 90", "turns_too_far"),
         ("turns_too_short", "if abs(err) < 0.3:\n    stop()", "wide_tolerance"),
         ("turns_too_short", "tol = 0.15\nwhile abs(self.yaw_error) > tol:\n    go()", "wide_tolerance"),
+        ("slipped", "if abs(heading_error) > 0.25:\n    turn()", "wide_tolerance"),
         ("turns_too_short", "if abs(err) < 0.02:\n    stop()", "turns_too_short"),
         ("turns_too_short", "if abs(dist) < 0.3:\n    stop()", "turns_too_short"),
         ("waits_in_loop", KEPT.format(loop="while True:", block="time.sleep(1)"), "loop_for_spin"),

@@ -1,5 +1,6 @@
 """Check ``path``: a measure of the figure, not of the style; what may differ, what costs, and what is said."""
 
+import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -173,6 +174,46 @@ def test_credit_falls_as_one_error_grows(name: str, spoilt: object) -> None:
     assert scores[:2] == [100, 100]
     assert scores == sorted(scores, reverse=True)
     assert scores[-1] < 75
+
+
+def steered(*points: complex, gain: float) -> list[Leg]:
+    """Drive from point to point, turning and driving at once, as fast as the distance and the heading say."""
+    at, heading_rad, legs = 0j, 0.0, []
+    for point in points:
+        while abs(point - at) > 0.05:
+            error_rad = math.remainder(cmath.phase(point - at) - heading_rad, math.tau)
+            v = abs(point - at) * max(math.cos(error_rad), 0.02)
+            legs.append((0.02, v, gain * error_rad))
+            heading_rad += 0.01 * gain * error_rad
+            at += cmath.rect(0.02 * v, heading_rad)
+            heading_rad += 0.01 * gain * error_rad
+    return legs
+
+
+def test_a_corner_that_is_steered_round_is_where_half_of_it_is_turned() -> None:
+    scores = [
+        score(graded("letter_l", drive(steered(3 + 0j, 3 + 1.5j, gain=gain)))) for gain in (6, 4, 3, 2, 1.5)
+    ]
+    assert scores == sorted(scores, reverse=True)
+    assert scores[0] > 99
+    assert scores[-1] > 85
+
+
+@pytest.mark.parametrize(
+    "spoilt",
+    [
+        lambda e: [*TRIANGLE[:4], ("line", 2.0 * math.sqrt(2.0) * (1.0 - e))],
+        lambda e: [*TRIANGLE[:2], ("line", 2.0 * (1.0 - e)), *TRIANGLE[3:]],
+        lambda e: [*TRIANGLE[:2], ("line", 2.0 * (1.0 + e)), *TRIANGLE[3:]],
+    ],
+)
+def test_a_line_far_too_short_or_too_long_costs_no_corner(spoilt: object) -> None:
+    """Another way of driving the path may lie nearer to such a drive, with all its corners wrong."""
+    scorings = [graded("right_triangle", drive(legs(spoilt(e)))) for e in (0.3, 0.4, 0.45, 0.5, 0.6)]  # type: ignore[operator]
+    assert all(item(scoring, "corners").earned == 25 for scoring in scorings)
+    scores = list(map(score, scorings))
+    assert scores == sorted(scores, reverse=True)
+    assert scores[-1] > 30
 
 
 @pytest.mark.parametrize("laps", [2, 3])

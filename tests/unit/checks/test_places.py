@@ -132,11 +132,13 @@ def _is_rising(chosen: Sequence[int], mask: int) -> bool:
 
 
 @given(
-    offs_m=st.lists(st.sampled_from([0.0, 0.1, 0.15, 0.25, 0.29, 0.35, 1.0]), min_size=3, max_size=3),
+    offs_m=st.lists(st.sampled_from([0.0, 0.1, 0.15, 0.205, 0.25, 0.35, 1.0]), min_size=3, max_size=3),
     ordered=st.booleans(),
 )
 @settings(max_examples=examples(20), deadline=None)
-def test_a_goal_missed_by_less_than_half_of_its_size_counts_half(offs_m: list[float], ordered: bool) -> None:
+def test_a_missed_goal_counts_the_less_the_larger_it_would_have_to_be(
+    offs_m: list[float], ordered: bool
+) -> None:
     asked = task(*goals(*POINTS), measures="reached reached_pct", any_order=not ordered)
     half = math.sqrt(0.5)
     sides = ((-half, half), (-half, -half), (1.0, 0.0))  # the corners are cut, and the end is too early
@@ -148,22 +150,22 @@ def test_a_goal_missed_by_less_than_half_of_its_size_counts_half(offs_m: list[fl
     reached, share = value(scoring, "reached"), value(scoring, "reached_pct")
     assert reached is not None
     assert share is not None
-    nearly = sum(0.2 < off_m <= 0.3 for off_m in offs_m)
+    nearly = [0.75 * (2.0 - off_m / 0.2) for off_m in offs_m if 0.2 < off_m < 0.4]
     assert reached == sum(off_m <= 0.2 for off_m in offs_m)
-    assert share == pytest.approx(100.0 * (reached + 0.5 * nearly) / 3.0, abs=0.001)
-    assert ("nearly" in scoring.items[1].message.en) == (nearly > 0)
+    assert share == pytest.approx(100.0 * (reached + sum(nearly)) / 3.0, abs=3.1)  # in steps of 3 % of a goal
+    assert ("nearly" in scoring.items[1].message.en) == (len(nearly) > 0)
 
 
-def test_beyond_half_of_its_size_a_missed_goal_counts_less_and_less() -> None:
+def test_a_missed_goal_counts_less_and_less() -> None:
     asked = task(*goals((8.0, 3.0)), measures="reached_pct")
     shares = []
-    for short_m in (0.21, 0.29, 0.305, 0.31, 0.32, 0.33, 0.34, 0.345, 0.36):
+    for short_m in (0.201, 0.21, 0.24, 0.26, 0.299, 0.32, 0.34, 0.36, 0.38, 0.41):
         share = value(graded(asked, through((8.0 - short_m, 3.0))), "reached_pct")
         assert share is not None
         shares.append(share)
-    assert shares[:2] == [50.0, 50.0]
+    assert 70.0 < shares[0] < 75.0
     assert shares == sorted(shares, reverse=True)
-    assert len(set(shares)) > 6
+    assert max(one - other for one, other in itertools.pairwise(shares)) <= 20.0
     assert shares[-1] == 0.0
 
 
@@ -172,13 +174,13 @@ def test_who_stops_just_before_the_goal_does_not_lose_all_that_needs_it() -> Non
         assignment("go_to_goal"), cases=(Case(),), world=World(start=StartPose(x_m=START[0], y_m=START[1]))
     )
     earned = []
-    for short_m in (0.15, 0.21, 0.25, 0.295, 0.31, 0.33, 0.345, 0.4, 0.7, 1.0, 1.5):
+    for short_m in (0.15, 0.21, 0.25, 0.27, 0.28, 0.295, 0.31, 0.33, 0.345, 0.4, 0.7, 1.0, 1.5):
         scoring = graded(asked, through((8.0 - short_m, 3.0)))
         earned.append(sum(item.earned for item in scoring.items))
     assert earned[0] == 100
-    assert earned[1] == pytest.approx(61, abs=0.5)  # 35 while all else needed the whole goal
+    assert earned[1] == pytest.approx(94, abs=2.0)  # 35 while all else needed the whole goal
     assert earned == sorted(earned, reverse=True)
-    assert max(one - other for one, other in itertools.pairwise(earned[1:])) < 22
+    assert max(one - other for one, other in itertools.pairwise(earned)) < 22
 
 
 @pytest.mark.parametrize(
@@ -272,6 +274,16 @@ def test_walls_and_places_to_avoid() -> None:
     hit = replace(through(POINTS[0]), contacts=(Contact(wall="top", start_ns=1, end_ns=2),))
     wall = graded(task(*goals(POINTS[0]), measures="contacts"), hit)
     assert (value(wall, "contacts"), wall.mistakes[0]) == (1, "place_wall")
+
+
+@pytest.mark.parametrize(("hit_s", "code"), [(0.5, "place_wall"), (6.0, "place_lost")])
+def test_a_wall_before_the_nearest_place_is_told_first_and_one_behind_it_is_not(
+    hit_s: float, code: str
+) -> None:
+    past = drive([(1.0, 1.0, 0.0), (math.pi, 0.0, 1.0), (4.0, 1.0, 0.0)], start_m=START, idle_s=0.0)
+    hit = Contact(wall="left", start_ns=round(hit_s * 1e9), end_ns=round(hit_s * 1e9) + 1)
+    scoring = graded(task(*goals((9.0, 5.0))), replace(past, contacts=(hit,)), RunStatus.INTERRUPTED)
+    assert scoring.mistakes[0] == code
 
 
 def test_a_teleport_to_the_goal_is_no_visit() -> None:

@@ -373,7 +373,7 @@ def test_a_turn_between_laps_costs_no_less_the_further_it_is_off(cut_s: float | 
 
 @pytest.mark.sweep(2)
 @pytest.mark.parametrize(
-    ("name", "sides", "most_deg"), [("square", 4, 40), ("octagon", 8, 20), ("pentagon", 5, 28)]
+    ("name", "sides", "most_deg"), [("square", 4, 53), ("octagon", 8, 24), ("pentagon", 5, 36)]
 )
 @pytest.mark.parametrize("bent", ["all", "one"])
 def test_points_fall_step_by_step_as_sides_bend(name: str, sides: int, most_deg: int, bent: str) -> None:
@@ -391,3 +391,20 @@ def test_points_fall_step_by_step_as_sides_bend(name: str, sides: int, most_deg:
     assert points[-1] <= 35
     assert min(steps) >= 0
     assert max(steps) <= 30
+
+
+@pytest.mark.parametrize("bend_deg", [8.0, 20.0, 30.0, -20.0])
+def test_who_turns_after_the_last_bent_side_as_after_the_others_has_stopped(bend_deg: float) -> None:
+    bend, turn = math.radians(bend_deg), math.radians(90.0 - bend_deg)
+    scoring = graded("square", drive([(2.0, 1.0, bend / 2.0), (turn, 0.0, 1.0)] * 4))
+    assert item(scoring, "rest").earned == 5
+    assert item(scoring, "angles").earned == 25
+
+
+@pytest.mark.parametrize(("corner_deg", "told"), [(15.0, False), (15.05, True), (16.0, True)])
+def test_nothing_counts_for_all_of_it_only(corner_deg: float, told: bool) -> None:
+    corners = [45.0, 45.0, corner_deg, *[45.0] * 5]
+    scoring = graded("octagon", drive(polygon_legs(8, 1.0, corners_deg=corners)))
+    messages = [each.message.en for each in scoring.items]
+    assert any("% only" in message for message in messages) is told
+    assert not any("counts for 100 % only" in message for message in messages)

@@ -1,5 +1,6 @@
 """The polygon check on ways to drive a figure: begun anywhere, over again, with detours, with more behind it."""
 
+import cmath
 import itertools
 import math
 
@@ -110,6 +111,38 @@ def test_the_further_a_car_drives_past_the_end_of_its_sides_and_back_the_more_it
     assert earned[1] == 100
     assert scoring.mistakes[0] == "overshot"
     assert max(one - other for one, other in itertools.pairwise(earned)) < 25
+
+
+def homing(sides: int, side_m: float, off_deg: float, near_m: float) -> list[Leg]:
+    """Drive from corner to corner by the pose; a heading is corrected once it is further off the goal's direction.
+
+    So each side bends the more, the nearer its end.
+    """
+    at = goal = 0j
+    heading_rad, legs = 0.0, []
+    for i in range(sides):
+        goal += cmath.rect(side_m, math.tau * i / sides)
+        while abs(goal - at) > near_m:
+            error_rad = math.remainder(cmath.phase(goal - at) - heading_rad, math.tau)
+            turn_rad = math.copysign(max(abs(error_rad) - math.radians(off_deg), 0.0), error_rad)
+            heading_rad += turn_rad
+            length_m = 0.05 * abs(goal - at)
+            at += cmath.rect(length_m, heading_rad)
+            legs += [(abs(turn_rad), 0.0, math.copysign(1.0, turn_rad)), side(length_m)]
+    return legs
+
+
+@pytest.mark.parametrize("near_m", [0.02, 0.05, 0.1])
+@pytest.mark.parametrize(
+    ("name", "sides", "side_m"), [("octagon", 8, 1.0), ("hexagon", 6, 1.2), ("square", 4, 2.0)]
+)
+def test_who_steers_to_corners_loses_little_by_a_heading_a_few_degrees_off(
+    name: str, sides: int, side_m: float, near_m: float
+) -> None:
+    earned = [score(graded(name, drive(homing(sides, side_m, off, near_m)))) for off in (1, 3, 5, 7, 8.5)]
+    assert earned == sorted(earned, reverse=True)
+    assert earned[1] > 98
+    assert earned[-1] > 75
 
 
 def test_who_backs_up_for_most_of_a_side_has_driven_it_twice() -> None:

@@ -35,6 +35,11 @@ def test_too_short_a_turn(turn_s: float, mistake: str) -> None:
     assert scoring.mistakes == (mistake,)
 
 
+def test_no_more_counts_than_was_turned() -> None:
+    scoring = graded("spin", drive([(1.0, 0.0, -1.0), (4.0, 0.0, 1.0)]))
+    assert "Turned 229" in item(scoring, "turn").message.en
+
+
 FOLDED = "d = math.atan2(math.sin(d), math.cos(d))\nself.turned {adds} d\nif self.turned < 5.0:\n    turn()\n"
 
 

@@ -24,6 +24,7 @@ from grader.checks.kinds.path.wanted import (
 from grader.checks.mistakes import with_ends
 from grader.contracts.assignment import StartPose, WantedPath
 from grader.contracts.trajectory import Trajectory
+from grader.geometry.figure import half_turned
 from grader.geometry.matching import (
     Floats,
     Points,
@@ -43,11 +44,13 @@ LOOKED_AT = 400  # points of a whole drive among which such ends are looked for
 BACK_SHARE = 0.2  # of the drive's size: a car that comes nearer to its start than this is back
 ON_IT_SHARE = 0.08  # of the figure's size: what stays this near to it after its end repeats it
 LONGER_SHARE = 1.1  # a shorter part replaces a longer one only if it fits better by this factor
-UNFINISHED_SHARE = 0.8  # of the wanted length: a shorter drive has left something out
+UNFINISHED_SHARE = 0.85  # of the wanted length: a shorter drive has left something out
 # Share of the path's size: a part of the wanted path that is further from the driven one was left out.
 COVERED_SHARE = 0.05
 BEGUN_SHARE = 0.02  # of the size: a part that is nowhere further off is the first part of the path
 NEARLY_SHARE = 0.002  # of the size: residuals that differ by less count as equal
+# Of the size, for a radian by which a corner is off: of ways that fit alike, that of the driven corners is taken.
+CORNER_COUNTS = 0.05
 LIKELY = 4  # ways of driving that are matched, those that fit best at equal distances
 THIN = 4  # the matching uses every fourth point: it only chooses among them
 NO_LINE_SHARE = 0.02  # of the path: a corner this near to its end has no line behind it
@@ -201,11 +204,11 @@ def figure_in(drive: Drive, wanted: WantedPath, start: StartPose) -> Figure | No
     ends = _ends_of_laps(points, along, least_m) if closed else _ends_of_pieces(path, along, least_m)
     for end_m in (total_m, *ends):
         tried = _tried(points, along, end_m, ways, allowed)  # of equal ones the plainest comes first
-        likely += sorted(tried, key=lambda each: round(each.residual, 3))[:LIKELY]
+        likely += sorted(tried, key=lambda each: round(_misfit(each, drive), 3))[:LIKELY]
     for one in _refined(likely, allowed, THIN):
         if not closed and one.end_m < total_m and one.residual > COVERED_SHARE:
             continue  # hardly the whole path: with what follows it is one that was driven badly
-        if found is None or one.residual < (found.residual - NEARLY_SHARE) / LONGER_SHARE:
+        if found is None or _misfit(one, drive) < (_misfit(found, drive) - NEARLY_SHARE) / LONGER_SHARE:
             found = one
     begun = None if wanted.any_scale else _begun(points, along, ways, allowed)
     if begun is not None:
@@ -214,6 +217,18 @@ def figure_in(drive: Drive, wanted: WantedPath, start: StartPose) -> Figure | No
         return None
     found = _refined([found], allowed)[0]
     return _with_what_follows(found, points, along, wanted, drive)
+
+
+def _misfit(figure: Figure, drive: Drive) -> float:
+    """Return how far the figure is off, and the corners between its lines, where as many were driven."""
+    driven = inner_corners(figure, drive)
+    wanted = [corner_rad(*pair) for pair in itertools.pairwise(figure.track.stretches)]
+    if driven is None or len(driven) != len(wanted):
+        return figure.residual
+    sign = -1.0 if figure.placed.mirrored else 1.0
+    pairs = zip(driven, wanted, strict=True)
+    off = (abs(math.remainder(one.angle_rad - sign * other, math.tau)) for one, other in pairs)
+    return figure.residual + CORNER_COUNTS * max(off, default=0.0)
 
 
 def _begun(points: Points, along: Floats, ways: tuple[Track, ...], allowed: _Allowed) -> Figure | None:
@@ -423,20 +438,36 @@ def _with_the_way_on(found: list[DrivenStretch], on_m: float) -> list[DrivenStre
 
 def _line_ends(figure: Figure, drive: Drive) -> list[int]:
     """Return the points of `fine` at which the lines of a path without arcs end; none if others were driven."""
-    inner = inner_corners_m(figure, drive)
+    inner = inner_corners(figure, drive)
     if inner is None or len(inner) != len(figure.track.stretches) - 1:
         return []
-    return [round(end_m / figure.end_m * (FINE - 1)) for end_m in (0.0, *inner, figure.end_m)]
+    ends_m = (0.0, *(corner.at_m for corner in inner), figure.end_m)
+    return [round(end_m / figure.end_m * (FINE - 1)) for end_m in ends_m]
 
 
-def inner_corners_m(figure: Figure, drive: Drive) -> list[float] | None:
-    """Return how far along the way each corner between two lines was driven; None for a path with arcs."""
+class DrivenCorner(NamedTuple):
+    """A corner between two lines: how far along the way it was driven, and the change of direction."""
+
+    at_m: float
+    angle_rad: float
+
+
+def inner_corners(figure: Figure, drive: Drive) -> list[DrivenCorner] | None:
+    """Return the corners that were driven between two lines; None for a path with arcs."""
     if any(each.kind != "line" for each in figure.track.stretches):
         return None
-    along = np.maximum.accumulate(drive.path.along_m)
-    turns = [turn for turn in segment(drive.path).turns[1:-1] if turn is not None]
-    middles = [(float(along[turn.first]) + float(along[turn.last])) / 2.0 for turn in turns]
-    return [middle for middle in middles if middle < (1.0 - NO_LINE_SHARE) * figure.end_m]
+    along, segments = np.maximum.accumulate(drive.path.along_m), segment(drive.path)
+    corners = [
+        DrivenCorner(
+            float(along[half_turned(drive.path, turn)]),
+            after.direction_rad - before.direction_rad - before.spun_rad,
+        )
+        for (before, after), turn in zip(
+            itertools.pairwise(segments.straights), segments.turns[1:-1], strict=True
+        )
+        if turn is not None
+    ]
+    return [corner for corner in corners if corner.at_m < (1.0 - NO_LINE_SHARE) * figure.end_m]
 
 
 def _driven_index(figure: Figure, share: float) -> int:

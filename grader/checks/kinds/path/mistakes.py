@@ -19,7 +19,7 @@ from grader.checks.kinds.path.driven import (
     corners_deg,
     end_ns,
     figure_in,
-    inner_corners_m,
+    inner_corners,
     roughly_off,
 )
 from grader.checks.kinds.path.wanted import MIN_CORNER_RAD, Stretch, corner_rad, track_of, tracks
@@ -198,7 +198,7 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
     if off and (closer := _backwards(seen) or _swept(seen)) is not None:
         yield closer
         return
-    corners = inner_corners_m(seen.figure, seen.drive)
+    corners = inner_corners(seen.figure, seen.drive)
     count, wanted = len(corners or ()) + 1, len(seen.figure.track.stretches)
     if off and corners is not None and count != wanted and not seen.drive.cut_short:
         yield mistake("path_count", _SHAPE_MEASURES, count=count, wanted=wanted)

@@ -113,12 +113,20 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, visits: Se
     if stayed_away and not _was_approaching(first, last_m):
         code = "path_backwards" if share_backwards(run) > _MOSTLY else "place_away"
         return mistake(code, spoilt, first=number(first.first_m, "m"), **values)
-    if drive.cut_short and last_m > LOST_TIMES * first.nearest_m + LOST_M:
+    passed = last_m > LOST_TIMES * first.nearest_m + LOST_M and not _touched_before(run, way, first)
+    if drive.cut_short and passed:
         return mistake("place_lost", spoilt, **values)
     if drive.cut_short:
         lasting = (*spoilt, "settled")
         return swings(run, lasting) or mistake("place_too_slow", lasting, **values)
     return mistake("place_missed", spoilt, **values)
+
+
+def _touched_before(run: Run, way: Way, visit: Visit) -> bool:
+    """Whether the car touched something before it was nearest to a goal."""
+    region = visit.goal.region
+    nearest_s = way.t_s[int(np.argmin(np.hypot(way.x_m - region.x_m, way.y_m - region.y_m)))]
+    return any(contact.start_ns / 1e9 < nearest_s for contact in run.trajectory.contacts[:1])
 
 
 def _standing_at(way: Way, visits: Sequence[Visit]) -> Visit | None:

@@ -14,11 +14,9 @@ from grader.contracts.trajectory import Floats, Trajectory
 NEAR_M = 0.02
 MOST_PARTS = 8  # into which the way between two samples is divided for that
 SAME_M = 0.01  # jumps that are shorter, all together, do not count as being put elsewhere
-# The size of a goal: a car that comes within the first has nearly reached it, which counts half. From there on it
-# counts less, and from the second on nothing.
-NEARLY_TIMES, NOT_TIMES = 1.5, 1.75
-NEARLY_COUNTS = 0.5
-NEARLY_STEPS = 10  # from half a goal to nothing
+# A missed goal counts this much at most, the less, the larger it must be to be reached; nothing at twice its size.
+NEARLY_COUNTS = 0.75
+NEARLY_STEPS = 25  # from that to nothing
 FOR_EVER_S = math.inf
 
 
@@ -136,13 +134,13 @@ def visits(wanted: WantedPlaces, way: Way) -> list[Visit]:
 def nearly_reached(wanted: WantedPlaces, way: Way, seen: Sequence[Visit]) -> list[float]:
     """Return how much of each missed goal counts: the less, the larger all goals must be for it to be reached."""
     shares = [0.0] * len(seen)
-    for step in range(NEARLY_STEPS):
-        times = NEARLY_TIMES + (NOT_TIMES - NEARLY_TIMES) * step / NEARLY_STEPS
-        larger = replace(wanted, visit=tuple(_enlarged(goal, times) for goal in wanted.visit))
+    for step in range(1, NEARLY_STEPS):
+        more = step / NEARLY_STEPS
+        larger = replace(wanted, visit=tuple(_enlarged(goal, 1.0 + more) for goal in wanted.visit))
         stays = [_stays(outside_of(goal.region, way), way) for goal in larger.visit]
         for i, done_s in enumerate(_done(larger, stays)):
             if done_s is not None and seen[i].done_s is None and not shares[i]:
-                shares[i] = NEARLY_COUNTS * (1.0 - step / NEARLY_STEPS)
+                shares[i] = NEARLY_COUNTS * (1.0 - more)
     return shares
 
 

@@ -74,7 +74,7 @@ def _measures(wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float) -> di
         if wanted.lengths_m is not None:
             taken["side_error_pct"] = _side_error(wanted, figure.sides_m[:-1])
         taken["gap_pct"] = Measure(math.nan, {"why": say("polygon.unfinished")})
-    if (otherness := driven.otherness(wanted)) > 0.0:
+    if (otherness := round(driven.otherness(wanted), 3)) > 0.0:
         spoilt = _OF_THE_FIGURE if len(figure.sides_m) == wanted.sides else (*_OF_THE_FIGURE, *_LENGTHS)
         taken |= {name: _of_another(taken[name], otherness) for name in spoilt if name in taken}
     return taken
