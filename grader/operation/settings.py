@@ -26,7 +26,7 @@ Count = Annotated[int, Field(ge=1, le=1_000_000)]  # neither databases nor float
 
 _PREFIX = "GRADER_"
 _OF_PRAIRIELEARN = "GRADER_ASSIGNMENT"  # no setting of the service
-_ALIKE = 0.85  # engines of containers set variables of their own, as GRADER_PORT_8080_TCP
+_ALIKE = 0.9  # one wrong letter leaves more of any name; engines of containers set others, as GRADER_DB_PORT
 _SHORTEST_TOKEN = 16
 _RENEWALS_PER_LEASE = 3
 _SILENT_BEATS = 4
@@ -342,7 +342,7 @@ def _check_names() -> None:
     for name in sorted(os.environ):
         if not name.startswith(_PREFIX) or name in known or name == _OF_PRAIRIELEARN:
             continue
-        for meant in difflib.get_close_matches(name, known, n=1, cutoff=_ALIKE):
+        for meant in set(difflib.get_close_matches(name, known, n=1, cutoff=_ALIKE)) - set(os.environ):
             raise SettingsError(
                 f"{name}: there is no such setting; is it {meant}?", f"{name}：没有这个设置，是不是 {meant}？"
             )

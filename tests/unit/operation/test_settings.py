@@ -152,8 +152,12 @@ def test_a_misspelt_variable_is_refused(monkeypatch: pytest.MonkeyPatch, name: s
         load()
 
 
-@pytest.mark.parametrize("name", ["GRADER_ASSIGNMENT", "GRADER_TOKEN", "GRADER_PORT_8080_TCP"])
+@pytest.mark.parametrize(
+    "name",
+    ["GRADER_ASSIGNMENT", "GRADER_TOKEN", "GRADER_PORT_8080_TCP", "GRADER_DB_PORT", "GRADER_DATABASE_USER"],
+)
 def test_variables_of_others_are_left_alone(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    monkeypatch.setenv("GRADER_DATABASE_URL", "sqlite:///grader.db")  # so that it is no other's misspelt name
     monkeypatch.setenv(name, "tcp://10.0.0.1:8080")
     assert load().port == 8080
 
