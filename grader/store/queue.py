@@ -261,8 +261,8 @@ class Queue:
                 else_=col(SubmissionRow.id) < submission_id,
             )
             waiting = col(SubmissionRow.state) == SubmissionState.QUEUED.value
-            ahead = select(func.count()).select_from(SubmissionRow).where(waiting, first)
-            return int(session.execute(ahead).scalar_one())
+            before = select(func.count()).select_from(SubmissionRow).where(waiting, first)
+            return int(session.execute(before).scalar_one())
 
     def is_due(self, *, in_turn: bool = False) -> bool:
         """Return whether a submission is due; `in_turn`: one whose turn has come."""

@@ -70,9 +70,8 @@ def _check_item(item: str, assignment: Assignment | None, cells: Iterable[Counte
     known = [] if assignment is None else [one.id for one in assignment.items]
     failed = {one for cell in cells for one in cell.failed}  # also by an earlier version of it
     if item not in failed and item.rpartition("/")[2] not in known:
-        listed = ", ".join(known)
-        detail = Text(zh=f"没有这个评分项；有：{listed}", en=f"There is no such item; there are: {listed}")
-        raise RefusedError("invalid_request", detail, field="item")
+        detail = Text(zh="没有这个评分项。", en="There is no such item.")
+        raise RefusedError("invalid_request", detail, field="item", allowed=known)
 
 
 def _fits(concern: Concern) -> Callable[[CountedCell], bool]:

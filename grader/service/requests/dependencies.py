@@ -26,7 +26,6 @@ from grader.use_cases.services import Services
 from grader.use_cases.visibility import visible_submission
 
 _LONGEST_HEADER = 1_000
-_MOST_LISTED = 20
 _TAG = re.compile(r'(W/)?"([\x21\x23-\x7e\x80-\xff]*)"')  # RFC 9110, section 8.8.3
 
 PEER = "grader.peer"
@@ -200,9 +199,8 @@ def _known_section(
 ) -> str:
     known = sections_of(members(errand.services, errand.caller)) if section else []
     if section and section not in known:
-        listed = ", ".join(known[:_MOST_LISTED])
-        detail = Text(zh=f"没有这个分组；有：{listed}", en=f"There is no such section; there are: {listed}")
-        raise RefusedError("invalid_request", detail, field="section")
+        detail = Text(zh="没有这个分组。", en="There is no such section.")
+        raise RefusedError("invalid_request", detail, field="section", allowed=known)
     return section
 
 

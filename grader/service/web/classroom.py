@@ -86,10 +86,7 @@ def read_concerned(
     """Show who failed an item, made a mistake, or whose latest submission has a status."""
     concern = Concern(item=item or None, mistake=mistake or None, status=status or None)
     found = concerned(errand.services, errand.caller, assignment_id, concern)
-    language, assignment = (
-        errand.language,
-        published(errand.services, errand.caller, assignment_id),
-    )
+    language, assignment = errand.language, published(errand.services, errand.caller, assignment_id)
     told = [
         *([item_title(assignment, item, language)] if item else []),
         *([outline(language, f"mistake.{mistake}") or mistake] if mistake else []),

@@ -14,7 +14,6 @@ from grader.service.web.access import (
     QueryWhole,
     StaffDep,
     require_staff,
-    services_of,
 )
 from grader.service.web.errors import form_problem
 from grader.service.web.forms import OWN_FORM
@@ -118,16 +117,15 @@ def _course_page(  # noqa: PLR0913
     older_than: int | None = None,
     done: str = "",
 ) -> Response:
-    services = services_of(errand.request)
     problem = None if error is None else form_problem(error, errand.language, field=of)
-    caller, has_course = errand.caller, errand.caller.course is not None
+    services, caller, has_course = errand.services, errand.caller, errand.caller.course is not None
     shows_old = older_than is not None and has_course and caller.is_instructor
     return page(
         errand.request,
         "course.html",
         status=200 if problem is None else problem.status,
-        course=course_life.own_course(services, errand.caller) if has_course else None,
-        members=len(members(services, errand.caller)),
+        course=course_life.own_course(services, caller) if has_course else None,
+        members=len(members(services, caller)),
         form=form or CopyForm(),
         most_days=MOST_DAYS_MOVED,
         problem=problem,

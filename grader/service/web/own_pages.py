@@ -8,7 +8,7 @@ from fastapi.responses import RedirectResponse
 from grader.contracts.errors import RefusedError
 from grader.contracts.own_assignment import OwnState
 from grader.service.requests.answers import to_save
-from grader.service.web.access import InstructorDep, PageErrand, StaffDep, require_staff, services_of
+from grader.service.web.access import InstructorDep, PageErrand, StaffDep, require_staff
 from grader.service.web.errors import form_problem
 from grader.service.web.forms import MOST_FILE_BYTES, OWN_FORM
 from grader.service.web.pages import page
@@ -55,9 +55,8 @@ def remove(
 
 
 def _page(errand: PageErrand, *, error: RefusedError | None = None, of: str = "", done: str = "") -> Response:
-    services = services_of(errand.request)
-    found = own_assignments.own_assignments(services, errand.caller)
-    known = {one.id: one.title for one in services.assignments.of(errand.caller.course).all()}
+    found = own_assignments.own_assignments(errand.services, errand.caller)
+    known = {one.id: one.title for one in errand.services.assignments.of(errand.caller.course).all()}
     problem = None if error is None else form_problem(error, errand.language)
     return page(
         errand.request,
