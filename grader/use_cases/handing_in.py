@@ -26,7 +26,7 @@ _LONGEST_NAME = 100
 _LONGEST_LINE = 200
 _RETRY_AFTER_S = 5
 _MOST_CHECKED = 40  # modules of a package; a grading says what is wrong with others
-_USUAL_S = 0.25  # what takes longer to check counts as several uploads
+_USUAL_S = 0.25  # so long a check counts as one more upload
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
