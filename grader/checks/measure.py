@@ -14,6 +14,8 @@ from grader.messages import say
 
 Option = float | int | str | bool
 Form = Literal["quantity", "count", "flag"]
+Options = Mapping[str, Callable[[Option], Text | None]]
+"""Names of options, with what is wrong about a value (or None)."""
 
 
 class MeasureKind(PositionalRecord):
@@ -89,10 +91,6 @@ class Findings(PositionalRecord):
 
     measures: Mapping[str, Measure] = field(default_factory=dict)
     mistakes: tuple[Mistake, ...] = ()
-
-
-Options = Mapping[str, Callable[[Option], Text | None]]
-"""Names of options, with what is wrong about a value (or None)."""
 
 
 def one_of(names: Iterable[str]) -> Text:

@@ -37,6 +37,34 @@ _ENDINGS = {
     RunStatus.FORBIDDEN: "forbidden",
     RunStatus.PROTOCOL: "forbidden",
 }
+TWIST = "geometry_msgs/msg/Twist"
+_USAGE = 2  # argparse's exit code
+_POSE = "turtlesim/msg/Pose"
+_BY_HEADING = r"\b(theta|yaw|heading)\)? ?[-+<>]|[-+<>]=? ?(abs\()?[\w.]*\b(theta|yaw|heading)\b"
+_OWN_TOPICS = ("/rosout", "/parameter_events")  # every node publishes these
+_OF_ROBOTS = ("/odom", "/tf", "/scan", "/imu", "/joint_states", "/camera/image_raw")
+_SAME_M, _SAME_RAD = 0.01, 0.01
+_TIMEOUT_SLACK_NS = 50_000_000
+_OVERSLEPT_NS = 5_000_000_000
+_CALL = re.compile(r"(?P<line>\d{1,7}) (?P<call>\S+) (?P<until_ns>\d{1,19})", re.ASCII)
+_FOR_EVER_NS = 1 << 62  # when a wait without a deadline ends
+_SWUNG_NS = 5_000_000_000
+_FLIPS = 10
+_STAYED_M, _SWUNG_RAD = 0.05, 0.02
+_EXIT = r"^[ \t]*(sys\.|os\._?)?(exit|quit)\("
+_ENDS_ITSELF = (
+    r"\bSystemExit\b|\bexit\(|\bspin_(once|until)|^[ \t]+if\b.*\bshutdown\(|"
+    r"\b(create_timer|Timer)\(.*\bshutdown\b"
+)
+"""What ends a program that has a `spin` on purpose, or whose end is no sign of an error."""
+_WRONG_GUARD = re.compile(
+    r"^if[ \t]+__name__[ \t]*==[ \t]*[\"'](?!__main__[\"'])([^\"'\n]{0,30})[\"']", re.MULTILINE
+)
+_UNAWAITED = re.compile(r"coroutine '(?:\w+\.)?(\w+)' was never awaited")
+_ZERO = r" ?-?[0.]+ ?(;|$)"
+_ONE_CALL = 2  # commands that one call of a callback publishes
+TOO_BRIEF_NS = 50_000_000  # three updates of turtlesim
+MANY_MOTIONS = 40  # more than the sides and corners of any figure, driven twice
 
 
 def script_mistakes(run: Run) -> tuple[Mistake, ...]:
@@ -89,16 +117,6 @@ def _in_thread(note: str, script: ScriptText) -> Text:
 
 def _killed(outcome: RunOutcome) -> Mistake:
     return mistake("killed", signal=outcome.signal or "?")
-
-
-TWIST = "geometry_msgs/msg/Twist"
-_USAGE = 2  # argparse's exit code
-_POSE = "turtlesim/msg/Pose"
-_BY_HEADING = r"\b(theta|yaw|heading)\)? ?[-+<>]|[-+<>]=? ?(abs\()?[\w.]*\b(theta|yaw|heading)\b"
-_OWN_TOPICS = ("/rosout", "/parameter_events")  # every node publishes these
-_OF_ROBOTS = ("/odom", "/tf", "/scan", "/imu", "/joint_states", "/camera/image_raw")
-_SAME_M, _SAME_RAD = 0.01, 0.01
-_TIMEOUT_SLACK_NS = 50_000_000
 
 
 def command_mistakes(
@@ -195,11 +213,6 @@ def _apart(one: Floats, other: Floats) -> bool:
     return math.hypot(*(other[:2] - one[:2])) > _SAME_M or abs(turned) > _SAME_RAD
 
 
-_OVERSLEPT_NS = 5_000_000_000
-_CALL = re.compile(r"(?P<line>\d{1,7}) (?P<call>\S+) (?P<until_ns>\d{1,19})", re.ASCII)
-_FOR_EVER_NS = 1 << 62  # when a wait without a deadline ends
-
-
 def asleep(run: Run) -> Iterator[Mistake]:
     """Recognise a sleep that outlasts the run by far, if the car was moving or had not been commanded yet.
 
@@ -293,11 +306,6 @@ def _spin_in_callback(run: Run) -> Mistake | None:
     return mistake(code, line=call.line, call=f"rclpy.{known[0]}()") if called_back else None
 
 
-_SWUNG_NS = 5_000_000_000
-_FLIPS = 10
-_STAYED_M, _SWUNG_RAD = 0.05, 0.02
-
-
 def no_final_stop(run: Run, excess: str, spoilt: tuple[str, ...]) -> Mistake:
     """Return the mistake of a car that went on by `excess`, a distance or an angle, because nothing stopped it."""
     return mistake("no_final_stop", spoilt, excess=excess, publisher=ScriptText(run.source).publisher_name)
@@ -342,9 +350,6 @@ def unheard(run: Run, measure: str) -> dict[str, Measure]:
     """Return `measure` as unmeasured if nobody at home would have heard the commands; else nothing."""
     lost = any(lost_at_home(run))
     return {measure: Measure(math.nan, {"why": say("item.unheard")})} if lost else {}
-
-
-_EXIT = r"^[ \t]*(sys\.|os\._?)?(exit|quit)\("
 
 
 def without_node(run: Run) -> Mistake:
@@ -491,13 +496,6 @@ def _ends_in_callback(script: ScriptText) -> list[int]:
     return [line for line in script.lines_with(r"\bshutdown\(") if line in inside]
 
 
-_ENDS_ITSELF = (
-    r"\bSystemExit\b|\bexit\(|\bspin_(once|until)|^[ \t]+if\b.*\bshutdown\(|"
-    r"\b(create_timer|Timer)\(.*\bshutdown\b"
-)
-"""What ends a program that has a `spin` on purpose, or whose end is no sign of an error."""
-
-
 def _exits(script: ScriptText, outcome: RunOutcome) -> list[int]:
     """Return the lines that end the program, without those in functions that nothing calls.
 
@@ -526,12 +524,6 @@ def defined_twice(run: Run) -> Mistake | None:
     """Recognise a method that a later one of the same name replaces."""
     twice = ScriptText(run.source).defined_twice
     return None if twice is None else mistake("defined_twice", name=twice[0], first=twice[1], second=twice[2])
-
-
-_WRONG_GUARD = re.compile(
-    r"^if[ \t]+__name__[ \t]*==[ \t]*[\"'](?!__main__[\"'])([^\"'\n]{0,30})[\"']", re.MULTILINE
-)
-_UNAWAITED = re.compile(r"coroutine '(?:\w+\.)?(\w+)' was never awaited")
 
 
 def not_called(run: Run) -> Mistake | None:
@@ -618,9 +610,6 @@ def loop_in_callback(run: Run) -> Mistake | None:
     return mistake("loop_in_callback", line=begins) if called_back and not in_parallel else None
 
 
-_ZERO = r" ?-?[0.]+ ?(;|$)"
-
-
 def _only_zeros(run: Run) -> Mistake:
     """Return why nothing but stops arrived."""
     script = ScriptText(run.source)
@@ -649,9 +638,6 @@ def _only_zeros(run: Run) -> Mistake:
         heading = math.remainder(float(track.heading_rad[0]), math.tau)
         return mistake("only_stops_by_pose", x=x, y=y, theta=number(heading, "rad"))
     return mistake("only_stops_heard", topic=heard[0]) if heard else mistake("only_stops")
-
-
-_ONE_CALL = 2  # commands that one call of a callback publishes
 
 
 def _empty_message(script: ScriptText) -> Mistake | None:
@@ -687,12 +673,6 @@ def _other_message(script: ScriptText, filled: int, publishes: list[int]) -> Mis
         return None  # a function may fill it
     other = script.lines[filled - 1].strip().partition(".linear")[0].partition(".angular")[0]
     return mistake("other_message", line=publishes[0], published=name, filled=other, given=filled)
-
-
-TOO_BRIEF_NS = 50_000_000  # three updates of turtlesim
-
-
-MANY_MOTIONS = 40  # more than the sides and corners of any figure, driven twice
 
 
 def times_begun(flags: Iterable[bool]) -> int:

@@ -27,6 +27,12 @@ _SPACE = Text(zh="", en=" ")
 
 _MOST_DECIMALS = 4
 
+# From half of its points on, an item counts as there for those that need it. A threshold at zero would make the
+# last hundredth of a point decide about all the points of the items above.
+ENOUGH = 0.5
+
+_TINY_M = 0.5  # of the whole way: sides of a few centimetres are commanded as equally many publishes
+
 
 def wanted(kind: MeasureKind, spec: ItemSpec) -> Text:
     """Say what earns full credit: ``90° ± 3°``, ``at least 0.5 m``, ``yes``."""
@@ -111,11 +117,6 @@ def _earns_parts(spec: ItemSpec, specs: Mapping[str, ItemSpec]) -> bool:
 
 def _number(value: float | None, unit: Unit) -> str:
     return "" if value is None else number(value, unit, _MOST_DECIMALS)
-
-
-# From half of its points on, an item counts as there for those that need it. A threshold at zero would make the
-# last hundredth of a point decide about all the points of the items above.
-ENOUGH = 0.5
 
 
 class Portion(PositionalRecord):
@@ -355,9 +356,6 @@ def _run_message(
         return say("item.worst", case=names[_worst(spec, found)], seen=item.message)
     value = number_beside(item.measured, check.measures[spec.measure].unit or "1", (spec.low, spec.high))
     return say("item.mean", value=value, count=len(found))
-
-
-_TINY_M = 0.5  # of the whole way: sides of a few centimetres are commanded as equally many publishes
 
 
 def _is_tiny(seen: Findings) -> bool:

@@ -66,6 +66,11 @@ _RUN: Final = """\
 exec /opt/grader/bin/python -m grader gradescope run --lang @LANGUAGE@ \\
     --assignments /autograder/source/assignments @ASSIGNMENT@
 """
+_FAULT: Final = Text(
+    zh="评分程序自己出了错，与你的程序无关，这次没有成绩。请老师查看输出后重新评分（Rerun Autograder）。",
+    en="The grader failed; this says nothing about your program, and there is no score. Instructors: see the "
+    "output, then run the autograder again.",
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -215,13 +220,6 @@ def _document(submission: Path, assignment: Assignment, language: Language) -> d
         return _message(_FAULT.get(language))
     sys.stdout.write(f"{handed_in.name}: {report.status.value}, {report.score}/{report.max_score}\n")
     return to_gradescope(report, language)
-
-
-_FAULT: Final = Text(
-    zh="评分程序自己出了错，与你的程序无关，这次没有成绩。请老师查看输出后重新评分（Rerun Autograder）。",
-    en="The grader failed; this says nothing about your program, and there is no score. Instructors: see the "
-    "output, then run the autograder again.",
-)
 
 
 def _message(text: str, score: float | None = None) -> dict[str, Any]:

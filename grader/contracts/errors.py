@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
     from grader.contracts.text import Language, Text
 
+_NO_ROOM: Final = (errno.EAGAIN, errno.ENOMEM)
+_SIGNS: Final = (*(f"[Errno {number}]" for number in _NO_ROOM), "MemoryError", "can't start new thread")
+
 
 class GraderError(Exception):
     """Root of the grader's own exceptions; its message is fit to be shown.
@@ -201,10 +204,6 @@ class InfrastructureError(GraderError):
 
 class NoRoomError(SandboxError, InfrastructureError):
     """The host has no process, thread or memory to spare now, so that nothing of a script has run."""
-
-
-_NO_ROOM: Final = (errno.EAGAIN, errno.ENOMEM)
-_SIGNS: Final = (*(f"[Errno {number}]" for number in _NO_ROOM), "MemoryError", "can't start new thread")
 
 
 def lacks_room(error: BaseException | str) -> bool:

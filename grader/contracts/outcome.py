@@ -16,6 +16,7 @@ SHOWN_LOGS = 200
 
 
 _FRAME = re.compile(r'^ *File "([^"\n]*)", line (\d+)', re.MULTILINE)
+LOG_LEVELS: Mapping[int, str] = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
 
 
 class Blame(StrEnum):
@@ -88,9 +89,6 @@ class Endpoint(Record):
     name: str
     type: str
     count: int = 0
-
-
-LOG_LEVELS: Mapping[int, str] = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
 
 
 class LogRecord(Record):

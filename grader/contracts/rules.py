@@ -44,6 +44,7 @@ MOST_HIDDEN_ITEMS = 100
 MOST_SECTIONS = 100
 _DAY_S = 86_400
 _SCORE_DIGITS = 2  # as rubric items are rounded
+RefusalCode = Literal["not_open_yet", "closed", "no_attempts_left", "no_attempts_today", "course_archived"]
 
 
 class RuleError(ValueError):
@@ -227,9 +228,6 @@ class Counted:
 
     attempt: Attempt
     score: float
-
-
-RefusalCode = Literal["not_open_yet", "closed", "no_attempts_left", "no_attempts_today", "course_archived"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,6 +10,18 @@ BYTE_ORDER_MARK = "\ufeff"
 
 Language = Literal["zh", "en"]
 LANGUAGES: tuple[Language, ...] = ("zh", "en")
+_TROUBLES = {
+    errno.ENOENT: "没有这个文件或文件夹",
+    errno.EISDIR: "这是文件夹，不是文件",
+    errno.ENOTDIR: "这不是文件夹",
+    errno.EEXIST: "已经有同名的文件",
+    errno.EACCES: "没有权限",
+    errno.EPERM: "没有权限",
+    errno.EROFS: "这里不能写文件",
+    errno.ENOSPC: "磁盘满了",
+    errno.EADDRINUSE: "已被别的程序占用",
+    errno.EADDRNOTAVAIL: "这台机器没有这个地址",
+}
 
 
 class Text(Record):
@@ -28,19 +40,6 @@ class Text(Record):
 
 
 EMPTY = Text(zh="", en="")
-
-_TROUBLES = {
-    errno.ENOENT: "没有这个文件或文件夹",
-    errno.EISDIR: "这是文件夹，不是文件",
-    errno.ENOTDIR: "这不是文件夹",
-    errno.EEXIST: "已经有同名的文件",
-    errno.EACCES: "没有权限",
-    errno.EPERM: "没有权限",
-    errno.EROFS: "这里不能写文件",
-    errno.ENOSPC: "磁盘满了",
-    errno.EADDRINUSE: "已被别的程序占用",
-    errno.EADDRNOTAVAIL: "这台机器没有这个地址",
-}
 
 
 def trouble(error: OSError) -> Text:

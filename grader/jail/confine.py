@@ -13,6 +13,9 @@ from typing import NamedTuple
 
 from . import bounds, landlock, libc, syscalls
 
+_OPEN_MAX = 256
+"""Above any descriptor the zygote ever holds; it limits itself to fewer."""
+
 
 class Layers(NamedTuple):
     """What the zygote prepared for its children.
@@ -65,10 +68,6 @@ def confine(layers: Layers, budget: Budget, channel: int, stdout: int, stderr: i
     os.closerange(bounds.CHANNEL_FD + 1, _OPEN_MAX)
     if layers.program is not None:  # last: it refuses the calls of the steps before
         syscalls.load(syscalls.bind_to_process(layers.program, os.getpid()))
-
-
-_OPEN_MAX = 256
-"""Above any descriptor the zygote ever holds; it limits itself to fewer."""
 
 
 def _place_descriptors(channel: int, stdout: int, stderr: int) -> None:

@@ -11,6 +11,16 @@ from grader.messages import quantity
 from grader.render.escape import visible
 from grader.render.labels import item_status_word, status_word, word
 
+CLASSROOM50_FIELDS: Mapping[str, str] = {
+    "classroom": "CLASSROOM",
+    "assignment": "ASSIGNMENT",
+    "submission": "SUBMISSION_TAG",
+    "commit": "COMMIT_URL",
+    "release": "RELEASE_URL",
+    "review": "REVIEW_URL",
+}
+"""Of Classroom 50's ``result.json``, what its runner tells an autograder in the environment."""
+
 
 def to_gradescope(
     report: GradeReport,
@@ -117,17 +127,6 @@ def to_autolab(report: GradeReport, language: Language = "zh") -> tuple[dict[str
     }
     scores = {item.id: item.earned for item in report.items if item.status is not ItemStatus.NEEDS_MANUAL}
     return shown, {"scores": scores}
-
-
-CLASSROOM50_FIELDS: Mapping[str, str] = {
-    "classroom": "CLASSROOM",
-    "assignment": "ASSIGNMENT",
-    "submission": "SUBMISSION_TAG",
-    "commit": "COMMIT_URL",
-    "release": "RELEASE_URL",
-    "review": "REVIEW_URL",
-}
-"""Of Classroom 50's ``result.json``, what its runner tells an autograder in the environment."""
 
 
 def to_classroom50(

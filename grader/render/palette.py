@@ -27,6 +27,7 @@ IDEAL = "#d6d6d6"
 WALL = "#555555"
 
 FAILED_DASHES = (0, (3.2, 1.4))
+_DART = np.array([(1.0, 0.0), (-0.75, 0.68), (-0.38, 0.0), (-0.75, -0.68), (1.0, 0.0)])
 
 
 def colour_of(ok: bool | None) -> str:
@@ -34,9 +35,6 @@ def colour_of(ok: bool | None) -> str:
     if ok is None:
         return INK
     return PASSED if ok else FAILED
-
-
-_DART = np.array([(1.0, 0.0), (-0.75, 0.68), (-0.38, 0.0), (-0.75, -0.68), (1.0, 0.0)])
 
 
 def draw_start(axes: Axes, at: Point, heading_rad: float, scene: Scene) -> None:

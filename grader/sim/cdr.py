@@ -40,6 +40,13 @@ _FORMATS: Final = {
 _SCALARS: Final = {name: struct.Struct("<" + code) for name, code in _FORMATS.items()}
 _LENGTH: Final = _SCALARS["uint32"]
 _TEXTS: Final = ("string", "wstring")
+_ZEROS: Final[dict[str, Callable[[], Any]]] = {
+    "bool": bool,
+    "float32": float,
+    "float64": float,
+    "string": str,
+    "wstring": str,
+}
 
 
 def decode(type_name: str, data: bytes, types: Types = WORLD) -> Values:
@@ -248,15 +255,6 @@ def _to_bool(value: int) -> bool:
     if value > 1:
         raise ProtocolError(f"bool of value {value}")
     return value == 1
-
-
-_ZEROS: Final[dict[str, Callable[[], Any]]] = {
-    "bool": bool,
-    "float32": float,
-    "float64": float,
-    "string": str,
-    "wstring": str,
-}
 
 
 def _default(kind: _FieldType) -> Any:

@@ -71,6 +71,8 @@ _TWIST: Final = struct.Struct("<4s6d")
 DISCOVERY_NS = 110_000_000
 """A message sent within this time of its publisher's creation counts as lost at home, where discovery takes 50 to
 500 ms: one in ten arrives. The first tick of a timer of 10 Hz comes a little later than 0.1 s."""
+_CONTESTED: Final = 20  # more changes from a drive to a turn than any figure has
+_LONGEST_VALUES: Final = 200
 
 
 class EpisodeSpec(Record):
@@ -544,10 +546,6 @@ def _seen_in(received: ReceivedCommands, trajectory: Trajectory) -> Iterator[str
         yield "stopped_at_once"
     if received.contested >= _CONTESTED:
         yield "contested"
-
-
-_CONTESTED: Final = 20  # more changes from a drive to a turn than any figure has
-_LONGEST_VALUES: Final = 200
 
 
 def _up_to(horizon_ns: int, times_ns: Sequence[int]) -> Sequence[int]:

@@ -37,6 +37,17 @@ _INT: Final = struct.Struct("<q")
 _FLOAT: Final = struct.Struct("<d")
 
 Value = None | bool | int | float | str | list["Value"]
+_MOST_TRICKS: Final = 100
+_SLACK_NS: Final = 1_000_000_000
+_WORLD: Final = -1
+_NATURE: Final = (
+    "mass",
+    "localInertiaDiagonal",
+    "anisotropicFriction",
+    "jointLowerLimit",
+    "jointUpperLimit",
+    "jointLimitForce",
+)
 
 
 class Call(NamedTuple):
@@ -261,11 +272,6 @@ class RecordedCalls:
             self.tricks.append(Trick(kind=kind, name=name, t_ns=t_ns, before_start=self.steps == 0))
 
 
-_MOST_TRICKS: Final = 100
-_SLACK_NS: Final = 1_000_000_000
-_WORLD: Final = -1
-
-
 def is_finite(values: Sequence[Value]) -> bool:
     """Return whether no number among `values`, or in their lists, is NaN or infinite."""
     for value in values:
@@ -297,16 +303,6 @@ def trick_of(call: Call, *, started: bool) -> TrickKind | None:
         case "setCollisionFilterPair" | "setCollisionFilterGroupMask":
             return "collision"
     return None
-
-
-_NATURE: Final = (
-    "mass",
-    "localInertiaDiagonal",
-    "anisotropicFriction",
-    "jointLowerLimit",
-    "jointUpperLimit",
-    "jointLimitForce",
-)
 
 
 def _changes_nature(call: Call) -> bool:

@@ -20,6 +20,8 @@ MAX_TEXT: Final = 1_000  # characters kept of one message
 MAX_LOG_TEXT: Final = 500_000  # characters of all records, names included: each is stored with the report
 
 _CODE: Final = re.compile(r"[a-z][a-z0-9_]{0,63}")
+_MOST_RECORDED: Final = 1e6
+"""Of a command's components, so that what is drawn and printed stays readable; no car obeys more."""
 
 
 class Recorder:
@@ -146,10 +148,6 @@ class Journal:
             raise ProtocolError("NOTE.code is not a plain word")
         if len(self._notes) < MAX_NOTES:
             self._notes[Note(code=code, text=text[:MAX_TEXT])] = None
-
-
-_MOST_RECORDED: Final = 1e6
-"""Of a command's components, so that what is drawn and printed stays readable; no car obeys more."""
 
 
 class ReceivedCommands:

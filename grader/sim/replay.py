@@ -40,6 +40,7 @@ _PICTURE_HEAD, _APPLIED_HEAD, _ENDED_HEAD = (
     struct.Struct("<I"),
     struct.Struct("<BII32s"),
 )
+_BYTE: Final = struct.Struct("<B")
 
 
 class _Sample:
@@ -93,9 +94,6 @@ class _Fields:
     def end(self) -> None:
         if self._at != len(self._body):
             raise ProtocolError(f"replay: {self._name} is followed by {len(self._body) - self._at} bytes")
-
-
-_BYTE: Final = struct.Struct("<B")
 
 
 class Replay:

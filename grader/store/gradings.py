@@ -38,6 +38,8 @@ Values = dict[str, Any]
 _GRADINGS, _ITEMS, _MISTAKES, _TRAJECTORIES = (
     insert(table_of(row)) for row in (GradingRow, GradedItemRow, GradedMistakeRow, TrajectoryRow)
 )
+Details = Sequence[tuple[Insert, list[Values]]]
+"""Rows that belong to a grading, with the statement that inserts them."""
 
 
 def grading_values(
@@ -82,10 +84,6 @@ class AssignmentRows:
         if known is None or known[0] != assignment:
             known = self._latest[key] = (assignment, assignment_values(assignment))
         return known[1]
-
-
-Details = Sequence[tuple[Insert, list[Values]]]
-"""Rows that belong to a grading, with the statement that inserts them."""
 
 
 def detail_values(grading: Values, result: GradingResult) -> Details:

@@ -58,6 +58,16 @@ _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 _SMALLEST_STEP = timedelta(microseconds=1)
 _UUID_VERSION_7 = 0x7 << 76
 _UUID_VARIANT = 0b10 << 62
+_row, _key = table_of(SubmissionRow).c, table_of(UploadKeyRow).c
+_COLUMNS = tuple(_row.keys())
+_INSERT_SUBMISSION, _INSERT_KEY = (insert(table_of(row)) for row in (SubmissionRow, UploadKeyRow))
+_FORGET_OLD_KEYS = delete(table_of(UploadKeyRow)).where(
+    _key.owner == bindparam("of"), _key.at < bindparam("before", type_=UtcDateTime())
+)
+_SET_TURN = (
+    update(table_of(SubmissionRow)).where(_row.id == bindparam("moved")).values(turn_at=bindparam("turn"))
+)
+_OF_COURSE, _OF_NO_COURSE = _row.course == bindparam("course"), _row.course.is_(None)
 
 
 class _Earlier(NamedTuple):
@@ -98,16 +108,7 @@ class _Known(NamedTuple):
     lately: Sequence[_Earlier]
 
 
-_row, _key = table_of(SubmissionRow).c, table_of(UploadKeyRow).c
-_COLUMNS = tuple(_row.keys())
 _EARLIER = tuple(_row[name] for name in _Earlier._fields)
-_INSERT_SUBMISSION, _INSERT_KEY = (insert(table_of(row)) for row in (SubmissionRow, UploadKeyRow))
-_FORGET_OLD_KEYS = delete(table_of(UploadKeyRow)).where(
-    _key.owner == bindparam("of"), _key.at < bindparam("before", type_=UtcDateTime())
-)
-_SET_TURN = (
-    update(table_of(SubmissionRow)).where(_row.id == bindparam("moved")).values(turn_at=bindparam("turn"))
-)
 
 
 def _question(of_course: ColumnElement[bool]) -> Select[Any]:
@@ -146,7 +147,6 @@ def _costly_of(of_course: ColumnElement[bool]) -> Select[Any]:
     return own.order_by(_row.received_at.desc(), _row.id.desc()).limit(bindparam("most"))
 
 
-_OF_COURSE, _OF_NO_COURSE = _row.course == bindparam("course"), _row.course.is_(None)
 _IN_COURSE, _WITHOUT_COURSE = _question(_OF_COURSE), _question(_OF_NO_COURSE)
 _COSTLY_IN_COURSE, _COSTLY_WITHOUT_COURSE = _costly_of(_OF_COURSE), _costly_of(_OF_NO_COURSE)
 

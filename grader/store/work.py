@@ -21,6 +21,13 @@ from grader.contracts.submission import Claim
 from grader.store.tables import SubmissionRow
 
 _log = logging.getLogger(__name__)
+ANNOUNCED = (
+    col(SubmissionRow.id),
+    col(SubmissionRow.attempt),
+    col(SubmissionRow.priority),
+    col(SubmissionRow.not_before),
+)
+"""The columns that `announcements` takes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,15 +42,6 @@ class Announcement:
     attempt: int
     priority: int
     due_at: datetime
-
-
-ANNOUNCED = (
-    col(SubmissionRow.id),
-    col(SubmissionRow.attempt),
-    col(SubmissionRow.priority),
-    col(SubmissionRow.not_before),
-)
-"""The columns that `announcements` takes."""
 
 
 def announcements(rows: Iterable[Any]) -> list[Announcement]:

@@ -17,23 +17,6 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.scoring import Run
 from grader.messages.script import ScriptText
 
-
-def with_causes(assignment: Assignment, run: Run, findings: Findings) -> Findings:
-    """Return the findings with each mistake replaced by the cause that the script shows, where it shows one."""
-    script = ScriptText(run.source)
-    if not script.is_short:
-        return findings
-    causes = tuple(_cause(Searched(assignment, run, script, findings, each)) for each in findings.mistakes)
-    return replace(findings, mistakes=causes)
-
-
-def _cause(seen: Searched) -> Mistake:
-    for codes, look in _CAUSES:
-        if seen.mistake.code in codes and (cause := look(seen)) is not None:
-            return Mistake(cause.code, cause.text, seen.mistake.measures, seen.mistake.apart)
-    return seen.mistake
-
-
 _NO_MOTION: Final = frozenset(
     (
         "only_stops",
@@ -66,7 +49,6 @@ _TIMED: Final = (
     | {"too_brief", "drives_too_brief", "stopped_at_once", "stop_in_loop"}
 )
 """Mistakes that a motion of the wrong length may cause."""
-
 _LOST: Final = frozenset(
     (
         "place_away",
@@ -80,25 +62,18 @@ _LOST: Final = frozenset(
         "swings",
     )
 )
-
 _WRONG_WAY: Final = frozenset(("place_away", "place_lost", "place_circled", "place_missed", "place_wall"))
 _COUNTED: Final = (
     _STUCK | _NO_MOTION | _COUNT | _LOST | {"endless_turn", "never_stops", "turned_instead", "wall_hit"}
 )
 """Mistakes that a count or a state that never changes may cause."""
-
 _TURNED_LONG: Final = frozenset(("endless_turn", "turns_too_far", "too_slow"))
-
 _TOO_FAR: Final = frozenset(("wall_hit", "turns_behind_loop"))
-
 _BY_POSE: Final = _LOST | {"side_goes_on", "turned_instead", "no_turns"}
 """Mistakes that a wrong comparison with a pose may cause."""
-
 _NOT_ON: Final = frozenset(("lost_at_home", "not_spinning", "never_spun"))
-
 _WAITS: Final = frozenset(("waits_in_loop", "waits_without_spin"))
 _KEPT_BUSY: Final = frozenset(("waits_in_loop", "cpu_limit", "log_not_reached", "publish_not_reached"))
-
 _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (
     (_NO_MOTION | {"wall_hit_in_arc", "path_no_arc", "path_count", "path_unfinished"}, flow.other_axis),
     (_COUNTED, counts.set_to_plus),
@@ -189,3 +164,19 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("error_hidden",)), numbers.hidden_int),
 )
 """Mistakes, each with a function that looks for a cause of them; the first cause that is found counts."""
+
+
+def with_causes(assignment: Assignment, run: Run, findings: Findings) -> Findings:
+    """Return the findings with each mistake replaced by the cause that the script shows, where it shows one."""
+    script = ScriptText(run.source)
+    if not script.is_short:
+        return findings
+    causes = tuple(_cause(Searched(assignment, run, script, findings, each)) for each in findings.mistakes)
+    return replace(findings, mistakes=causes)
+
+
+def _cause(seen: Searched) -> Mistake:
+    for codes, look in _CAUSES:
+        if seen.mistake.code in codes and (cause := look(seen)) is not None:
+            return Mistake(cause.code, cause.text, seen.mistake.measures, seen.mistake.apart)
+    return seen.mistake

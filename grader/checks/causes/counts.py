@@ -11,6 +11,11 @@ from grader.contracts.scoring import Run
 from grader.messages.arithmetic import value_of
 from grader.messages.script import ScriptText
 
+_MEASURED: Final = r"(?i)abs\(|hypot|dist|err|diff|angle|theta|yaw|pose|target|goal|time|now|\d\.\d"
+"""What a condition says that comes true once for each side, and not for a number of ticks."""
+_MOST_COUNTS: Final = 8
+_AMOUNT: Final = r"(?i)time|elapsed|dur|sec|dist|angle|theta|yaw|turned|^[twxy]$"
+
 
 def counted_each_tick(name: str, script: ScriptText) -> bool:
     """Whether a name is raised by 1 at each tick: not only when another count has come somewhere, as sides are."""
@@ -24,10 +29,6 @@ def counted_each_tick(name: str, script: ScriptText) -> bool:
         if not others or not re.search(rf"(?<![\w.])({others})\b", " ".join(conditions)):
             return True
     return False
-
-
-_MEASURED: Final = r"(?i)abs\(|hypot|dist|err|diff|angle|theta|yaw|pose|target|goal|time|now|\d\.\d"
-"""What a condition says that comes true once for each side, and not for a number of ticks."""
 
 
 def _raising(name: str) -> str:
@@ -86,9 +87,6 @@ def count_kept(seen: Searched) -> Mistake | None:
             if len(back) <= 1:
                 return mistake("count_kept", name=name)
     return None
-
-
-_MOST_COUNTS: Final = 8
 
 
 def grows(seen: Searched) -> Mistake | None:
@@ -153,9 +151,6 @@ def unchanged_counter(run: Run, script: ScriptText) -> tuple[int, str] | None:
 def _starts_below(name: str, bound: str, script: ScriptText) -> bool:
     start, end = value_of(name, script), value_of(bound, script)
     return start is not None and end is not None and start < end
-
-
-_AMOUNT: Final = r"(?i)time|elapsed|dur|sec|dist|angle|theta|yaw|turned|^[twxy]$"
 
 
 def counter_unchanged(seen: Searched) -> Mistake | None:

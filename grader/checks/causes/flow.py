@@ -13,6 +13,32 @@ from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
 from grader.messages.script import Definition, ScriptText
 
+_HARMLESS: Final = r"(?i)log|print|wait|sleep|stop|clean|close|exit|shut|finish|done|handler|signal|__"
+"""Names of functions that may be empty without harm to a motion."""
+_MOTION: Final = r"\.(linear\.x|angular\.z) ?[-+]?=(?!=)(?! ?-?[0.]+ ?(;|\n|$))"
+_AXES: Final = (r"linear\.x", r"angular\.z")
+_ENDS: Final = re.compile(r"\b(shutdown|destroy_timer|destroy_node|cancel|exit)\(|^raise SystemExit")
+_DIGITS: Final = str.maketrans("lIOo", "1100")
+_TURNS: Final = r"(?i)turn(?!le)|rotat|spin|left|right|corner|zhuan|转"
+_MOST_DEAD: Final = 20  # functions that are looked at, each with all that it would run
+_WANTED: Final = {
+    "no_turns": r"\.angular\.z ?=(?!=)(?! ?-?[0.]+ ?(;|$))",
+    "no_drive": r"\.linear\.x ?=(?!=)(?! ?-?[0.]+ ?(;|$))",
+    "only_stops": r"\.(linear\.x|angular\.z) ?=(?!=)(?! ?-?[0.]+ ?(;|$))",
+}
+"""What a script does somewhere that did not happen; of the other mistakes, a publish."""
+_ASKED: Final = r"\bself\.(\w+) is None\b|\bnot self\.(\w+)(?!\()\b"
+"""What a function waits for."""
+_VALUE: Final = r"\"\"|True|False|\d+"
+_LAST: Final = r"(?i)(done|stop|fin|end|idle|over|exit|wait|init|start|arriv|reach)"
+"""How states begin that need no branch of their own."""
+_STATE: Final = r"\b\w*(?:state|status|mode|phase|stage)\w*"
+_NAMED: Final = r"(?<![\w.])((?:self\.)?\w*(?:state|status|mode|phase|stage)\w*)"
+_STATE_SET: Final = re.compile(_NAMED + r" *= *[\"'](\w{1,40})[\"']")
+_STATE_ASKED: Final = re.compile(_NAMED + r" *== *[\"'](\w{1,40})[\"']")
+_NEAR: Final = 0.8
+_MOST_STATES: Final = 20  # each that is asked for is compared with all of them
+
 
 def deaf_loop(seen: Searched) -> Mistake | None:
     """Find a loop that waits for what a subscription's callback keeps, in which nothing spins."""
@@ -77,10 +103,6 @@ def empty_function(seen: Searched) -> Mistake | None:
         return None
     lines = ", ".join(str(line) for line, _ in empty[:4])
     return mistake("empty_function", lines=lines, names=", ".join(f"{name}()" for _, name in empty[:4]))
-
-
-_HARMLESS: Final = r"(?i)log|print|wait|sleep|stop|clean|close|exit|shut|finish|done|handler|signal|__"
-"""Names of functions that may be empty without harm to a motion."""
 
 
 def removes_in_loop(seen: Searched) -> Mistake | None:
@@ -152,9 +174,6 @@ def no_loop(seen: Searched) -> Mistake | None:
     return mistake("no_loop", **values)
 
 
-_MOTION: Final = r"\.(linear\.x|angular\.z) ?[-+]?=(?!=)(?! ?-?[0.]+ ?(;|\n|$))"
-
-
 def timer_stops(seen: Searched) -> Mistake | None:
     """Find the timer whose callback only stops, beside another one that drives."""
     timers = seen.script.callbacks("timer")
@@ -194,9 +213,6 @@ def timers_overrule(seen: Searched) -> Mistake | None:
     return mistake("timers_overrule", fast=fast, slow=slow, period=number(fast_s, "s", 4))
 
 
-_AXES: Final = (r"linear\.x", r"angular\.z")
-
-
 def spin_once(seen: Searched) -> Mistake | None:
     """Find a ``spin_once`` that stands in no loop; where commands were lost, callbacks must have sent them."""
     callbacks = seen.script.lines_with(r"\bcreate_(timer|subscription|service)\(")
@@ -209,9 +225,6 @@ def spin_once(seen: Searched) -> Mistake | None:
         return None  # a loop may call the function
     spins = seen.script.lines_with(r"\bspin\(")
     return mistake("spin_once", line=loose[0]) if len(once) == len(loose) == 1 and not spins else None
-
-
-_ENDS: Final = re.compile(r"\b(shutdown|destroy_timer|destroy_node|cancel|exit)\(|^raise SystemExit")
 
 
 def ends_in_callback(seen: Searched) -> Mistake | None:
@@ -267,9 +280,6 @@ def lookalike(seen: Searched) -> Mistake | None:
         if lines and name != topic and name.endswith(topic):
             return mistake("in_namespace", line=lines[0], used=name, topic=topic)
     return None
-
-
-_DIGITS: Final = str.maketrans("lIOo", "1100")
 
 
 def no_publish(seen: Searched) -> Mistake | None:
@@ -391,9 +401,6 @@ def _moves(made: Definition | None, script: ScriptText) -> bool:
     return any(".publish(" in text for begins in blocks for text in script.block(begins))
 
 
-_TURNS: Final = r"(?i)turn(?!le)|rotat|spin|left|right|corner|zhuan|转"
-
-
 def _may_be_run(name: str, begins: int, seen: Searched) -> bool:
     """Whether something outside of the script may call a function: an entry point, or a base class but Node."""
     owner = seen.script.owner_of(begins)
@@ -413,19 +420,6 @@ def _brings(begins: int, asked: set[str], script: ScriptText) -> bool:
         all(line in inside for line, value in script.attributes_set.get(name, ()) if value != "None")
         for name in asked.intersection(kept)
     )
-
-
-_MOST_DEAD: Final = 20  # functions that are looked at, each with all that it would run
-
-_WANTED: Final = {
-    "no_turns": r"\.angular\.z ?=(?!=)(?! ?-?[0.]+ ?(;|$))",
-    "no_drive": r"\.linear\.x ?=(?!=)(?! ?-?[0.]+ ?(;|$))",
-    "only_stops": r"\.(linear\.x|angular\.z) ?=(?!=)(?! ?-?[0.]+ ?(;|$))",
-}
-"""What a script does somewhere that did not happen; of the other mistakes, a publish."""
-
-_ASKED: Final = r"\bself\.(\w+) is None\b|\bnot self\.(\w+)(?!\()\b"
-"""What a function waits for."""
 
 
 def _dead(script: ScriptText) -> dict[str, bool]:
@@ -492,9 +486,6 @@ def _state_in_vain(script: ScriptText) -> Mistake | None:
                 "kept_local", line=line, written=script.written(line).partition("#")[0].strip(), **values
             )
     return None
-
-
-_VALUE: Final = r"\"\"|True|False|\d+"
 
 
 def compared_only(seen: Searched) -> Mistake | None:
@@ -564,14 +555,3 @@ def _alike(name: str, others: list[str]) -> list[str]:
     """Return those of other states that look the same: but for capitals, or else a letter or two."""
     same = [one for one in others if one.lower() == name.lower()]
     return same or difflib.get_close_matches(name, others, 1, _NEAR)
-
-
-_LAST: Final = r"(?i)(done|stop|fin|end|idle|over|exit|wait|init|start|arriv|reach)"
-"""How states begin that need no branch of their own."""
-
-_STATE: Final = r"\b\w*(?:state|status|mode|phase|stage)\w*"
-_NAMED: Final = r"(?<![\w.])((?:self\.)?\w*(?:state|status|mode|phase|stage)\w*)"
-_STATE_SET: Final = re.compile(_NAMED + r" *= *[\"'](\w{1,40})[\"']")
-_STATE_ASKED: Final = re.compile(_NAMED + r" *== *[\"'](\w{1,40})[\"']")
-_NEAR: Final = 0.8
-_MOST_STATES: Final = 20  # each that is asked for is compared with all of them

@@ -8,6 +8,14 @@ from grader.checks.measure import Mistake, mistake
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
 
+_ABOUT_PCT: Final = 6.0
+_NO_LENGTH: Final = (
+    r"(?i)speed|vel|linear|angular|rate|turn|angle|omega|theta|yaw|time|dur"
+    r"|forward|cmd|twist|power|gain|\b[vwzt]\b"
+)
+_SIDE: Final = r"(?i)declare_parameter\( *[\"'][^\"']*(side|len|bian|chang|size|边|长)"
+_READ_IN: Final = r"\binput\(|\bget_parameter\(.*value\b"
+
 
 def clamped(seen: Searched) -> Mistake | None:
     """Find a limit that makes the side of this run shorter than it was asked for."""
@@ -40,17 +48,8 @@ def _drove(limit_m: float | None, given_m: float, seen: Searched) -> bool:
     return abs(error.value - 100.0 * abs(limit_m - given_m) / given_m) <= _ABOUT_PCT
 
 
-_ABOUT_PCT: Final = 6.0
-
-
 def _is_beyond(given: float, limit: float | None, *, upper: bool) -> bool:
     return limit is not None and (given > limit if upper else given < limit)
-
-
-_NO_LENGTH: Final = (
-    r"(?i)speed|vel|linear|angular|rate|turn|angle|omega|theta|yaw|time|dur"
-    r"|forward|cmd|twist|power|gain|\b[vwzt]\b"
-)
 
 
 def _given_m(seen: Searched) -> float | None:
@@ -77,9 +76,6 @@ def parameter_default(seen: Searched) -> Mistake | None:
             values = {"given": number(given, "m"), "wanted": number(float(wanted), "m")}
             return mistake("parameter_default", line=line, written=f"{float(wanted):.1f}", **values)
     return None
-
-
-_SIDE: Final = r"(?i)declare_parameter\( *[\"'][^\"']*(side|len|bian|chang|size|边|长)"
 
 
 def whole_only(seen: Searched) -> Mistake | None:
@@ -109,9 +105,6 @@ def rounded(seen: Searched) -> Mistake | None:
             values = {"written": f"{found[1]}()", "given": number(given, "m"), "whole": number(whole, "m")}
             return mistake("rounded", line=line, **values)
     return None
-
-
-_READ_IN: Final = r"\binput\(|\bget_parameter\(.*value\b"
 
 
 def no_default(seen: Searched) -> Mistake | None:

@@ -14,6 +14,15 @@ from grader.messages.script import ScriptText
 
 _INNER: Final = r"([^()\n]*(?:\([^()]*\)[^()\n]*)*)"
 """The argument of a call. It may contain brackets, side by side, but none within others."""
+_WHOLE: Final = r"(?<![\w.])(?<![*/%)\]])(?<![*/%)\]] )([\w.]+) ?// ?([\w.]+)(?![\w.(])"
+"""A division with ``//`` of two names or numbers that is not part of a longer product or quotient."""
+_TIME: Final = r"(?i)(time|dur|sec(?!ond_)|shijian|miao|时间|秒)"
+_BESIDE_CUT: Final = 0.03  # an update of turtlesim, and one of the script's own loop
+_CUT: Final = 0.01
+_RADIANS: Final = 6.3  # more is meant as degrees
+_TOLERANCE: Final = 0.03  # of 15 degrees
+_RATE_RADPS: Final = 2.0  # of what turns faster, a few degrees a second are more likely to be meant
+_RATE: Final = r"(?i)angular\.z ?=|\w*(speed|omega|rate|vel)\w* ?="
 
 
 def floor_is_zero(seen: Searched) -> Mistake | None:
@@ -23,10 +32,6 @@ def floor_is_zero(seen: Searched) -> Mistake | None:
         if share is not None and 0.0 < share < 1.0:
             return mistake("floor_is_zero", line=line, written=found[0])
     return None
-
-
-_WHOLE: Final = r"(?<![\w.])(?<![*/%)\]])(?<![*/%)\]] )([\w.]+) ?// ?([\w.]+)(?![\w.(])"
-"""A division with ``//`` of two names or numbers that is not part of a longer product or quotient."""
 
 
 def _quotient(above: str, below: str, script: ScriptText) -> float | None:
@@ -41,9 +46,6 @@ def int_is_zero(seen: Searched) -> Mistake | None:
         if value is not None and 0.0 < abs(value) < 1.0:
             return mistake("int_is_zero", line=line, written=found[0], value=exact(value))
     return None
-
-
-_TIME: Final = r"(?i)(time|dur|sec(?!ond_)|shijian|miao|时间|秒)"
 
 
 def negative_time(seen: Searched) -> Mistake | None:
@@ -103,14 +105,6 @@ def _explains(share: float, seen: Searched) -> bool:
     return (wanted_deg - corner.value) / wanted_deg <= share + _BESIDE_CUT
 
 
-_BESIDE_CUT: Final = 0.03  # an update of turtlesim, and one of the script's own loop
-_CUT: Final = 0.01
-
-_RADIANS: Final = 6.3  # more is meant as degrees
-
-_TOLERANCE: Final = 0.03  # of 15 degrees
-
-
 def radians_twice(seen: Searched) -> Mistake | None:
     """Find ``math.radians`` of an angle that is in radians already."""
     for line, found in _calls_of("radians", seen.script):
@@ -143,11 +137,6 @@ def _in_radians(written: str, line: str, script: ScriptText) -> bool:
     of_circle = round(parts) >= 1 and abs(parts - round(parts)) < _TOLERANCE
     of_rate = abs(value) <= _RATE_RADPS and re.search(_RATE, line) is not None
     return 0.0 < abs(value) < _RADIANS and (of_circle or of_rate)
-
-
-_RATE_RADPS: Final = 2.0  # of what turns faster, a few degrees a second are more likely to be meant
-
-_RATE: Final = r"(?i)angular\.z ?=|\w*(speed|omega|rate|vel)\w* ?="
 
 
 def _angle_of_pose(written: str, script: ScriptText) -> bool:

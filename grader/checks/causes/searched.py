@@ -8,6 +8,11 @@ from grader.contracts.assignment import Assignment, Case
 from grader.contracts.scoring import Run
 from grader.messages.script import ScriptText
 
+CLOCK: Final = r"(?:time\.(?:time|monotonic|perf_counter)\(\)|(?:[\w.]+\(\)\.)?now\(\)(?:\.nanoseconds)?)"
+LOGS: Final = r"\.(?:info|debug|warn|warning)\("
+SHOWS: Final = rf"\bprint\(|{LOGS}"
+"""A line that logs, and one that logs or prints: what it uses is only shown."""
+
 
 class Searched(NamedTuple):
     """A run with its script, and what was measured and recognised in it."""
@@ -22,13 +27,6 @@ class Searched(NamedTuple):
     def case(self) -> Case | None:
         """The case of the assignment that was run; None if it has no such case."""
         return next((case for case in self.assignment.cases if case.id == self.run.case), None)
-
-
-CLOCK: Final = r"(?:time\.(?:time|monotonic|perf_counter)\(\)|(?:[\w.]+\(\)\.)?now\(\)(?:\.nanoseconds)?)"
-
-LOGS: Final = r"\.(?:info|debug|warn|warning)\("
-SHOWS: Final = rf"\bprint\(|{LOGS}"
-"""A line that logs, and one that logs or prints: what it uses is only shown."""
 
 
 def is_repeated(line: int, script: ScriptText) -> bool:

@@ -16,6 +16,23 @@ _ANGLE: Final = r"[\w.]{0,40}(?:err|diff|delta|angle|theta|yaw)\w{0,40}"
 _MEASURED: Final = (
     r"(?<![\w.])([\w.]{0,40}(?:dist|err|angle|theta|yaw|diff|delta|pose\.[xy])\w{0,40}|d)(?![\w.])"
 )
+_KEEPS_DEGREES: Final = (
+    r"\b(degrees|rad2deg)\(|\b(radians|deg2rad)\( ?[a-zA-Z_]"
+    r"|\b180\b.*(\b(?i:pi)\b|\b3\.14)|(\b(?i:pi)\b|\b3\.14).*\b180\b|\b57\.\d|\b0?\.0174\d*"
+)
+_PLUS_DEGREES: Final = (
+    r"(?:theta|heading|yaw)\w{0,40} ?[-+]=? ?(?=\d\d)"
+    r"|(?:target|goal|wanted|angle)\w{0,40} ?[-+]=? ?(?=(?:45|60|72|90|120)\b)"
+)
+_COASTED_DEG: Final = 2.0
+_WIDE_RAD: Final = 0.08  # almost 5 degrees, which cost points at each corner
+_LEAST_M: Final = 0.01  # poses come every 16 ms: at 1 m/s the car drives more than that in between
+_ALONG_X: Final = r"((?:self\.)?(?:d|delta_?|error_?|err_?|diff_?)x|[\w.]*x ?- ?[\w.]*x)"
+_ALONG_Y: Final = _ALONG_X.replace("x", "y")
+"""A difference along an axis: ``dx``, or ``goal_x - self.pose.x``."""
+_TERM: Final = r"(?:math\.)?atan2\([^()]*\)|[\w.]{1,60}"
+_PRESENT: Final = r"(?i)(?:theta|yaw)$"
+_WANTED: Final = r"(?i)target|goal|want|desire|aim|ref|dest|next|end"
 
 
 def equals_exactly(seen: Searched) -> Mistake | None:
@@ -51,16 +68,6 @@ def degrees_added(seen: Searched) -> Mistake | None:
     return None
 
 
-_KEEPS_DEGREES: Final = (
-    r"\b(degrees|rad2deg)\(|\b(radians|deg2rad)\( ?[a-zA-Z_]"
-    r"|\b180\b.*(\b(?i:pi)\b|\b3\.14)|(\b(?i:pi)\b|\b3\.14).*\b180\b|\b57\.\d|\b0?\.0174\d*"
-)
-_PLUS_DEGREES: Final = (
-    r"(?:theta|heading|yaw)\w{0,40} ?[-+]=? ?(?=\d\d)"
-    r"|(?:target|goal|wanted|angle)\w{0,40} ?[-+]=? ?(?=(?:45|60|72|90|120)\b)"
-)
-
-
 def wide_tolerance(seen: Searched) -> Mistake | None:
     """Find a condition that ends a turn while many degrees are still missing."""
     compared = list(seen.script.matches(rf"{_CONDITION}\babs\( ?{_ANGLE} ?\) ?(?:<=?|>=?) ?([\w.]+)"))
@@ -83,10 +90,6 @@ def _misses_by(tolerance_deg: float, seen: Searched) -> bool:
     return 0.0 < (item.low + item.high) / 2.0 - corner.value <= tolerance_deg + _COASTED_DEG
 
 
-_COASTED_DEG: Final = 2.0
-_WIDE_RAD: Final = 0.08  # almost 5 degrees, which cost points at each corner
-
-
 def tolerance_too_small(seen: Searched) -> Mistake | None:
     """Find a tolerance of a distance smaller than the way that the car drives between two poses."""
     distance = r"(?<![\w.])((?:self\.)?\w*(?:dist|juli|err|距离)\w*)"
@@ -99,19 +102,11 @@ def tolerance_too_small(seen: Searched) -> Mistake | None:
     return None
 
 
-_LEAST_M: Final = 0.01  # poses come every 16 ms: at 1 m/s the car drives more than that in between
-
-
 def arctan_exchanged(seen: Searched) -> Mistake | None:
     """Find a direction that is computed with x and y exchanged."""
     for line, found in seen.script.matches(rf"\batan2\( ?{_ALONG_X} ?, ?{_ALONG_Y} ?\)"):
         return mistake("arctan_exchanged", line=line, written=found[0], first=found[2], second=found[1])
     return None
-
-
-_ALONG_X: Final = r"((?:self\.)?(?:d|delta_?|error_?|err_?|diff_?)x|[\w.]*x ?- ?[\w.]*x)"
-_ALONG_Y: Final = _ALONG_X.replace("x", "y")
-"""A difference along an axis: ``dx``, or ``goal_x - self.pose.x``."""
 
 
 def away_from_goal(seen: Searched) -> Mistake | None:
@@ -155,11 +150,6 @@ def _sign(written: str, name: str) -> int:
         return 1
     against = rf"- ?(?:{factor} ?\* ?)?{error}(?: ?\* ?{factor})?|- ?{factor} if {error} ?>.* else {factor}"
     return -1 if re.fullmatch(against, written) else 0
-
-
-_TERM: Final = r"(?:math\.)?atan2\([^()]*\)|[\w.]{1,60}"
-_PRESENT: Final = r"(?i)(?:theta|yaw)$"
-_WANTED: Final = r"(?i)target|goal|want|desire|aim|ref|dest|next|end"
 
 
 def quaternion_for_yaw(seen: Searched) -> Mistake | None:

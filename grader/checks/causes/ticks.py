@@ -15,6 +15,13 @@ from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
+_EARLY_S: Final = 1.0  # a motion of more was counted in ticks, and has another fault
+_FEW_TICKS: Final = 10
+_TICKS_OFF: Final = 3  # what a timer's first tick and the tick that changes the command may add
+_ABOUT: Final = 1.3  # times what is wanted: 2 s for a turn of 90 degrees at 1 rad/s
+_LONG_S: Final = 5.0
+_PAUSE_S: Final = 0.2
+
 
 class _Timer(NamedTuple):
     """The only timer of a script: its callback, where that begins, and its period."""
@@ -95,12 +102,6 @@ def _meant_seconds(limit: _Limit, seen: Searched) -> bool:
     return any(item.low / _ABOUT <= amount <= most for amount in amounts)
 
 
-_EARLY_S: Final = 1.0  # a motion of more was counted in ticks, and has another fault
-_FEW_TICKS: Final = 10
-_TICKS_OFF: Final = 3  # what a timer's first tick and the tick that changes the command may add
-_ABOUT: Final = 1.3  # times what is wanted: 2 s for a turn of 90 degrees at 1 rad/s
-
-
 def _only_logs(limit: _Limit, script: ScriptText) -> bool:
     """Whether what a count leads to is only shown: nothing moves or stops because of it."""
     shown = rf"(?:.*{LOGS}|print\()|{re.escape(limit.name)} ?= ?0$"
@@ -122,9 +123,6 @@ def ticks_too_long(seen: Searched) -> Mistake | None:
     return None
 
 
-_LONG_S: Final = 5.0
-
-
 def sleeps_in_callback(seen: Searched) -> Mistake | None:
     """Find a pause in a timer's callback that drives step by step: each tick takes as long as the pause."""
     timer = _timer(seen.script)
@@ -140,9 +138,6 @@ def sleeps_in_callback(seen: Searched) -> Mistake | None:
             values = {"callback": timer.callback, "pause": number(pause_s, "s")}
             return mistake("sleeps_in_callback", line=line, **values)
     return None
-
-
-_PAUSE_S: Final = 0.2
 
 
 def _drives_in_loop(timer: _Timer, script: ScriptText) -> bool:

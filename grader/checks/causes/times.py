@@ -11,6 +11,22 @@ from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
+_PAUSE_S: Final = 0.3
+_MOST_CLOCKS: Final = 50  # each is looked for in all lines
+_SHOWN: Final = r"(?:\btime\.time\(\)|\bnow\(\))"
+_TO_SECONDS: Final = 0.99e9
+_FEW_SECONDS: Final = 60.0
+_TIMES_OR_NAME: Final = r"[\w.]+(?: ?\* ?(?:1e\d+|1\d{3,12}))?"
+_FEW_NS: Final = 1e6  # a millisecond: what is compared with less is meant as seconds
+_TO_NS: Final = r"(?i)\b1e9|10 ?\*\* ?9|1_?000_?000_?000|nanosec|\bns\b"
+_NAME: Final = r"(?<![\w.])[\w.]{1,60}"
+_DRIVE_TIME: Final = r"(?i)(?:move|drive|straight|side|forward|line)\w*time"
+_TURN_TIME: Final = r"(?i)(?:turn|rotate|spin)\w*time"
+_LONG_PAUSE_S: Final = 5.0
+_HELD_S: Final = 0.1
+_BESIDE_DEG: Final = 3.0
+_MARGIN_S: Final = 2.0
+
 
 def clock_before_sleep(seen: Searched) -> Mistake | None:
     """Find a start time that is taken before a pause instead of after it."""
@@ -27,9 +43,6 @@ def clock_before_sleep(seen: Searched) -> Mistake | None:
                 values = {"name": name, "sleep": at, "waited": number(waited_s, "s")}
                 return mistake("clock_before_sleep", line=line, **values)
     return None
-
-
-_PAUSE_S: Final = 0.3
 
 
 def _loops_on(seen: Searched, name: str, after: int) -> bool:
@@ -55,9 +68,6 @@ def start_once(seen: Searched) -> Mistake | None:
         if here and (len(waits) > bool(owner) or (owner and _counts_motions(owner + name, seen.script))):
             return mistake("start_once", line=line, name=owner + name, again=found.string.strip())
     return None
-
-
-_MOST_CLOCKS: Final = 50  # each is looked for in all lines
 
 
 def _counts_motions(start: str, script: ScriptText) -> bool:
@@ -96,9 +106,6 @@ def since_1970(seen: Searched) -> Mistake | None:
         if few and not seen.script.lines_with(rf"- ?{name_alone}|{name_alone} ?-"):
             return mistake("since_1970", line=line, name=name, compared=few[0])
     return None
-
-
-_SHOWN: Final = r"(?:\btime\.time\(\)|\bnow\(\))"
 
 
 def waits_for_past(seen: Searched) -> Mistake | None:
@@ -146,10 +153,6 @@ def not_seconds(seen: Searched) -> Mistake | None:
         if any(limit is not None and 0.0 < limit < _FEW_SECONDS for limit in limits):
             return mistake("not_seconds", line=line, name=name, right=f"{name} = {found[2]} / 1e9")
     return None
-
-
-_TO_SECONDS: Final = 0.99e9
-_FEW_SECONDS: Final = 60.0
 
 
 def start_kept(seen: Searched) -> Mistake | None:
@@ -212,11 +215,6 @@ def _is_compared(name: str, block: str) -> bool:
     return bool(re.search(compared, block)) and not re.search(rf"[-+*/] ?=? ?{time}|{time} ?[*/]", block)
 
 
-_TIMES_OR_NAME: Final = r"[\w.]+(?: ?\* ?(?:1e\d+|1\d{3,12}))?"
-_FEW_NS: Final = 1e6  # a millisecond: what is compared with less is meant as seconds
-_TO_NS: Final = r"(?i)\b1e9|10 ?\*\* ?9|1_?000_?000_?000|nanosec|\bns\b"
-
-
 def _is_seconds(value: float | None, name: str, script: ScriptText) -> bool:
     """Whether a name has few, or no line that could make nanoseconds of it."""
     if value is not None:
@@ -242,9 +240,6 @@ def reversed_time(seen: Searched) -> Mistake | None:
         if taken:
             return mistake("reversed_time", line=line, right=f"{found[2]} - {found[1]}")
     return None
-
-
-_NAME: Final = r"(?<![\w.])[\w.]{1,60}"
 
 
 def publish_behind_loop(seen: Searched) -> Mistake | None:
@@ -285,11 +280,6 @@ def _given(script: ScriptText, function: str, argument: str) -> list[tuple[int, 
     ]
 
 
-_DRIVE_TIME: Final = r"(?i)(?:move|drive|straight|side|forward|line)\w*time"
-
-_TURN_TIME: Final = r"(?i)(?:turn|rotate|spin)\w*time"
-
-
 def sleeps_on(seen: Searched) -> Mistake | None:
     """Find the long pause in a loop during which the run ended."""
     slept = sleep_at_end(seen.run)
@@ -300,9 +290,6 @@ def sleeps_on(seen: Searched) -> Mistake | None:
     if pause_s is None or pause_s < _LONG_PAUSE_S or not is_repeated(slept.line, seen.script):
         return None
     return sleeps_too_long(seen.run, slept)
-
-
-_LONG_PAUSE_S: Final = 5.0
 
 
 def no_stop_between(seen: Searched) -> Mistake | None:
@@ -326,10 +313,6 @@ def no_stop_between(seen: Searched) -> Mistake | None:
     return mistake("no_stop_between", excess=number(min(extra_deg), "deg"), **values)
 
 
-_HELD_S: Final = 0.1
-_BESIDE_DEG: Final = 3.0
-
-
 def timer_ends(seen: Searched) -> Mistake | None:
     """Find a ``threading.Timer`` that ends the program at about the time at which the run ended."""
     ended_s = seen.run.outcome.duration_ns / 1e9
@@ -341,6 +324,3 @@ def timer_ends(seen: Searched) -> Mistake | None:
         if after_s is not None and ends and 0.0 <= ended_s - after_s < _MARGIN_S:
             return mistake("timer_ends", line=line, function=function, after=number(after_s, "s"))
     return None
-
-
-_MARGIN_S: Final = 2.0

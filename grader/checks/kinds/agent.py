@@ -34,6 +34,10 @@ _NEAR: Final = 0.1  # of a wanted motion: within it, a motion counts as the oppo
 
 Place = tuple[float, float, float]
 """x and y in metres, heading in degrees, unwrapped."""
+_NO_STEPS = Text(zh="缺少：写明智能体的工具调用", en="missing; list the agent's tool calls")
+_NO_TURTLE = Text(
+    zh="智能体只能驾驶 turtlesim 的小车：删掉", en="an agent drives turtlesim's car only; remove it"
+)
 
 
 class _Motion:
@@ -244,14 +248,6 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
 def _deviating(motions: list[tuple[float, float, str]], still: float) -> list[tuple[float, float, str]]:
     """Return the motions that deviate from the wanted ones."""
     return [one for one in motions if abs(one[1] - one[0]) > max(_NEAR * abs(one[0]), still)]
-
-
-_NO_STEPS = Text(zh="缺少：写明智能体的工具调用", en="missing; list the agent's tool calls")
-
-
-_NO_TURTLE = Text(
-    zh="智能体只能驾驶 turtlesim 的小车：删掉", en="an agent drives turtlesim's car only; remove it"
-)
 
 
 def _consult(assignment: Assignment) -> Iterator[Misfit]:

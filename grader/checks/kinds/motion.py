@@ -38,6 +38,10 @@ MEASURES = {
     "turned_deg": MeasureKind("deg"),
     "way_back_m": MeasureKind("m"),
 }
+MIN_MOTION_M = 0.05  # a shorter way was not meant as driving
+_CREPT_M = 0.001  # but may be what became of a drive
+_LEAST_SIGN_CHANGES = 4  # of the speed: a script that changes it this often does not do so on purpose
+SPOT_RADIUS_M = 0.1  # an arc tighter than this is a turn on the spot
 
 
 def examine(assignment: Assignment, run: Run) -> Findings:
@@ -130,12 +134,6 @@ def _departures(
 
 def _problem_with_direction(value: Option) -> Text | None:
     return None if value in DIRECTIONS else one_of(DIRECTIONS)
-
-
-MIN_MOTION_M = 0.05  # a shorter way was not meant as driving
-_CREPT_M = 0.001  # but may be what became of a drive
-_LEAST_SIGN_CHANGES = 4  # of the speed: a script that changes it this often does not do so on purpose
-SPOT_RADIUS_M = 0.1  # an arc tighter than this is a turn on the spot
 
 
 def motion_mistakes(

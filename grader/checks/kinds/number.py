@@ -27,6 +27,9 @@ from grader.messages.quantity import (
 
 MEASURES = {"correct": MeasureKind(form="flag"), "with_unit": MeasureKind(form="flag")}
 _DECIMALS = 3
+_EXPLAINED = re.compile(
+    r"\s*(?!\W*(?:or|and|to|或|还是|和|及|到|至)\b|\W*(?:或|还是|和|及|到|至))(?:[=(]|\W*[^\W\d])"
+)
 
 
 def examine(assignment: Assignment, text: str) -> Findings:
@@ -66,11 +69,6 @@ def given_answers(text: str, unit: Unit) -> list[SpokenQuantity]:
     if not fitting:
         return found[-1:]
     return [fitting[-1], *(each for each in fitting[:1] if _EXPLAINED.match(each.behind))]
-
-
-_EXPLAINED = re.compile(
-    r"\s*(?!\W*(?:or|and|to|或|还是|和|及|到|至)\b|\W*(?:或|还是|和|及|到|至))(?:[=(]|\W*[^\W\d])"
-)
 
 
 def _answering(assignment: Assignment, text: str, unit: Unit) -> SpokenQuantity | None:

@@ -21,6 +21,10 @@ MEASURES = {
 }
 _SHOWN_ENTRIES = 6
 _SHOWN_CHARACTERS = 40
+_NO_FIELD = Text(
+    zh="缺少：测量值 'entries' 数的是这个字段的项数",
+    en="missing; the measure 'entries' counts the entries of this field",
+)
 
 
 def examine(assignment: Assignment, run: Run) -> Findings:
@@ -63,12 +67,6 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
 def _problem_with_list_field(value: Option) -> Text | None:
     good = isinstance(value, str) and value.isidentifier()
     return None if good else Text(zh="要填一个字段名", en="must be the name of a field")
-
-
-_NO_FIELD = Text(
-    zh="缺少：测量值 'entries' 数的是这个字段的项数",
-    en="missing; the measure 'entries' counts the entries of this field",
-)
 
 
 def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:

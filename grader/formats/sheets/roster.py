@@ -48,6 +48,8 @@ _ROLES = {
 _SHORTENED = re.compile(r"[0-9][.,]?[0-9]*e[+]?[0-9]+", re.IGNORECASE)
 _WIDENING = re.compile(r"(?<=[^\x00-\x7f]) (?=[^\x00-\x7f])")
 _SECTION_SEPARATOR = re.compile("[,;，；、]")
+_NOBODY = frozenset({"points possible", "student, test", "test student"})
+"""Names, in small letters, of rows without an id that Canvas exports beside the students."""
 
 
 class SkippedRow(Record):
@@ -181,10 +183,6 @@ def _check_once(row: ListedRow, columns: dict[str, int]) -> None:
                 f"line {row.number}: two columns {labels[index]!r} ({column})",
                 f"第 {row.number} 行：有两个“{row.cells[index]}”列",
             )
-
-
-_NOBODY = frozenset({"points possible", "student, test", "test student"})
-"""Names, in small letters, of rows without an id that Canvas exports beside the students."""
 
 
 def _entry(row: ListedRow, columns: dict[str, int]) -> RosterEntry | None:

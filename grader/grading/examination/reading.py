@@ -39,6 +39,8 @@ _PROGRAM: Final = (  # looking for garbage among what is imported takes a sixth 
     "import gc, sys; gc.disable(); "
     "from grader.grading.examination.confined import main; sys.exit(main(sys.argv[1]))"
 )
+TOO_MUCH: Final = 3
+"""Exit code of the process when it ran out of memory."""
 
 
 class Reading(Record):
@@ -121,10 +123,6 @@ def _answer(folder: Path) -> Reading:
         return from_json(Reading, answer)
     except ValueError as error:
         raise InfrastructureError(f"the reader of uploads answered nonsense: {error}") from error
-
-
-TOO_MUCH: Final = 3
-"""Exit code of the process when it ran out of memory."""
 
 
 def _refused(told: Text) -> Reading:

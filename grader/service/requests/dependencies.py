@@ -45,6 +45,16 @@ bearer = HTTPBearer(
     scheme_name="Token",
     description="The token of a member of a course; without courses, the one the service prints when it starts.",
 )
+AssignmentId = Annotated[str, Path(max_length=64, examples=["square"])]
+RegradeId = Annotated[str, Path(max_length=16, examples=["9f2c01aa77be"])]
+SubmissionId = Annotated[
+    str,
+    Path(
+        description="As the upload was answered with.",
+        max_length=64,
+        examples=["0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f"],
+    ),
+]
 
 
 async def _services(request: Request) -> Services:
@@ -206,17 +216,6 @@ def _known_section(
 
 SectionDep = Annotated[str, Depends(_known_section)]
 """The section that an address names, one of those of the caller's students; empty: all of them."""
-
-AssignmentId = Annotated[str, Path(max_length=64, examples=["square"])]
-RegradeId = Annotated[str, Path(max_length=16, examples=["9f2c01aa77be"])]
-SubmissionId = Annotated[
-    str,
-    Path(
-        description="As the upload was answered with.",
-        max_length=64,
-        examples=["0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f"],
-    ),
-]
 
 
 def _require_sight(errand: ErrandDep, submission_id: SubmissionId) -> None:

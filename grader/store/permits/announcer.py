@@ -50,6 +50,27 @@ _DEFER = _NEW.on_conflict_do_update(
     index_where=text("status = 'todo'"),
     set_={"scheduled_at": _NEW.excluded.scheduled_at},
 )
+_LATE_S = 5.0  # a row due for so long should have met a permit, if permits are not scarce
+_SILENT_S = 10.0  # workers tell Procrastinate that they live every two seconds
+_STUCK_S = 600.0  # no grading takes so long: its job could not be ended when the database was away
+_AGAIN_S = 0.2
+_AT_ONCE = 1_000
+_SWEEP_KEY = 0x67726164  # of the advisory lock: one sweep at a time
+_LEFT_OVER = text(  # SKIP LOCKED: another process may be deleting the same jobs at this moment
+    "DELETE FROM procrastinate_jobs WHERE id IN (SELECT job.id FROM procrastinate_jobs AS job"
+    " WHERE job.queue_name = :queue AND job.status <> 'todo' AND ("
+    " job.status <> 'doing' OR job.worker_id IS NULL"
+    " OR EXISTS (SELECT FROM procrastinate_workers AS worker WHERE worker.id = job.worker_id"
+    "  AND worker.last_heartbeat < now() - make_interval(secs => :silent_s))"
+    " OR NOT EXISTS (SELECT FROM procrastinate_events AS event WHERE event.job_id = job.id"
+    "  AND event.type = 'started' AND event.at > now() - make_interval(secs => :stuck_s)))"
+    " ORDER BY job.id FOR UPDATE SKIP LOCKED)"
+)
+_PERMITS = text(
+    "SELECT count(*) FROM (SELECT FROM procrastinate_jobs WHERE queue_name = :queue AND status = 'todo'"
+    " AND (scheduled_at IS NULL OR scheduled_at <= :now) LIMIT :most) AS permit"
+)
+_TODO = JOBS.c.status == text("'todo'")
 
 
 def lock_of(submission_id: str, attempt: int) -> str:
@@ -89,31 +110,6 @@ def _values(announced: Announcement, now: datetime) -> dict[str, Any]:
         "queueing_lock": lock_of(announced.submission_id, announced.attempt),
         "scheduled_at": announced.due_at if announced.due_at > now else None,
     }
-
-
-_LATE_S = 5.0  # a row due for so long should have met a permit, if permits are not scarce
-_SILENT_S = 10.0  # workers tell Procrastinate that they live every two seconds
-_STUCK_S = 600.0  # no grading takes so long: its job could not be ended when the database was away
-_AGAIN_S = 0.2
-_AT_ONCE = 1_000
-_SWEEP_KEY = 0x67726164  # of the advisory lock: one sweep at a time
-
-_LEFT_OVER = text(  # SKIP LOCKED: another process may be deleting the same jobs at this moment
-    "DELETE FROM procrastinate_jobs WHERE id IN (SELECT job.id FROM procrastinate_jobs AS job"
-    " WHERE job.queue_name = :queue AND job.status <> 'todo' AND ("
-    " job.status <> 'doing' OR job.worker_id IS NULL"
-    " OR EXISTS (SELECT FROM procrastinate_workers AS worker WHERE worker.id = job.worker_id"
-    "  AND worker.last_heartbeat < now() - make_interval(secs => :silent_s))"
-    " OR NOT EXISTS (SELECT FROM procrastinate_events AS event WHERE event.job_id = job.id"
-    "  AND event.type = 'started' AND event.at > now() - make_interval(secs => :stuck_s)))"
-    " ORDER BY job.id FOR UPDATE SKIP LOCKED)"
-)
-_PERMITS = text(
-    "SELECT count(*) FROM (SELECT FROM procrastinate_jobs WHERE queue_name = :queue AND status = 'todo'"
-    " AND (scheduled_at IS NULL OR scheduled_at <= :now) LIMIT :most) AS permit"
-)
-
-_TODO = JOBS.c.status == text("'todo'")
 
 
 def _use_up(lock: ColumnElement[str]) -> Delete:

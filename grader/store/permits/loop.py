@@ -18,6 +18,17 @@ from grader.store.database import PATIENCE, Database
 from grader.store.permits.announcer import QUEUE, TASK, defer_again
 from grader.store.work import attempted
 
+_log = logging.getLogger(__name__)
+_HEARTBEAT_S = 2.0
+_STALLED_S = 10.0
+_LOOK_S = 0.1  # how often to ask whether permits may be taken
+_LOOK_AGAIN_S = 1.0  # how often to ask whether they still may: what came meanwhile was given back
+_PAUSES_S = (0.2, 0.5, 1.0, 2.0)  # before each next try to reach the database
+_CONNECT_S = 5
+_END_S = 10.0
+_NOISY_LOGGERS = ("asyncio", "procrastinate.utils", "procrastinate.worker", "procrastinate.worker.worker")
+"""Loggers that write pages of tracebacks whenever the database is away, which is said here in one line."""
+
 
 class Exchange:
     """Hands permits to slots. Each permit is answered exactly once: whether it was used.
@@ -70,18 +81,6 @@ class Exchange:
                 answer = self._offered.popleft()
                 if answer.set_running_or_notify_cancel():
                     return answer
-
-
-_log = logging.getLogger(__name__)
-_HEARTBEAT_S = 2.0
-_STALLED_S = 10.0
-_LOOK_S = 0.1  # how often to ask whether permits may be taken
-_LOOK_AGAIN_S = 1.0  # how often to ask whether they still may: what came meanwhile was given back
-_PAUSES_S = (0.2, 0.5, 1.0, 2.0)  # before each next try to reach the database
-_CONNECT_S = 5
-_END_S = 10.0
-_NOISY_LOGGERS = ("asyncio", "procrastinate.utils", "procrastinate.worker", "procrastinate.worker.worker")
-"""Loggers that write pages of tracebacks whenever the database is away, which is said here in one line."""
 
 
 class PermitLoop:

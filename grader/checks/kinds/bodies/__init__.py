@@ -42,6 +42,20 @@ MEASURES = {
     "lifted_m": MeasureKind("m"),
 }
 _TARGET = ("target_x_m", "target_y_m", "target_z_m")
+_NO_WORLD = Text(
+    zh="检查 bodies 需要 PyBullet 的世界：写 world: {kind: pybullet, watch: …}",
+    en="the check bodies needs a PyBullet world; write world: {kind: pybullet, watch: …}",
+)
+_NO_TARGET = Text(
+    zh="缺少 options.target_x_m、target_y_m 和 target_z_m：补上",
+    en="options.target_x_m, target_y_m and target_z_m are missing; add them",
+)
+_NO_ROBOT = Text(zh="缺少 world.watch.robot：补上", en="world.watch.robot is missing; add it")
+_NO_OBJECT = Text(zh="缺少 world.watch.object：补上", en="world.watch.object is missing; add it")
+_OF_ROBOT = ("reach_m", "lifted_m")
+_OF_OBJECT = ("fell_m", "height_m", "rest_s", "travel_m", "turned_deg", "wheels_turned", "lifted_m")
+_NUMBER = Text(zh="要写一个数", en="must be a number")
+_TIME = Text(zh="要写大于 0 的时间，单位 s", en="must be a time above 0, in s")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -214,20 +228,6 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     return FigureSketch(view="frames", ideal_closed=False)
 
 
-_NO_WORLD = Text(
-    zh="检查 bodies 需要 PyBullet 的世界：写 world: {kind: pybullet, watch: …}",
-    en="the check bodies needs a PyBullet world; write world: {kind: pybullet, watch: …}",
-)
-_NO_TARGET = Text(
-    zh="缺少 options.target_x_m、target_y_m 和 target_z_m：补上",
-    en="options.target_x_m, target_y_m and target_z_m are missing; add them",
-)
-_NO_ROBOT = Text(zh="缺少 world.watch.robot：补上", en="world.watch.robot is missing; add it")
-_NO_OBJECT = Text(zh="缺少 world.watch.object：补上", en="world.watch.object is missing; add it")
-_OF_ROBOT = ("reach_m", "lifted_m")
-_OF_OBJECT = ("fell_m", "height_m", "rest_s", "travel_m", "turned_deg", "wheels_turned", "lifted_m")
-
-
 def _consult(assignment: Assignment) -> Iterable[Misfit]:
     if assignment.world.kind != "pybullet":
         return (("world", _NO_WORLD),)
@@ -238,10 +238,6 @@ def _consult(assignment: Assignment) -> Iterable[Misfit]:
         (_OF_ROBOT, bool(watch and watch.robot), _NO_ROBOT),
         (_OF_OBJECT, bool(watch and watch.object), _NO_OBJECT),
     )
-
-
-_NUMBER = Text(zh="要写一个数", en="must be a number")
-_TIME = Text(zh="要写大于 0 的时间，单位 s", en="must be a time above 0, in s")
 
 
 def _problem_with_number(value: Option) -> Text | None:

@@ -36,6 +36,23 @@ MEASURES = {
     "line_pct": MeasureKind("%"),
     "line_covered_pct": MeasureKind("%"),
 }
+_NO_ROBOT = Text(
+    zh="检查 room 需要机器人：写 world: {kind: robot, room: …}",
+    en="the check room needs a robot; write world: {kind: robot, room: …}",
+)
+_NO_BAND = Text(
+    zh="缺少 options.band_low_m 和 band_high_m：补上",
+    en="options.band_low_m and band_high_m are missing; add them",
+)
+_SWAPPED = Text(
+    zh="要小于 band_high_m：对调或改小", en="must be less than band_high_m; swap them or make it smaller"
+)
+_NO_LINE = Text(
+    zh="缺少 options.line_within_m 或 world.room.lines：补上",
+    en="options.line_within_m or world.room.lines is missing; add it",
+)
+_LENGTH = Text(zh="要写大于 0 的长度，单位 m", en="must be a length above 0, in m")
+_SIDE = Text(zh="要写 left 或 right", en="must be left or right")
 
 
 def examine(assignment: Assignment, run: Run) -> Findings:
@@ -130,24 +147,6 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     return FigureSketch(view="path", ideal_closed=False)
 
 
-_NO_ROBOT = Text(
-    zh="检查 room 需要机器人：写 world: {kind: robot, room: …}",
-    en="the check room needs a robot; write world: {kind: robot, room: …}",
-)
-_NO_BAND = Text(
-    zh="缺少 options.band_low_m 和 band_high_m：补上",
-    en="options.band_low_m and band_high_m are missing; add them",
-)
-
-_SWAPPED = Text(
-    zh="要小于 band_high_m：对调或改小", en="must be less than band_high_m; swap them or make it smaller"
-)
-_NO_LINE = Text(
-    zh="缺少 options.line_within_m 或 world.room.lines：补上",
-    en="options.line_within_m or world.room.lines is missing; add it",
-)
-
-
 def _consult(assignment: Assignment) -> Iterator[Misfit]:
     if assignment.world.kind != "robot":
         yield "world", _NO_ROBOT
@@ -162,14 +161,8 @@ def _consult(assignment: Assignment) -> Iterator[Misfit]:
     yield from unmet(assignment, (("line_pct", "line_covered_pct"), has_line, _NO_LINE))
 
 
-_LENGTH = Text(zh="要写大于 0 的长度，单位 m", en="must be a length above 0, in m")
-
-
 def _problem_with_length(value: Option) -> Text | None:
     return None if is_number(value) and value > 0.0 else _LENGTH
-
-
-_SIDE = Text(zh="要写 left 或 right", en="must be left or right")
 
 
 def _problem_with_side(value: Option) -> Text | None:

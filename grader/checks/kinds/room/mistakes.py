@@ -19,6 +19,7 @@ _SCAN = "sensor_msgs/msg/LaserScan"
 _REACTION_NS = 500_000_000  # two scans
 _MUCH = 0.2  # of the way: more than a turn in a corner
 _TOUCH = ("contacts", "clearance_m", "ahead_m", "settled", "band_pct", "band_m", "moving_s", "covered_pct")
+_MANY_COMMANDS = 3  # a script that publishes once has another fault
 
 
 def room_mistakes(
@@ -64,9 +65,6 @@ def _silent_since(run: Run, contact: Contact) -> int | None:
         return None
     silent_ns = contact.start_ns - before[-1].t_ns
     return before[-1].t_ns if silent_ns > 2 * _REACTION_NS else None
-
-
-_MANY_COMMANDS = 3  # a script that publishes once has another fault
 
 
 def _drove_on(run: Run, contact: Contact) -> bool:
