@@ -284,10 +284,9 @@ def _behind_spin(run: Run) -> Mistake | None:
 
 def _working_callbacks(script: ScriptText) -> Iterator[int]:
     """Yield the lines that create timers and subscriptions, unless their callback only keeps what it is given."""
-    named = {line: name for kind in ("timer", "subscription") for line, name in script.callbacks(kind)}
+    begins = {callback.created: callback.begins for callback in script.callbacks("timer", "subscription")}
     for line in script.lines_with(r"\bcreate_(timer|subscription)\("):
-        made = script.definition(named.get(line, ""))
-        body = [] if made is None else [text for _, text in script.body(made.line)]
+        body = [text for _, text in script.body(begins[line])] if line in begins else []
         if not body or not all(re.match(r"self\.\w+ ?=(?!=) ?[\w.]+$|\"\"$|pass$", text) for text in body):
             yield line
 
@@ -490,9 +489,8 @@ def ended_at_once(run: Run) -> Mistake | None:
 
 def _ends_in_callback(script: ScriptText) -> list[int]:
     """Return the lines that shut down in callbacks, and in functions that they call."""
-    callbacks = {name for kind in ("timer", "subscription") for _, name in script.callbacks(kind)}
-    begins = script.reached_from(made.line for name in callbacks if (made := script.definition(name)))
-    inside = {line for first in begins for line in range(first, first + len(script.block(first)))}
+    begins = script.reached_from(callback.begins for callback in script.callbacks("timer", "subscription"))
+    inside = {line for first in begins for line in script.span(first)}
     return [line for line in script.lines_with(r"\bshutdown\(") if line in inside]
 
 
@@ -594,8 +592,7 @@ def _in_loop(run: Run, script: ScriptText) -> Mistake | None:
 
 def _runs_in_callback(script: ScriptText, function: str) -> bool:
     """Whether a function is the callback of a timer or subscription, or runs from one."""
-    callbacks = (name for kind in ("timer", "subscription") for _, name in script.callbacks(kind))
-    begins = [made.line for name in callbacks if (made := script.definition(name)) is not None]
+    begins = [callback.begins for callback in script.callbacks("timer", "subscription")]
     made = script.definition(function)
     return made is not None and made.line in script.reached_from(begins)
 

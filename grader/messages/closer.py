@@ -41,7 +41,7 @@ def calls_itself(error: StudentError, written: str, script: ScriptText) -> Close
 def _own_calls(function: str, script: ScriptText) -> list[int]:
     """Return the lines on which a function calls itself."""
     made = script.definition(function) if function else None
-    inside = range(0) if made is None else range(made.line + 1, made.line + len(script.block(made.line)))
+    inside = range(0) if made is None else script.span(made.line)[1:]
     calls = script.lines_with(rf"(?<![\w.])(self\.)?{function} ?\(") if inside else []
     return [number for number in calls if number in inside]
 
@@ -87,7 +87,7 @@ def signature(error: StudentError, written: str, script: ScriptText) -> Closer:
         return ("lacks_self", {**values, "written": f"def {name}({inner}):"}) if fits else None
     for kind, wanted in _CALLBACKS.items():
         right = ", ".join(given) == wanted[1]
-        if any(callback == name for _, callback in script.callbacks(kind)) and f"{name}(" not in written:
+        if any(callback.name == name for callback in script.callbacks(kind)) and f"{name}(" not in written:
             return None if right else (wanted[0], {**values, "written": f"def {name}({wanted[1]}):"})
     return None
 
@@ -97,7 +97,7 @@ def _plain_callback(name: str, begins: int, written: str, script: ScriptText) ->
     given = ", ".join(_parameters(script.lines[begins - 1]))
     for kind, (code, parameters) in _CALLBACKS.items():
         right = parameters.removeprefix("self").removeprefix(", ")
-        if any(callback == name for _, callback in script.callbacks(kind)) and f"{name}(" not in written:
+        if any(callback.name == name for callback in script.callbacks(kind)) and f"{name}(" not in written:
             return None if given == right else (code, {"begins": begins, "written": f"def {name}({right}):"})
     return None
 
@@ -158,13 +158,13 @@ def none_in_init(error: StudentError, written: str, script: ScriptText) -> Close
         return None
     name = used[1]
     empty = script.lines_with(rf"\bself\.{name} ?(:[^=]*)?= ?None\b")
-    heard = [one for _, one in script.callbacks("subscription") if name in script.given_in(one)]
+    heard = [one.name for one in script.callbacks("subscription") if name in script.given_in(one.name)]
     return ("none_in_init", {"name": name, "callback": heard[0]}) if empty and heard else None
 
 
 def none_before_spin(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Recognise a value of a message that a method uses before anything has spun, in a script without timers."""
-    heard = [one for _, one in script.callbacks("subscription")]
+    heard = [one.name for one in script.callbacks("subscription")]
     if script.lines_with(r"\bThread\(|Executor\("):
         return None  # something spins; a second spin would take the node away from it
     if not heard or script.callbacks("timer") or script.function_around(error.line or 0) in heard:
@@ -434,10 +434,11 @@ def message_replaced(error: StudentError, written: str, script: ScriptText) -> C
     base = re.search(rf"(self\.)?\b(\w+)\.{field[1]}\b", written) if field else None
     if field is None or base is None:
         return None
-    heard = [one for _, one in script.callbacks("subscription") if base[2] in script.given_in(one)]
-    for function in heard if base[1] else [script.function_around(error.line or 0)]:
+    heard = [one.name for one in script.callbacks("subscription")]
+    keeping = [one for one in heard if base[2] in script.given_in(one)]
+    for function in keeping if base[1] else [script.function_around(error.line or 0)]:
         made = script.definition(function)
-        inside = range(0) if made is None else range(made.line, made.line + len(script.block(made.line)))
+        inside = range(0) if made is None else script.span(made.line)
         for name in [] if made is None else _names(script.lines[made.line - 1]):
             given = script.lines_with(rf"^[ \t]*{name} ?= ?\w+\( ?\)$") if base[1] or name == base[2] else []
             if replaced := [number for number in given if number in inside]:
@@ -450,7 +451,7 @@ def parameter_called(error: StudentError, written: str, script: ScriptText) -> C
     found = re.match(r"name '(\w+)' is not defined", error.message)
     name = script.function_around(error.line or 0)
     made = script.definition(name)
-    heard = [one for _, one in script.callbacks("subscription")]
+    heard = [one.name for one in script.callbacks("subscription")]
     if found is None or made is None or name not in heard:
         return None
     if not found[1].islower() or not re.search(rf"\b{found[1]}\.\w|= ?{found[1]}$", written):

@@ -597,17 +597,16 @@ def _urdf(error: StudentError, script: ScriptText) -> Closer:
 
 def _service(error: StudentError, script: ScriptText) -> Closer:
     """Find the service's callback that does not return its response, or the request that lacks its parentheses."""
-    for _, name in script.callbacks("service"):
-        made = script.definition(name)
-        head = script.lines[made.line - 1] if made is not None else ""
-        given = re.search(r"\(\s*(?:self ?, ?)?\w+[^,()]*, ?(\w+)", head)
-        if made is None or given is None:
+    for service in script.callbacks("service"):
+        block = script.block(service.begins)
+        given = re.search(r"\(\s*(?:self ?, ?)?\w+[^,()]*, ?(\w+)", block[0])
+        if given is None:
             continue
-        returned = re.findall(r"^[ \t]*return[ \t]+(\S.*)$", "\n".join(script.block(made.line)), re.MULTILINE)
+        returned = re.findall(r"^[ \t]*return[ \t]+(\S.*)$", "\n".join(block), re.MULTILINE)
         responses = rf"{given[1]}$|.*Response\("
         made_here = {one[1] for _, one in script.matches(r"(?<![\w.])(\w+) ?=(?!=).*Response\(")}
         if not any(re.match(responses, one) or one in made_here for one in returned):
-            return "no_response", {"name": name, "begins": made.line, "response": given[1]}
+            return "no_response", {"name": service.name, "begins": service.begins, "response": given[1]}
     bare = script.lines_with(r"= ?\w+\.Request$")
     return ("class_for_object", {"line": bare[0]}) if bare else None
 

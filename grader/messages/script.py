@@ -52,6 +52,14 @@ class Definition(NamedTuple):
     takes_self: bool
 
 
+class Callback(NamedTuple):
+    """A function that a timer, subscription or service calls: where that is created, its name, where it begins."""
+
+    created: int
+    name: str
+    begins: int
+
+
 class Mention(NamedTuple):
     """A line on which the name of a function stands alone, and the name as it is written there: ``self.stop``."""
 
@@ -183,15 +191,30 @@ class ScriptText:
         first = _indent(inside[0][1]) if inside else 0
         return [(at, line.strip()) for at, line in inside if _indent(line) == first]
 
-    def callbacks(self, kind: str) -> list[tuple[int, str]]:
-        """Return the lines that create a timer, subscription or service, each with the callback's name."""
-        found = []
-        for number in self.lines_with(rf"\bcreate_{kind}\("):
-            call = " ".join(self.lines[number - 1 : number + 5]).partition(f"create_{kind}(")[2]
-            names = re.findall(r"(?:self|node|\w+)\.(\w+)|(\w+)", _arguments(call))
-            known = [name for pair in names for name in pair if name and self.definition(name) is not None]
-            found += [(number, known[0])] if known else []
-        return found
+    def callbacks(self, *kinds: str) -> list[Callback]:
+        """Return the callbacks of timers, subscriptions or services: those of the first kind, then of the next."""
+        return [
+            callback
+            for kind in kinds
+            for number in self.lines_with(rf"\bcreate_{kind}\(")
+            if (callback := self._callback(kind, number)) is not None
+        ]
+
+    def functions_called_back(self, *kinds: str) -> list[Callback]:
+        """Return the same, each function once: a hostile script may create a timer on every line."""
+        found: dict[str, Callback] = {}
+        for callback in self.callbacks(*kinds):
+            found.setdefault(callback.name, callback)
+        return list(found.values())
+
+    def _callback(self, kind: str, number: int) -> Callback | None:
+        """Return the first function of the script that is named in a call of ``create_<kind>``."""
+        call = " ".join(self.lines[number - 1 : number + 5]).partition(f"create_{kind}(")[2]
+        for pair in re.findall(r"(?:self|node|\w+)\.(\w+)|(\w+)", _arguments(call)):
+            for name in filter(None, pair):
+                if (made := self.definition(name)) is not None:
+                    return Callback(number, name, made.line)
+        return None
 
     def in_method(self, number: int) -> bool:
         """Whether the given line stands in a function whose first parameter is ``self``."""
@@ -452,6 +475,10 @@ class ScriptText:
             for name in dict.fromkeys(re.findall(r"\w\.(\w+)\b", " ".join(targets))):
                 found.setdefault(name, []).append((number, value.strip()))
         return found
+
+    def span(self, number: int) -> range:
+        """Return the numbers of the lines of `block`."""
+        return range(number, number + len(self.block(number)))
 
     def block(self, number: int) -> list[str]:
         """Return the given line and the block that it begins."""

@@ -46,14 +46,11 @@ def set_to_plus(seen: Searched) -> Mistake | None:
 
 def count_anew(seen: Searched) -> Mistake | None:
     """Find a count that the callback of a timer or subscription sets to 0 whenever it is called."""
-    for kind in ("timer", "subscription"):
-        for _, callback in seen.script.callbacks(kind):
-            made = seen.script.definition(callback)
-            body = seen.script.body(made.line) if made else []
-            for line, text in body:
-                zeroed = re.match(r"(\w+) ?= ?0(\.0)?$", text)
-                if zeroed and _raised_once(zeroed[1], callback, seen.script):
-                    return mistake("count_anew", line=line, name=zeroed[1], callback=callback)
+    for callback in seen.script.callbacks("timer", "subscription"):
+        for line, text in seen.script.body(callback.begins):
+            zeroed = re.match(r"(\w+) ?= ?0(\.0)?$", text)
+            if zeroed and _raised_once(zeroed[1], callback.name, seen.script):
+                return mistake("count_anew", line=line, name=zeroed[1], callback=callback.name)
     return None
 
 
@@ -76,9 +73,8 @@ def count_kept(seen: Searched) -> Mistake | None:
         heads = [head for head in seen.script.heads_of(line) if re.match(r"[ \t]*(for|while)\b", head[1])]
         if heads and found[1] in seen.script.counters and given and max(given) < heads[-1][0]:
             return mistake("count_kept", name=found[1])
-    for _, callback in seen.script.callbacks("timer")[:1]:
-        made = seen.script.definition(callback)
-        text = "\n".join(seen.script.block(made.line)) if made else ""
+    for timer in seen.script.callbacks("timer")[:1]:
+        text = "\n".join(seen.script.block(timer.begins))
         compared = set(re.findall(r"\b(?:el)?if ([\w.]+) ?<=? ?([\w.]+)", text))
         times = Counter(name for name, _ in compared)
         for name in [one for one in sorted(seen.script.counters) if times[one] == 2][:_MOST_COUNTS]:

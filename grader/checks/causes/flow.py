@@ -11,7 +11,7 @@ from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import not_called
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
-from grader.messages.script import Definition, ScriptText
+from grader.messages.script import Callback, Definition, ScriptText
 
 _HARMLESS: Final = r"(?i)log|print|wait|sleep|stop|clean|close|exit|shut|finish|done|handler|signal|__"
 """Names of functions that may be empty without harm to a motion."""
@@ -42,9 +42,9 @@ _MOST_STATES: Final = 20  # each that is asked for is compared with all of them
 
 def deaf_loop(seen: Searched) -> Mistake | None:
     """Find a loop that waits for what a subscription's callback keeps, in which nothing spins."""
-    heard = [name for _, name in seen.script.callbacks("subscription")]
+    heard = [callback.name for callback in seen.script.callbacks("subscription")]
     kept = {name for one in heard for name in seen.script.given_in(one)}
-    others = [name for _, name in seen.script.callbacks("timer")] + heard
+    others = [callback.name for callback in seen.script.callbacks("timer")] + heard
     if not kept or seen.script.lines_with(r"\bThread\(|Executor\("):
         return None
     for line, found in seen.script.matches(r"\bwhile\b(.*)$"):
@@ -73,7 +73,7 @@ def other_axis(seen: Searched) -> Mistake | None:
 def loop_for_spin(seen: Searched) -> Mistake | None:
     """Find an endless loop that only keeps a script running, in which nothing ever calls its callbacks."""
     script = seen.script
-    callbacks = [name for kind in ("timer", "subscription", "service") for _, name in script.callbacks(kind)]
+    callbacks = [callback.name for callback in script.callbacks("timer", "subscription", "service")]
     if not callbacks or script.lines_with(r"spin|Executor\("):
         return None
     for line in script.lines_with(r"^[ \t]*while \(?(True|1|([\w.]+\.)?ok\( ?\))\)? ?:"):
@@ -86,7 +86,7 @@ def loop_for_spin(seen: Searched) -> Mistake | None:
 def empty_function(seen: Searched) -> Mistake | None:
     """Find functions in which nothing but ``pass`` stands, and that the script calls."""
     empty = []
-    heard = {one for kind in ("subscription", "service") for _, one in seen.script.callbacks(kind)}
+    heard = {callback.name for callback in seen.script.callbacks("subscription", "service")}
     for line in seen.script.lines_with(r"^[ \t]*def \w+ ?\("):
         name = seen.script.lines[line - 1].split("def ")[1].partition("(")[0].strip()
         behind = seen.script.lines[line - 1].rpartition(":")[2].strip()
@@ -131,16 +131,15 @@ def branch_without_publish(seen: Searched) -> Mistake | None:
     """Find a branch of a timer's callback that fills a new message, behind which no publish can be reached."""
     field = "linear.x" if seen.mistake.code == "no_drive" else "angular.z"
     script = seen.script
-    for callback in {name: None for _, name in script.callbacks("timer")}:
-        made = script.definition(callback)
-        block = script.block(made.line) if made is not None else []
-        for line, text in enumerate(block, start=made.line if made is not None else 0):
+    for timer in script.functions_called_back("timer"):
+        block = script.block(timer.begins)
+        for line, text in enumerate(block, start=timer.begins):
             filled = re.match(rf"[ \t]*(\w+)\.{field} ?=(?!=)(?! ?-?[0.]+ ?(;|$))", text)
             if filled is None or not any(re.match(rf"[ \t]*{filled[1]} ?= ?Twist\(", one) for one in block):
                 continue
             later = [at for at in script.lines_with(r"\.publish\(|\w\(.*\b" + filled[1]) if at > line]
             if script.lines_with(r"\.publish\(") and not any(script.is_behind(at, line) for at in later):
-                return mistake("branch_without_publish", line=line, callback=callback, field=field)
+                return mistake("branch_without_publish", line=line, callback=timer.name, field=field)
     return None
 
 
@@ -178,16 +177,15 @@ def timer_stops(seen: Searched) -> Mistake | None:
     """Find the timer whose callback only stops, beside another one that drives."""
     timers = seen.script.callbacks("timer")
     stops, drives = [], []
-    for line, name in timers:
-        made = seen.script.definition(name)
-        body = "\n".join(seen.script.block(made.line)[1:]) if made else ""
+    for timer in timers:
+        body = "\n".join(seen.script.block(timer.begins)[1:])
         if re.search(_MOTION, body):
-            drives.append((line, name))
+            drives.append(timer)
         elif re.search(r"\.publish\(", body):
-            stops.append((line, name))
+            stops.append(timer)
     if len(timers) < 2 or not stops or not drives:
         return None
-    return mistake("timer_stops", line=stops[0][0], name=stops[0][1])
+    return mistake("timer_stops", line=stops[0].created, name=stops[0].name)
 
 
 def timers_overrule(seen: Searched) -> Mistake | None:
@@ -198,15 +196,14 @@ def timers_overrule(seen: Searched) -> Mistake | None:
     script = seen.script
     timers = script.callbacks("timer")
     known: list[tuple[float, str, bool]] = []
-    for line, name in timers if len(timers) == 2 else ():
-        period_s = value_of((script.arguments(line, "create_timer") or [""])[0], script)
-        made = script.definition(name)
-        body = "\n".join(script.block(made.line)[1:]) if made else ""
+    for timer in timers if len(timers) == 2 else ():
+        period_s = value_of((script.arguments(timer.created, "create_timer") or [""])[0], script)
+        body = "\n".join(script.block(timer.begins)[1:])
         moves = [bool(re.search(_MOTION.replace(r"linear\.x|angular\.z", axis), body)) for axis in _AXES]
         takes_turns = re.search(r"\bif\b|\.cancel\(", body)
         if period_s is None or takes_turns or ".publish(" not in body or sum(moves) != 1:
             return None
-        known.append((period_s, name, moves[0]))
+        known.append((period_s, timer.name, moves[0]))
     if len(known) != 2 or known[0][2] == known[1][2]:
         return None
     (fast_s, fast, _), (_, slow, _) = sorted(known)
@@ -231,13 +228,12 @@ def ends_in_callback(seen: Searched) -> Mistake | None:
     """Find a call in a timer's callback that ends the timer or the program at the first tick."""
     if not seen.script.lines_with(r"\bspin"):
         return None  # then the callback never ran
-    for _, name in seen.script.callbacks("timer"):
-        made = seen.script.definition(name)
-        body = seen.script.body(made.line) if made else ()
+    for timer in seen.script.callbacks("timer"):
+        body = seen.script.body(timer.begins)
         always = itertools.takewhile(lambda one: not re.match(r"if\b|return\b|for\b|while\b", one[1]), body)
         ends = [line for line, text in always if _ENDS.search(text)]
         if ends:
-            return mistake("ends_in_callback", lines=", ".join(map(str, ends)), name=name)
+            return mistake("ends_in_callback", lines=", ".join(map(str, ends)), name=timer.name)
     return None
 
 
@@ -287,12 +283,10 @@ def no_publish(seen: Searched) -> Mistake | None:
     timers = seen.script.callbacks("timer")
     if not timers or seen.script.lines_with(r"\bpublish\b"):
         return None
-    made = seen.script.definition(timers[0][1])
-    if made is None:
-        return None
-    last, _ = (seen.script.body(made.line) or [(made.line, "")])[-1]
+    first = timers[0]
+    last, _ = (seen.script.body(first.begins) or [(first.begins, "")])[-1]
     call = f"{seen.script.publisher or 'self.pub'}.publish({seen.script.message_beside(last) or 'msg'})"
-    return mistake("no_publish", name=timers[0][1], begins=made.line, call=call)
+    return mistake("no_publish", name=first.name, begins=first.begins, call=call)
 
 
 def long_period(seen: Searched) -> Mistake | None:
@@ -378,9 +372,7 @@ def never_called(seen: Searched) -> Mistake | None:
         blocks = (
             script.reached_from([made.line, *_handed_over(made.line, script)]) if made is not None else set()
         )
-        does = any(
-            begins <= line < begins + len(script.block(begins)) for line in wanted for begins in blocks
-        )
+        does = any(line in script.span(begins) for line in wanted for begins in blocks)
         named = seen.mistake.code == "no_turns" and re.search(_TURNS, name) and _moves(made, script)
         if made is not None and ((lost and does) or named or _brings(made.line, asked, script)):
             return mistake("never_called", name=name, begins=made.line)
@@ -389,10 +381,8 @@ def never_called(seen: Searched) -> Mistake | None:
 
 def _handed_over(begins: int, script: ScriptText) -> list[int]:
     """Return the first lines of the callbacks that the timers and subscriptions made in a function call."""
-    inside = range(begins, begins + len(script.block(begins)))
-    made = (script.callbacks(kind) for kind in ("timer", "subscription"))
-    names = [name for known in made for line, name in known if line in inside]
-    return [one.line for name in names if (one := script.definition(name)) is not None]
+    inside = script.span(begins)
+    return [one.begins for one in script.callbacks("timer", "subscription") if one.created in inside]
 
 
 def _moves(made: Definition | None, script: ScriptText) -> bool:
@@ -415,7 +405,7 @@ def _brings(begins: int, asked: set[str], script: ScriptText) -> bool:
     block = script.block(begins)
     given = re.search(r"\((?:self ?, ?)?(\w+)[^,]*\) ?:", block[0])
     kept = re.findall(rf"\bself\.(\w+) ?= ?{given[1]}\b", "\n".join(block)) if given else []
-    inside = range(begins, begins + len(block))
+    inside = script.span(begins)
     return any(
         all(line in inside for line, value in script.attributes_set.get(name, ()) if value != "None")
         for name in asked.intersection(kept)
@@ -454,12 +444,11 @@ def never_filled(seen: Searched) -> Mistake | None:
 def kept_global(seen: Searched) -> Mistake | None:
     """Find a callback that keeps what it is given in a variable of its own, and not in that of the module."""
     for callback, _, kept in _kept(seen.script):
-        made, name = seen.script.definition(callback), kept[1]
-        if made is None or not seen.script.lines_with(rf"^{name} ?="):
-            continue
-        block = seen.script.block(made.line)
-        if not any(re.search(rf"\bglobal\b.*\b{name}\b", one) for one in block):
-            return mistake("kept_global", name=name, callback=callback, begins=made.line)
+        name, block = kept[1], seen.script.block(callback.begins)
+        if seen.script.lines_with(rf"^{name} ?=") and not any(
+            re.search(rf"\bglobal\b.*\b{name}\b", one) for one in block
+        ):
+            return mistake("kept_global", name=name, callback=callback.name, begins=callback.begins)
     return None
 
 
@@ -467,8 +456,8 @@ def kept_local(seen: Searched) -> Mistake | None:
     """Find a callback that keeps what it is given in a variable of its own, and not in the node."""
     for callback, line, kept in _kept(seen.script):
         if _only_in_init(kept[1], seen.script):
-            written = kept[0].strip()
-            return mistake("kept_local", line=line, name=kept[1], callback=callback, written=written)
+            values = {"name": kept[1], "callback": callback.name, "written": kept[0].strip()}
+            return mistake("kept_local", line=line, **values)
     return _state_in_vain(seen.script)
 
 
@@ -503,17 +492,16 @@ def compared_only(seen: Searched) -> Mistake | None:
     return None
 
 
-def _kept(script: ScriptText) -> Iterator[tuple[str, int, re.Match[str]]]:
+def _kept(script: ScriptText) -> Iterator[tuple[Callback, int, re.Match[str]]]:
     """Yield where a subscription's callback assigns what it is given to a plain name: callback, line and match."""
-    for callback in dict.fromkeys(name for _, name in script.callbacks("subscription")):
-        made = script.definition(callback)
-        block = script.block(made.line) if made is not None else [""]
+    for callback in script.functions_called_back("subscription"):
+        block = script.block(callback.begins)
         given = re.search(r"\((?:self ?, ?)?(\w+)", block[0])
-        if made is None or given is None:
+        if given is None:
             continue
-        for line, text in enumerate(block[1:], start=made.line + 1):
+        for line, text in enumerate(block[1:], start=callback.begins + 1):
             kept = re.match(rf"[ \t]*(\w+) ?= ?{given[1]}(\.\w+)*$", text)
-            if kept and not _used_in(block[line - made.line + 1 :], kept[1]):
+            if kept and not _used_in(block[line - callback.begins + 1 :], kept[1]):
                 yield callback, line, kept
 
 

@@ -53,10 +53,9 @@ def _timer(script: ScriptText) -> _Timer | None:
     timers = script.callbacks("timer")
     if len(timers) != 1:
         return None
-    written = script.arguments(timers[0][0], "create_timer")[:1]
+    written = script.arguments(timers[0].created, "create_timer")[:1]
     period_s = value_of(written[0], script) if written else None
-    made = script.definition(timers[0][1])
-    return _Timer(timers[0][1], made.line, period_s) if made and period_s and period_s > 0.0 else None
+    return _Timer(timers[0].name, timers[0].begins, period_s) if period_s and period_s > 0.0 else None
 
 
 def _limits(timer: _Timer, script: ScriptText) -> Iterator[_Limit]:
@@ -142,7 +141,7 @@ def sleeps_in_callback(seen: Searched) -> Mistake | None:
 
 def _drives_in_loop(timer: _Timer, script: ScriptText) -> bool:
     """Whether a callback drives the whole way in a loop of its own: then its pauses are meant."""
-    inside = range(timer.begins, timer.begins + len(script.block(timer.begins)))
+    inside = script.span(timer.begins)
     loops = [line for line in script.lines_with(r"^[ \t]*(while|for)\b") if line in inside]
     return any("publish(" in text for line in loops for text in script.block(line))
 

@@ -72,8 +72,7 @@ def start_once(seen: Searched) -> Mistake | None:
 
 def _counts_motions(start: str, script: ScriptText) -> bool:
     """Whether a timer's callback raises one count where a time since `start` passes a limit that does not grow."""
-    made = [script.definition(name) for _, name in script.callbacks("timer")[:1]]
-    block = script.block(made[0].line) if made and made[0] is not None else []
+    block = [text for timer in script.callbacks("timer")[:1] for text in script.block(timer.begins)]
     heads = [re.match(r"[ \t]*(?:if|elif) ([\w.]+) ?[<>]=? ?([\w.]+) ?:$", text) for text in block]
     limits = [found[2] for found in heads if found is not None and _passed(found[1], start, block)]
     raised = [text for text in block if re.match(r"[ \t]*self\.\w+ ?\+= ?1$", text)]
@@ -157,11 +156,10 @@ def not_seconds(seen: Searched) -> Mistake | None:
 
 def start_kept(seen: Searched) -> Mistake | None:
     """Find a branch that ends a motion at a time and keeps its start time, which another branch takes anew."""
-    for _, callback in seen.script.callbacks("timer")[:1]:
-        made = seen.script.definition(callback)
-        block = seen.script.block(made.line) if made is not None else []
+    for timer in seen.script.callbacks("timer")[:1]:
+        block = seen.script.block(timer.begins)
         kept, anew = [], dict[str, str]()
-        for line, text in enumerate(block, start=made.line if made is not None else 0):
+        for line, text in enumerate(block, start=timer.begins):
             ends = re.match(r"[ \t]*(?:if|elif) [^:]*>=? ?[\w.]+( ?[/*] ?[\w.]+)? ?:$", text)
             inside = "\n".join(seen.script.block(line)[1:]) if ends is not None else ""
             taken = re.search(rf"^[ \t]*(self\.\w+) ?= ?[\w.()]*{CLOCK}.*$", inside, re.MULTILINE)
@@ -191,20 +189,15 @@ def _passed(condition: str, start: str, block: list[str]) -> bool:
 
 def start_anew_each_tick(seen: Searched) -> Mistake | None:
     """Find a callback that takes the start time anew each time it is called, so that hardly any time passes."""
-    for kind in ("timer", "subscription"):
-        for callback in {name: None for _, name in seen.script.callbacks(kind)}:
-            made = seen.script.definition(callback)
-            block = "\n".join(seen.script.block(made.line)) if made is not None else ""
-            for line, text in seen.script.body(made.line) if made is not None else []:
-                taken = re.match(rf"(self\.\w+) ?= ?[\w.()]*{CLOCK}\S*$", text)
-                since = (
-                    re.search(rf"^[ \t]*(\w+) ?= ?.*{CLOCK}.*- ?{itself(taken[1])}", block, re.MULTILINE)
-                    if taken
-                    else None
-                )
-                if taken and since and _is_compared(since[1], block):
-                    values = {"name": taken[1], "callback": callback}
-                    return mistake("start_anew_each_tick", line=line, **values)
+    for callback in seen.script.functions_called_back("timer", "subscription"):
+        block = "\n".join(seen.script.block(callback.begins))
+        for line, text in seen.script.body(callback.begins):
+            taken = re.match(rf"(self\.\w+) ?= ?[\w.()]*{CLOCK}\S*$", text)
+            if taken is None:
+                continue
+            since = re.search(rf"^[ \t]*(\w+) ?= ?.*{CLOCK}.*- ?{itself(taken[1])}", block, re.MULTILINE)
+            if since and _is_compared(since[1], block):
+                return mistake("start_anew_each_tick", line=line, name=taken[1], callback=callback.name)
     return None
 
 
