@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from statistics import fmean, median
-from typing import Any
+from typing import Any, NamedTuple
 
 from sqlalchemy import ColumnElement, Connection, bindparam, case, func, or_, select, update
 from sqlmodel import Session, col
@@ -72,6 +72,20 @@ class Reconciled:
     announced: int = 0
 
 
+class Finished(NamedTuple):
+    """Whether a result was stored, and what was claimed in the same transaction."""
+
+    stored: bool
+    following: Claim | None = None
+
+
+class _Claimant(NamedTuple):
+    """The worker that wants the next submission, and whether only one whose turn has come, as in `Queue.claim`."""
+
+    worker: str
+    in_turn: bool
+
+
 class Queue:
     """Hands submissions to workers and takes their results; safe to share between threads."""
 
@@ -117,7 +131,7 @@ class Queue:
         `assignment` is kept as it was graded. The row and everything that belongs to the grading change in
         one transaction. May be called again when the connection broke during the commit.
         """
-        return self._finish(claim, result, assignment, None)[0]
+        return self._finish(claim, result, assignment, None).stored
 
     def finish_and_claim(
         self,
@@ -126,14 +140,14 @@ class Queue:
         assignment: Assignment,
         worker: str,
         in_turn: bool = False,
-    ) -> tuple[bool, Claim | None]:
+    ) -> Finished:
         """Do what `finish` does and, in the same transaction, what `claim` does.
 
         So a busy slot takes the next submission without having been told of it; its announcement is taken back.
         When the connection broke during the commit, call it again: it returns what that commit claimed. `worker`
         must then know of no other claim of its own.
         """
-        return self._finish(claim, result, assignment, worker, in_turn)
+        return self._finish(claim, result, assignment, _Claimant(worker, in_turn))
 
     def fail(self, claim: Claim, trouble: str, *, had_run: bool = False) -> SubmissionState | None:
         """End a try that failed on the grader's side: queued again after a pause, or given up.
@@ -313,23 +327,19 @@ class Queue:
         claim: Claim,
         result: GradingResult,
         assignment: Assignment | None,
-        worker: str | None,
-        in_turn: bool = False,
-    ) -> tuple[bool, Claim | None]:
+        claimant: _Claimant | None,
+    ) -> Finished:
         now = self._clock()
         graded = None if assignment is None else self._assignments.of(assignment)
         grading = grading_values(claim, result, now, None if graded is None else graded["sha256"])
         rows = FinishedRows(_outcome(claim, result, grading), grading, detail_values(grading, result), graded)
-        if (
-            self._database.is_sqlite
-            or (finished := self._finish_at_once(claim, rows, worker, in_turn)) is None
-        ):
-            finished = self._finish_by_steps(claim, rows, worker, in_turn)
-        return finished
+        if not self._database.is_sqlite:
+            finished = self._finish_at_once(claim, rows, claimant)
+            if finished.stored:
+                return finished
+        return self._finish_by_steps(claim, rows, claimant)
 
-    def _finish_by_steps(
-        self, claim: Claim, rows: FinishedRows, worker: str | None, in_turn: bool
-    ) -> tuple[bool, Claim | None]:
+    def _finish_by_steps(self, claim: Claim, rows: FinishedRows, claimant: _Claimant | None) -> Finished:
         # A result that a power cut takes away is graded again and comes out the same.
         with self._database.writing(lasting=False) as session:
             connection = session.connection()
@@ -340,42 +350,43 @@ class Queue:
                     add_once(connection, GradedAssignmentRow, **graded)
                 insert_grading(connection, rows.grading, rows.details)
             stored = current or _stored_already(connection, rows.grading)
-            following = None
-            if worker is not None:
-                following = self._claim_next(session, worker, in_turn, again=stored and not current)
+            answer_lost = stored and not current
+            following = None if claimant is None else self._claim_next(session, claimant, answer_lost)
         if current and graded is not None:
             known.add(graded["sha256"])
-        return stored, following
+        return Finished(stored, following)
 
-    def _finish_at_once(
-        self, claim: Claim, rows: FinishedRows, worker: str | None, in_turn: bool
-    ) -> tuple[bool, Claim | None] | None:
-        """Finish by one statement, on PostgreSQL; None: the claim is not valid (any more), nothing was done."""
-        next_claim = None if worker is None else claim_values(worker, self._clock(), self.lease_s, in_turn)
+    def _finish_at_once(self, claim: Claim, rows: FinishedRows, claimant: _Claimant | None) -> Finished:
+        """Finish by one statement, on PostgreSQL. If the claim is not valid (any more), nothing is done."""
+        next_claim = None
+        if claimant is not None:
+            next_claim = claim_values(claimant.worker, self._clock(), self.lease_s, claimant.in_turn)
         with self._database.at_once() as connection:
             known, graded = _stored_assignments(connection), rows.assignment
             if graded is not None and graded["sha256"] in known:
                 rows = replace(rows, assignment=None)
             row = finish_at_once(connection, self._database.announcer, claim, rows, next_claim)
         if row is None:
-            return None
+            return Finished(stored=False)
         if graded is not None:
             known.add(graded["sha256"])
-        if worker is None or row.id is not None:
-            return True, None if worker is None else claim_of(row[:-1], worker)
-        if not in_turn:
-            return True, None
+        if claimant is None:
+            return Finished(stored=True)
+        if row.id is not None:
+            return Finished(stored=True, following=claim_of(row[:-1], claimant.worker))
+        if not claimant.in_turn:
+            return Finished(stored=True)
         with self._database.writing() as session:  # nobody's turn has come, but something may be due
-            return True, self._claim_next(session, worker, in_turn, again=False)
+            return Finished(stored=True, following=self._claim_next(session, claimant))
 
-    def _claim_next(self, session: Session, worker: str, in_turn: bool, *, again: bool) -> Claim | None:
-        """Claim what is due next, in a transaction that has stored a result.
+    def _claim_next(self, session: Session, claimant: _Claimant, answer_lost: bool = False) -> Claim | None:
+        """Claim what is due next.
 
-        `again` says that an earlier commit stored the result and its answer was lost. What that commit
+        `answer_lost` says that an earlier commit stored the result and its answer was lost. What that commit
         claimed counts.
         """
-        connection = session.connection()
-        claimed = resume(connection, worker, self._clock(), self.lease_s) if again else None
+        connection, (worker, in_turn) = session.connection(), claimant
+        claimed = resume(connection, worker, self._clock(), self.lease_s) if answer_lost else None
         if claimed is None:
             claimed = take(connection, worker, self._clock(), self.lease_s, in_turn)
             if claimed is not None:

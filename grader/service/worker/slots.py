@@ -26,7 +26,7 @@ from grader.contracts.telemetry import GradingObserver, Unobserved
 from grader.operation.context import about
 from grader.service.worker.examiner import Uploads
 from grader.store.clock import Clock
-from grader.store.queue import Queue
+from grader.store.queue import Finished, Queue
 from grader.store.work import Doorbell, WorkSource
 from grader.store.workers import Workers
 
@@ -200,7 +200,7 @@ class GradingSlot:
             job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
             self._grader.start()
             result = _checked(self._grader.grade(job, running.set), claim)
-            stored, following = self._store(claim, result, assignment, until_s)
+            finished = self._store(claim, result, assignment, until_s)
         except SandboxUnavailableError as error:
             self._sandbox.failed(error)
             self._parts.queue.hand_back(claim)
@@ -210,10 +210,14 @@ class GradingSlot:
             # never the student's fault: the child is replaced and the submission tried again
             self._fail(claim, error, had_run=running.is_set())
         else:
-            _log.info("%s %s", claim.submission_id, result.report.status if stored else "dropped: fenced off")
-            if stored:
+            _log.info(
+                "%s %s",
+                claim.submission_id,
+                result.report.status if finished.stored else "dropped: fenced off",
+            )
+            if finished.stored:
                 self._report_to_observer(claim, result, time.monotonic() - begun_s)
-            return following
+            return finished.following
         return None
 
     def _report_to_observer(self, claim: Claim, result: GradingResult, grading_s: float) -> None:
@@ -221,30 +225,27 @@ class GradingSlot:
         waited_s = None if since is None else max((now - since).total_seconds(), 0.0)
         self._parts.observer.graded(result.report.status, grading_s, waited_s)
 
-    def _store(
-        self, claim: Claim, result: GradingResult, assignment: Assignment, until_s: float
-    ) -> tuple[bool, Claim | None]:
+    def _store(self, claim: Claim, result: GradingResult, assignment: Assignment, until_s: float) -> Finished:
         """Store `result`; return whether it was taken, and what was claimed next unless the slot should pause."""
         for pause_s in _STORE_PAUSES_S:
             try:
-                return self._stored(claim, result, assignment, until_s)
+                return self._store_once(claim, result, assignment, until_s)
             except InfrastructureError as error:
                 _log.warning("%s: the report could not be stored yet: %s", claim.submission_id, error)
             time.sleep(pause_s)
-        return self._stored(claim, result, assignment, until_s)
+        return self._store_once(claim, result, assignment, until_s)
 
-    def _stored(
+    def _store_once(
         self, claim: Claim, result: GradingResult, assignment: Assignment, until_s: float
-    ) -> tuple[bool, Claim | None]:
+    ) -> Finished:
+        queue = self._parts.queue
         if self._stopping.is_set() or not self._sandbox.state.ready or time.monotonic() >= until_s:
-            return self._parts.queue.finish(claim, result, assignment), None
-        stored, following = self._parts.queue.finish_and_claim(
-            claim, result, assignment, self.name, self._reserved
-        )
-        if following is not None and self._stopping.is_set():  # `stop` was called meanwhile
-            self._parts.queue.hand_back(following)
-            following = None
-        return stored, following
+            return Finished(queue.finish(claim, result, assignment))
+        finished = queue.finish_and_claim(claim, result, assignment, self.name, self._reserved)
+        if finished.following is not None and self._stopping.is_set():  # `stop` was called meanwhile
+            queue.hand_back(finished.following)
+            return Finished(finished.stored)
+        return finished
 
     def _wait_for_room(self, claim: Claim, error: NoRoomError) -> None:
         """Queue a submission again that could not be started for lack of room; this does not count as a try."""
