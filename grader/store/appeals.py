@@ -112,8 +112,7 @@ class Appeals(StorePart):
     def count(self, course: str | None, wanted: AppealsWanted) -> int:
         """Return how many appeals `listed` has in all."""
         statement = _joined(func.count()).where(*_fitting(course, wanted))
-        with self._database.reading() as session:
-            return int(session.execute(statement).scalar_one())
+        return int(self._scalars(statement)[0])
 
     def of_student(self, course: str, student: str) -> tuple[Appeal, ...]:
         """Return what a student asked that is open, or whose answer the student has not seen; oldest first."""

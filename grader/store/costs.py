@@ -31,9 +31,8 @@ class Costs(TimedPart):
         if not everywhere:
             statement = statement.where(col(row.course) == course)
         by_person: dict[tuple[str | None, str], list[Row[Any]]] = defaultdict(list)
-        with self._database.reading() as session:
-            for one in session.execute(statement):
-                by_person[one.course, one.student].append(one)
+        for one in self._rows(statement):
+            by_person[one.course, one.student].append(one)
         costs = (_cost(*person, rows, now) for person, rows in by_person.items())
         return tuple(sorted(costs, key=lambda one: (-one.slot_s, -one.waiting, one.student)))
 

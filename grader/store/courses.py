@@ -68,9 +68,7 @@ class Courses(TimedPart):
 
     def exist(self) -> bool:
         """Whether there is a course at all. Courses are never deleted, so a yes is remembered."""
-        if not self._exist:
-            with self._database.reading() as session:
-                self._exist = session.execute(select(col(CourseRow.id)).limit(1)).first() is not None
+        self._exist = self._exist or self._finds(select(col(CourseRow.id)))
         return self._exist
 
     def create(

@@ -34,7 +34,19 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
-from sqlalchemy import URL, Connection, Dialect, Engine, Insert, bindparam, event, func, make_url, select
+from sqlalchemy import (
+    URL,
+    Connection,
+    Dialect,
+    Engine,
+    Insert,
+    Select,
+    bindparam,
+    event,
+    func,
+    make_url,
+    select,
+)
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.exc import (
     DataError,
@@ -200,6 +212,10 @@ class StorePart:
         """Return the first column of these rows, which may be whole objects."""
         with self._database.reading() as session:
             return session.execute(statement).scalars().all()
+
+    def _finds(self, statement: Select[Any]) -> bool:
+        """Whether a statement would find any row."""
+        return bool(self._rows(statement.limit(1)))
 
 
 def one_at_a_time(session: Session, *what: str | None) -> None:

@@ -67,9 +67,7 @@ class Notices(TimedPart):
     def webhooks(self, course: str) -> dict[Outlet, Webhook]:
         """Return the webhooks of a course by outlet."""
         mine = select(WebhookRow).where(col(WebhookRow.course) == course).order_by(col(WebhookRow.outlet))
-        with self._database.reading() as session:
-            found = [_webhook(row) for row in session.execute(mine).scalars()]
-            return {one.outlet: one for one in found}
+        return {one.outlet: one for one in map(_webhook, self._scalars(mine))}
 
     def wishes(self, course: str) -> MailWishes:
         """Return what a course has e-mailed."""
@@ -138,20 +136,16 @@ class Notices(TimedPart):
 
     def notified_states(self, course: str, outlet: Outlet) -> dict[tuple[str, str], str]:
         """Return the states that notices have been made of, by person and subject."""
-        row = ToldRow
-        mine = col(row.course) == course, col(row.outlet) == outlet.value
-        with self._database.reading() as session:
-            found = session.execute(select(ToldRow).where(*mine)).scalars()
-            return {(one.person, one.about): one.state for one in found}
+        mine = select(ToldRow).where(col(ToldRow.course) == course, col(ToldRow.outlet) == outlet.value)
+        return {(one.person, one.about): one.state for one in self._scalars(mine)}
 
     def made_since(self, course: str, since: datetime) -> dict[tuple[Outlet, NoticeKind, str], datetime]:
         """Return by outlet, kind and person when the latest notice was made, of those made since."""
         row = NoticeRow
         lately = col(row.made_at) > since, col(row.made_at) <= self._clock()
-        mine = select(NoticeRow).where(col(row.course) == course, *lately)
-        with self._database.reading() as session:
-            found = session.execute(mine.order_by(col(row.made_at))).scalars()
-            return {(Outlet(one.outlet), NoticeKind(one.kind), one.person): one.made_at for one in found}
+        mine = select(NoticeRow).where(col(row.course) == course, *lately).order_by(col(row.made_at))
+        found = self._scalars(mine)
+        return {(Outlet(one.outlet), NoticeKind(one.kind), one.person): one.made_at for one in found}
 
     def add(self, course: str, drafts: Iterable[Draft]) -> int:
         """Add what is to be sent, in one transaction; return how many notices that are.
@@ -176,9 +170,8 @@ class Notices(TimedPart):
         """Forget the words of notices that nobody needs any more; return how many these are."""
         row, now = NoticeRow, self._clock()
         late = col(row.sent_at).is_(None), col(row.body) != "", col(row.until) <= now
-        with self._database.reading() as session:
-            if session.execute(select(col(row.id)).where(*late).limit(1)).first() is None:
-                return 0
+        if not self._finds(select(col(row.id)).where(*late)):
+            return 0
         with self._database.writing() as session:
             given_up = update(NoticeRow).where(*late).values(body="").returning(col(row.id))
             return len(session.execute(given_up).all())
@@ -260,9 +253,8 @@ class Notices(TimedPart):
             col(row.finished_at) >= since,
             col(row.finished_at) < until,
         )
-        with self._database.reading() as session:
-            found = session.execute(statement.group_by(col(row.assignment)))
-            return {assignment: (submissions, people) for assignment, submissions, people in found}
+        found = self._rows(statement.group_by(col(row.assignment)))
+        return {assignment: (submissions, people) for assignment, submissions, people in found}
 
     def given_up_since(self, course: str, since: datetime) -> dict[str, tuple[str, int]]:
         """Return by submission its assignment and number of claims, where the service failed to grade it."""

@@ -80,9 +80,8 @@ class Platforms(TimedPart):
             bound = select(col(IdentityRow.id)).where(col(IdentityRow.provider) == provider)
             session.execute(delete(TokenRow).where(col(TokenRow.opened_by).in_(bound)))
             session.execute(delete(IdentityRow).where(col(IdentityRow.provider) == provider))
-            session.execute(delete(PlatformScoreRow).where(col(PlatformScoreRow.platform) == row.id))
-            session.execute(delete(PlatformLinkRow).where(col(PlatformLinkRow.platform) == row.id))
-            session.execute(delete(PlatformPickingRow).where(col(PlatformPickingRow.platform) == row.id))
+            for table in (PlatformScoreRow, PlatformLinkRow, PlatformPickingRow):
+                session.execute(delete(table).where(col(table.platform) == row.id))
             session.delete(row)
             before = {"title": row.title, "issuer": row.issuer, "client_id": row.client_id}
             record(session, signed, "platform.remove", f"platform {row.id}", before=before)
@@ -102,8 +101,7 @@ class Platforms(TimedPart):
 
     def exist(self) -> bool:
         """Return whether any course has a platform."""
-        with self._database.reading() as session:
-            return session.execute(select(col(PlatformRow.id)).limit(1)).first() is not None
+        return self._finds(select(col(PlatformRow.id)))
 
     def get(self, platform_id: str) -> Platform | None:
         """Return a platform."""
@@ -116,9 +114,8 @@ class Platforms(TimedPart):
         row, wanted = PlatformRow, [col(PlatformRow.issuer) == issuer]
         wanted += [col(row.client_id) == client_id] if client_id else []
         wanted += [col(row.deployment) == deployment] if deployment else []
-        with self._database.reading() as session:
-            found = session.execute(select(PlatformRow).where(*wanted).limit(2)).scalars().all()
-            return as_contract(found[0], Platform) if len(found) == 1 else None
+        found = self._scalars(select(PlatformRow).where(*wanted).limit(2))
+        return as_contract(found[0], Platform) if len(found) == 1 else None
 
     def use(self, message: str, expires_at: datetime) -> bool:
         """Note that a message lets somebody in; False: it has done so before."""

@@ -52,9 +52,7 @@ class Scripts(StorePart):
             statement = select(col(SourceRow.sha256), col(SourceRow.content)).where(
                 col(SourceRow.sha256).in_(some)
             )
-            with self._database.reading() as session:
-                found = session.execute(statement).all()
-            yield from ((row[0], row[1]) for row in found)
+            yield from ((row[0], row[1]) for row in self._rows(statement))
 
     def recordings(self, handed_in: Collection[HandedIn]) -> Iterator[tuple[HandedIn, tuple[bytes, ...]]]:
         """Yield what the runs of the gradings that stand recorded, in order of the cases: gzip of JSON."""
@@ -71,9 +69,9 @@ class Scripts(StorePart):
                 .where(or_(*theirs))
                 .order_by(col(row.submission_id), col(row.attempt), col(row.position))
             )
-            with self._database.reading() as session:
-                found = session.execute(statement).all()
-            for grading, runs in groupby(found, lambda found_row: (found_row[0], found_row[1])):
+            for grading, runs in groupby(
+                self._rows(statement), lambda found_row: (found_row[0], found_row[1])
+            ):
                 yield by_grading[grading], tuple(run[2] for run in runs)
 
     def _handed_in(self, which: ColumnElement[bool]) -> tuple[HandedIn, ...]:
