@@ -1,14 +1,16 @@
 """Goals that clients send: each becomes the requests that an action is made of."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import count
-from typing import Any, Final, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from grader.sim.cdr import Values
-from grader.sim.interfaces import Types
 from grader.sim.rosbridge.frames import CancelActionGoal, FrameError, Identity, SendActionGoal
 from grader.sim.rosbridge.values import in_order
+
+if TYPE_CHECKING:
+    from grader.sim.rosbridge.bridge import Bridge
 
 MOST_GOALS: Final = 16
 """Of one client at once."""
@@ -22,36 +24,6 @@ class Reply(NamedTuple):
 
     done: Callable[[Any], None]
     failed: Callable[[str], None]
-
-
-class GoalSender(Protocol):
-    """What goals need of the bridge."""
-
-    def service_type(self, service: str) -> str | None:
-        """Return the type of a service of the graph, None where there is none."""
-
-    def field_types(self) -> Types:
-        """Return the table of types."""
-
-    def call(
-        self,
-        client: int,
-        service: str,
-        values: dict[str, Any],
-        reply: Reply,
-        *,
-        waits: bool,
-    ) -> None:
-        """Send a request. `waits`: for as long as it takes."""
-
-    def send(self, client: int, frame: Mapping[str, Any], identity: Identity) -> None:
-        """Send a frame."""
-
-    def watch(self, topic: str, key: object, watcher: Callable[[Values], None]) -> None:
-        """Pass each message on `topic` to `watcher`."""
-
-    def unwatch(self, topic: str, key: object) -> None:
-        """Remove the watcher of that key."""
 
 
 _NOBODY: Final = Reply(lambda _: None, lambda _: None)
@@ -70,7 +42,7 @@ class _Goal:
 class Goals:
     """The goals under way."""
 
-    def __init__(self, bridge: GoalSender) -> None:
+    def __init__(self, bridge: "Bridge") -> None:
         self._bridge = bridge
         self._numbers = count(1)
         self._under_way: list[_Goal] = []
