@@ -389,7 +389,7 @@ class Bridge:
 
     def _ask_rosapi(self, service: str, frame: CallService) -> dict[str, Any]:
         args = frame.args if isinstance(frame.args, dict) else {}
-        roster = rosapi.KnownGraph(
+        graph = rosapi.KnownGraph(
             topics={**self._graph.topics, **self._relays},
             services=self._services(),
             nodes=(*self._graph.nodes, *rosapi.NODES),
@@ -397,7 +397,7 @@ class Bridge:
             now_ns=self._graph.epoch_ns + self._now_ns,
             node_of=self._node_of,
         )
-        found = rosapi.answer(service.removeprefix(rosapi.PREFIX), args, roster)
+        found = rosapi.answer(service.removeprefix(rosapi.PREFIX), args, graph)
         if found is None:
             raise FrameError(f"Service {service} does not exist")
         return found

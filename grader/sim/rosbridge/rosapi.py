@@ -40,14 +40,17 @@ class KnownGraph:
     node_of: Callable[[str], str]
 
 
-def answer(name: str, args: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any] | None:
+_Service = Callable[[Mapping[str, Any], KnownGraph], dict[str, Any]]
+
+
+def answer(name: str, args: Mapping[str, Any], graph: KnownGraph) -> dict[str, Any] | None:
     """Return the response of the service ``/rosapi/<name>``; None where there is none of that name.
 
     Raises:
         FrameError: the request lacks something, or asks for what does not exist.
     """
     serve = _SERVICES.get(name)
-    return None if serve is None else serve(args, roster)
+    return None if serve is None else serve(args, graph)
 
 
 def types(others: Iterable[str] = ()) -> dict[str, str]:
@@ -66,104 +69,55 @@ def _asked(args: Mapping[str, Any], field: str) -> str:
     return value
 
 
-def _topics(_: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-    return {"topics": list(roster.topics), "types": list(roster.topics.values())}
+def _of_type(known: Mapping[str, str], wanted: str) -> list[str]:
+    return [name for name, kind in known.items() if kind == wanted]
 
 
-def _topics_for_type(args: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-    wanted = full_type(_asked(args, "type"))
-    return {"topics": [name for name, kind in roster.topics.items() if kind == wanted]}
+def _topics(_: Mapping[str, Any], graph: KnownGraph) -> dict[str, Any]:
+    return {"topics": list(graph.topics), "types": list(graph.topics.values())}
 
 
-def _topics_and_raw_types(args: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-    texts = [_definition(kind, roster.types) for kind in roster.topics.values()]
-    return {**_topics(args, roster), "typedefs_full_text": texts}
+def _topics_and_raw_types(args: Mapping[str, Any], graph: KnownGraph) -> dict[str, Any]:
+    texts = [_definition(kind, graph.types) for kind in graph.topics.values()]
+    return {**_topics(args, graph), "typedefs_full_text": texts}
 
 
-def _services(_: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-    return {"services": list(roster.services)}
-
-
-def _services_for_type(args: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-    wanted = full_type(_asked(args, "type"), "srv")
-    return {"services": [name for name, kind in roster.services.items() if kind == wanted]}
-
-
-def _nodes(_: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-    return {"nodes": list(roster.nodes)}
-
-
-def _node_details(args: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
+def _node_details(args: Mapping[str, Any], graph: KnownGraph) -> dict[str, Any]:
     node = _asked(args, "node")
-    topics = [name for name in roster.topics if roster.node_of(name) == node]
+    topics = [name for name in graph.topics if graph.node_of(name) == node]
     return {
         "subscribing": [name for name in topics if name.endswith("/cmd_vel")],
         "publishing": [name for name in topics if not name.endswith("/cmd_vel")],
-        "services": [name for name in roster.services if roster.node_of(name) == node],
+        "services": [name for name in graph.services if graph.node_of(name) == node],
     }
 
 
-def _topic_type(args: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-    return {"type": roster.topics.get(_asked(args, "topic"), "")}
-
-
-def _service_type(args: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-    return {"type": roster.services.get(_asked(args, "service"), "")}
-
-
-def _service_node(args: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
+def _service_node(args: Mapping[str, Any], graph: KnownGraph) -> dict[str, Any]:
     service = _asked(args, "service")
-    return {"node": roster.node_of(service) if service in roster.services else ""}
+    return {"node": graph.node_of(service) if service in graph.services else ""}
 
 
-def _service_providers(args: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
+def _service_providers(args: Mapping[str, Any], graph: KnownGraph) -> dict[str, Any]:
     service = _asked(args, "service")
-    return {"providers": [roster.node_of(service)] if service in roster.services else []}
+    return {"providers": [graph.node_of(service)] if service in graph.services else []}
 
 
-def _publishers(args: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
+def _publishers(args: Mapping[str, Any], graph: KnownGraph) -> dict[str, Any]:
     topic = _asked(args, "topic")
-    told = topic in roster.topics and not topic.endswith("/cmd_vel")
-    return {"publishers": [roster.node_of(topic)] if told else []}
+    told = topic in graph.topics and not topic.endswith("/cmd_vel")
+    return {"publishers": [graph.node_of(topic)] if told else []}
 
 
-def _subscribers(args: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
+def _subscribers(args: Mapping[str, Any], graph: KnownGraph) -> dict[str, Any]:
     topic = _asked(args, "topic")
-    told = topic in roster.topics and topic.endswith("/cmd_vel")
-    return {"subscribers": [roster.node_of(topic)] if told else []}
+    told = topic in graph.topics and topic.endswith("/cmd_vel")
+    return {"subscribers": [graph.node_of(topic)] if told else []}
 
 
-def _action_servers(_: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-    return {"action_servers": [name.removesuffix(_GOAL) for name in roster.services if name.endswith(_GOAL)]}
-
-
-def _action_type(args: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-    kind = roster.services.get(f"{_asked(args, 'action')}{_GOAL}", "")
-    return {"type": kind.removesuffix("_SendGoal")}
-
-
-def _interfaces(_: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-    known = {_PARTS.sub("", name) for name in roster.types.fields}
-    return {"interfaces": sorted(known)}
-
-
-def _get_time(_: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-    return {"time": stamp(roster.now_ns)}
-
-
-def _get_ros_version(_: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-    return {"version": 2, "distro": "humble"}
-
-
-def _message_details(args: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-    return {"typedefs": _typedefs(full_type(_asked(args, "type")), roster.types)}
-
-
-def _details_of(part: str, kind: str) -> Callable[[Mapping[str, Any], KnownGraph], dict[str, Any]]:
-    def serve(args: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-        return {"typedefs": _typedefs(f"{full_type(_asked(args, 'type'), kind)}_{part}", roster.types)}
-
-    return serve
+def _details_of(part: str, kind: str) -> _Service:
+    return lambda args, graph: {
+        "typedefs": _typedefs(f"{full_type(_asked(args, 'type'), kind)}_{part}", graph.types)
+    }
 
 
 def _typedefs(name: str, types: Types) -> list[dict[str, Any]]:
@@ -215,29 +169,41 @@ def _definition(kind: str, types: Types) -> str:
     return "".join(f"{text} {field}\n" for field, text in types.fields.get(kind, ()))
 
 
-_SERVICES: Final[dict[str, Callable[[Mapping[str, Any], KnownGraph], dict[str, Any]]]] = {
+_SERVICES: Final[dict[str, _Service]] = {
     "topics": _topics,
-    "topics_for_type": _topics_for_type,
+    "topics_for_type": lambda args, graph: {
+        "topics": _of_type(graph.topics, full_type(_asked(args, "type")))
+    },
     "topics_and_raw_types": _topics_and_raw_types,
-    "topic_type": _topic_type,
+    "topic_type": lambda args, graph: {"type": graph.topics.get(_asked(args, "topic"), "")},
     "publishers": _publishers,
     "subscribers": _subscribers,
-    "services": _services,
-    "services_for_type": _services_for_type,
-    "service_type": _service_type,
+    "services": lambda _, graph: {"services": list(graph.services)},
+    "services_for_type": lambda args, graph: {
+        "services": _of_type(graph.services, full_type(_asked(args, "type"), "srv"))
+    },
+    "service_type": lambda args, graph: {"type": graph.services.get(_asked(args, "service"), "")},
     "service_node": _service_node,
     "service_providers": _service_providers,
-    "nodes": _nodes,
+    "nodes": lambda _, graph: {"nodes": list(graph.nodes)},
     "node_details": _node_details,
-    "action_servers": _action_servers,
-    "action_type": _action_type,
-    "interfaces": _interfaces,
-    "message_details": _message_details,
+    "action_servers": lambda _, graph: {
+        "action_servers": [name.removesuffix(_GOAL) for name in graph.services if name.endswith(_GOAL)]
+    },
+    "action_type": lambda args, graph: {
+        "type": graph.services.get(f"{_asked(args, 'action')}{_GOAL}", "").removesuffix("_SendGoal")
+    },
+    "interfaces": lambda _, graph: {
+        "interfaces": sorted({_PARTS.sub("", name) for name in graph.types.fields})
+    },
+    "message_details": lambda args, graph: {
+        "typedefs": _typedefs(full_type(_asked(args, "type")), graph.types)
+    },
     "service_request_details": _details_of("Request", "srv"),
     "service_response_details": _details_of("Response", "srv"),
     "action_goal_details": _details_of("Goal", "action"),
     "action_result_details": _details_of("Result", "action"),
     "action_feedback_details": _details_of("Feedback", "action"),
-    "get_time": _get_time,
-    "get_ros_version": _get_ros_version,
+    "get_time": lambda _, graph: {"time": stamp(graph.now_ns)},
+    "get_ros_version": lambda *_: {"version": 2, "distro": "humble"},
 }
