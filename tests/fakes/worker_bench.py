@@ -2,7 +2,7 @@
 
 from grader.contracts.grading import GradingJob, GradingResult, SandboxState
 from grader.contracts.submission import Claim, NewSubmission, Submission
-from grader.service.worker import GradingSlot, SandboxHealth, WorkerParts
+from grader.service.worker import SandboxHealth, WorkerParts, WorkerSlot
 from grader.store.database import Database
 from grader.store.queue import Queue, Retries
 from grader.store.submissions import Submissions
@@ -36,10 +36,10 @@ class Bench:
             clock=self.clock,
         )
 
-    def slot(self) -> GradingSlot:
+    def slot(self) -> WorkerSlot:
         sandbox = SandboxHealth(lambda: self.probed[-1])
         sandbox.try_out()
-        return GradingSlot("w/0", self.parts, sandbox)
+        return WorkerSlot("w/0", self.parts, sandbox)
 
     def upload(
         self,

@@ -7,7 +7,7 @@ claims end with their leases.
 """
 
 from grader.service.worker.examiner import Uploads
-from grader.service.worker.slots import GradingSlot, SandboxHealth, WorkerParts
+from grader.service.worker.slots import SandboxHealth, WorkerParts, WorkerSlot
 from grader.service.worker.worker import Worker, WorkerConfig
 
-__all__ = ["GradingSlot", "SandboxHealth", "Uploads", "Worker", "WorkerConfig", "WorkerParts"]
+__all__ = ["SandboxHealth", "Uploads", "Worker", "WorkerConfig", "WorkerParts", "WorkerSlot"]

@@ -17,7 +17,7 @@ from collections.abc import Sequence, Set
 from datetime import datetime
 
 from grader.contracts.submission import Claim, WorkerState
-from grader.service.worker.slots import GradingSlot, SandboxHealth, WorkerParts
+from grader.service.worker.slots import SandboxHealth, WorkerParts, WorkerSlot
 
 _log = logging.getLogger(__name__)
 _LOOK_S = 0.5  # between looks whether a kept slot should give way
@@ -30,7 +30,7 @@ class Heart:
     def __init__(
         self,
         worker_id: str,
-        slots: Sequence[GradingSlot],
+        slots: Sequence[WorkerSlot],
         parts: WorkerParts,
         sandbox: SandboxHealth,
         heartbeat_s: float,

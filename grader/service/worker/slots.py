@@ -1,4 +1,4 @@
-"""One slot of a worker: claims a submission, has it graded in a child process, stores the report.
+"""One slot of a worker: a thread that claims a submission, has it graded in a child process, stores the report.
 
 `WorkerParts` and `SandboxHealth` are what all slots of a worker and its heart share.
 """
@@ -90,7 +90,7 @@ class SandboxHealth:
         self.state = SandboxState(ready=False, isolation=self.state.isolation, detail=str(error))
 
 
-class GradingSlot:
+class WorkerSlot:
     """One grading at a time. Only `claim`, `stop`, `abort` and `abandon` may be used from other threads.
 
     Attributes:

@@ -15,7 +15,7 @@ from grader.contracts.errors import InfrastructureError
 from grader.operation.context import bound
 from grader.service.worker.examiner import Examiner
 from grader.service.worker.heart import Heart
-from grader.service.worker.slots import GradingSlot, SandboxHealth, WorkerParts
+from grader.service.worker.slots import SandboxHealth, WorkerParts, WorkerSlot
 from grader.store.work import PolledWork
 
 _log = logging.getLogger(__name__)
@@ -43,7 +43,7 @@ class Worker:
         # One slot is kept for those whose turn it is; not with permits, where a slot must use the permit it got.
         keeps_one = config.slots > 1 and parts.work is None
         self._slots = [
-            GradingSlot(f"{self.id}/{number}", parts, self._sandbox, reserved=number == 0 and keeps_one)
+            WorkerSlot(f"{self.id}/{number}", parts, self._sandbox, reserved=number == 0 and keeps_one)
             for number in range(config.slots)
         ]
         self._work = parts.work or PolledWork(parts.doorbell, config.poll_s)
@@ -83,7 +83,7 @@ class Worker:
         self._join(_ABORT_S)
         self._work.close()
 
-    def _work_on(self, slot: GradingSlot) -> None:
+    def _work_on(self, slot: WorkerSlot) -> None:
         slot.warm_up()
         self._work.serve(slot.step)
         slot.close()

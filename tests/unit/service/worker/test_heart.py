@@ -11,7 +11,7 @@ from grader.contracts.grading import SandboxState
 from grader.contracts.submission import SubmissionState
 from grader.service.worker import SandboxHealth
 from grader.service.worker.heart import Heart
-from grader.service.worker.slots import GradingSlot
+from grader.service.worker.slots import WorkerSlot
 from tests.fakes.waiting import PATIENCE_S
 from tests.fakes.worker_bench import READY, Bench
 
@@ -26,7 +26,7 @@ def bench(database_url: str) -> Iterator[Bench]:
     made.database.close()
 
 
-def heart(bench: Bench, slot: GradingSlot | None = None) -> Heart:
+def heart(bench: Bench, slot: WorkerSlot | None = None) -> Heart:
     """A heart that only beats when the test says so."""
     sandbox = SandboxHealth(lambda: bench.probed[-1])
     return Heart("w", [slot or bench.slot()], bench.parts, sandbox, heartbeat_s=BEAT_S)
@@ -89,7 +89,7 @@ def test_giving_a_submission_up_is_an_alarm_in_the_log(
 class Grading:
     """A slot that grades in a thread of its own until the test lets it."""
 
-    def __init__(self, bench: Bench, slot: GradingSlot | None = None) -> None:
+    def __init__(self, bench: Bench, slot: WorkerSlot | None = None) -> None:
         bench.grader.hold()
         self.slot = slot or bench.slot()
         self._thread = threading.Thread(target=self.slot.step)
@@ -133,7 +133,7 @@ def test_a_claim_that_was_lost_is_not_taken_for_the_next_of_the_same_submission(
 
 def test_what_takes_long_frees_the_slot_that_is_kept_once_somebody_waits(bench: Bench) -> None:
     long = bench.upload()
-    kept = GradingSlot("w/0", bench.parts, SandboxHealth(lambda: READY), reserved=True)
+    kept = WorkerSlot("w/0", bench.parts, SandboxHealth(lambda: READY), reserved=True)
     kept._sandbox.try_out()
     grading, made = Grading(bench, kept), heart(bench, kept)
     live(bench, made, beats=11)
@@ -162,7 +162,7 @@ def test_what_takes_no_longer_than_others_lately_goes_on_in_the_slot_that_is_kep
         bench.clock.advance(beats * BEAT_S)
         assert bench.queue.finish(earlier, bench.result(earlier))
     bench.upload()
-    kept = GradingSlot("w/0", bench.parts, SandboxHealth(lambda: READY), reserved=True)
+    kept = WorkerSlot("w/0", bench.parts, SandboxHealth(lambda: READY), reserved=True)
     kept._sandbox.try_out()
     grading, made = Grading(bench, kept), heart(bench, kept)
     bench.upload(student="other")
@@ -175,7 +175,7 @@ def test_what_takes_no_longer_than_others_lately_goes_on_in_the_slot_that_is_kep
 
 def test_a_first_try_may_take_four_seconds_in_the_slot_that_is_kept(bench: Bench) -> None:
     bench.upload()
-    kept = GradingSlot("w/0", bench.parts, SandboxHealth(lambda: READY), reserved=True)
+    kept = WorkerSlot("w/0", bench.parts, SandboxHealth(lambda: READY), reserved=True)
     kept._sandbox.try_out()
     grading, made = Grading(bench, kept), heart(bench, kept)
     bench.upload(student="other")
@@ -192,7 +192,7 @@ def test_a_slot_is_asked_to_give_way_between_two_beats(bench: Bench, monkeypatch
     monkeypatch.setattr("grader.service.worker.heart._LOOK_S", 0.01)
     asked = threading.Semaphore(0)
 
-    class Asked(GradingSlot):
+    class Asked(WorkerSlot):
         def give_way(self) -> None:
             asked.release()
 
