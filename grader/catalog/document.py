@@ -30,6 +30,8 @@ _NOT_UTF8 = Text(zh="不是 UTF-8 编码：请另存为 UTF-8", en="this is not 
 _NO_FIELDS = Text(
     zh="最外层要写字段，例如 id: square", en="expected fields such as `id: square` at the top; add them"
 )
+_SENT_AS: Mapping[str, str] = {"publish": "", "read": "", "call": "_Request", "goal": "_Goal"}
+"""By tool: the suffix of the structure that it sends or reads, after the name of the type."""
 
 
 class _StrictLoader(_Loader):  # type: ignore[misc]
@@ -57,10 +59,6 @@ class _StrictLoader(_Loader):  # type: ignore[misc]
             return super().construct_object(node, deep=deep)
         except (ValueError, LookupError, AttributeError) as error:  # the 30th of February, `!!bool maybe`
             raise yaml.constructor.ConstructorError(None, None, str(error), node.start_mark) from error
-
-
-_SENT_AS: Mapping[str, str] = {"publish": "", "read": "", "call": "_Request", "goal": "_Goal"}
-"""By tool: the suffix of the structure that it sends or reads, after the name of the type."""
 
 
 @dataclass(frozen=True, slots=True)

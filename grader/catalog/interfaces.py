@@ -42,6 +42,10 @@ _OF_ROS: Final = Text(
     zh="这个包是 ROS 自带的，不能改：换一个包名",
     en="this package is one of ROS's own and stays as it is; choose another name",
 )
+Fields = Mapping[str, str]
+"""The fields of a structure: name -> type."""
+_Found = Mapping[str, tuple[Path, InterfaceDefinition]]
+_Misfit = tuple[str, Text]  # the field it is about, and what is wrong
 
 
 def read_interfaces(folder: Path) -> tuple[InterfaceDefinition, ...]:
@@ -91,10 +95,6 @@ def _definition(path: Path, root: Path) -> InterfaceDefinition:
     return InterfaceDefinition(name=f"{package}/{kind}/{path.stem}", lines=lines)
 
 
-Fields = Mapping[str, str]
-"""The fields of a structure: name -> type."""
-
-
 @cache
 def standard_types() -> Mapping[str, Fields]:
     """Return the structures of ROS's own interfaces by their full names."""
@@ -117,9 +117,6 @@ def _structures(entry: str) -> Iterator[tuple[str, Fields]]:
         yield f"{namespace}/{name}", {field[0]: field[1] for field in fields}
 
 
-_Found = Mapping[str, tuple[Path, InterfaceDefinition]]
-
-
 def _misfits(found: _Found) -> Iterator[tuple[str, Text]]:
     """Yield what is wrong with the interfaces as a whole: unknown types, recursion, size."""
     known = {**standard_types(), **types_of(definition for _, definition in found.values())}
@@ -136,9 +133,6 @@ def _line(path: Path, field: str) -> int:
     wanted = re.compile(rf"\s*\S+\s+{field}\b")
     lines = path.read_text("utf-8").splitlines()
     return next((number for number, line in enumerate(lines, 1) if wanted.match(line)), 1)
-
-
-_Misfit = tuple[str, Text]  # the field it is about, and what is wrong
 
 
 def _unknown(fields: Fields, known: Mapping[str, object]) -> _Misfit | None:

@@ -91,6 +91,14 @@ from grader.contracts.text import Text
 Id = Annotated[str, Field(pattern=ID_PATTERN)]
 Topic = Annotated[str, Field(pattern=f"^{TOPIC_PATTERN}$")]
 Interface = Annotated[str, Field(pattern=INTERFACE_PATTERN)]
+MAX_HORIZON_S = 600.0
+_MOST = 1_000_000_000  # of a whole number: what a column of every database holds
+AnyHeading = Annotated[float, Field(ge=-360.0, le=360.0)]
+FIELD_M = 11.0
+FREE_M = 0.5  # a drawn start is at least that far from every goal and from what is to be avoided
+TRIES = 200
+ModelFile = Annotated[str, Field(pattern=r"^([A-Za-z0-9_][A-Za-z0-9_/.-]{0,99}|[*])?$")]
+Degrees = Annotated[float, Field(ge=-3600.0, le=3600.0)]
 
 
 def _one_value(value: object) -> object:
@@ -99,10 +107,6 @@ def _one_value(value: object) -> object:
 
 
 Options = dict[str, Annotated[StrictBool | StrictInt | StrictFloat | StrictStr, BeforeValidator(_one_value)]]
-MAX_HORIZON_S = 600.0
-
-
-_MOST = 1_000_000_000  # of a whole number: what a column of every database holds
 
 
 class TextModel(SpecModel):
@@ -153,12 +157,6 @@ class ItemModel(SpecModel):
         return ItemSpec(**{**dict(self), "title": self.title.to_contract()})
 
 
-AnyHeading = Annotated[float, Field(ge=-360.0, le=360.0)]
-FIELD_M = 11.0
-FREE_M = 0.5  # a drawn start is at least that far from every goal and from what is to be avoided
-TRIES = 200
-
-
 class StartModel(SpecModel):
     """Start pose; turtlesim's field is 11.09 m wide and high, its origin bottom left. Seeds draw from pairs."""
 
@@ -195,9 +193,6 @@ class StartModel(SpecModel):
             if not self.is_drawn or all(outside_m(each, x_m, y_m) >= FREE_M for each in taken):
                 return pose
         raise MisfitError(NO_FREE_PLACE)
-
-
-ModelFile = Annotated[str, Field(pattern=r"^([A-Za-z0-9_][A-Za-z0-9_/.-]{0,99}|[*])?$")]
 
 
 class WatchModel(SpecModel):
@@ -276,9 +271,6 @@ class LimitsModel(SpecModel):
         """Return the contract."""
         same = self.model_dump(exclude={"memory_mib", "output_kib"})
         return Limits(**same, memory_bytes=self.memory_mib * MIB, output_bytes=self.output_kib * 1024)
-
-
-Degrees = Annotated[float, Field(ge=-3600.0, le=3600.0)]
 
 
 class RegionModel(SpecModel):

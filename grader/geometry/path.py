@@ -34,6 +34,29 @@ OVERSHOOT_SHARE = 0.5  # of a straight: who backs up along it for less had gone 
 SETTLING_SHARE = 0.01
 
 MIN_REVERSAL_M = 0.01  # of a path that hardly moved; halved, the noise of a car at rest adds up to a distance
+FULL_TURN_RAD = 2.0 * math.pi
+WILD_RAD = 2.0 * FULL_TURN_RAD  # nobody means a corner this wide: what it leaves of a turn is chance
+HEADING_TOLERANCE_RAD = math.radians(10.0)  # doubled, it swallows the corners of a dodecagon
+DISTANCE_TOLERANCE_SHARE = 0.02  # of the extent; doubled, weaving is taken for corners
+WOBBLE_RAD = math.radians(12.0)  # to either side: a swing of 10° with some noise is still straight
+
+# Half of a dodecagon's corner. A smaller change of direction, or one in an arc of a radius of more than this share
+# of the extent, is a straight that bends. A circle has a radius of 0.35 of its extent.
+MIN_TURN_RAD, ARC_SHARE = math.radians(15.0), 0.75
+
+# Of the extent: shorter straight bits belong to the corner around them. Halved, a step after the figure counts
+# as a side; doubled, a weaving side falls apart.
+MIN_STRAIGHT_SHARE = 0.06
+
+# Of the extent: how wide the strip may be in which a car that steers to and fro drives straight, and how long it
+# must be. Who steers in steps of 0.1 s at 0.5 m/s and 3 rad/s swings by 17 degrees, and is 1 cm off its line.
+STRIP_SHARE, MIN_STRIP_SHARE = 0.015, 0.12
+
+MIN_SWINGS = 4  # an S has two
+MOST_ASIDE_RAD = math.radians(60.0)
+MIN_EXTENT_M = 0.02  # keeps the tolerances of a car that turned on the spot from shrinking to its noise
+MAX_VERTICES = 1000  # bounds the work for a path that never goes straight; a dodecagon needs 25
+STILL_RAD, STILL_M = 1e-3, 1e-3  # less than this is rest, not motion
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -171,36 +194,9 @@ def _unfold(signed_m: Floats, heading_rad: Floats, turning: list[int]) -> tuple[
     return along_m, travel_rad
 
 
-FULL_TURN_RAD = 2.0 * math.pi
-WILD_RAD = 2.0 * FULL_TURN_RAD  # nobody means a corner this wide: what it leaves of a turn is chance
-
-
 def bare(corner_rad: float) -> float:
     """Return a corner less the whole turn in it; a wild one is no corner and stays as it is."""
     return math.remainder(corner_rad, FULL_TURN_RAD) if abs(corner_rad) < WILD_RAD else corner_rad
-
-
-HEADING_TOLERANCE_RAD = math.radians(10.0)  # doubled, it swallows the corners of a dodecagon
-DISTANCE_TOLERANCE_SHARE = 0.02  # of the extent; doubled, weaving is taken for corners
-WOBBLE_RAD = math.radians(12.0)  # to either side: a swing of 10° with some noise is still straight
-
-# Half of a dodecagon's corner. A smaller change of direction, or one in an arc of a radius of more than this share
-# of the extent, is a straight that bends. A circle has a radius of 0.35 of its extent.
-MIN_TURN_RAD, ARC_SHARE = math.radians(15.0), 0.75
-
-# Of the extent: shorter straight bits belong to the corner around them. Halved, a step after the figure counts
-# as a side; doubled, a weaving side falls apart.
-MIN_STRAIGHT_SHARE = 0.06
-
-# Of the extent: how wide the strip may be in which a car that steers to and fro drives straight, and how long it
-# must be. Who steers in steps of 0.1 s at 0.5 m/s and 3 rad/s swings by 17 degrees, and is 1 cm off its line.
-STRIP_SHARE, MIN_STRIP_SHARE = 0.015, 0.12
-MIN_SWINGS = 4  # an S has two
-MOST_ASIDE_RAD = math.radians(60.0)
-
-MIN_EXTENT_M = 0.02  # keeps the tolerances of a car that turned on the spot from shrinking to its noise
-MAX_VERTICES = 1000  # bounds the work for a path that never goes straight; a dodecagon needs 25
-STILL_RAD, STILL_M = 1e-3, 1e-3  # less than this is rest, not motion
 
 
 class Straight(PositionalRecord):

@@ -29,6 +29,8 @@ _IN_TEMPLATE: Final = re.compile(r"""["']([a-z0-9_.]+)["']""")
 _SAY_CALL: Final = re.compile(r"""\bsay\(\s*["']([a-z0-9_.]+)["']\s*[,)]""")
 _JOINED: Final = re.compile(r"""["']([a-z0-9_.]+\.)["'] ~""")
 _CHINESE: Final = re.compile("[\u3000-\u303f\u4e00-\u9fff\uff00-\uffef]")
+_QUOTES_CHINESE: Final = frozenset({"page.language.name"})
+_WRITTEN: Final = (ast.Constant, ast.JoinedStr)
 
 
 def fields(text: str) -> frozenset[str]:
@@ -65,9 +67,6 @@ def _compared(key: str, said: Mapping[str, str]) -> Iterator[str]:
         yield f"{key} has other fields in one language: {listed}"
     if _CHINESE.search(said["en"]) and key not in _QUOTES_CHINESE:
         yield f"en: {key} has Chinese characters"
-
-
-_QUOTES_CHINESE: Final = frozenset({"page.language.name"})
 
 
 def uses() -> Iterator[str]:
@@ -163,9 +162,6 @@ def pairs() -> Iterator[str]:
                 said = [_values(one.value) for one in node.keywords if isinstance(one.value, _WRITTEN)]
                 if len(said) == len(LANGUAGES) and said[0] != said[1]:
                     yield f"{path.relative_to(_ROOT)}:{node.lineno}: the languages name other values"
-
-
-_WRITTEN: Final = (ast.Constant, ast.JoinedStr)
 
 
 def _values(node: ast.expr) -> frozenset[str]:

@@ -19,6 +19,25 @@ _PRIVATE_OF_NODE: Final = (
     r"_(publishers|subscriptions|timers|clients|services|guards|waitables|parameters|descriptors|clock|logger|"
     r"default_callback_group|rate_group|context|time_source|parameter_overrides)"
 )
+_CALLBACKS: Final = {
+    "timer": ("timer_callback", "self"),
+    "subscription": ("subscription_callback", "self, msg"),
+    "service": ("service_callback", "self, request, response"),
+}
+_ENDPOINTS: Final = {
+    "publisher": "self.create_publisher(Twist, '/turtle1/cmd_vel', 10)",
+    "subscription": "self.create_subscription(Pose, '/turtle1/pose', self.callback, 10)",
+}
+_NEAR: Final = 0.75
+_MOST: Final = 50  # names that are compared, which takes the square of their lengths
+_KNOWN_ROOT: Final = re.compile(
+    r"rcl|ros|geometry|turtle|std|sensor|nav|tf|launch|ament|_|(\w+_)?(msgs?|srvs?)$", re.I
+)
+_Look = Callable[[StudentError, str, ScriptText], Closer]
+_GENERAL: Final = frozenset(
+    ("crashed", "unknown_attribute", "not_callable", "not_iterable", "function_not_called", "still_none")
+)
+"""Codes of exceptions that say little by themselves, as those that rise inside of Node do."""
 
 
 def missing_global(error: StudentError, written: str, script: ScriptText) -> Closer:
@@ -100,13 +119,6 @@ def _plain_callback(name: str, begins: int, written: str, script: ScriptText) ->
         if any(callback.name == name for callback in script.callbacks(kind)) and f"{name}(" not in written:
             return None if given == right else (code, {"begins": begins, "written": f"def {name}({right}):"})
     return None
-
-
-_CALLBACKS: Final = {
-    "timer": ("timer_callback", "self"),
-    "subscription": ("subscription_callback", "self, msg"),
-    "service": ("service_callback", "self, request, response"),
-}
 
 
 def _names(line: str) -> list[str]:
@@ -422,12 +434,6 @@ def endpoint_arguments(error: StudentError, written: str, script: ScriptText) ->
     return "endpoint_arguments", {"kind": f"create_{found[1]}", "example": _ENDPOINTS[found[1]]}
 
 
-_ENDPOINTS: Final = {
-    "publisher": "self.create_publisher(Twist, '/turtle1/cmd_vel', 10)",
-    "subscription": "self.create_subscription(Pose, '/turtle1/pose', self.callback, 10)",
-}
-
-
 def message_replaced(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Find the new message that has taken the name of the one that a callback received, or keeps."""
     field = re.search(r"has no attribute '(\w+)'", error.message)
@@ -504,20 +510,12 @@ def declared_name(error: StudentError, written: str, script: ScriptText) -> Clos
     return ("misspelt", {"suggestion": near[0]}) if near else None
 
 
-_NEAR: Final = 0.75
-_MOST: Final = 50  # names that are compared, which takes the square of their lengths
-
-
 def own_module(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Recognise an unknown module, which is most likely another file of the student's."""
     found = re.match(r"No module named '(\w+)'", error.message)
     return ("own_module", {"name": found[1]}) if found and not _KNOWN_ROOT.match(found[1]) else None
 
 
-_KNOWN_ROOT: Final = re.compile(
-    r"rcl|ros|geometry|turtle|std|sensor|nav|tf|launch|ament|_|(\w+_)?(msgs?|srvs?)$", re.I
-)
-_Look = Callable[[StudentError, str, ScriptText], Closer]
 _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "assigned_later": (missing_global,),
     "bad_name": (backslash,),
@@ -553,11 +551,6 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "wrong_parameters": (main_needs_args, signature),
 }
 """By the code that an exception has without the script's text: what to look for, in this order."""
-
-_GENERAL: Final = frozenset(
-    ("crashed", "unknown_attribute", "not_callable", "not_iterable", "function_not_called", "still_none")
-)
-"""Codes of exceptions that say little by themselves, as those that rise inside of Node do."""
 
 
 def looked_closer(code: str, error: StudentError, written: str, script: ScriptText) -> Closer:

@@ -28,6 +28,18 @@ _KNOWN = {
     "(?P<signal>SIG\\w+) with all memory in use": "memory",
     "the host ran out of memory, and this script had its fill": "host_memory",
 }
+_CLAUSE = re.compile(r"(?P<thread>[^:;]*?)(?:, line (?P<line>\d+))?: (?P<reason>.*)", re.DOTALL)
+_REASONS = {
+    r"rate\.sleep\(\) waits for a timer of its node.*": "rate",
+    r"(?P<call>.+?) waits for an answer, but no executor.*": "answer",
+    r"spin_once\(\) waits for .*": "spin_once",
+    r"wait_for_message\(\) waits for a message on (?P<topic>.+)": "message",
+    r"the end of the program waits for the other threads": "threads",
+    r"(?P<call>\S+) waits for ever": "call",
+}
+_MAIN = "main thread"
+_MAIN_THREAD = Text(zh="主线程", en=_MAIN)
+_SEPARATOR = Text(zh="；", en="; ")
 
 
 def explained(status: RunStatus, detail: str) -> Text:
@@ -52,20 +64,6 @@ def _size(count_bytes: int) -> str:
         if count_bytes % unit == 0:
             return f"{count_bytes // unit} {name}"
     return f"{count_bytes} B"
-
-
-_CLAUSE = re.compile(r"(?P<thread>[^:;]*?)(?:, line (?P<line>\d+))?: (?P<reason>.*)", re.DOTALL)
-_REASONS = {
-    r"rate\.sleep\(\) waits for a timer of its node.*": "rate",
-    r"(?P<call>.+?) waits for an answer, but no executor.*": "answer",
-    r"spin_once\(\) waits for .*": "spin_once",
-    r"wait_for_message\(\) waits for a message on (?P<topic>.+)": "message",
-    r"the end of the program waits for the other threads": "threads",
-    r"(?P<call>\S+) waits for ever": "call",
-}
-_MAIN = "main thread"
-_MAIN_THREAD = Text(zh="主线程", en=_MAIN)
-_SEPARATOR = Text(zh="；", en="; ")
 
 
 def stall(detail: str) -> Text:

@@ -356,6 +356,18 @@ each when it is first tried: all of them take 15 ms, and most scripts raise noth
 _LONGEST: Final = 200
 _MODULE_PATH: Final = re.compile(r" \(/\S+\)$")
 _WITHOUT_WORDS: Final = Text(zh="没有更多说明", en="without a word")
+_STATEMENTS: Final = (
+    "break", "class", "continue", "def", "elif", "else", "except", "finally", "for", "from", "global", "if",
+    "import", "pass", "raise", "return", "try", "while", "with",
+)  # fmt: skip
+_PROSE: Final = re.compile(
+    r"(?=(?:[^\u4e00-\u9fff]*[\u4e00-\u9fff]){4})[\w\u3000-\u303f（），！：；？ /.+-]+"
+)
+"""A line of words and their punctuation, without the quotes and signs of code, wide ones such as ＝ included."""
+_SIGNS_OF_MATHS: Final = {"×": "*", "÷": "/", "≤": "<=", "≥": ">=", "≠": "!=", "°": "math.radians(90)"}
+_OF_TYPE: Final = {"bool": "True", "int": "int(x)", "str": "str(x)"}
+_CALLS_OF_MODULES: Final = {"time": "time.time()", "random": "random.random()", "math": "math.sqrt(x)"}
+_MOST_LINES: Final = 4
 
 
 def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT) -> tuple[str, Text]:
@@ -388,12 +400,6 @@ def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT)
     )
 
 
-_STATEMENTS: Final = (
-    "break", "class", "continue", "def", "elif", "else", "except", "finally", "for", "from", "global", "if",
-    "import", "pass", "raise", "return", "try", "while", "with",
-)  # fmt: skip
-
-
 def _statement(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at a line that Python does not take: its first word may be a misspelt one of Python's."""
     if (above := _without_comma(error, script)) is not None:
@@ -424,12 +430,6 @@ def _pasted(error: StudentError, script: ScriptText) -> Closer:
     if fences:
         return "pasted_mark", {"line": fences[0]}
     return ("prose", {}) if _PROSE.fullmatch(script_line(error)) else None
-
-
-_PROSE: Final = re.compile(
-    r"(?=(?:[^\u4e00-\u9fff]*[\u4e00-\u9fff]){4})[\w\u3000-\u303f（），！：；？ /.+-]+"
-)
-"""A line of words and their punctuation, without the quotes and signs of code, wide ones such as ＝ included."""
 
 
 def _float(error: StudentError, script: ScriptText) -> Closer:
@@ -467,11 +467,6 @@ def _text(error: StudentError, script: ScriptText) -> Closer:
     if not lines and "multiply sequence" in error.message and not script.lines_with(r"\binput\(|\bargv\b"):
         return "sequence_times_number", {}
     return ("parameter_text", {"line": lines[0]}) if lines else None
-
-
-_SIGNS_OF_MATHS: Final = {"×": "*", "÷": "/", "≤": "<=", "≥": ">=", "≠": "!=", "°": "math.radians(90)"}
-_OF_TYPE: Final = {"bool": "True", "int": "int(x)", "str": "str(x)"}
-_CALLS_OF_MODULES: Final = {"time": "time.time()", "random": "random.random()", "math": "math.sqrt(x)"}
 
 
 def _sign(error: StudentError, script: ScriptText) -> Closer:
@@ -646,7 +641,6 @@ def _where(lines: list[int]) -> Text | str:
     return say("detail.in_lines", lines=numbers)
 
 
-_MOST_LINES: Final = 4
 _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
     "assigned_later": _later,
     "foreign_character": _pasted,

@@ -89,14 +89,6 @@ _NODE_METHODS: Final = (
     "set_parameters",
 )  # fmt: skip
 """Methods of Node that it calls itself, or that a method of the student's class means to call by its own name."""
-
-
-def suggested(error: StudentError) -> str | None:
-    """Return the name that Python suggests instead of an unknown one; None if it suggests none."""
-    found = _SUGGESTION.search(error.traceback)
-    return None if found is None or re.match(r"_(?!_)", found[1]) else found[1]
-
-
 _OTHER_LANGUAGES: Final = {
     "this": "self",
     "raw_input": "input()",
@@ -115,7 +107,6 @@ _OTHER_LANGUAGES: Final = {
     "none": "None",
 }
 """Names of Python 2, C++ and other languages, each with what Python 3 has instead."""
-
 _OF_ROS_1: Final = {
     "Rate": "time.sleep(0.1)",
     "Publisher": "node.create_publisher(Twist, '/turtle1/cmd_vel', 10)",
@@ -131,16 +122,6 @@ _OF_ROS_1: Final = {
     "get_param": "node.declare_parameter('side', 2.0).value",
 }
 """Attributes that ``rclpy`` does not have, each with what to write instead."""
-
-
-def _of_ros_1(used: str, name: str, line: int, script: ScriptText) -> Closer:
-    """Say what ROS 2 has instead, with the node as it is called on that line."""
-    instead = _OF_ROS_1.get(name, "rclpy").replace("node.", f"{script.object_at(line)}.")
-    if script.lines_with(r"\brclpy\.init\("):
-        instead = instead.removeprefix("rclpy.init(); ")
-    return "ros_1_habit", {"name": used, "instead": instead}
-
-
 _DURATION_OF_ROS_1: Final = {
     "to_sec": ".nanoseconds / 1e9",
     "to_nsec": ".nanoseconds",
@@ -149,6 +130,56 @@ _DURATION_OF_ROS_1: Final = {
     "seconds": ".nanoseconds / 1e9",
 }
 """Attributes of times and durations in ROS 1, each with what ROS 2 has instead."""
+_WORDS: Final = ("self", "True", "False", "None", "break", "continue", "pass", "return")
+"""Words of Python, for which it suggests nothing where letters changed places."""
+_NAMING: Final = r"\b__init__|\bNode|\bcreate_node|\b(?:get|declare|has)_parameter"
+"""Calls whose first argument is a name, which is text."""
+NEAR: Final = 0.75
+_NODE_OF_ROS_1: Final = {
+    "advertise": "create_publisher(Twist, '/turtle1/cmd_vel', 10)",
+    "subscribe": "create_subscription(Pose, '/turtle1/pose', callback, 10)",
+    "get_param": "declare_parameter('side', 2.0).value",
+    "loginfo": "get_logger().info('...')",
+    "logwarn": "get_logger().warning('...')",
+    "logerr": "get_logger().error('...')",
+}
+"""What a node had in ROS 1, or what ``rospy`` had, each with what a node of ROS 2 has."""
+_MEANT_OF_NODE: Final = {
+    "create_sub": "create_subscription",
+    "create_subscriber": "create_subscription",
+    "create_pub": "create_publisher",
+    "logger": "get_logger()",
+    "clock": "get_clock()",
+    "get_time": "get_clock().now()",
+    "now": "get_clock().now()",
+}
+"""What Node does not have under these names, for which Python suggests something far from it."""
+_FIELDS: Final = {
+    "Odometry": "pose.pose.position (x, y, z), pose.pose.orientation, twist.twist (linear, angular)",
+    "PoseWithCovariance": "pose.position (x, y, z), pose.orientation (x, y, z, w)",
+    "TwistWithCovariance": "twist.linear (x, y, z), twist.angular (x, y, z)",
+    "LaserScan": "ranges, angle_min, angle_max, angle_increment, range_min, range_max",
+}
+"""The fields of the messages that beginners read."""
+_FIELDS_OF_POSE: Final = {
+    "turtlesim": "x, y, theta, linear_velocity, angular_velocity",
+    "geometry_msgs": "position (x, y, z), orientation (x, y, z, w)",
+}
+TURTLE: Final = r"^[ \t]*(import[ \t]+turtle\b|from[ \t]+turtle[ \t]+import)"
+
+
+def suggested(error: StudentError) -> str | None:
+    """Return the name that Python suggests instead of an unknown one; None if it suggests none."""
+    found = _SUGGESTION.search(error.traceback)
+    return None if found is None or re.match(r"_(?!_)", found[1]) else found[1]
+
+
+def _of_ros_1(used: str, name: str, line: int, script: ScriptText) -> Closer:
+    """Say what ROS 2 has instead, with the node as it is called on that line."""
+    instead = _OF_ROS_1.get(name, "rclpy").replace("node.", f"{script.object_at(line)}.")
+    if script.lines_with(r"\brclpy\.init\("):
+        instead = instead.removeprefix("rclpy.init(); ")
+    return "ros_1_habit", {"name": used, "instead": instead}
 
 
 def is_of_node(owner: str | None, name: str, script: ScriptText) -> bool:
@@ -184,10 +215,6 @@ def _name(error: StudentError, script: ScriptText) -> Closer:
     if not is_class and suggestion not in ("True", "False", "None") and _is_function(suggestion, name):
         return None  # `node`, which nobody made, is not the class `Node`, nor `size` the function `slice`
     return "misspelt", {"suggestion": suggestion}
-
-
-_WORDS: Final = ("self", "True", "False", "None", "break", "continue", "pass", "return")
-"""Words of Python, for which it suggests nothing where letters changed places."""
 
 
 def _respelt(name: str, written: str) -> str | None:
@@ -239,10 +266,6 @@ def _of_node(name: str, call: str, line: int, script: ScriptText) -> Closer:
     return code, {"name": name, "call": call, "object": node}
 
 
-_NAMING: Final = r"\b__init__|\bNode|\bcreate_node|\b(?:get|declare|has)_parameter"
-"""Calls whose first argument is a name, which is text."""
-
-
 def _is_text(name: str, written: str, script: ScriptText) -> bool:
     """Whether a line assigns, or compares with, what stands in quotes elsewhere: the name of a state."""
     quoted = (script.written(line) for line in script.lines_with('""'))
@@ -278,9 +301,6 @@ def _nearest_own(name: str, line: int, script: ScriptText, otherwise: Closer) ->
         return ("defined_below", {"name": name, "begins": begins}) if begins > line else None
     near = difflib.get_close_matches(name, script.defined_names, 1, NEAR)
     return ("misspelt", {"suggestion": near[0]}) if near else otherwise
-
-
-NEAR: Final = 0.75
 
 
 def _of_other(local: Assigned, line: int, script: ScriptText) -> Closer:
@@ -358,41 +378,6 @@ def _of_object(owner: str, name: str, error: StudentError, script: ScriptText) -
     if closer is None and is_node and name in _MEANT_OF_NODE:
         return "misspelt", {"suggestion": _MEANT_OF_NODE[name]}
     return closer or _of_an_object(name, script_line(error), script)
-
-
-_NODE_OF_ROS_1: Final = {
-    "advertise": "create_publisher(Twist, '/turtle1/cmd_vel', 10)",
-    "subscribe": "create_subscription(Pose, '/turtle1/pose', callback, 10)",
-    "get_param": "declare_parameter('side', 2.0).value",
-    "loginfo": "get_logger().info('...')",
-    "logwarn": "get_logger().warning('...')",
-    "logerr": "get_logger().error('...')",
-}
-"""What a node had in ROS 1, or what ``rospy`` had, each with what a node of ROS 2 has."""
-
-_MEANT_OF_NODE: Final = {
-    "create_sub": "create_subscription",
-    "create_subscriber": "create_subscription",
-    "create_pub": "create_publisher",
-    "logger": "get_logger()",
-    "clock": "get_clock()",
-    "get_time": "get_clock().now()",
-    "now": "get_clock().now()",
-}
-"""What Node does not have under these names, for which Python suggests something far from it."""
-
-_FIELDS: Final = {
-    "Odometry": "pose.pose.position (x, y, z), pose.pose.orientation, twist.twist (linear, angular)",
-    "PoseWithCovariance": "pose.position (x, y, z), pose.orientation (x, y, z, w)",
-    "TwistWithCovariance": "twist.linear (x, y, z), twist.angular (x, y, z)",
-    "LaserScan": "ranges, angle_min, angle_max, angle_increment, range_min, range_max",
-}
-"""The fields of the messages that beginners read."""
-
-_FIELDS_OF_POSE: Final = {
-    "turtlesim": "x, y, theta, linear_velocity, angular_velocity",
-    "geometry_msgs": "position (x, y, z), orientation (x, y, z, w)",
-}
 
 
 def _message_fields(kind: str, name: str, script: ScriptText) -> Closer:
@@ -494,9 +479,6 @@ def _imported_name(error: StudentError) -> Closer:
     near = [known for known in IMPORTS if known.lower() == name.lower()]
     near = near or difflib.get_close_matches(name, _NAMES_BY_MODULE.get(module, ()), 1, 0.75)
     return ("import_statement", {"statement": IMPORTS[near[0]]}) if near else None
-
-
-TURTLE: Final = r"^[ \t]*(import[ \t]+turtle\b|from[ \t]+turtle[ \t]+import)"
 
 
 def script_line(error: StudentError) -> str:

@@ -22,6 +22,17 @@ NOTHING: Final = "—"
 
 _MAX_LISTED: Final = 8  # the sides of an octagon: more would fill the sentence
 _MAX_DECIMALS: Final = 5  # of a number near the edge of a band; reports keep four
+_EXACTNESS: Final = re.compile(r"\s*(?:±|\+ ?/ ?[-−–])\s*\d+(?:[.,]\d+)?")
+_IN_WORDS: Final = re.compile(
+    r"(?<![第一])[零〇一二两三四五六七八九十百千][零〇一二两三四五六七八九十百千点]*(?=\s*(秒|分钟|毫秒|米|厘米|公里|千米|度|弧度))"
+    r"|\b(one|two|three|four|five|six|seven|eight|nine|ten|eleven|twelve|[a-z]+teen|[a-z]+ty(-[a-z]+)?)"
+    r"(?=\s+(seconds?|minutes?|metres?|meters?|degrees?|radians?)\b)",
+    re.IGNORECASE,
+)
+_FOREIGN: Final = (
+    r"平方(?:厘米|分米|千米|公里|米)|平米|立方(?:厘米|分米|米)"
+    r"|小时|公斤|千克|[ck]?m(?:\^?[23])(?!\d)|(?:kg|hours?|h)(?![A-Za-z])"
+)
 
 
 class _UnitKind(PositionalRecord):
@@ -175,9 +186,6 @@ class SpokenQuantity(PositionalRecord):
         return self.value * own.factor / wanted.factor if own.base == wanted.base else None
 
 
-_EXACTNESS: Final = re.compile(r"\s*(?:±|\+ ?/ ?[-−–])\s*\d+(?:[.,]\d+)?")
-
-
 def quantities(text: str) -> Iterator[SpokenQuantity]:
     """Yield the numbers of `text` in order: ``约 12 秒``, ``12.0s``, ``0.2 min``; no exactness (``± 0.1``).
 
@@ -195,24 +203,10 @@ def quantities(text: str) -> Iterator[SpokenQuantity]:
         yield SpokenQuantity(float(digits), known, match["foreign"] or "", plain[match.end() : end])
 
 
-_IN_WORDS: Final = re.compile(
-    r"(?<![第一])[零〇一二两三四五六七八九十百千][零〇一二两三四五六七八九十百千点]*(?=\s*(秒|分钟|毫秒|米|厘米|公里|千米|度|弧度))"
-    r"|\b(one|two|three|four|five|six|seven|eight|nine|ten|eleven|twelve|[a-z]+teen|[a-z]+ty(-[a-z]+)?)"
-    r"(?=\s+(seconds?|minutes?|metres?|meters?|degrees?|radians?)\b)",
-    re.IGNORECASE,
-)
-
-
 def number_in_words(text: str) -> str | None:
     """Return the last number with a unit that is written in words (``十二``, ``twelve``), if there is one."""
     found = [match[0] for match in _IN_WORDS.finditer(text)]
     return found[-1] if found else None
-
-
-_FOREIGN: Final = (
-    r"平方(?:厘米|分米|千米|公里|米)|平米|立方(?:厘米|分米|米)"
-    r"|小时|公斤|千克|[ck]?m(?:\^?[23])(?!\d)|(?:kg|hours?|h)(?![A-Za-z])"
-)
 
 
 @cache

@@ -41,6 +41,23 @@ MEASURES = {
     "gap_pct": MeasureKind("%"),
     "settled": MeasureKind(form="flag"),
 }
+_Pair = Callable[[DrivenStretch], tuple[float, float]]
+_NO_PATH = Text(
+    zh="缺少：写上 path 和它的 pieces，例如 pieces: [{line: 2.0}, {turn: 90}]",
+    en="missing; give path with its pieces, such as pieces: [{line: 2.0}, {turn: 90}]",
+)
+_NOT_RECORDED = Text(
+    zh="还没有记录答案走的路，或者 solution.py 后来改过：运行 `grader assignments validate`",
+    en="what the solution drives is not recorded, or solution.py has changed; run `grader assignments validate`",
+)
+_NOTHING_DRIVEN = Text(
+    zh="里面没有走的路：加上 line、arc 或 goto", en="nothing of it is driven; add a line, arc or goto"
+)
+_NO_LINES = Text(
+    zh="路径里没有 line 或 goto：删掉这一项", en="the path has no line or goto; remove this item"
+)
+_NO_ARCS = Text(zh="路径里没有 arc：删掉这一项", en="the path has no arc; remove this item")
+_NO_CORNERS = Text(zh="路径里没有转角：删掉这一项", en="the path has no corner; remove this item")
 
 
 def examine(assignment: Assignment, run: Run) -> Findings:
@@ -109,9 +126,6 @@ def _corners(figure: Figure, stretches: list[DrivenStretch]) -> Measure:
         return UNMEASURED
     driven, wanted = max(corners, key=lambda pair: abs(pair[0] - pair[1]))
     return Measure(abs(driven - wanted), named_corner(driven, wanted))
-
-
-_Pair = Callable[[DrivenStretch], tuple[float, float]]
 
 
 def _worst(stretches: Sequence[DrivenStretch], pair: _Pair) -> Measure:
@@ -184,24 +198,6 @@ def _radius_label(assignment: Assignment, one: DrivenStretch, scale: float) -> S
 
 def _point(at: complex) -> Point:
     return at.real, at.imag
-
-
-_NO_PATH = Text(
-    zh="缺少：写上 path 和它的 pieces，例如 pieces: [{line: 2.0}, {turn: 90}]",
-    en="missing; give path with its pieces, such as pieces: [{line: 2.0}, {turn: 90}]",
-)
-_NOT_RECORDED = Text(
-    zh="还没有记录答案走的路，或者 solution.py 后来改过：运行 `grader assignments validate`",
-    en="what the solution drives is not recorded, or solution.py has changed; run `grader assignments validate`",
-)
-_NOTHING_DRIVEN = Text(
-    zh="里面没有走的路：加上 line、arc 或 goto", en="nothing of it is driven; add a line, arc or goto"
-)
-_NO_LINES = Text(
-    zh="路径里没有 line 或 goto：删掉这一项", en="the path has no line or goto; remove this item"
-)
-_NO_ARCS = Text(zh="路径里没有 arc：删掉这一项", en="the path has no arc; remove this item")
-_NO_CORNERS = Text(zh="路径里没有转角：删掉这一项", en="the path has no corner; remove this item")
 
 
 def _consult(assignment: Assignment) -> Iterable[Misfit]:

@@ -21,6 +21,7 @@ CLOSED_SHARE = 0.02  # of the length: a path that ends this near to its start is
 MIN_CORNER_RAD = math.radians(15.0)  # a smaller change of direction between two pieces is no corner
 _ARC_STEP_DEG = 6.0  # between two points of an arc; the chord is off by 0.14 % of the radius
 _MIN_ARC_STEPS = 8
+_CIRCLE_DEG = 360.0
 
 
 class Stretch(PositionalRecord):
@@ -93,9 +94,6 @@ class Track:
         return (
             abs(self.stretches[-1].points[-1] - self.stretches[0].points[0]) <= CLOSED_SHARE * self.length_m
         )
-
-
-_CIRCLE_DEG = 360.0
 
 
 def corner_rad(before: Stretch, after: Stretch) -> float:

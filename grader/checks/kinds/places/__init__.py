@@ -47,6 +47,36 @@ MEASURES = {
     "turn_radps": MeasureKind("rad/s"),
     "jolt_mps": MeasureKind("m/s"),
 }
+_NO_PLACES = Text(
+    zh="缺少：写上 places 和它的 visit，例如 visit: [{at: [8.0, 8.0], within: 0.2}]",
+    en="missing; give places with visit, such as visit: [{at: [8.0, 8.0], within: 0.2}]",
+)
+_NO_HEADING = Text(
+    zh="没有 places.end_heading_deg：补上，或删掉这一项",
+    en="there is no places.end_heading_deg; add it or remove this item",
+)
+_NOTHING_TO_AVOID = Text(
+    zh="没有 places.avoid：补上，或删掉这一项", en="there is no places.avoid; add it or remove this item"
+)
+_NO_WALLS = Text(
+    zh="world.walls 是 false，撞不到墙：删掉这一项",
+    en="world.walls is false: there is no wall to touch; remove this item",
+)
+_OUTSIDE = Text(
+    zh=f"在场地外面（0 到 {WINDOW_M:.2f} m）：改位置，或写 world: {{walls: false}}",
+    en=f"lies outside the field (0 to {WINDOW_M:.2f} m); move it, or write world: {{walls: false}}",
+)
+_OUTSIDE_ROOM = Text(
+    zh="在房间外面（world.room.bounds）：改位置", en="lies outside the room (world.room.bounds); move it"
+)
+_TOO_LONG = Text(
+    zh="要短于 horizon_s：缩短它，或者加长 horizon_s",
+    en="must be less than horizon_s; shorten it or lengthen that",
+)
+_AT_START = Text(
+    zh="小车一开始就在里面：移走目标，或改 world.start",
+    en="the car is in it from the beginning; move it, or change world.start",
+)
 
 
 def examine(assignment: Assignment, run: Run) -> Findings:
@@ -186,38 +216,6 @@ def _outline(region: Region) -> tuple[Point, ...]:
 
 def _plain(text: str) -> Text:
     return Text(zh=text, en=text)
-
-
-_NO_PLACES = Text(
-    zh="缺少：写上 places 和它的 visit，例如 visit: [{at: [8.0, 8.0], within: 0.2}]",
-    en="missing; give places with visit, such as visit: [{at: [8.0, 8.0], within: 0.2}]",
-)
-_NO_HEADING = Text(
-    zh="没有 places.end_heading_deg：补上，或删掉这一项",
-    en="there is no places.end_heading_deg; add it or remove this item",
-)
-_NOTHING_TO_AVOID = Text(
-    zh="没有 places.avoid：补上，或删掉这一项", en="there is no places.avoid; add it or remove this item"
-)
-_NO_WALLS = Text(
-    zh="world.walls 是 false，撞不到墙：删掉这一项",
-    en="world.walls is false: there is no wall to touch; remove this item",
-)
-_OUTSIDE = Text(
-    zh=f"在场地外面（0 到 {WINDOW_M:.2f} m）：改位置，或写 world: {{walls: false}}",
-    en=f"lies outside the field (0 to {WINDOW_M:.2f} m); move it, or write world: {{walls: false}}",
-)
-_OUTSIDE_ROOM = Text(
-    zh="在房间外面（world.room.bounds）：改位置", en="lies outside the room (world.room.bounds); move it"
-)
-_TOO_LONG = Text(
-    zh="要短于 horizon_s：缩短它，或者加长 horizon_s",
-    en="must be less than horizon_s; shorten it or lengthen that",
-)
-_AT_START = Text(
-    zh="小车一开始就在里面：移走目标，或改 world.start",
-    en="the car is in it from the beginning; move it, or change world.start",
-)
 
 
 def _consult(assignment: Assignment) -> Iterable[Misfit]:

@@ -18,6 +18,8 @@ SAME_M = 0.01  # jumps that are shorter, all together, do not count as being put
 NEARLY_COUNTS = 0.75
 NEARLY_STEPS = 25  # from that to nothing
 FOR_EVER_S = math.inf
+Stay = tuple[float, float]
+"""When the car came into a region, and when it left it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,10 +62,6 @@ class Visit:
     entered_s: float | None
     stayed_s: float
     done_s: float | None
-
-
-Stay = tuple[float, float]
-"""When the car came into a region, and when it left it."""
 
 
 def way_of(run: Run, *, moving_at_end: bool) -> Way:

@@ -39,6 +39,12 @@ MEASURES = {
 
 _LENGTHS = ("side_spread_pct", "side_error_pct")
 _OF_THE_FIGURE = ("curved_pct", "opposite_corners", "gap_pct", "settled")
+_ONLY_RECTANGLES = Text(
+    zh="只用于 4 条边，和 side_m 一起：请删掉", en="only for 4 sides, beside side_m; remove it"
+)
+_NO_SIDE = Text(
+    zh="缺少：测量值 'side_error_pct' 要和它比较", en="missing; the measure 'side_error_pct' compares with it"
+)
 
 
 def examine(assignment: Assignment, run: Run) -> Findings:
@@ -254,14 +260,6 @@ def _first_length_m(figure: PolygonFigure, wanted: WantedPolygon, *, later: bool
     """Return the wanted length of the side after the first vertex; `later`: the path began in a side."""
     aligned = wanted.aligned(figure.sides_m)
     return aligned[1 if later and len(aligned) > 1 else 0] if aligned else None
-
-
-_ONLY_RECTANGLES = Text(
-    zh="只用于 4 条边，和 side_m 一起：请删掉", en="only for 4 sides, beside side_m; remove it"
-)
-_NO_SIDE = Text(
-    zh="缺少：测量值 'side_error_pct' 要和它比较", en="missing; the measure 'side_error_pct' compares with it"
-)
 
 
 def _problem_with_sides(value: Option) -> Text | None:

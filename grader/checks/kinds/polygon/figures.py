@@ -21,6 +21,21 @@ from grader.geometry.path import Segments, bare, median, segment, without_oversh
 
 FULL_TURN_DEG = 360.0
 Bools = NDArray[np.bool_]
+SAME_DEG = 4.0  # corners this close to the value of a known mistake count as that mistake
+OTHER_GAP_SHARE = 0.1  # of the perimeter: a figure that ends this near to its start was meant as it is
+UNFINISHED_SHARE = 0.8  # a last side below this was not driven to its end: then its length costs everything
+EQUAL_RATIO = 1.2  # of the longest to the shortest side: halfway to the rectangle of 3 m by 2 m
+ALIKE_RATIO = 1.02  # up to here they are equal
+OBLONG_RATIO = 1.5  # from here on a rectangle is nothing of a square
+
+# Opposite sides that differ by more belong to no rectangle with a short side.
+ALIKE_PCT = 12.0
+
+LIKE_DEG = 1.0  # a last turn that is worse than the worst corner by no more than this was meant as a corner
+
+# Of a corner: a smaller change of direction after the last side is nearer to none than to a corner. It is how the
+# car came to rest, or how a script that steers came to its last goal.
+NO_TURN_SHARE = 0.5
 
 
 class WantedPolygon(PositionalRecord):
@@ -91,20 +106,6 @@ def wanted_polygon(options: Mapping[str, Option]) -> WantedPolygon:
 
 def _worst_pct(sides_m: Sequence[float], wanted_m: Sequence[float]) -> float:
     return max(100.0 * abs(side - wanted) / wanted for side, wanted in zip(sides_m, wanted_m, strict=True))
-
-
-SAME_DEG = 4.0  # corners this close to the value of a known mistake count as that mistake
-OTHER_GAP_SHARE = 0.1  # of the perimeter: a figure that ends this near to its start was meant as it is
-UNFINISHED_SHARE = 0.8  # a last side below this was not driven to its end: then its length costs everything
-EQUAL_RATIO = 1.2  # of the longest to the shortest side: halfway to the rectangle of 3 m by 2 m
-ALIKE_RATIO = 1.02  # up to here they are equal
-OBLONG_RATIO = 1.5  # from here on a rectangle is nothing of a square
-# Opposite sides that differ by more belong to no rectangle with a short side.
-ALIKE_PCT = 12.0
-LIKE_DEG = 1.0  # a last turn that is worse than the worst corner by no more than this was meant as a corner
-# Of a corner: a smaller change of direction after the last side is nearer to none than to a corner. It is how the
-# car came to rest, or how a script that steers came to its last goal.
-NO_TURN_SHARE = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -61,6 +61,19 @@ _DRIVES = ("distance_m", *_LENGTHS, "gap_pct")
 _EQUAL_DRIVES = ("distance_m", "side_error_pct")
 _EQUAL_RATIO = 1.02  # of the longest to the shortest drive: a third of what costs points
 _SHAPE = ("sides", "corner_deg", *_LENGTHS, "gap_pct", "curved_pct", "opposite_corners", "settled")
+_TURN_WRITTEN = r"\.angular\.z ?=(?!=)(?! ?-?[0.]+ ?(;|$))"
+_FAR_OFF_DEG = 15.0  # turns this much too short lead the car away from the wanted figure
+_CORNER_RAD = math.radians(30.0)  # less is a correction of the heading on the way
+_LONGER = 1.5  # times the first side: otherwise all sides may just be too long
+
+# A rate that is several times the error of the heading gets this high without degrees, where theta jumps by 2π.
+_FAST_BY_POSE_RADPS = 40.0
+
+# The most that slipping adds to the mean corner of a script that steers by its heading.
+_SLIP_DEG = 12.0
+
+_BACKED = 0.2  # of the way: less corrects a side that was too long
+_MULTIPLE_SHARE = 0.03
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -185,9 +198,6 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
         yield mistake("turns_behind_loop", _SHAPE, count=drives, wall=wall, ideal=ideal, sides=seen.sides)
 
 
-_TURN_WRITTEN = r"\.angular\.z ?=(?!=)(?! ?-?[0.]+ ?(;|$))"
-
-
 def _drives_to_the_end(seen: _Seen) -> bool:
     """Whether one drive was commanded from the beginning to the end of the run, by a script that has a turn."""
     commands, outcome = seen.run.trajectory.commands, seen.run.outcome
@@ -236,9 +246,6 @@ def _kept_turning(seen: _Seen) -> Iterator[Mistake]:
 
 def _turns(command: Command) -> bool:
     return abs(command.w_radps) > MOVING_RADPS
-
-
-_FAR_OFF_DEG = 15.0  # turns this much too short lead the car away from the wanted figure
 
 
 def _brief_drives(seen: _Seen) -> Iterator[Mistake]:
@@ -329,10 +336,6 @@ def _goes_on(seen: _Seen, hit_ns: int) -> bool:
     return last_m > _LONGER * float(along[first[0]])
 
 
-_CORNER_RAD = math.radians(30.0)  # less is a correction of the heading on the way
-_LONGER = 1.5  # times the first side: otherwise all sides may just be too long
-
-
 def _degrees(seen: _Seen) -> Iterator[Mistake]:
     """Recognise degrees where radians belong: a turn rate that nobody means, or a turn that does not end."""
     fastest = fastest_radps(seen.run)
@@ -349,10 +352,6 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
     elif math.degrees(widest) > FULL_TURN_DEG - seen.ideal_deg / 2 and unfinished and _drove_first(seen):
         turned = _degree(math.degrees(widest))
         yield mistake("turned_instead", _SHAPE, turned=turned, ideal=_degree(seen.ideal_deg))
-
-
-# A rate that is several times the error of the heading gets this high without degrees, where theta jumps by 2π.
-_FAST_BY_POSE_RADPS = 40.0
 
 
 def _is_endless(seen: _Seen, widest_rad: float, by_pose: bool) -> bool:
@@ -421,10 +420,6 @@ def _drives_blindly(seen: _Seen) -> bool:
     return bool(blind) and wrong and not seen.rigid
 
 
-# The most that slipping adds to the mean corner of a script that steers by its heading.
-_SLIP_DEG = 12.0
-
-
 def _is_beyond_slip(seen: _Seen, figure: PolygonFigure) -> bool:
     """Whether sides are missing, or the corners are off by more than slipping explains."""
     corners = seen.driven.corners_deg
@@ -475,9 +470,6 @@ def _backed_sides(seen: _Seen) -> Iterator[Mistake]:
     off = any(seen.loses("corner_deg", corner) for corner in seen.driven.corners_deg.tolist())
     if off and changes > 1 and _BACKED < share_backwards(seen.run) < 1.0 - _BACKED:
         yield mistake("to_and_fro", ("corner_deg", "gap_pct", "sides", "opposite_corners"), times=changes)
-
-
-_BACKED = 0.2  # of the way: less corrects a side that was too long
 
 
 def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
@@ -583,9 +575,6 @@ def _count(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     )
     spoilt = ("sides", "gap_pct", "settled", *(_LENGTHS if code == "too_slow" else ()))
     yield mistake(code, spoilt, count=count, sides=seen.sides)
-
-
-_MULTIPLE_SHARE = 0.03
 
 
 def _joined_sides(seen: _Seen, figure: PolygonFigure) -> Mistake | None:
