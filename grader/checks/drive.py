@@ -71,9 +71,24 @@ def commanded_at_end(run: Run) -> Command | None:
     return commands[-1] if interrupted and end_ns - commands[-1].t_ns < COMMAND_LIFE_NS else None
 
 
+def is_drive(command: Command) -> bool:
+    """Whether the command asks for a speed worth the name, straight on or in an arc."""
+    return abs(command.v_mps) > MOVING_MPS
+
+
+def is_turn(command: Command) -> bool:
+    """Whether the command asks for a turn worth the name, on the spot or in an arc."""
+    return abs(command.w_radps) > MOVING_RADPS
+
+
 def is_motion(command: Command) -> bool:
     """Whether the command asks for a motion worth the name."""
-    return abs(command.v_mps) > MOVING_MPS or abs(command.w_radps) > MOVING_RADPS
+    return is_drive(command) or is_turn(command)
+
+
+def is_arc(command: Command) -> bool:
+    """Whether the command asks for both at once."""
+    return is_drive(command) and is_turn(command)
 
 
 @lru_cache(maxsize=1)  # most looks for mistakes ask for these commands, run by run

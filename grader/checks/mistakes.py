@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from grader.checks.drive import MOVING_MPS, is_motion, moves_of
+from grader.checks.drive import is_drive, is_motion, moves_of
 from grader.checks.listening import waits_in_vain
 from grader.checks.measure import Measure, Mistake, mistake
 from grader.contracts.assignment import ROBOT_TOPICS, World
@@ -147,7 +147,7 @@ def only_turned(run: Run, spoilt: tuple[str, ...]) -> Iterator[Mistake]:
     if noted(run.outcome, "lateral_command") is not None:
         return  # it was told to drive, but sideways
     moves = moves_of(run.trajectory)
-    if moves and not any(abs(command.v_mps) > MOVING_MPS for command in moves):
+    if moves and not any(map(is_drive, moves)):
         # the pose of a script that hears nothing belongs to a teleport
         place = r"\.theta\b|\borientation\b|(?<!linear)\.x ?[-+)]|[-+] ?[\w.]+(?<!linear)\.x\b"
         by_pose = run.outcome.hears and ScriptText(run.source).lines_with(place)
@@ -748,7 +748,7 @@ def _timeouts(
     ]
     if not cut:
         return ()
-    spoilt = {name for _, command in cut for name in (drives if abs(command.v_mps) > MOVING_MPS else turns)}
+    spoilt = {name for _, command in cut for name in (drives if is_drive(command) else turns)}
     if not spoilt:
         return ()
     silence_ns = max(gap for gap, _ in cut)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.checks.drive import MOVING_MPS, MOVING_RADPS, Drive, is_motion
+from grader.checks.drive import Drive, is_arc, is_motion
 from grader.checks.kinds.path.wanted import (
     MIN_CORNER_RAD,
     SAMPLES,
@@ -99,7 +99,7 @@ def commanded_arcs(trajectory: Trajectory) -> list[CommandedArc]:
     for command, until_ns in with_ends(trajectory):
         if not is_motion(command):
             continue
-        if abs(command.v_mps) <= MOVING_MPS or abs(command.w_radps) <= MOVING_RADPS:
+        if not is_arc(command):
             return []
         radius_m = command.v_mps / command.w_radps
         swept_deg = math.degrees(command.w_radps) * (until_ns - command.t_ns) / 1e9

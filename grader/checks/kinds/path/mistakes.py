@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grader.checks.drive import MOVING_MPS, Drive, coasts
+from grader.checks.drive import Drive, coasts, is_drive
 from grader.checks.kinds.path.driven import (
     UNFINISHED_SHARE,
     CommandedArc,
@@ -350,7 +350,7 @@ def _most_turned_deg(trajectory: Trajectory) -> float:
     """Return the largest angle that was commanded on the spot at one go."""
     most_rad = turned_rad = 0.0
     for command, until_ns in with_ends(trajectory):
-        on_spot = abs(command.v_mps) <= MOVING_MPS
+        on_spot = not is_drive(command)
         turned_rad = turned_rad + command.w_radps * (until_ns - command.t_ns) / 1e9 if on_spot else 0.0
         most_rad = max(most_rad, abs(turned_rad))
     return math.degrees(most_rad)

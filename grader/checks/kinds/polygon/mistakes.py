@@ -9,11 +9,12 @@ import numpy as np
 
 from grader.checks.drive import (
     FAST_TURN_RADPS,
-    MOVING_MPS,
-    MOVING_RADPS,
     coasts,
     fastest_radps,
+    is_arc,
+    is_drive,
     is_motion,
+    is_turn,
     moves_of,
 )
 from grader.checks.kinds.polygon.figures import FULL_TURN_DEG, SAME_DEG, DrivenPolygon, WantedPolygon
@@ -39,7 +40,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
-from grader.contracts.trajectory import Command, Floats
+from grader.contracts.trajectory import Floats
 from grader.geometry.figure import PolygonFigure
 from grader.geometry.path import MIN_TURN_RAD, median
 from grader.messages import say
@@ -145,7 +146,7 @@ def _never_drives(run: Run) -> bool:
 def _drives_m(run: Run, since_ns: int = 0) -> list[float]:
     """Return the lengths of the drives that were commanded, with a stop or a turn between one and the next."""
     commanded = (one for one in with_ends(run.trajectory) if one[0].t_ns >= since_ns)
-    drives = itertools.groupby(commanded, lambda one: abs(one[0].v_mps) > MOVING_MPS)
+    drives = itertools.groupby(commanded, lambda one: is_drive(one[0]))
     return [
         sum(abs(command.v_mps) * (until_ns - command.t_ns) for command, until_ns in drive) / 1e9
         for drives_on, drive in drives
@@ -169,7 +170,7 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
     moves = moves_of(seen.run.trajectory)
     if not moves or seen.driven.drive.path.along_m[-1] < _SEEN_M or seen.run.trajectory.jumps:
         return
-    turning = [command.t_ns for command in moves if abs(command.w_radps) > MOVING_RADPS]
+    turning = [command.t_ns for command in moves if is_turn(command)]
     contacts = seen.run.trajectory.contacts
     if not turning:
         if math.degrees(float(np.ptp(seen.driven.drive.path.heading_rad))) > SAME_DEG:
@@ -189,8 +190,8 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
     hit = bool(contacts) and contacts[0].start_ns <= turning[0]
     if drives <= 1 and not hit:
         return
-    turns = times_begun(map(_turns, commands))
-    over = seen.run.outcome.status is RunStatus.FINISHED or _turns(moves[-1])
+    turns = times_begun(map(is_turn, commands))
+    over = seen.run.outcome.status is RunStatus.FINISHED or is_turn(moves[-1])
     at_last = hit and turns == 1 and over
     if at_last or (drives > 1 and (hit or turns == 1)):
         wall = say("detail.wall_hit") if hit else EMPTY
@@ -217,8 +218,8 @@ def _on_first_side(seen: _Seen) -> bool:
 def _kept_driving(seen: _Seen) -> Iterator[Mistake]:
     """Recognise a linear speed that was set for the sides and never taken back for the turns."""
     moves = moves_of(seen.run.trajectory)
-    turns = [command for command in moves if _turns(command)]
-    sides = {command.v_mps for command in moves if not _turns(command)}
+    turns = [command for command in moves if is_turn(command)]
+    sides = {command.v_mps for command in moves if not is_turn(command)}
     if len(turns) > 1 and len(sides) == 1 and all(command.v_mps in sides for command in turns):
         rates = {command.w_radps for command in turns}
         if len(rates) == 1:
@@ -235,8 +236,8 @@ def _kept_turning(seen: _Seen) -> Iterator[Mistake]:
     figure = seen.driven.figure
     end_ns = math.inf if figure is None else int(seen.driven.drive.t_ns[figure.end])
     commands = [command for command in moves_of(seen.run.trajectory) if command.t_ns <= end_ns]
-    on_the_spot = any(_turns(command) and not command.v_mps for command in commands)
-    sides = [command for command in commands if abs(command.v_mps) > MOVING_MPS]
+    on_the_spot = any(is_turn(command) and not command.v_mps for command in commands)
+    sides = [command for command in commands if is_drive(command)]
     rates = {command.w_radps for command in sides} - {0.0}
     if on_the_spot and len(rates) == 1 and seen.run.trajectory.contacts == ():
         bent = sum(command.w_radps != 0.0 for command in sides)
@@ -244,15 +245,9 @@ def _kept_turning(seen: _Seen) -> Iterator[Mistake]:
             yield mistake("kept_turning", _SHAPE, rate=number(rates.pop(), "1"))
 
 
-def _turns(command: Command) -> bool:
-    return abs(command.w_radps) > MOVING_RADPS
-
-
 def _brief_drives(seen: _Seen) -> Iterator[Mistake]:
     """Recognise drives that all end as soon as they have begun."""
-    drives = itertools.groupby(
-        with_ends(seen.run.trajectory), lambda commanded: abs(commanded[0].v_mps) > MOVING_MPS
-    )
+    drives = itertools.groupby(with_ends(seen.run.trajectory), lambda one: is_drive(one[0]))
     lasted_ns = [sum(until - one.t_ns for one, until in drive) for drives_on, drive in drives if drives_on]
     if len(lasted_ns) > MANY_MOTIONS and max(lasted_ns) < TOO_BRIEF_NS:
         yield mistake("stop_in_loop", _SHAPE, times=len(lasted_ns))
@@ -265,7 +260,7 @@ def _little_turns(seen: _Seen) -> Iterator[Mistake]:
     contacts, figure = seen.run.trajectory.contacts, seen.driven.figure
     until_ns = contacts[0].start_ns if contacts else seen.run.outcome.duration_ns
     round_by_corners = seen.rigid and (figure is None or figure.curved_share > MOSTLY_ROUND_SHARE)
-    looks = contacts or (round_by_corners and not any(map(_is_arc, seen.run.trajectory.commands)))
+    looks = contacts or (round_by_corners and not any(map(is_arc, seen.run.trajectory.commands)))
     turned = _commanded_turns(seen, until_ns) if looks else []
     most_deg = seen.ideal_deg - _FAR_OFF_DEG if contacts else seen.ideal_deg / 2.0
     if len(turned) < 2 or max(turned) - min(turned) > SAME_DEG or max(turned) > most_deg:
@@ -289,7 +284,7 @@ def _commanded_turns(seen: _Seen, until_ns: int) -> list[float]:
     for command, end_ns in with_ends(seen.run.trajectory):
         if end_ns > until_ns:
             break
-        turning = _turns(command) and abs(command.v_mps) <= MOVING_MPS
+        turning = is_turn(command) and not is_drive(command)
         if turning:
             angle = math.degrees(abs(command.w_radps)) * (end_ns - command.t_ns) / 1e9
             if going:
@@ -316,7 +311,7 @@ def _wall(seen: _Seen) -> Iterator[Mistake]:
 def _drives_since_turn(seen: _Seen, hit_ns: int) -> int:
     """Return how many drives began between the last turn before a wall was hit, and that."""
     commands = [command for command in seen.run.trajectory.commands if command.t_ns <= hit_ns]
-    last = max((at for at, command in enumerate(commands) if _turns(command)), default=len(commands))
+    last = max((at for at, command in enumerate(commands) if is_turn(command)), default=len(commands))
     return times_begun(map(is_motion, commands[last + 1 :]))
 
 
@@ -364,9 +359,9 @@ def _is_endless(seen: _Seen, widest_rad: float, by_pose: bool) -> bool:
 def _drove_first(seen: _Seen) -> bool:
     """Whether the script commanded drives and then turns on the spot, with no more than jolts between these."""
     moves = moves_of(seen.run.trajectory)
-    turned_ns = next((command.t_ns for command in moves if _turns(command)), 0)
+    turned_ns = next((command.t_ns for command in moves if is_turn(command)), 0)
     longest_m, after_m = (max(_drives_m(seen.run, since), default=0.0) for since in (0, turned_ns))
-    return longest_m > _SEEN_M >= after_m and not any(map(_is_arc, moves))
+    return longest_m > _SEEN_M >= after_m and not any(map(is_arc, moves))
 
 
 def _circling(seen: _Seen) -> bool:
@@ -402,7 +397,7 @@ def _is_one_side(seen: _Seen) -> bool:
     """Whether the car, correcting its heading on the way, drove one side and then stood still."""
     drive, headings = seen.driven.drive, seen.driven.drive.path.heading_rad
     straight = float(np.ptp(headings)) < _CORNER_RAD and float(drive.path.along_m[-1]) > _SEEN_M
-    turned = any(map(_turns, moves_of(seen.run.trajectory)))
+    turned = any(map(is_turn, moves_of(seen.run.trajectory)))
     return straight and turned and not drive.cut_short and not seen.run.trajectory.contacts
 
 
@@ -415,7 +410,7 @@ def _too_few(run: Run) -> str:
 
 def _drives_blindly(seen: _Seen) -> bool:
     """Whether the corners fail on a car that slips, and no command ever corrects the heading on the way."""
-    blind = seen.run.trajectory.commands and not any(map(_is_arc, moves_of(seen.run.trajectory)))
+    blind = seen.run.trajectory.commands and not any(map(is_arc, moves_of(seen.run.trajectory)))
     wrong = any(seen.loses("corner_deg", corner) for corner in seen.driven.corners_deg.tolist())
     return bool(blind) and wrong and not seen.rigid
 
@@ -431,7 +426,7 @@ def _arcs(seen: _Seen, figure: PolygonFigure) -> Mistake:
     """Say how much was driven in arcs, either because that was commanded or because the car slips."""
     if _is_astray(figure):
         return _astray(seen, figure)
-    code = "arcs" if any(map(_is_arc, moves_of(seen.run.trajectory))) else "slipped"
+    code = "arcs" if any(map(is_arc, moves_of(seen.run.trajectory))) else "slipped"
     spoilt = _SHAPE if figure.curved_share > MOSTLY_ROUND_SHARE else ("curved_pct", *_LENGTHS, "gap_pct")
     return mistake(code, spoilt, share=number(100.0 * figure.curved_share, "%"))
 
@@ -449,10 +444,6 @@ def _astray(seen: _Seen, figure: PolygonFigure) -> Mistake:
     return mistake(code, _SHAPE, share=number(100.0 * figure.strayed_share, "%"))
 
 
-def _is_arc(command: Command) -> bool:
-    return abs(command.v_mps) > MOVING_MPS and abs(command.w_radps) > MOVING_RADPS
-
-
 def _long_way(seen: _Seen, values: Mapping[str, object]) -> Mistake:
     """Recognise corners that go the long way round: by a wrong difference of angles, or for too long."""
     turned_deg = seen.driven.turned_deg
@@ -465,7 +456,7 @@ def _long_way(seen: _Seen, values: Mapping[str, object]) -> Mistake:
 
 def _backed_sides(seen: _Seen) -> Iterator[Mistake]:
     """Recognise corners that are off because some of the sides were backed: what is drawn is then no turn."""
-    speeds = [one.v_mps for one in moves_of(seen.run.trajectory) if abs(one.v_mps) > MOVING_MPS]
+    speeds = [one.v_mps for one in moves_of(seen.run.trajectory) if is_drive(one)]
     changes = sum(before * after < 0.0 for before, after in itertools.pairwise(speeds))
     off = any(seen.loses("corner_deg", corner) for corner in seen.driven.corners_deg.tolist())
     if off and changes > 1 and _BACKED < share_backwards(seen.run) < 1.0 - _BACKED:
@@ -521,7 +512,7 @@ def _turn_advice(seen: _Seen, by_time: str) -> Text:
 
 def _both_ways(seen: _Seen) -> bool:
     """Whether the script turned left and right; else a corner to the other side is a turn of more than half."""
-    rates = [command.w_radps for command in moves_of(seen.run.trajectory) if _turns(command)]
+    rates = [command.w_radps for command in moves_of(seen.run.trajectory) if is_turn(command)]
     return not rates or min(rates) < 0.0 < max(rates)
 
 
