@@ -7,7 +7,7 @@ applied re-grade is undone by letting those stand again that it replaced.
 
 import json
 import secrets
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime
 from typing import Any
@@ -42,8 +42,6 @@ from grader.store.work import announcement_of
 _BEHIND_FRESH = 10
 _ID_BYTES = 6
 _REMEMBERED = 20  # re-grades whose changes are kept in memory
-
-
 _OF_GRADING: tuple[type[SQLModel], ...] = (TrajectoryRow, GradedMistakeRow, GradedItemRow, GradingRow)
 _Mark = tuple[Any, ...]
 _ENDS = (SubmissionState.GRADED.value, SubmissionState.INFRASTRUCTURE_ERROR.value)
@@ -143,18 +141,11 @@ class Regrades(StorePart):
         Raises:
             RegradeError: ``unknown``; ``decided``: applied or discarded before; ``waiting``: trials still run.
         """
-
-        def adopt_all(session: Session, row: RegradeRow, trials: list[_Trial]) -> None:
-            if any(trial.waits for trial in trials):
-                raise RegradeError("waiting", "not every trial grading is made yet")
-            for trial in _adopt(session, trials, row.id):
-                _note_change(session, trial.change, row, signed, reason)
-
-        return self._decide(regrade_id, signed, reason, RegradeState.APPLIED, adopt_all)
+        return self._decide(regrade_id, signed, reason, RegradeState.APPLIED)
 
     def discard(self, regrade_id: str, signed: Signature, reason: str) -> Regrade:
         """Drop the trial gradings. Raises as `apply` does, but trials may still run."""
-        return self._decide(regrade_id, signed, reason, RegradeState.DISCARDED, lambda *_: None)
+        return self._decide(regrade_id, signed, reason, RegradeState.DISCARDED)
 
     def undo(self, regrade_id: str, signed: Signature, reason: str) -> Regrade:
         """Undo an applied re-grade: the gradings from before it count again.
@@ -215,14 +206,7 @@ class Regrades(StorePart):
         )
         return tuple(_past(*row) for row in self._rows(statement))
 
-    def _decide(
-        self,
-        regrade_id: str,
-        signed: Signature,
-        reason: str,
-        state: RegradeState,
-        act: Callable[[Session, RegradeRow, list[_Trial]], None],
-    ) -> Regrade:
+    def _decide(self, regrade_id: str, signed: Signature, reason: str, state: RegradeState) -> Regrade:
         with self._database.writing() as session:
             row = _locked(session, regrade_id, signed.course)
             if row.state != RegradeState.OPEN.value:
@@ -230,7 +214,9 @@ class Regrades(StorePart):
             _hold(session, row.id)
             trials = _trials_of(session, row.id)
             outcome = _regrade(session, row, trials)
-            act(session, row, trials)
+            if state is RegradeState.APPLIED:
+                for trial in _adopt(session, trials, row.id):
+                    _note_change(session, trial.change, row, signed, reason)
             _delete_trials(session, row.id)
             row.state, row.reason = state.value, reason
             row.decided_at, row.decided_by = signed.at, signed.actor
@@ -394,14 +380,18 @@ def _past(grading: GradingRow, regrade: RegradeRow | None, standing: int | None)
     )
 
 
+def _originals(regrade_id: str) -> Select[str | None]:
+    """Select the submissions that the trials of a re-grade are made of."""
+    return select(col(SubmissionRow.original)).where(col(SubmissionRow.regrade) == regrade_id)
+
+
 def _trials_of(session: Session, regrade_id: str) -> list[_Trial]:
     """Return the trials of a re-grade in order of student and arrival."""
     rows = session.execute(select(SubmissionRow).where(col(SubmissionRow.regrade) == regrade_id)).scalars()
     trials = {row.original: row for row in rows}
-    of_regrade = select(col(SubmissionRow.original)).where(col(SubmissionRow.regrade) == regrade_id)
     statement = (
         select(SubmissionRow)
-        .where(col(SubmissionRow.id).in_(of_regrade))
+        .where(col(SubmissionRow.id).in_(_originals(regrade_id)))
         .order_by(col(SubmissionRow.student), col(SubmissionRow.received_at), col(SubmissionRow.id))
     )
     originals = list(session.execute(statement).scalars())
@@ -430,8 +420,9 @@ def _trials_of(session: Session, regrade_id: str) -> list[_Trial]:
 
 def _hold(session: Session, regrade_id: str) -> None:
     """Lock the trials of a re-grade and their originals: a result that comes now waits until they are gone."""
-    trial = select(col(SubmissionRow.original)).where(col(SubmissionRow.regrade) == regrade_id)
-    concerned = or_(col(SubmissionRow.regrade) == regrade_id, col(SubmissionRow.id).in_(trial))
+    concerned = or_(
+        col(SubmissionRow.regrade) == regrade_id, col(SubmissionRow.id).in_(_originals(regrade_id))
+    )
     in_order = select(col(SubmissionRow.id)).where(concerned).order_by(col(SubmissionRow.id))
     session.execute(in_order.with_for_update()).all()
 
@@ -441,7 +432,12 @@ def _adopt(session: Session, trials: Sequence[_Trial], regrade_id: str) -> list[
 
     Failed trials are left out, and those whose submission is being graded right now. The number of statements does
     not grow with the number of trials, because other writers of a SQLite database wait meanwhile.
+
+    Raises:
+        RegradeError: ``waiting``: trials still run.
     """
+    if any(trial.waits for trial in trials):
+        raise RegradeError("waiting", "not every trial grading is made yet")
     adopted = [one for one in trials if not one.failed and one.original.state in _ENDS]
     for table in reversed(_OF_GRADING):
         session.execute(_copy(table, regrade_id))
@@ -457,12 +453,8 @@ def _adopt(session: Session, trials: Sequence[_Trial], regrade_id: str) -> list[
 
 def _judged_ones(regrade_id: str) -> Select[str]:
     """Select which submissions of a re-grade have judgements by people."""
-    of_regrade = select(col(SubmissionRow.original)).where(col(SubmissionRow.regrade) == regrade_id)
-    return (
-        select(col(JudgementRow.submission_id))
-        .distinct()
-        .where(col(JudgementRow.submission_id).in_(of_regrade))
-    )
+    ids = col(JudgementRow.submission_id)
+    return select(ids).distinct().where(ids.in_(_originals(regrade_id)))
 
 
 def _copy(table: type[SQLModel], regrade_id: str) -> Insert:
