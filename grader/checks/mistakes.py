@@ -25,7 +25,7 @@ from grader.messages import join, say
 from grader.messages.details import explained
 from grader.messages.exceptions import meaning
 from grader.messages.quantity import number
-from grader.messages.script import ScriptText
+from grader.messages.script import NOT_ZERO, ScriptText
 
 _IN_THREAD = re.compile(r"[^:]*?(?:, line (\d{1,7}))?: (\w+)(?:: (.*))?", re.DOTALL | re.ASCII)
 _SPACE = Text(zh="", en=" ")
@@ -61,7 +61,6 @@ _WRONG_GUARD = re.compile(
     r"^if[ \t]+__name__[ \t]*==[ \t]*[\"'](?!__main__[\"'])([^\"'\n]{0,30})[\"']", re.MULTILINE
 )
 _UNAWAITED = re.compile(r"coroutine '(?:\w+\.)?(\w+)' was never awaited")
-_ZERO = r" ?-?[0.]+ ?(;|$)"
 _ONE_CALL = 2  # commands that one call of a callback publishes
 TOO_BRIEF_NS = 50_000_000  # three updates of turtlesim
 MANY_MOTIONS = 40  # more than the sides and corners of any figure, driven twice
@@ -626,7 +625,7 @@ def _only_zeros(run: Run) -> Mistake:
         return empty
     if run.outcome.command_count <= _ONE_CALL and (cancels := script.lines_with(r"\btimer\w*\.cancel\(")):
         return mistake("timer_cancelled", line=cancels[0])
-    if not script.lines_with(rf"\.(linear\.x|angular\.z) ?=(?!=)(?!{_ZERO})"):
+    if not script.lines_with(rf"\.(linear\.x|angular\.z) ?{NOT_ZERO}"):
         return mistake("zero_commands")
     heard = run.outcome.heard
     if any(name.endswith("/pose") for name in heard) and script.lines_with(r"\.(x|y|theta)\b"):
@@ -639,7 +638,7 @@ def _only_zeros(run: Run) -> Mistake:
 
 def _empty_message(script: ScriptText) -> Mistake | None:
     """Recognise a script that fills a message and publishes another one, or fills it too late."""
-    filled = script.lines_with(rf"\.(linear\.x|angular\.z) ?=(?!=)(?!{_ZERO})")
+    filled = script.lines_with(rf"\.(linear\.x|angular\.z) ?{NOT_ZERO}")
     publishes = script.lines_with(r"\.publish\(")
     fresh = script.lines_with(r"\.publish\( ?Twist\( ?\) ?\)")
     if not filled or not publishes:

@@ -40,6 +40,9 @@ _HIDES: Final = re.compile(r"\bexcept ?:|\b((Base)?Exception|AssertionError|Type
 
 _MOST_CALLS: Final = 12
 
+NOT_ZERO: Final = r"=(?!=)(?! ?-?[0.]+ ?(?:[;\n]|$))"
+"""Behind a name: an assignment of anything but a plain 0."""
+
 LONGEST_NAME: Final = 60
 """Of the names that are compared for being alike, which takes the square of their lengths."""
 

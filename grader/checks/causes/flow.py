@@ -11,20 +11,20 @@ from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import not_called
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
-from grader.messages.script import Callback, Definition, ScriptText
+from grader.messages.script import NOT_ZERO, Callback, Definition, ScriptText
 
 _HARMLESS: Final = r"(?i)log|print|wait|sleep|stop|clean|close|exit|shut|finish|done|handler|signal|__"
 """Names of functions that may be empty without harm to a motion."""
-_MOTION: Final = r"\.(linear\.x|angular\.z) ?[-+]?=(?!=)(?! ?-?[0.]+ ?(;|\n|$))"
+_MOTION: Final = rf"\.(linear\.x|angular\.z) ?[-+]?{NOT_ZERO}"
 _AXES: Final = (r"linear\.x", r"angular\.z")
 _ENDS: Final = re.compile(r"\b(shutdown|destroy_timer|destroy_node|cancel|exit)\(|^raise SystemExit")
 _DIGITS: Final = str.maketrans("lIOo", "1100")
 _TURNS: Final = r"(?i)turn(?!le)|rotat|spin|left|right|corner|zhuan|转"
 _MOST_DEAD: Final = 20  # functions that are looked at, each with all that it would run
 _WANTED: Final = {
-    "no_turns": r"\.angular\.z ?=(?!=)(?! ?-?[0.]+ ?(;|$))",
-    "no_drive": r"\.linear\.x ?=(?!=)(?! ?-?[0.]+ ?(;|$))",
-    "only_stops": r"\.(linear\.x|angular\.z) ?=(?!=)(?! ?-?[0.]+ ?(;|$))",
+    "no_turns": rf"\.angular\.z ?{NOT_ZERO}",
+    "no_drive": rf"\.linear\.x ?{NOT_ZERO}",
+    "only_stops": rf"\.(linear\.x|angular\.z) ?{NOT_ZERO}",
 }
 """What a script does somewhere that did not happen; of the other mistakes, a publish."""
 _ASKED: Final = r"\bself\.(\w+) is None\b|\bnot self\.(\w+)(?!\()\b"
@@ -134,7 +134,7 @@ def branch_without_publish(seen: Searched) -> Mistake | None:
     for timer in script.functions_called_back("timer"):
         block = script.block(timer.begins)
         for line, text in enumerate(block, start=timer.begins):
-            filled = re.match(rf"[ \t]*(\w+)\.{field} ?=(?!=)(?! ?-?[0.]+ ?(;|$))", text)
+            filled = re.match(rf"[ \t]*(\w+)\.{field} ?{NOT_ZERO}", text)
             if filled is None or not any(re.match(rf"[ \t]*{filled[1]} ?= ?Twist\(", one) for one in block):
                 continue
             later = [at for at in script.lines_with(r"\.publish\(|\w\(.*\b" + filled[1]) if at > line]

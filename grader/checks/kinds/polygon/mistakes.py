@@ -45,7 +45,7 @@ from grader.geometry.figure import PolygonFigure
 from grader.geometry.path import MIN_TURN_RAD, median
 from grader.messages import say
 from grader.messages.quantity import listed, number
-from grader.messages.script import ScriptText
+from grader.messages.script import NOT_ZERO, ScriptText
 
 ONE_RADIAN_DEG = math.degrees(1.0)
 NEAR_DEG = 6.0  # corners this close to the wanted ones show that this figure was meant
@@ -62,7 +62,7 @@ _DRIVES = ("distance_m", *_LENGTHS, "gap_pct")
 _EQUAL_DRIVES = ("distance_m", "side_error_pct")
 _EQUAL_RATIO = 1.02  # of the longest to the shortest drive: a third of what costs points
 _SHAPE = ("sides", "corner_deg", *_LENGTHS, "gap_pct", "curved_pct", "opposite_corners", "settled")
-_TURN_WRITTEN = r"\.angular\.z ?=(?!=)(?! ?-?[0.]+ ?(;|$))"
+_TURN_WRITTEN = rf"\.angular\.z ?{NOT_ZERO}"
 _FAR_OFF_DEG = 15.0  # turns this much too short lead the car away from the wanted figure
 _CORNER_RAD = math.radians(30.0)  # less is a correction of the heading on the way
 _LONGER = 1.5  # times the first side: otherwise all sides may just be too long
@@ -138,7 +138,7 @@ def polygon_mistakes(
 
 def _never_drives(run: Run) -> bool:
     """Whether the script's text has no linear speed that is not 0."""
-    written = r"\.linear\.x ?[-+]?=(?!=)(?! ?-?[0.]+ ?(;|$))|\blinear ?=(?!=)|\bVector3\("
+    written = rf"\.linear\.x ?[-+]?{NOT_ZERO}|\blinear ?=(?!=)|\bVector3\("
     script = ScriptText(run.source)
     return script.has_code and script.is_short and not script.lines_with(written)
 
