@@ -4,14 +4,7 @@ import argparse
 import sys
 
 from grader.commands.options import add_language_option, tell
-from grader.commands.storage import (
-    OpenedStore,
-    actor,
-    add_course_option,
-    add_data_option,
-    chosen_course,
-    opened,
-)
+from grader.commands.storage import actor, add_course_option, add_data_option, chosen_course, opened
 from grader.contracts.errors import CourseError, GraderError, RefusedError
 from grader.contracts.platform import NewPlatform
 from grader.contracts.text import Text
@@ -74,12 +67,11 @@ def run(arguments: argparse.Namespace) -> int:
             _rotate(platforms, arguments)
             return 0
         course = chosen_course(storage, arguments.course)
-        action = {"list": _list, "add": _add, "remove": _remove}[arguments.action]
-        action(storage, platforms, course, arguments)
+        {"list": _list, "add": _add, "remove": _remove}[arguments.action](platforms, course, arguments)
     return 0
 
 
-def _list(_: OpenedStore, platforms: Platforms, course: str, arguments: argparse.Namespace) -> None:
+def _list(platforms: Platforms, course: str, arguments: argparse.Namespace) -> None:
     links = platforms.links(course)
     for one in platforms.of_course(course):
         sys.stdout.write(f"{one.id}\t{one.title}\t{one.issuer}\t{one.client_id}\t{one.deployment}\n")
@@ -90,7 +82,7 @@ def _list(_: OpenedStore, platforms: Platforms, course: str, arguments: argparse
                 sys.stdout.write("\t" + "\t".join(columns) + "\n")
 
 
-def _add(_: OpenedStore, platforms: Platforms, course: str, arguments: argparse.Namespace) -> None:
+def _add(platforms: Platforms, course: str, arguments: argparse.Namespace) -> None:
     new = NewPlatform(**{name: getattr(arguments, name).strip() for name in NewPlatform.__dataclass_fields__})
     field = wrong_field(new)
     if field is not None:
@@ -106,7 +98,7 @@ def _add(_: OpenedStore, platforms: Platforms, course: str, arguments: argparse.
     sys.stdout.write(f"{added.id}\n")
 
 
-def _remove(_: OpenedStore, platforms: Platforms, course: str, arguments: argparse.Namespace) -> None:
+def _remove(platforms: Platforms, course: str, arguments: argparse.Namespace) -> None:
     if not platforms.remove(arguments.platform, Signature(utc_now(), course, actor())):
         raise CourseError(_NOT_THERE.en, _NOT_THERE.zh)
     tell(arguments, zh="已移除", en="removed")
