@@ -58,8 +58,11 @@ def _timer(script: ScriptText) -> _Timer | None:
     return _Timer(timers[0].name, timers[0].begins, period_s) if period_s and period_s > 0.0 else None
 
 
-def _limits(timer: _Timer, script: ScriptText) -> Iterator[_Limit]:
-    """Yield the conditions in the timer's callback that compare a count of its ticks with a known number."""
+def _limits(script: ScriptText) -> Iterator[_Limit]:
+    """Yield the conditions in the only timer's callback that compare a count of its ticks with a known number."""
+    timer = _timer(script)
+    if timer is None:
+        return
     for line, text in enumerate(script.block(timer.begins), start=timer.begins):
         found = re.search(r"\bif ([\w.]+) ?(?:<=?|>=?|==) ?([\w.]+) ?:", text)
         count = value_of(found[2], script) if found and counted_each_tick(found[1], script) else None
@@ -69,11 +72,8 @@ def _limits(timer: _Timer, script: ScriptText) -> Iterator[_Limit]:
 
 def counts_ticks(seen: Searched) -> Mistake | None:
     """Find a count of a timer's ticks whose limit is the number of seconds that the motion should take."""
-    timer = _timer(seen.script)
-    if timer is None or timer.period_s >= 1.0:
-        return None
-    for limit in _limits(timer, seen.script):
-        early = limit.took_s <= _EARLY_S or limit.ticks <= _FEW_TICKS
+    for limit in _limits(seen.script):
+        early = limit.period_s < 1.0 and (limit.took_s <= _EARLY_S or limit.ticks <= _FEW_TICKS)
         if early and not _only_logs(limit, seen.script) and _meant_seconds(limit, seen):
             return _told("counts_ticks", limit)
     return None
@@ -110,11 +110,9 @@ def _only_logs(limit: _Limit, script: ScriptText) -> bool:
 
 def ticks_too_long(seen: Searched) -> Mistake | None:
     """Find a count of ticks that takes longer than the run, or as long as the longest motion in it."""
-    timer, ended = _timer(seen.script), seen.run.outcome
-    if timer is None:
-        return None
+    ended = seen.run.outcome
     longest_ns = max((lasted_ns for _, lasted_ns in motions_of(seen.run.trajectory)), default=0)
-    for limit in _limits(timer, seen.script):
+    for limit in _limits(seen.script):
         beyond = ended.status is RunStatus.INTERRUPTED and limit.took_s * 1e9 > ended.duration_ns
         too_long = beyond or (limit.fits(longest_ns) and limit.took_s >= _LONG_S)
         if too_long and not _only_logs(limit, seen.script):
@@ -151,10 +149,7 @@ def count_not_reset(seen: Searched) -> Mistake | None:
 
     If that one comes at a higher count, both may be meant as instants on one scale.
     """
-    timer = _timer(seen.script)
-    if timer is None:
-        return None
-    limits = list(_limits(timer, seen.script))
+    limits = list(_limits(seen.script))
     for limit in limits:
         same = [other for other in limits if other.name == limit.name]
         zeroed = [other for other in same if sets(limit.name, other.line, seen.script)]

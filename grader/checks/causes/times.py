@@ -59,13 +59,17 @@ def start_once(seen: Searched) -> Mistake | None:
     for line, found in list(seen.script.matches(rf"^(?:[ \t]*(self\.)|)(\w+) ?= ?.*{CLOCK}"))[:_MOST_CLOCKS]:
         owner, name = found[1] or "", found[2]
         once = not owner or seen.script.assigned(name) is not None
-        waits = seen.script.lines_with(rf"\bwhile\b.*{itself(owner + name)}")
-        waits = [at for at in waits if not _guards(seen.script.lines[at - 1])]
-        waits = waits if owner else [at for at in waits if not _assigns(name, at, seen.script)]
-        waits = waits if owner else [at for at in waits if _runs_again(at, seen.script)]
+        timed_loops = [
+            at
+            for at in seen.script.lines_with(rf"\bwhile\b.*{itself(owner + name)}")
+            if not _guards(seen.script.lines[at - 1])
+            and (owner or (not _assigns(name, at, seen.script) and _runs_again(at, seen.script)))
+        ]
         around = "__init__" if owner else ""
         here = once and seen.script.function_around(line) == around
-        if here and (len(waits) > bool(owner) or (owner and _counts_motions(owner + name, seen.script))):
+        if here and (
+            len(timed_loops) > bool(owner) or (owner and _counts_motions(owner + name, seen.script))
+        ):
             return mistake("start_once", line=line, name=owner + name, again=found.string.strip())
     return None
 
@@ -167,14 +171,14 @@ def start_kept(seen: Searched) -> Mistake | None:
                 anew[taken[1]] = taken[0].strip()
             elif re.search(r"^[ \t]*self\.\w+ ?=(?!=)", inside, re.MULTILINE):
                 kept.append((line, text))
-        name, again = anew.popitem() if len(anew) == 1 else ("", "")
+        name, renewal = anew.popitem() if len(anew) == 1 else ("", "")
         late = [
             line
             for line, text in kept
             if name and _passed(text, name, block) and not sets(name, line, seen.script)
         ]
         if len(late) == 1:
-            return mistake("start_kept", line=late[0], name=name, again=again)
+            return mistake("start_kept", line=late[0], name=name, again=renewal)
     return None
 
 
@@ -239,10 +243,10 @@ def publish_behind_loop(seen: Searched) -> Mistake | None:
     """Find a loop that only lets the time of a motion pass, and a publish behind it that belongs into it."""
     for loop in seen.script.lines_with(rf"^[ \t]*while\b.*{CLOCK}"):
         body = seen.script.body(loop)
-        waits = bool(body) and all(re.match(r"(time\.)?sleep\(|pass$", text) for _, text in body)
+        only_waits = bool(body) and all(re.match(r"(time\.)?sleep\(|pass$", text) for _, text in body)
         behind = loop + len(seen.script.block(loop))
         text = seen.script.lines[behind - 1] if behind <= len(seen.script.lines) else ""
-        if waits and re.match(r"[ \t]*[\w.]+\.publish\( ?\w+ ?\)$", text):
+        if only_waits and re.match(r"[ \t]*[\w.]+\.publish\( ?\w+ ?\)$", text):
             return mistake("publish_behind_loop", line=behind, loop=loop)
     return None
 
