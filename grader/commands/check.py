@@ -28,7 +28,7 @@ from grader.contracts.errors import (
     UnknownAssignmentError,
 )
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.contracts.text import Language, Text
+from grader.contracts.text import Language
 from grader.grading.slot import Slot, SlotConfig
 
 if TYPE_CHECKING:
@@ -130,12 +130,10 @@ def read_source(path: Path) -> bytes:
     except OSError as error:
         raise file_error("unreadable", str(path), error) from error
     if len(source) > MAX_SOURCE_BYTES:
-        raise RefusedError(
+        raise RefusedError.saying(
             "too_large",
-            Text(
-                zh=f"{path}：文件超过 {MAX_SOURCE_BYTES} 字节",
-                en=f"{path}: the file has more than {MAX_SOURCE_BYTES} bytes",
-            ),
+            zh=f"{path}：文件超过 {MAX_SOURCE_BYTES} 字节",
+            en=f"{path}: the file has more than {MAX_SOURCE_BYTES} bytes",
         )
     check_source(source)
     return source
@@ -193,20 +191,16 @@ def _check_input(arguments: argparse.Namespace, assignment: Assignment) -> None:
     if assignment.input != "text":
         return
     if arguments.plot is not None:
-        raise RefusedError(
+        raise RefusedError.saying(
             "plot_text",
-            Text(
-                zh=f"作业 {assignment.id} 交的是文字，没有轨迹可画",
-                en=f"{assignment.id} is answered by a text: there is nothing to plot",
-            ),
+            zh=f"作业 {assignment.id} 交的是文字，没有轨迹可画",
+            en=f"{assignment.id} is answered by a text: there is nothing to plot",
         )
     if arguments.record is not None:
-        raise RefusedError(
+        raise RefusedError.saying(
             "record_text",
-            Text(
-                zh=f"作业 {assignment.id} 交的是文字，没有运行可记录",
-                en=f"{assignment.id} is answered by a text: there is no run to record",
-            ),
+            zh=f"作业 {assignment.id} 交的是文字，没有运行可记录",
+            en=f"{assignment.id} is answered by a text: there is no run to record",
         )
 
 

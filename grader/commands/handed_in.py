@@ -125,12 +125,10 @@ def _refusal(folder: Path, paths: list[Path], endings: Sequence[str]) -> Refused
         there = ", ".join(path.name for path in _files(folder)[:_SHOWN_NAMES])
         zh = f"没有交上来以 {kinds.zh} 结尾的文件" + (f"，只有：{there}。" if there else "。")
         en = f"no file that ends in {kinds.en} was handed in" + (f", only: {there}" if there else "")
-        return RefusedError("wrong_file_type", Text(zh=zh + "请交一个文件。", en=f"{en}; hand in one file"))
+        return RefusedError.saying("wrong_file_type", zh=zh + "请交一个文件。", en=f"{en}; hand in one file")
     names = ", ".join(path.name for path in paths[:_SHOWN_NAMES])
-    return RefusedError(
+    return RefusedError.saying(
         "several_files",
-        Text(
-            zh=f"交了 {len(paths)} 个文件（{names}），看不出要评哪一个：请只交一个。",
-            en=f"{len(paths)} files were handed in ({names}), and nothing tells which to grade: hand in one",
-        ),
+        zh=f"交了 {len(paths)} 个文件（{names}），看不出要评哪一个：请只交一个。",
+        en=f"{len(paths)} files were handed in ({names}), and nothing tells which to grade: hand in one",
     )

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.text import Text, trouble
+from grader.contracts.text import trouble
 
 if TYPE_CHECKING:
     from grader.contracts.figure import PictureForm
@@ -19,12 +19,10 @@ def check_plot_path(path: Path) -> None:
         RefusedError: its name does not end in .png or .svg, or its folder does not exist.
     """
     if path.suffix.lower() not in (".png", ".svg"):
-        raise RefusedError(
+        raise RefusedError.saying(
             "plot_format",
-            Text(
-                zh=f"--plot {path}：文件名要以 .png 或 .svg 结尾",
-                en=f"--plot {path}: the name must end in .png or .svg",
-            ),
+            zh=f"--plot {path}：文件名要以 .png 或 .svg 结尾",
+            en=f"--plot {path}: the name must end in .png or .svg",
         )
     require_folder("--plot", path)
 
@@ -36,22 +34,18 @@ def check_bag_path(path: Path) -> None:
         RefusedError: its name does not end in .mcap, its folder or the package that writes bags does not exist.
     """
     if path.suffix.lower() != ".mcap":
-        raise RefusedError(
+        raise RefusedError.saying(
             "record_format",
-            Text(
-                zh=f"--record {path}：文件名要以 .mcap 结尾",
-                en=f"--record {path}: the name must end in .mcap",
-            ),
+            zh=f"--record {path}：文件名要以 .mcap 结尾",
+            en=f"--record {path}: the name must end in .mcap",
         )
     require_folder("--record", path)
     if find_spec("mcap") is None:
-        raise RefusedError(
+        raise RefusedError.saying(
             "bags_not_installed",
-            Text(
-                zh="--record 需要没有安装的软件包 mcap：安装 grader 时请带上附加项 bags，或运行 pip install mcap",
-                en="--record needs the package mcap, which is not installed: install the grader with its extra "
-                "bags, or run pip install mcap",
-            ),
+            zh="--record 需要没有安装的软件包 mcap：安装 grader 时请带上附加项 bags，或运行 pip install mcap",
+            en="--record needs the package mcap, which is not installed: install the grader with its extra "
+            "bags, or run pip install mcap",
         )
 
 
@@ -63,12 +57,10 @@ def require_folder(option: str, path: Path) -> None:
     """
     folder = path.resolve().parent
     if not folder.is_dir():
-        raise RefusedError(
+        raise RefusedError.saying(
             "no_folder",
-            Text(
-                zh=f"{option} {path}：没有文件夹 {folder}",
-                en=f"{option} {path}: the folder {folder} does not exist",
-            ),
+            zh=f"{option} {path}：没有文件夹 {folder}",
+            en=f"{option} {path}: the folder {folder} does not exist",
         )
 
 

@@ -240,7 +240,7 @@ def _accepted(response: httpx.Response) -> httpx.Response:
             f"{response.url} 回答了 {response.status_code}：--server 是不是评分服务的地址？",
         ) from None
     zh, en = ("\n".join(visible(str(one)) for one in (*lines, fix.get(lang)) if one) for lang in LANGUAGES)
-    raise RefusedError(code, Text(zh=zh, en=en))
+    raise RefusedError.saying(code, zh=zh, en=en)
 
 
 def _check_address(server: str) -> None:
@@ -250,12 +250,10 @@ def _check_address(server: str) -> None:
     except httpx.InvalidURL:
         usable = False
     if not usable:
-        raise RefusedError(
+        raise RefusedError.saying(
             "server",
-            Text(
-                zh=f"--server {server}：不是服务器地址，例如 https://grader.example.org",
-                en=f"--server {server}: this is no address such as https://grader.example.org",
-            ),
+            zh=f"--server {server}：不是服务器地址，例如 https://grader.example.org",
+            en=f"--server {server}: this is no address such as https://grader.example.org",
         )
 
 
@@ -278,12 +276,10 @@ def _authorization(arguments: argparse.Namespace) -> dict[str, str]:
         return {}
     address = urlsplit(arguments.server)
     if address.scheme != "https" and not is_loopback(address.hostname or ""):
-        raise RefusedError(
+        raise RefusedError.saying(
             "token",
-            Text(
-                zh=f"{arguments.server} 没有加密：令牌只能通过 https 发送",
-                en=f"{arguments.server} is not encrypted: a token goes over https only",
-            ),
+            zh=f"{arguments.server} 没有加密：令牌只能通过 https 发送",
+            en=f"{arguments.server} is not encrypted: a token goes over https only",
         )
     if not (token.isascii() and token.isprintable()) or " " in token:
         raise RefusedError("token", _NO_TOKEN)

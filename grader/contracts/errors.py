@@ -122,6 +122,13 @@ class RefusedError(GraderError):
         self.retry_after_s = retry_after_s
         self.members: dict[str, Any] = members
 
+    @classmethod
+    def saying(cls, code: str, *, zh: str, en: str, **members: Any) -> Self:
+        """Return the refusal that says in these words what happened."""
+        from grader.contracts.text import Text
+
+        return cls(code, Text(zh=zh, en=en), **members)
+
 
 class CourseError(GraderError):
     """A course, its people or its rules cannot be changed as asked.

@@ -43,31 +43,25 @@ def check_source(source: bytes, max_bytes: int = MAX_SOURCE_BYTES) -> None:
             ``wrong_file_type``; the message says where.
     """
     if len(source) > max_bytes:
-        raise RefusedError(
+        raise RefusedError.saying(
             "too_large",
-            Text(
-                zh=f"文件有 {len(source)} 字节，最多接受 {max_bytes} 字节。",
-                en=f"the file has {len(source)} bytes; at most {max_bytes} are accepted",
-            ),
+            zh=f"文件有 {len(source)} 字节，最多接受 {max_bytes} 字节。",
+            en=f"the file has {len(source)} bytes; at most {max_bytes} are accepted",
             field="file",
         )
     if not source.removeprefix(b"\xef\xbb\xbf").strip():
-        raise RefusedError(
+        raise RefusedError.saying(
             "empty",
-            Text(
-                zh="文件里什么也没有：提交之前保存了吗？",
-                en="the file is empty: was it saved before it was handed in?",
-            ),
+            zh="文件里什么也没有：提交之前保存了吗？",
+            en="the file is empty: was it saved before it was handed in?",
             field="file",
         )
     _check_kind(source)
     if (place := source.find(b"\0")) >= 0:
-        raise RefusedError(
+        raise RefusedError.saying(
             "contains_nul",
-            Text(
-                zh=f"第 {_line(source, place)} 行含有 NUL 字节，这不是文本文件。",
-                en=f"line {_line(source, place)} contains a NUL byte: this is not a text file",
-            ),
+            zh=f"第 {_line(source, place)} 行含有 NUL 字节，这不是文本文件。",
+            en=f"line {_line(source, place)} contains a NUL byte: this is not a text file",
             field="file",
         )
     _check_encoding(source)
@@ -76,24 +70,20 @@ def check_source(source: bytes, max_bytes: int = MAX_SOURCE_BYTES) -> None:
 def _check_kind(source: bytes) -> None:
     """Refuse what its first bytes tell to be no text in UTF-8."""
     if source.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise RefusedError(
+        raise RefusedError.saying(
             "not_utf8",
-            Text(
-                zh="文件是 UTF-16 编码（记事本里叫 Unicode）：请把文件另存为 UTF-8。",
-                en="this is UTF-16, which Notepad calls Unicode: save the file as UTF-8",
-            ),
+            zh="文件是 UTF-16 编码（记事本里叫 Unicode）：请把文件另存为 UTF-8。",
+            en="this is UTF-16, which Notepad calls Unicode: save the file as UTF-8",
             field="file",
         )
     if _NOTEBOOK_HEAD.match(source) and b'"cell_type"' in source:
         raise RefusedError("wrong_file_type", _NOTEBOOK, field="file")
     kind = next((kind for head, kind in _OTHER_FILES.items() if source.startswith(head)), None)
     if kind is not None:
-        raise RefusedError(
+        raise RefusedError.saying(
             "contains_nul",
-            Text(
-                zh=f"这是{kind.zh}，改名字没有用：请提交脚本或文字文件本身。",
-                en=f"this is {kind.en}, whatever its name ends in: hand in the script or text itself",
-            ),
+            zh=f"这是{kind.zh}，改名字没有用：请提交脚本或文字文件本身。",
+            en=f"this is {kind.en}, whatever its name ends in: hand in the script or text itself",
             field="file",
         )
 
@@ -127,7 +117,9 @@ def _check_encoding(source: bytes) -> None:
         else:
             zh = f"第 {line} 行有一个字节不是 UTF-8 编码（{byte}）。"
             en = f"line {line} contains a byte that is not UTF-8 ({byte})"
-        raise RefusedError("not_utf8", Text(zh=zh + _CONVERT.zh, en=en + _CONVERT.en), field="file") from None
+        raise RefusedError.saying(
+            "not_utf8", zh=zh + _CONVERT.zh, en=en + _CONVERT.en, field="file"
+        ) from None
 
 
 def _decodes(source: bytes, coding: str) -> bool:

@@ -9,7 +9,6 @@ from sqlmodel import Session, col
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import AuditEntry, no_course
-from grader.contracts.text import Text
 from grader.store.database import StorePart
 from grader.store.tables import AuditRow, CourseRow, as_contract
 
@@ -92,12 +91,10 @@ def require_open(session: Session, course: str | None) -> None:
     held = {"read": True, "key_share": True}
     row = None if course is None else session.get(CourseRow, course, with_for_update=held)
     if row is not None and row.archived_at is not None:
-        raise RefusedError(
+        raise RefusedError.saying(
             "course_archived",
-            Text(
-                zh=f"课程 {course} 已归档，只能查看；要修改请先取消归档。",
-                en=f"Course {course} is archived and can only be read; reopen it to change something.",
-            ),
+            zh=f"课程 {course} 已归档，只能查看；要修改请先取消归档。",
+            en=f"Course {course} is archived and can only be read; reopen it to change something.",
         )
 
 

@@ -10,7 +10,6 @@ from sqlmodel import Session, col
 from grader.contracts.errors import CourseError, RefusedError
 from grader.contracts.identity import Course, Member, Role, unknown_course, unknown_members
 from grader.contracts.regrade import RegradeState
-from grader.contracts.text import Text
 from grader.store.audit import Signature, record
 from grader.store.clock import TimedPart
 from grader.store.courses import add_course, add_members
@@ -205,10 +204,8 @@ def _require_decided(session: Session, course: str) -> None:
     )
     assignment = session.execute(undecided.limit(1)).scalar_one_or_none()
     if assignment is not None:
-        raise RefusedError(
+        raise RefusedError.saying(
             "regrade_open",
-            Text(
-                zh=f"作业 {assignment} 有未决定的重新评分：请先采用或放弃。",
-                en=f"{assignment} has an open re-grade: apply or discard it first.",
-            ),
+            zh=f"作业 {assignment} 有未决定的重新评分：请先采用或放弃。",
+            en=f"{assignment} has an open re-grade: apply or discard it first.",
         )

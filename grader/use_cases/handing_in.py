@@ -11,7 +11,6 @@ from grader.contracts.grading import SyntaxProblem
 from grader.contracts.identity import Caller, Role, is_person_id
 from grader.contracts.outcome import StudentError
 from grader.contracts.submission import NewSubmission, Submission
-from grader.contracts.text import Text
 from grader.contracts.upload import check_name, check_source, decoded
 from grader.formats.packages.bundle import bundled, files_of
 from grader.messages.exceptions import meaning
@@ -206,9 +205,10 @@ def _check_syntax(services: Services, owner: str, source: bytes, file_name: str)
 def too_large(limit: int) -> RefusedError:
     """Return the refusal of a file of more than `limit` bytes."""
     kib = limit // 1024
-    return RefusedError(
+    return RefusedError.saying(
         "too_large",
-        Text(zh=f"文件最大 {kib} KiB。", en=f"A file may have at most {kib} KiB."),
+        zh=f"文件最大 {kib} KiB。",
+        en=f"A file may have at most {kib} KiB.",
         field="file",
     )
 

@@ -9,7 +9,6 @@ import logging
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role
 from grader.contracts.platform import Platform
-from grader.contracts.text import Text
 from grader.messages import on_page
 from grader.outside.lti.registration import RegistrationError, register
 from grader.outside.signin.channel import is_confidential
@@ -68,7 +67,7 @@ def add_by_registration(services: Services, secret: str, configuration: str, tok
     except RegistrationError as error:
         place = configuration.partition("?")[0]  # what follows may be a secret of the platform's
         _log.warning("no registration with %s: %s", place, str(error).replace(configuration, place))
-        raise RefusedError("registration_failed", Text(zh=str(error), en=str(error))) from None
+        raise RefusedError.saying("registration_failed", zh=str(error), en=str(error)) from None
     if not services.platforms.end_invitation(secret):
         raise RefusedError("registration_over")
     return add_signed(services, new, signed)

@@ -51,11 +51,9 @@ def read_bounded(path: Path, most: int) -> bytes:
 
 
 def _too_many(folder: Path) -> RefusedError:
-    return RefusedError(
+    return RefusedError.saying(
         "bad_archive",
-        Text(
-            zh=f"{folder} 里的文件太多：请指明功能包自己的文件夹（里面有 package.xml）",
-            en=f"{folder} holds too many files: name the package's own folder, the one with package.xml",
-        ),
+        zh=f"{folder} 里的文件太多：请指明功能包自己的文件夹（里面有 package.xml）",
+        en=f"{folder} holds too many files: name the package's own folder, the one with package.xml",
         field="file",
     )

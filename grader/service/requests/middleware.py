@@ -22,7 +22,6 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.text import Text
 from grader.contracts.validation_words import SENT_TWICE
 from grader.operation import context
 from grader.operation.metrics import Metrics
@@ -262,8 +261,8 @@ async def single_parts(request: Request) -> None:
 
 def _too_long() -> RefusedError:
     kib = MOST_BYTES // 1024
-    return RefusedError(
-        "too_large", Text(zh=f"请求内容最大 {kib} KiB。", en=f"A request may have at most {kib} KiB.")
+    return RefusedError.saying(
+        "too_large", zh=f"请求内容最大 {kib} KiB。", en=f"A request may have at most {kib} KiB."
     )
 
 
