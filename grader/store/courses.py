@@ -115,8 +115,7 @@ class Courses(TimedPart):
         Raises:
             CourseError: no course has that id.
         """
-        with self._database.reading() as session:
-            row = session.get(CourseRow, course_id)
+        row = self._get(CourseRow, course_id)
         if row is None:
             raise unknown_course(course_id)
         return _course(row)

@@ -93,6 +93,7 @@ _IDLE_SINCE = "grader_idle_since_s"
 _KEY_BYTES = 8
 _IDS_AT_ONCE = 500  # below SQLite's limit of variables
 _One = TypeVar("_One")
+_RowOf = TypeVar("_RowOf", bound=SQLModel)
 _LOCK = select(func.pg_advisory_xact_lock(bindparam("key")))
 
 
@@ -212,6 +213,11 @@ class StorePart:
         """Return the first column of these rows, which may be whole objects."""
         with self._database.reading() as session:
             return session.execute(statement).scalars().all()
+
+    def _get(self, table: type[_RowOf], key: object) -> _RowOf | None:
+        """Return the row of a primary key, None where there is none."""
+        with self._database.reading() as session:
+            return session.get(table, key)
 
     def _finds(self, statement: Select[Any]) -> bool:
         """Whether a statement would find any row."""

@@ -207,9 +207,8 @@ class PastGradings(StorePart):
 
     def measurements(self, stored: StoredReport) -> Measurements | None:
         """Return the measurements of a grading, which its report does not contain; None if it is not stored."""
-        with self._database.reading() as session:
-            row = session.get(GradingRow, (stored.submission_id, stored.attempt))
-            return None if row is None else from_json(Measurements, row.measurements)
+        row = self._get(GradingRow, (stored.submission_id, stored.attempt))
+        return None if row is None else from_json(Measurements, row.measurements)
 
 
 def _of(submission_id: str) -> Select[GradingRow]:

@@ -157,10 +157,9 @@ class Identities(TimedPart):
 
     def held(self, secret: str) -> tuple[str, str] | None:
         """Return provider and subject of who was recognised; None when that is too long ago."""
-        with self._database.reading() as session:
-            row = session.get(RecognisedRow, digest_of(secret))
-            known = row is not None and row.expires_at > self._clock()
-            return (row.provider, row.subject) if row is not None and known else None
+        row = self._get(RecognisedRow, digest_of(secret))
+        known = row is not None and row.expires_at > self._clock()
+        return (row.provider, row.subject) if row is not None and known else None
 
     def let_go(self, secret: str) -> None:
         """Forget who was recognised."""

@@ -71,9 +71,8 @@ class Notices(TimedPart):
 
     def wishes(self, course: str) -> MailWishes:
         """Return what a course has e-mailed."""
-        with self._database.reading() as session:
-            row = session.get(MailWishesRow, course)
-            return _NO_WISHES if row is None else as_contract(row, MailWishes)
+        row = self._get(MailWishesRow, course)
+        return _NO_WISHES if row is None else as_contract(row, MailWishes)
 
     def set_webhook(self, new: NewWebhook, signed: Signature) -> None:
         """Make `new` the webhook of its outlet in the course of `signed`; what waits for it is sent there soon.

@@ -65,42 +65,33 @@ class OwnAssignments(TimedPart):
 
     def of(self, course: str) -> tuple[OwnAssignment, ...]:
         """Return all that is stored of a course's own assignments, by id and then by age."""
-        with self._database.reading() as session:
-            rows = session.execute(
-                select(_row)
-                .where(col(_row.course) == course)
-                .order_by(col(_row.assignment), col(_row.number))
-            ).scalars()
-            return tuple(_contract(one) for one in rows)
+        own = select(_row).where(col(_row.course) == course)
+        return tuple(map(_contract, self._scalars(own.order_by(col(_row.assignment), col(_row.number)))))
 
     def marks(self) -> Mapping[tuple[str, str], Mark]:
         """Return by course and assignment which upload is used."""
         ready = select(_row.course, _row.assignment, _row.number, _row.uploaded_at).where(  # type: ignore[call-overload]
             col(_row.state) == OwnState.READY.value
         )
-        with self._database.reading() as session:
-            found = session.execute(ready.order_by(col(_row.number)))
-            return {(course, assignment): (number, at) for course, assignment, number, at in found}
+        found = self._rows(ready.order_by(col(_row.number)))
+        return {(course, assignment): (number, at) for course, assignment, number, at in found}
 
     def reading(self, course: str, assignment: str, number: int) -> bytes | None:
         """Return what reading an upload gave; None when it is not there any more."""
-        with self._database.reading() as session:
-            row = session.get(_row, (course, assignment, number))
-            return None if row is None else row.reading
+        row = self._get(_row, (course, assignment, number))
+        return None if row is None else row.reading
 
     def in_use(self, course: str) -> Mapping[str, bytes]:
         """Return by assignment the folders that a course uses, as zips."""
         ready = col(_row.course) == course, col(_row.state) == OwnState.READY.value
-        with self._database.reading() as session:
-            rows = session.execute(select(_row).where(*ready).order_by(col(_row.number))).scalars()
-            return {one.assignment: one.content for one in rows}
+        rows = self._scalars(select(_row).where(*ready).order_by(col(_row.number)))
+        return {one.assignment: one.content for one in rows}
 
     def content(self, course: str, assignment: str) -> bytes | None:
         """Return the folder of the latest upload as a zip; None when there is none."""
         of = col(_row.course) == course, col(_row.assignment) == assignment
         latest = select(col(_row.content)).where(*of).order_by(col(_row.number).desc()).limit(1)
-        with self._database.reading() as session:
-            return session.execute(latest).scalar_one_or_none()
+        return next(iter(self._scalars(latest)), None)
 
     def add(self, new: NewOwnAssignment, signed: Signature) -> None:
         """Keep an upload, which waits to be examined, in place of one that the course does not use.

@@ -38,9 +38,8 @@ class PlatformScores(TimedPart):
             .where(col(PlatformLinkRow.line_item) != "", col(PlatformLinkRow.assignment) != "")
             .order_by(col(PlatformRow.id), col(PlatformLinkRow.resource))
         )
-        with self._database.reading() as session:
-            found = session.execute(statement).all()
-            return tuple((as_contract(one, Platform), as_contract(link, PlatformLink)) for one, link in found)
+        found = self._rows(statement)
+        return tuple((as_contract(one, Platform), as_contract(link, PlatformLink)) for one, link in found)
 
     def people(self, platform: Platform) -> dict[str, str]:
         """Return by member what the platform calls them; of several names the first that was bound."""
@@ -53,17 +52,15 @@ class PlatformScores(TimedPart):
         """Return by member what was sent for an activity."""
         row = PlatformScoreRow
         mine = col(row.platform) == link.platform, col(row.resource) == link.resource
-        with self._database.reading() as session:
-            found = session.execute(select(PlatformScoreRow).where(*mine)).scalars()
-            return {one.person: as_contract(one, PlatformScore) for one in found}
+        found = self._scalars(select(PlatformScoreRow).where(*mine))
+        return {one.person: as_contract(one, PlatformScore) for one in found}
 
     def troubles(self, course: str) -> tuple[PlatformScore, ...]:
         """Return what platforms do not take of a course."""
         row = PlatformScoreRow
         statement = select(PlatformScoreRow).where(col(row.course) == course, col(row.trouble) != "")
-        with self._database.reading() as session:
-            rows = session.execute(statement.order_by(col(row.person), col(row.resource))).scalars()
-            return tuple(as_contract(one, PlatformScore) for one in rows)
+        rows = self._scalars(statement.order_by(col(row.person), col(row.resource)))
+        return tuple(as_contract(one, PlatformScore) for one in rows)
 
     def claim(self, link: PlatformLink, course: str, person: str, sha256: str) -> PlatformScore | None:
         """Claim the sending of the score of that digest; return what was known of it.

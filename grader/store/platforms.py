@@ -105,9 +105,8 @@ class Platforms(TimedPart):
 
     def get(self, platform_id: str) -> Platform | None:
         """Return a platform."""
-        with self._database.reading() as session:
-            row = session.get(PlatformRow, platform_id)
-            return None if row is None else as_contract(row, Platform)
+        row = self._get(PlatformRow, platform_id)
+        return None if row is None else as_contract(row, Platform)
 
     def named(self, issuer: str, client_id: str = "", deployment: str = "") -> Platform | None:
         """Return the platform that calls itself so; None also where what it says fits several."""
@@ -176,9 +175,8 @@ class Platforms(TimedPart):
     def invited(self, secret: str) -> Signature | None:
         """Return who invited the platform that shows a secret, and where to; None if it is unknown or expired."""
         now = self._clock()
-        with self._database.reading() as session:
-            row = session.get(PlatformInvitationRow, digest_of(secret))
-            return None if row is None or row.until <= now else Signature(now, row.course, row.actor)
+        row = self._get(PlatformInvitationRow, digest_of(secret))
+        return None if row is None or row.until <= now else Signature(now, row.course, row.actor)
 
     def end_invitation(self, secret: str) -> bool:
         """End an invitation; return whether its secret was still valid."""
@@ -211,9 +209,8 @@ class Platforms(TimedPart):
 
     def picking(self, secret: str) -> OpenPicking | None:
         """Return the choice that is made by a secret; None: there is none, or not any more."""
-        with self._database.reading() as session:
-            row = session.get(PlatformPickingRow, digest_of(secret))
-            return None if row is None or row.until <= self._clock() else as_contract(row, OpenPicking)
+        row = self._get(PlatformPickingRow, digest_of(secret))
+        return None if row is None or row.until <= self._clock() else as_contract(row, OpenPicking)
 
     def links(self, course: str) -> tuple[PlatformLink, ...]:
         """Return the activities of a course's platforms that were opened so far, the last one first."""
