@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from grader.checks.measure import Findings, Mistake
+from grader.contracts.judgement import to_judge
 from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.scoring import Scoring
@@ -23,7 +24,7 @@ def summarise(
         codes = tuple(mistake.code for mistake in mistakes)
         return Scoring(items=(), summary=EMPTY, hint=hint, mistakes=codes)
     wrong = [item for item in items if item.status not in _NOTHING_LOST]
-    if not wrong and _waits(items):
+    if not wrong and to_judge(items):
         return Scoring(items=tuple(items), summary=say("summary.waiting"))
     if not wrong:
         return Scoring(items=tuple(items), summary=_all_passed(outcomes), hint=_later(findings, outcomes))
@@ -31,7 +32,7 @@ def summarise(
     hint = mistakes[0].text if mistakes else next((item.hint for item in wrong if item.hint != EMPTY), EMPTY)
     return Scoring(
         items=tuple(items),
-        summary=say("summary.waiting") if _waits(items) else _sentence(items, wrong),
+        summary=say("summary.waiting") if to_judge(items) else _sentence(items, wrong),
         hint=hint,
         mistakes=tuple(mistake.code for mistake in mistakes),
     )
@@ -39,16 +40,11 @@ def summarise(
 
 def summarise_text(items: Sequence[RubricItem], findings: Findings) -> Scoring:
     """Return the items of a text with summary, hint and recognised mistakes."""
-    if not _waits(items):
+    if not to_judge(items):
         return summarise(items, [findings], [])
     short = next((item for item in items if item.status is ItemStatus.FAILED), None)
     hint = EMPTY if short is None else short.hint
     return Scoring(items=tuple(items), summary=say("summary.waiting"), hint=hint)
-
-
-def _waits(items: Sequence[RubricItem]) -> bool:
-    """Whether a person has still to judge some of the items."""
-    return any(item.status is ItemStatus.NEEDS_MANUAL for item in items)
 
 
 def _all_passed(outcomes: Sequence[RunOutcome]) -> Text:
