@@ -98,11 +98,10 @@ def ticks_cut(seen: Searched) -> Mistake | None:
 
 def _explains(share: float, seen: Searched) -> bool:
     """Whether the worst corner lacks no more than a cut of that share takes away, or is not known."""
-    corner, item = seen.findings.measures.get("corner_deg"), seen.assignment.item_on("corner_deg")
-    if corner is None or item is None or item.low is None or item.high is None:
+    if seen.corner_deg is None:
         return True
-    wanted_deg = (item.low + item.high) / 2.0
-    return (wanted_deg - corner.value) / wanted_deg <= share + _BESIDE_CUT
+    corner_deg, wanted_deg = seen.corner_deg
+    return (wanted_deg - corner_deg) / wanted_deg <= share + _BESIDE_CUT
 
 
 def radians_twice(seen: Searched) -> Mistake | None:

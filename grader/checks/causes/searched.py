@@ -28,6 +28,14 @@ class Searched(NamedTuple):
         """The case of the assignment that was run; None if it has no such case."""
         return next((case for case in self.assignment.cases if case.id == self.run.case), None)
 
+    @property
+    def corner_deg(self) -> tuple[float, float] | None:
+        """The worst corner and the middle of its item's band; None where either is not known."""
+        corner, item = self.findings.measures.get("corner_deg"), self.assignment.item_on("corner_deg")
+        if corner is None or item is None or item.low is None or item.high is None:
+            return None
+        return corner.value, (item.low + item.high) / 2.0
+
 
 def is_repeated(line: int, script: ScriptText) -> bool:
     """Whether a line stands in a loop of its function."""

@@ -84,10 +84,10 @@ def wide_tolerance(seen: Searched) -> Mistake | None:
 
 def _misses_by(tolerance_deg: float, seen: Searched) -> bool:
     """Whether the tolerance explains the error of the worst corner; true if no corner was measured."""
-    corner, item = seen.findings.measures.get("corner_deg"), seen.assignment.item_on("corner_deg")
-    if corner is None or item is None or item.low is None or item.high is None:
+    if seen.corner_deg is None:
         return True
-    return 0.0 < (item.low + item.high) / 2.0 - corner.value <= tolerance_deg + _COASTED_DEG
+    corner_deg, wanted_deg = seen.corner_deg
+    return 0.0 < wanted_deg - corner_deg <= tolerance_deg + _COASTED_DEG
 
 
 def tolerance_too_small(seen: Searched) -> Mistake | None:

@@ -299,12 +299,11 @@ def no_stop_between(seen: Searched) -> Mistake | None:
         if one.w_radps and not one.v_mps and (after is None or after.v_mps) and lasted_s >= _HELD_S
     ]
     usual_s = sorted(lasted_s for _, lasted_s in lasts)[len(lasts) // 2] if lasts else 0.0
-    corner, item = seen.findings.measures.get("corner_deg"), seen.assignment.item_on("corner_deg")
-    if len(held) < 2 or corner is None or item is None or item.low is None or item.high is None:
+    if len(held) < 2 or seen.corner_deg is None:
         return None
+    corner_deg, wanted_deg = seen.corner_deg
     extra_deg = [math.degrees(abs(one.w_radps)) * (lasted_s - usual_s) for one, lasted_s in held]
-    excess_deg = corner.value - (item.low + item.high) / 2.0
-    if not any(abs(excess_deg - extra) <= _BESIDE_DEG for extra in extra_deg):
+    if not any(abs(corner_deg - wanted_deg - extra) <= _BESIDE_DEG for extra in extra_deg):
         return None
     values = {"paused": number(held[0][1], "s"), "publisher": seen.script.publisher_name}
     return mistake("no_stop_between", excess=number(min(extra_deg), "deg"), **values)
