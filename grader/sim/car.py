@@ -94,18 +94,18 @@ def wheels_to_twist(left_radps: float, right_radps: float) -> tuple[float, float
     )
 
 
-def clamp_command(v_mps: float, w_radps: float) -> tuple[float, float, bool]:
+def clamp_command(
+    v_mps: float, w_radps: float, most_mps: float = MAX_SPEED_MPS, most_radps: float = MAX_YAW_RATE_RADPS
+) -> tuple[float, float, bool]:
     """Return a command as the car takes it, and whether all of it was finite.
 
-    A NaN or infinite component makes the whole command a stop; a finite one is cut to the bounds above.
+    A NaN or infinite component makes the whole command a stop; a finite one is cut to the bounds.
     """
-    if -MAX_SPEED_MPS <= v_mps <= MAX_SPEED_MPS and -MAX_YAW_RATE_RADPS <= w_radps <= MAX_YAW_RATE_RADPS:
+    if -most_mps <= v_mps <= most_mps and -most_radps <= w_radps <= most_radps:
         return v_mps, w_radps, True
     if not (math.isfinite(v_mps) and math.isfinite(w_radps)):
         return 0.0, 0.0, False
-    v_mps = min(max(v_mps, -MAX_SPEED_MPS), MAX_SPEED_MPS)
-    w_radps = min(max(w_radps, -MAX_YAW_RATE_RADPS), MAX_YAW_RATE_RADPS)
-    return v_mps, w_radps, True
+    return min(max(v_mps, -most_mps), most_mps), min(max(w_radps, -most_radps), most_radps), True
 
 
 class RoughDrive:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Final
 
 from grader.contracts.robot import MAX_SPEED_MPS, MAX_YAW_RATE_RADPS, TRACK_M, WHEEL_RADIUS_M
-from grader.sim.car import STEPS_PER_S, last_step_at, step_time_ns
+from grader.sim.car import STEPS_PER_S, clamp_command, last_step_at, step_time_ns
 
 ROBOT_URDF: Final = Path(__file__).with_name("robot.urdf")
 
@@ -38,14 +38,8 @@ def last_beat_at(t_ns: int) -> int:
 
 
 def clamp_twist(v_mps: float, w_radps: float) -> tuple[float, float, bool]:
-    """Return a command as the robot's motors take it, and whether all of it was finite.
-
-    A NaN or infinite component makes the whole command a stop; a finite one is cut to the Burger's bounds.
-    """
-    if not (math.isfinite(v_mps) and math.isfinite(w_radps)):
-        return 0.0, 0.0, False
-    v_mps = min(max(v_mps, -MAX_SPEED_MPS), MAX_SPEED_MPS)
-    return v_mps, min(max(w_radps, -MAX_YAW_RATE_RADPS), MAX_YAW_RATE_RADPS), True
+    """Return a command as the robot's motors take it, which is as the car does, within the Burger's bounds."""
+    return clamp_command(v_mps, w_radps, MAX_SPEED_MPS, MAX_YAW_RATE_RADPS)
 
 
 class WheelDrive:

@@ -378,10 +378,7 @@ class Bridge:
             elif service.startswith(rosapi.PREFIX):
                 done(self._ask_rosapi(service, frame))
             else:
-                kind = self.service_type(service)
-                if kind is None:
-                    raise FrameError(f"Service {service} does not exist")
-                fields = in_order(f"{kind}_Request", frame.args, self._graph.types)
+                fields = in_order(f"{self._required_type(service)}_Request", frame.args, self._graph.types)
                 limit_ns = round(frame.timeout * 1e9) if frame.timeout else _SERVICE_NS
                 self._request(client, service, fields, Reply(done, failed), limit_ns)
         except FrameError as error:
@@ -464,15 +461,19 @@ class Bridge:
         limit_ns: int,
     ) -> None:
         """Send a request to a service of the graph."""
-        kind = self.service_type(service)
-        if kind is None:
-            raise FrameError(f"Service {service} does not exist")
+        kind = self._required_type(service)
         payload = message(f"{kind}_Request", values, self._graph.types, self._graph.epoch_ns + self._now_ns)
         until_ns = min(self._now_ns + limit_ns, _NEVER)
         number = self._wait(_Waiting(client, None, service, kind, until_ns, reply))
         if not self._graph.request(service, Request(FIRST_ID, number, self._now_ns, payload)):
             del self._waiting[number]
             reply.failed(f"Service {service} has too many requests")
+
+    def _required_type(self, service: str) -> str:
+        kind = self.service_type(service)
+        if kind is None:
+            raise FrameError(f"Service {service} does not exist")
+        return kind
 
     def _wait(self, waiting: _Waiting) -> int:
         if sum(one.client == waiting.client for one in self._waiting.values()) >= MOST_WAITING:
