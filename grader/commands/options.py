@@ -12,6 +12,7 @@ from grader.contracts.text import LANGUAGES, Language, Text
 
 ASSIGNMENT_HELP = "assignment id, else guessed from the file name / 作业 id，不写就从文件名猜"
 JSON_HELP = "print the whole report as JSON / 以 JSON 输出完整报告"
+_OTHER_LANGUAGE = "\0"
 
 
 def add_language_option(parser: argparse.ArgumentParser) -> None:
@@ -69,9 +70,6 @@ def add_distro_option(parser: argparse.ArgumentParser, **options: Any) -> None:
 def tell(arguments: argparse.Namespace, *, zh: str, en: str) -> None:
     """Say on standard error what was done, in the language of `add_language_option`."""
     sys.stderr.write(Text(zh=zh, en=en).get(arguments.lang) + "\n")
-
-
-_OTHER_LANGUAGE = "\0"
 
 
 def wrong_value(*, zh: str, en: str) -> argparse.ArgumentTypeError:
