@@ -168,10 +168,8 @@ class Queue:
             "not_before": due,
             "turn_at": due,
             "finished_at": now if given_up else None,
-            "lease_until": None,
-            "trouble": trouble[:_TROUBLE_CHARACTERS],
         }
-        return state if self._release(claim, values, now) else None
+        return state if self._release(claim, values, now, trouble) else None
 
     def hand_back(self, claim: Claim, trouble: str = "", pause_s: float = 0.0) -> bool:
         """Return an unfinished submission to its place in the queue; the try does not count.
@@ -183,23 +181,14 @@ class Queue:
             "state": SubmissionState.QUEUED.value,
             "tries": max(claim.tries - 1, 0),
             "not_before": now + timedelta(seconds=pause_s),
-            "lease_until": None,
         }
-        if trouble:
-            values["trouble"] = trouble[:_TROUBLE_CHARACTERS]
-        return self._release(claim, values, now)
+        return self._release(claim, values, now, trouble or None)
 
     def put_behind(self, claim: Claim, trouble: str) -> bool:
         """Return an unfinished one to the queue, behind what others bring in ten minutes: the try counts."""
         now = self._clock()
-        values = {
-            "state": SubmissionState.QUEUED.value,
-            "turn_at": now + LATELY,
-            "not_before": now,
-            "lease_until": None,
-            "trouble": trouble[:_TROUBLE_CHARACTERS],
-        }
-        return self._release(claim, values, now)
+        values = {"state": SubmissionState.QUEUED.value, "turn_at": now + LATELY, "not_before": now}
+        return self._release(claim, values, now, trouble)
 
     def hand_back_all(self, workers: Collection[str]) -> list[str]:
         """Do what `hand_back` does with every claim of `workers`; return the submissions.
@@ -310,14 +299,20 @@ class Queue:
             if state == SubmissionState.GRADED.value and start is not None and end is not None
         ]
 
-    def _release(self, claim: Claim, values: Mapping[str, Any], now: datetime) -> bool:
-        """End `claim` by writing `values`, and announce its row if it waits again; False when it was not valid."""
+    def _release(self, claim: Claim, values: Mapping[str, Any], now: datetime, trouble: str | None) -> bool:
+        """End `claim` by writing `values`, and announce its row if it waits again; False when it was not valid.
+
+        `trouble` None: what is kept of an earlier one stays.
+        """
         row = SubmissionRow
+        ended: dict[str, Any] = {**values, "lease_until": None}
+        if trouble is not None:
+            ended["trouble"] = trouble[:_TROUBLE_CHARACTERS]
         released = select(*ANNOUNCED).where(
             col(row.id) == claim.submission_id, col(row.state) == SubmissionState.QUEUED.value
         )
         with self._database.writing() as session:
-            valid = change(session.connection(), claim, values)
+            valid = change(session.connection(), claim, ended)
             if valid:
                 self._database.announcer.queued(session, announcements(session.execute(released)), now)
             return valid
