@@ -188,6 +188,43 @@ def test_a_wrong_type_in_a_list_aborts_the_process(run_script, heard, wrong):
     assert run.exit["message"].startswith("field 'poses' of geometry_msgs/msg/PoseStamped: ")
 
 
+@pytest.mark.parametrize("heard", [True, False])
+@pytest.mark.parametrize(
+    ("of", "field", "wrong"),
+    [
+        ("rcl_interfaces.msg.ParameterValue", "bool_array_value", "1"),
+        ("rcl_interfaces.msg.ParameterValue", "byte_array_value", "1"),
+        ("std_msgs.msg.ByteMultiArray", "data", "bytearray(2)"),
+        ("std_msgs.msg.ByteMultiArray", "data", "'a'"),
+    ],
+)
+def test_a_list_of_truth_values_or_bytes_holds_nothing_else(run_script, heard, of, field, wrong):
+    source = f"""
+        import rcl_interfaces.msg, std_msgs.msg
+        publisher = node.create_publisher({of}, "list", 10)
+        if {heard}:
+            node.create_subscription({of}, "list", print, 10)
+        message = {of}()
+        message.{field}.append({wrong})
+        publisher.publish(message)
+        print("never")
+    """
+    run = run_script(PREFIX + dedent(source))
+    assert (run.stdout, run.exit["type"]) == ("", "Aborted")
+    assert run.exit["message"].startswith(f"field '{field}' of ")
+
+
+def test_of_bytes_in_a_list_the_first_leaves(run_script):
+    """_msg_support.c.em:352 takes ``PyBytes_AS_STRING(item)[0]``, which of no bytes is the NUL behind them."""
+    source = """
+        from std_msgs.msg import ByteMultiArray
+        node.create_subscription(ByteMultiArray, "list", lambda heard: print(heard.data), 10)
+        node.create_publisher(ByteMultiArray, "list", 10).publish(ByteMultiArray(data=[b"ab", b"", b"c"]))
+        spin(1)
+    """
+    assert run_lines(run_script, source) == [r"[b'a', b'\x00', b'c']"]
+
+
 def test_a_derived_message_has_a_repr_and_aborts_the_process(run_script):
     """The generated C code compares the names of class and module (_msg_support.c.em:190)."""
     source = """

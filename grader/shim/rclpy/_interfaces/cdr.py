@@ -146,12 +146,11 @@ def _write_numbers(out: bytearray, values: array[Any], code: str) -> None:
 
 
 def _write_booleans(out: bytearray, values: list[bool]) -> None:
-    out += bytes(map(bool, values))
+    out += bytes(map(bool.__and__, values, values))  # refuses what is no bool
 
 
 def _write_octets(out: bytearray, values: list[bytes]) -> None:
-    for value in values:
-        out += struct.pack("<c", bytes(value))
+    out += b"".join(bytes.__add__(value, b"\0")[:1] for value in values)  # the first byte, as in C
 
 
 def _write_texts(out: bytearray, values: list[str], bound: int | None) -> None:
