@@ -240,6 +240,19 @@ def test_a_derived_message_has_a_repr_and_aborts_the_process(run_script):
     assert run.exit["message"].startswith("field '__class__' of geometry_msgs/msg/Twist: ")
 
 
+def test_a_derived_message_in_a_message_aborts_the_process(run_script):
+    source = """
+        from geometry_msgs.msg import Vector3
+        class Velocity(Vector3):
+            pass
+        command = Twist(linear=Velocity(x=1.0))
+        node.create_publisher(Twist, "/turtle1/cmd_vel", 10).publish(command)
+    """
+    run = run_script(PREFIX + dedent(source))
+    assert (run.exit["type"], run.exit["code"]) == ("Aborted", 134)
+    assert run.exit["message"].startswith("field 'linear' of geometry_msgs/msg/Vector3: ")
+
+
 def test_only_the_first_messages_that_nobody_hears_are_looked_at(run_script):
     """A path that grows at each tick would take time in the square of its length."""
     source = """

@@ -161,6 +161,7 @@ class EncoderSource(_Source):
     def _nested(self, field: Field, target: str) -> None:
         value = self.local()
         self.lines.append(f"{value} = {target}")
+        self.lines.append(f"if {value}.__class__ is not {alias(field.base)}: raise TypeError")
         self.structure(STRUCTURES[CLASSES[field.base]], value)
 
     def _text(self, field: Field, target: str) -> None:
