@@ -255,7 +255,8 @@ def sleep_at_end(run: Run) -> WaitingCall | None:
 def _loop_at_end(run: Run, script: ScriptText) -> int | None:
     """Return the line of the ``while`` that the main thread was in at the horizon."""
     call = call_at_end(run)
-    return None if call is None else script.loop_of(call.line)
+    heads = [] if call is None else [*list(script.outwards(call.line))[:1], *script.heads_of(call.line)]
+    return next((at for at, head in heads if re.match(r"[ \t]*while\b", head)), None)
 
 
 def sleeps_too_long(run: Run, slept: WaitingCall) -> Mistake:
@@ -644,7 +645,7 @@ def _empty_message(script: ScriptText) -> Mistake | None:
     if not filled or not publishes:
         return None
     if fresh == publishes:
-        message = re.split(r"\.(?:linear|angular)", script.lines[filled[0] - 1].strip())[0]
+        message = re.sub(r"^.*?([^\s:;=]*)\.(linear|angular)\..*", r"\1", script.lines[filled[0] - 1])
         return mistake("publishes_empty", line=fresh[0], filled=filled[0], message=message)
     if (other := _other_message(script, filled[0], publishes)) is not None:
         return other

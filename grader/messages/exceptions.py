@@ -55,8 +55,8 @@ _SIGNS: Final = (
     (r"SyntaxError: .*Maybe you meant '==' .*\n.*\n +(if|elif|while)\b", "single_equals"),
     (_LINE + r"(if|elif|while|return|\w+[ \t]*=)\b[^\"'#\n]*(&&|\|\||![\w (])", "c_operator"),
     (
-        _LINE
-        + r"(int|float|double|bool|string|String|var|let|const|auto)[ \t]+[A-Za-z_][\w.]*[ \t]*(=|;|\n)",
+        _LINE + r"(def[ \t]+\w+[ \t]*\(([^()\n\"']*[ \t,])?)?"
+        r"(int|float|double|bool|string|String|var|let|const|auto)[ \t]+[A-Za-z_][\w.]*[ \t]*([=;,)]|\n)",
         "typed_name",
     ),
     (_LINE + r"(class|def)[ \t]+\w+[ \t]+\w+[ \t]*[(:]", "blank_in_name"),
@@ -74,7 +74,7 @@ _SIGNS: Final = (
         r"SyntaxError: invalid syntax.*\n.*\n +([^\"'#\n]*[(,][ \t]*)?(?P<topic>/[A-Za-z]\w*(/\w+)*)[ \t]*[,)]",
         "topic_without_quotes",
     ),
-    (_LINE + r"def[ \t]+\w+[ \t]*\([^()\n]*\w[ \t]+\w", "missing_comma"),
+    (_LINE + r"def[ \t]+\w+ *\(([\w.=, ]*,)? *[A-Za-z_]\w* +[A-Za-z_]\w* *[=,)]", "missing_comma"),
     (r"SyntaxError: f-string: ", "f_string"),
     (r"SyntaxError: expected '\('", "def_parentheses"),
     (r"SyntaxError: expected 'except' or 'finally' block", "try_alone"),

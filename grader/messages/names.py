@@ -254,7 +254,7 @@ def unknown_name(error: StudentError, script: ScriptText) -> Closer:
         closer := _of_other(local, line, script)
     ) is not None:
         return closer
-    if script.node_class and name not in _OTHER_LANGUAGES and _is_node(name, written):
+    if script.node_class and name not in ("rospy", *_OTHER_LANGUAGES) and _is_node(name, written):
         return "node_not_made", {"name": name, "owner": script.node_class}
     return _nearest_own(name, line, script, _name(error, script))
 
@@ -267,11 +267,10 @@ def _of_node(name: str, call: str, line: int, script: ScriptText) -> Closer:
 
 
 def _is_text(name: str, written: str, script: ScriptText) -> bool:
-    """Whether a line assigns, or compares with, what stands in quotes elsewhere: the name of a state."""
-    quoted = (script.written(line) for line in script.lines_with('""'))
-    return re.search(rf"(=|\bis( not)?) ?{name}( ?[:#]|$)", written) is not None and any(
-        re.search(rf"[\"']{name}[\"']", text) for text in quoted
-    )
+    """Whether a line assigns, or compares with, what others do in quotes: the name of a state."""
+    quoted = "\n".join(script.written(line) for line in script.lines_with('""'))
+    taken = re.search(rf"(=|\bis( not)?) ?{name}( ?[:#]|$)", written)
+    return taken is not None and re.search(rf"= ?[\"']{name}[\"']", quoted) is not None
 
 
 def _assigned_in_class(name: str, script: ScriptText) -> list[int]:
@@ -292,7 +291,11 @@ def _nearest_own(name: str, line: int, script: ScriptText, otherwise: Closer) ->
     if script.publisher and re.search(rf"(?<![\w.]){name}\.publish\(", text):
         return "misspelt", {"suggestion": script.publisher}
     if (message := script.message_beside(line)) is not None:
-        if re.search(rf"\.publish\( ?{name} ?\)|(?<![\w.]){name}\.(linear|angular)\b", text):
+        sent = script.lines_with(rf"\.publish\( ?{re.escape(message)} ?\)")
+        around = {script.function_around(at) for at in sent}  # where it is sent, another one is missing
+        if script.function_around(line) not in around and re.search(
+            rf"\.publish\( ?{name} ?\)|(?<![\w.]){name}\.(linear|angular)\b", text
+        ):
             return "misspelt", {"suggestion": message}
         if name in ("linear", "angular"):
             return "misspelt", {"suggestion": f"{message}.{name}"}
@@ -319,10 +322,8 @@ def _of_other(local: Assigned, line: int, script: ScriptText) -> Closer:
 
 def _is_node(name: str, written: str) -> bool:
     """Whether the line takes what `name` stands for to be a node."""
-    return (
-        re.search(rf"\bspin\w*\([ \t]*{name}\b|\b{name}\.(destroy_node|get_\w+|create_\w+)\(", written)
-        is not None
-    )
+    taken = rf"\bspin\w*\([ \t]*{name}\b|\b{name}\.(destroy_node|get_\w+|create_\w+)\("
+    return re.search(taken, written) is not None
 
 
 def unknown_attribute(error: StudentError, script: ScriptText) -> Closer:
@@ -417,7 +418,8 @@ def _own_attribute(owner: str, name: str, script: ScriptText) -> Closer:
         return "not_of_self", {"name": name, "given": outside[0], "call": ""}
     if len(given) == 1 and given[0] > begins:
         return "not_yet_assigned", {"name": name, "given": given[0]}
-    near = [known for known in script.own_values if known != name and known.lower() == name.lower()]
+    known = (found[1] for _, found in script.matches(r"\bself\.(\w+)[ \t]*=(?!=)"))
+    near = [one for one in known if one != name and one.lower() == name.lower()]
     if near:
         return "misspelt", {"suggestion": near[0]}
     local = [] if given else script.lines_with(rf"^[ \t]+{re.escape(name)}[ \t]*(:[^=]*)?=(?!=)")

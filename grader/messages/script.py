@@ -228,7 +228,7 @@ class ScriptText:
         """Return what the node is called on a line: ``self`` in a method, else the variable that keeps it."""
         if any(re.match(r"[ \t]*def \w+ ?\( ?self\b", head) for _, head in self.outwards(number)):
             return "self"
-        made = rf"^[ \t]*(\w+) ?= ?{self.node_class}\("
+        made = rf"^[ \t]*(\w+) ?= ?(?:{self.node_class}|(?:rclpy\.)?create_node|Node)\("
         return next((found[1] for _, found in self.matches(made)), "node")
 
     def hands_over(self, number: int, name: str) -> bool:
@@ -269,9 +269,8 @@ class ScriptText:
     def defined_twice(self) -> tuple[str, int, int] | None:
         """A function or method that is written twice, where both begin: the second replaces the first."""
         seen: dict[tuple[int | None, str], int] = {}
-        for number in self.lines_with(r"^[ \t]*def \w+ ?\("):
-            name = self.lines[number - 1].split("def ")[1].partition("(")[0].strip()
-            key = (self.owner_of(number), name)
+        for number, made in self.matches(r"^[ \t]*def (\w+) ?\("):
+            key = (self.owner_of(number), name := made[1])
             if key in seen and not any("@" in line for line in self.lines[number - 2 : number - 1]):
                 return name, seen[key], number
             seen[key] = number
@@ -287,9 +286,8 @@ class ScriptText:
 
     def class_without_base(self, name: str) -> bool:
         """Whether the class is written without a base class."""
-        return bool(
-            self.lines_with(rf"^[ \t]*class[ \t]+{re.escape(name)}[ \t]*(\([ \t]*(object)?[ \t]*\))?[ \t]*:")
-        )
+        head = rf"^[ \t]*class[ \t]+{re.escape(name)}[ \t]*(\([ \t]*(object)?[ \t]*\))?[ \t]*:"
+        return bool(self.lines_with(head))
 
     def owner_of(self, number: int) -> int | None:
         """Return the line that begins the block in which the given line stands; None at the top level."""
@@ -349,8 +347,9 @@ class ScriptText:
     @property
     def counters(self) -> set[str]:
         """The names that are raised by 1 somewhere."""
-        raised = re.findall(r"(?<![\w.])([\w.]+) ?(?:\+= ?1|= ?\1 ?\+ ?1)(?![\w.])", "\n".join(self.lines))
-        return set(raised)
+        return {
+            found[1] for _, found in self.matches(r"(?<![\w.])([\w.]+) ?(?:\+= ?1|= ?\1 ?\+ ?1)(?![\w.])")
+        }
 
     def reached_from(self, numbers: Iterable[int]) -> set[int]:
         """Return the first lines of the blocks that begin at `numbers`, and of the functions that run from there.
@@ -448,11 +447,6 @@ class ScriptText:
         body = self.body(tried) if tried is not None else []
         return bool(body) and all(re.search(r"\b(\w*shutdown|destroy_\w+|close)\(", text) for _, text in body)
 
-    def loop_of(self, number: int) -> int | None:
-        """Return the line of the innermost ``while`` around the given line, in the same function."""
-        heads = itertools.chain(itertools.islice(self.outwards(number), 1), self.heads_of(number))
-        return next((at for at, head in heads if re.match(r"[ \t]*while\b", head)), None)
-
     def message_beside(self, number: int) -> str | None:
         """Return the only variable that the function around a line makes a Twist of, if there is one above."""
         around = self.function_around(number)
@@ -500,11 +494,6 @@ class ScriptText:
             r"^[ \t]*class[ \t]+(\w+)[ \t]*\([^)\n]*Node\b", "\n".join(self.lines), re.MULTILINE
         )
         return found[1] if found else None
-
-    @property
-    def own_values(self) -> list[str]:
-        """The names that are assigned as ``self.name = ...``."""
-        return list(dict.fromkeys(re.findall(r"\bself\.(\w+)[ \t]*=(?!=)", "\n".join(self.lines))))
 
     @cached_property
     def publisher(self) -> str | None:

@@ -118,11 +118,12 @@ def removes_in_loop(seen: Searched) -> Mistake | None:
 
 
 def leaves_loop(seen: Searched) -> Mistake | None:
-    """Find a ``return`` or ``break`` that ends a loop in its first round, whatever happens."""
-    for loop in seen.script.lines_with(r"^[ \t]*(for|while)\b"):
+    """Find a ``return`` or ``break`` that ends a loop in its first round; ``while True`` may be meant so."""
+    for loop in seen.script.lines_with(r"^[ \t]*(for\b|while\b(?! ?\(?(True|1|rclpy\.ok\(\))\)? ?:))"):
+        goes_on = any(re.search(r"\bcontinue\b", text) for text in seen.script.block(loop))
         for line, text in seen.script.body(loop):
             found = re.match(r"(return|break)\b", text)
-            if found is not None:
+            if found is not None and not goes_on:
                 return mistake("leaves_loop", line=line, loop=loop, word=found[1])
     return None
 
@@ -211,17 +212,18 @@ def timers_overrule(seen: Searched) -> Mistake | None:
 
 
 def spin_once(seen: Searched) -> Mistake | None:
-    """Find a ``spin_once`` that stands in no loop; where commands were lost, callbacks must have sent them."""
-    callbacks = seen.script.lines_with(r"\bcreate_(timer|subscription|service)\(")
-    if seen.mistake.code == "lost_at_home" and not callbacks:
+    """Find a ``spin_once`` that stands in no loop; where there were commands, callbacks must have sent them."""
+    ran = seen.mistake.code in {"no_turns", "too_short", "turn_too_short"}
+    calls_back = seen.script.lines_with(r"\bcreate_(timer|subscription|service)\(")
+    if (ran or seen.mistake.code == "lost_at_home") and not calls_back:
         return None
     once = seen.script.lines_with(r"\bspin_once\(")
     loose = [line for line in once if not is_repeated(line, seen.script)]
-    ran = seen.mistake.code in {"no_turns", "too_short", "turn_too_short"}
-    if ran and loose and seen.script.function_around(loose[0]) not in {"", "main"}:
-        return None  # a loop may call the function
-    spins = seen.script.lines_with(r"\bspin\(")
-    return mistake("spin_once", line=loose[0]) if len(once) == len(loose) == 1 and not spins else None
+    if not len(once) == len(loose) == 1 or seen.script.lines_with(r"\bspin\("):
+        return None
+    if ran and (seen.script.function_around(*loose) not in {"", "main"} or seen.script.works_after(*loose)):
+        return None  # a loop may call the function, or the motion come from what is behind
+    return mistake("spin_once", line=loose[0])
 
 
 def ends_in_callback(seen: Searched) -> Mistake | None:
@@ -345,15 +347,18 @@ def thread_runs_here(seen: Searched) -> Mistake | None:
 
 
 def thread_not_started(seen: Searched) -> Mistake | None:
-    """Find a thread in a script that starts none, or names ``start`` without calling it."""
+    """Find a thread that would spin or publish in a script that starts none, or names ``start`` only."""
     script = seen.script
-    if script.lines_with(r"\.start\("):
-        return None
     made = r"(?:(?<![\w.])([\w.]+) ?= ?)?(?:(?:threading\.)?\b(Thread)|\bthreading\.(Timer))\("
-    for line, found in script.matches(made):
-        kept = found[1] or f"{found[2] or found[3]}(...)"
-        return mistake("thread_not_started", line=line, call=f"{kept}.start()")
-    return None
+    line, found = next(script.matches(made), (0, None))
+    if found is None or script.lines_with(r"\.start\("):
+        return None
+    names = sorted(set(re.findall(r"\w+", " ".join(script.lines[line - 1 : line + 3]))))
+    run = [one for name in names if (one := script.definition(name)) is not None]
+    if "spin" not in names and not any(_moves(one, script) or script.spins(one.line) for one in run):
+        return None
+    kept = found[1] or f"{found[2] or found[3]}(...)"
+    return mistake("thread_not_started", line=line, call=f"{kept}.start()")
 
 
 def never_called(seen: Searched) -> Mistake | None:

@@ -114,7 +114,8 @@ def ticks_too_long(seen: Searched) -> Mistake | None:
     longest_ns = max((lasted_ns for _, lasted_ns in motions_of(seen.run.trajectory)), default=0)
     for limit in _limits(seen.script):
         beyond = ended.status is RunStatus.INTERRUPTED and limit.took_s * 1e9 > ended.duration_ns
-        too_long = beyond or (limit.fits(longest_ns) and limit.took_s >= _LONG_S)
+        last = re.search(r"\b(SystemExit|exit\(|shutdown\()", str(seen.script.body(limit.line)))  # of the run
+        too_long = (beyond and not last) or (limit.fits(longest_ns) and limit.took_s >= _LONG_S)
         if too_long and not _only_logs(limit, seen.script):
             return _told("ticks_too_long", limit)
     return None

@@ -75,12 +75,20 @@ def start_once(seen: Searched) -> Mistake | None:
 
 
 def _counts_motions(start: str, script: ScriptText) -> bool:
-    """Whether a timer's callback raises one count where a time since `start` passes a limit that does not grow."""
-    block = [text for timer in script.callbacks("timer")[:1] for text in script.block(timer.begins)]
-    heads = [re.match(r"[ \t]*(?:if|elif) ([\w.]+) ?[<>]=? ?([\w.]+) ?:$", text) for text in block]
-    limits = [found[2] for found in heads if found is not None and _passed(found[1], start, block)]
-    raised = [text for text in block if re.match(r"[ \t]*self\.\w+ ?\+= ?1$", text)]
-    return len(limits) == len(raised) == 1 and not script.lines_with(rf"{itself(limits[0])} ?(\+=|=.*\+)")
+    """Whether a timer's callback raises the only count where a time since `start` passes a fixed limit."""
+    raised = script.lines_with(r"^[ \t]*self\.\w+ ?\+= ?1$")
+    around = script.function_around(raised[0]) if len(raised) == 1 else ""
+    if not around or around not in {one.name for one in script.callbacks("timer")}:
+        return False
+    passed = {found[1] for _, found in script.matches(rf"^[ \t]*([\w.]+) ?=(?!=).*- ?{itself(start)}")}
+    compared = r"[ \t]*(?:if|elif) ([\w.]+) ?[<>]=? ?([\w.]+) ?:$"
+    heads = [re.match(compared, head) for head in script.conditions_of(raised[0])]
+    limits = [found[2] for found in heads if found is not None and found[1] in passed]
+    if len(limits) != 1 or re.search(
+        r"\.(linear|angular)\.", str(script.block(script.owner_of(*raised) or 0))
+    ):
+        return False
+    return not script.lines_with(rf"{itself(limits[0])} ?(\+=|=.*\+)")
 
 
 def _assigns(name: str, at: int, script: ScriptText) -> bool:

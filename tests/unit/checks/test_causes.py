@@ -252,17 +252,25 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("turn_too_short", NANOSECONDS.format(limit="d * 1e6"), "nanoseconds_unit"),
         ("turn_too_short", NANOSECONDS.format(limit="d"), "nanoseconds_unit"),
         ("turns_too_short", ONE_START.format(count="step", more="pass"), "start_once"),
+        ("turns_too_short", ONE_START.format(count="step", more="msg.angular.z = 1.0"), "turns_too_short"),
+        ("turns_too_short", ONE_START.format(count="k = 0\n        self.n", more="pass"), "turns_too_short"),
         ("turns_too_short", ONE_START.format(count="step", more="self.limit += 2.0"), "turns_too_short"),
         ("turns_too_short", ONE_START.format(count="step", more="self.t0 = time.time()"), "turns_too_short"),
-        ("no_turns", "rclpy.spin_once(node)", "spin_once"),
+        ("no_turns", "node.create_timer(0.1, tick)\nrclpy.spin_once(node)", "spin_once"),
+        ("no_turns", "node.create_timer(0.1, tick)\nrclpy.spin_once(node)\nnode.run()", "no_turns"),
+        ("too_short", "rclpy.spin_once(node)", "too_short"),
         ("no_turns", "def f():\n    rclpy.spin_once(node)\nwhile True:\n    f()\n", "no_turns"),
         (
             "log_not_reached",
             "class A(Node):\n    def f(self):\n        self.get_logger()\n",
             "class_not_made",
         ),
+        ("no_turns", "def f():\n    print(1)\nt = Thread(target=f)\n", "no_turns"),
+        ("no_turns", "def f():\n    pub.publish(m)\nt = Thread(target=f)\n", "thread_not_started"),
         ("drives_too_brief", "while t < 2:\n    go()\n    break\n", "leaves_loop"),
         ("drives_too_brief", "while t < 2:\n    if done:\n        break\n", "drives_too_brief"),
+        ("drives_too_brief", "while rclpy.ok():\n    run()\n    break\n", "drives_too_brief"),
+        ("sides_missing", "for i in t:\n    if i < 1:\n        continue\n    break\n", "sides_missing"),
     ],
 )
 def test_the_cause_is_told_where_the_script_shows_it(code: str, source: str, wanted: str) -> None:
@@ -352,8 +360,17 @@ MANY_TIMERS = "class A(Node):\n    def __init__(self):\n" + "        create_time
 MANY_TIMERS += "    def tick(self):\n" + "        m.angular.z = x\n        m = Twist()\n" * 200
 
 
+STARTS = "".join(f"        self.t{i} = time.time()\n" for i in range(1, 50))
+MANY_STARTS = ONE_START.format(count="n", more="m.linear.x = v").replace(
+    "        self.c", STARTS + "        self.c"
+)
+MANY_STARTS += "".join(f"        p{i} = time.time() - self.t0\n        if p{i} > a{i}:\n" for i in range(440))
+
+
 @pytest.mark.parametrize(
-    "source", ["a == 1\n" * 800 + ("if " * 160 + "\n") * 80, MANY_TIMERS], ids=["comparisons", "timers"]
+    "source",
+    ["a == 1\n" * 800 + ("if " * 160 + "\n") * 80, MANY_TIMERS, MANY_STARTS],
+    ids=["comparisons", "timers", "starts"],
 )
 def test_many_lines_of_one_kind_are_soon_searched(source: str) -> None:
     begun_s = time.process_time()

@@ -236,6 +236,7 @@ def _cause(code: str, source: str, motion: Trajectory, corner_deg: float = 60.0,
         ("turns_too_short", {}, "turns_too_short"),  # 50 ticks of 0.02 s, not 50 s
         ("turns_too_short", {"count": "2", "period": "0.5"}, "counts_ticks"),
         ("side_never_ends", {"period": "1.0"}, "ticks_too_long"),
+        ("side_never_ends", {"period": "1.0", "kept": "raise SystemExit"}, "side_never_ends"),
         ("side_never_ends", {"period": "0.1"}, "side_never_ends"),
         ("side_never_ends", {"period": "0.1", "behind": LOGGED}, "side_never_ends"),
         ("side_never_ends", {"behind": "time.sleep(1.0)"}, "sleeps_in_callback"),

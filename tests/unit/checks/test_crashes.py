@@ -328,6 +328,12 @@ def test_what_is_not_python(kind: str, message: str, code: str) -> None:
         ("In [3]: import rclpy", "pasted_mark"),
         ("%matplotlib inline", "pasted_mark"),
         ("x = a < b > > c", "syntax_error"),
+        ("def move(self, float speed, float t):", "typed_name"),
+        ("def move(int n):", "typed_name"),
+        ("def move(self, speed seconds):", "missing_comma"),
+        ("def move(speed=1.0, seconds turn=2):", "missing_comma"),
+        ("def say(text='hello world', 3x):", "syntax_error"),
+        ("def say(key=lambda x x):", "syntax_error"),
     ],
 )
 def test_lines_that_python_does_not_take(line: str, code: str) -> None:

@@ -219,6 +219,13 @@ def test_a_message_that_a_function_gets_may_be_filled_there(between: str, code: 
     assert evaluate(assignment("square"), [run]).mistakes == (code,)
 
 
+def test_a_filled_message_that_is_not_sent_is_called_by_its_name() -> None:
+    source = "for i in a:\n    if i: cmd.linear.x = 1.0\n    pub.publish(Twist())\n"
+    scoring = evaluate(assignment("square"), [replace(run_of(AT_REST), source=source)])
+    assert scoring.mistakes == ("publishes_empty",)
+    assert "publish(cmd)" in scoring.hint.en
+
+
 def test_no_mistake_is_claimed_when_all_is_right() -> None:
     """A crash after the figure was complete costs nothing; the summary mentions it."""
     trajectory = drive(polygon_legs(4))

@@ -39,7 +39,7 @@ def test_lines_that_the_script_does_not_have_may_be_asked_for(number: int) -> No
     assert script.body(number) == []
     assert script.written(number) == ""
     assert script.conditions_of(number) == []
-    assert script.loop_of(number) is None
+    assert not list(script.heads_of(number))
     assert list(script.outwards(number)) == []
     assert script.message_beside(number) is None
     assert not script.in_method(number)
