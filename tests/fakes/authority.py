@@ -21,6 +21,7 @@ def authority(folder: Path) -> Path:
     """Return the file of the school's certificate."""
     key = x509.SubjectKeyIdentifier.from_public_key(_KEY.public_key())
     made = _certificate("school").add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
+    made = made.add_extension(signs_certificates(), critical=True)  # from Python 3.13 on a root must have it
     path = folder / "school.pem"
     path.write_bytes(_pem(made.add_extension(key, critical=False)))
     return path
@@ -59,6 +60,13 @@ class _Word(BaseHTTPRequestHandler):
 
     def log_message(self, *_: object) -> None:
         """Keep silent."""
+
+
+def signs_certificates() -> x509.KeyUsage:
+    """Return what an authority's key is for."""
+    others = ("digital_signature", "content_commitment", "key_encipherment", "data_encipherment")
+    others += ("key_agreement", "crl_sign", "encipher_only", "decipher_only")
+    return x509.KeyUsage(key_cert_sign=True, **dict.fromkeys(others, False))
 
 
 def _certificate(name: str) -> x509.CertificateBuilder:

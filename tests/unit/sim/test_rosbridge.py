@@ -141,7 +141,7 @@ def test_a_header_without_a_stamp_gets_one(table: Table) -> None:
         ({"op": "advertise", "topic": "/x" * 200}, "length"),
         ({"op": "unadvertise_service", "service": "/x"}, "not offered"),
         ({"op": "service_response", "service": "/x", "id": "1", "values": {}}, "nobody waits"),
-        ('{"op":"publish","topic":"/a","msg":' + '{"a":' * 5000 + "1" + "}" * 5001, "too deep"),
+        ('{"op":"publish","topic":"/a","msg":' + '{"a":' * 10_800 + "1" + "}" * 10_801, "too deep"),
         (json.dumps({"op": "publish", "topic": CMD, "msg": {"x": "y" * 70_000}}), "at most 65536 bytes"),
     ],
 )

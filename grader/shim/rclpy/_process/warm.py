@@ -11,6 +11,7 @@ import atexit  # noqa: F401
 import json  # noqa: F401
 import linecache  # noqa: F401
 import sys
+import tokenize  # noqa: F401 - from Python 3.13 on `linecache` imports it late, and it copies `open`
 import traceback  # noqa: F401
 import typing  # noqa: F401 - many scripts annotate
 import weakref  # noqa: F401
