@@ -83,7 +83,7 @@ def is_turn(command: Command) -> bool:
 
 def is_motion(command: Command) -> bool:
     """Whether the command asks for a motion worth the name."""
-    return is_drive(command) or is_turn(command)
+    return abs(command.v_mps) > MOVING_MPS or abs(command.w_radps) > MOVING_RADPS  # asked most: no more calls
 
 
 def is_arc(command: Command) -> bool:

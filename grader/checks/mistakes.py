@@ -9,6 +9,7 @@ import itertools
 import math
 import re
 from collections.abc import Iterable, Iterator
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -691,11 +692,14 @@ def _longest_motion_ns(trajectory: Trajectory) -> int:
     return longest_ns if trajectory.commands else COMMAND_LIFE_NS
 
 
-def with_ends(trajectory: Trajectory) -> Iterator[tuple[Command, int]]:
-    """Yield each command with the time at which it ended: at the next command, or when turtlesim dropped it."""
+@lru_cache(maxsize=1)  # as `moves_of`
+def with_ends(trajectory: Trajectory) -> tuple[tuple[Command, int], ...]:
+    """Return each command with the time at which it ended: at the next command, or when turtlesim dropped it."""
     nexts = [command.t_ns for command in trajectory.commands[1:]]
-    for command, next_ns in zip(trajectory.commands, [*nexts, _FOR_EVER_NS], strict=False):
-        yield command, min(next_ns, command.t_ns + COMMAND_LIFE_NS)
+    return tuple(
+        (command, min(next_ns, command.t_ns + COMMAND_LIFE_NS))
+        for command, next_ns in zip(trajectory.commands, [*nexts, _FOR_EVER_NS], strict=False)
+    )
 
 
 def steers(run: Run) -> bool:
@@ -712,18 +716,21 @@ def share_backwards(run: Run) -> float:
     return -math.fsum(way for way in ways_m if way < 0.0) / whole_m if whole_m else 0.0
 
 
-def motions_of(trajectory: Trajectory) -> Iterator[tuple[Command, int]]:
-    """Yield each motion, a row of equal commands without a pause: its first command, and how long it lasted."""
+@lru_cache(maxsize=1)  # as `moves_of`
+def motions_of(trajectory: Trajectory) -> tuple[tuple[Command, int], ...]:
+    """Return each motion, a row of equal commands without a pause: its first command, and how long it lasted."""
+    motions: list[tuple[Command, int]] = []
     begun: Command | None = None
     ended_ns = 0
     for command, until_ns in with_ends(trajectory):
         if begun is not None and (command[1:] != begun[1:] or command.t_ns != ended_ns):
-            yield begun, ended_ns - begun.t_ns
+            motions.append((begun, ended_ns - begun.t_ns))
             begun = None
         if is_motion(command):
             begun, ended_ns = begun or command, until_ns
     if begun is not None:
-        yield begun, ended_ns - begun.t_ns
+        motions.append((begun, ended_ns - begun.t_ns))
+    return tuple(motions)
 
 
 def _names(publishers: Iterable[Endpoint]) -> str:

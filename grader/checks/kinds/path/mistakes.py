@@ -157,7 +157,7 @@ def path_mistakes(
 def _one_motion(assignment: Assignment, run: Run) -> Iterator[Mistake]:
     """Recognise a path of several pieces of which the first was never over, and one whose arcs were never bent."""
     track = None if assignment.path is None or assignment.path.by_solution else track_of(assignment.path)
-    commanded = list(motions_of(run.trajectory))
+    commanded = motions_of(run.trajectory)
     if track is None or not commanded:
         return
     (first, lasted_ns), ended_ns = commanded[0], run.outcome.duration_ns

@@ -132,6 +132,8 @@ def visits(wanted: WantedPlaces, way: Way) -> list[Visit]:
 def nearly_reached(wanted: WantedPlaces, way: Way, seen: Sequence[Visit]) -> list[float]:
     """Return how much of each missed goal counts: the less, the larger all goals must be for it to be reached."""
     shares = [0.0] * len(seen)
+    if not any(one.done_s is None and one.outside_m <= _size_m(one.goal.region) for one in seen):
+        return shares
     for step in range(1, NEARLY_STEPS):
         more = step / NEARLY_STEPS
         larger = replace(wanted, visit=tuple(_enlarged(goal, 1.0 + more) for goal in wanted.visit))
@@ -140,6 +142,11 @@ def nearly_reached(wanted: WantedPlaces, way: Way, seen: Sequence[Visit]) -> lis
             if done_s is not None and seen[i].done_s is None and not shares[i]:
                 shares[i] = NEARLY_COUNTS * (1.0 - more)
     return shares
+
+
+def _size_m(region: Region) -> float:
+    """Return how far outside of a region one of twice its size may reach."""
+    return max(region.radius_m, math.hypot(region.width_m, region.height_m) / 2.0)
 
 
 def _enlarged(goal: WantedGoal, times: float) -> WantedGoal:

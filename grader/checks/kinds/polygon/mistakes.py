@@ -204,7 +204,7 @@ def _drives_to_the_end(seen: _Seen) -> bool:
     commands, outcome = seen.run.trajectory.commands, seen.run.outcome
     lasts = bool(commands) and is_motion(commands[-1]) and times_begun(map(is_motion, commands)) == 1
     on_time = outcome.status is RunStatus.INTERRUPTED and any(
-        until_ns >= outcome.duration_ns for _, until_ns in list(with_ends(seen.run.trajectory))[-1:]
+        until_ns >= outcome.duration_ns for _, until_ns in with_ends(seen.run.trajectory)[-1:]
     )
     return lasts and on_time and bool(ScriptText(seen.run.source).lines_with(_TURN_WRITTEN))
 
