@@ -17,7 +17,6 @@ GraderError
 └── InfrastructureError    anything else on the grader's side; retried
 """
 
-import difflib
 import errno
 from typing import TYPE_CHECKING, Any, Final, Self
 
@@ -75,6 +74,8 @@ class UnknownAssignmentError(GraderError):
     @classmethod
     def among(cls, known: "Iterable[str]", assignment_id: str) -> "UnknownAssignmentError":
         """Return the error that names the id that was probably meant, else lists those that there are."""
+        import difflib  # every process imports this module, and few meet this error
+
         ids = sorted(known)
         if likely := difflib.get_close_matches(assignment_id, ids, 1):
             return cls(

@@ -328,7 +328,7 @@ class ScriptText:
         return [head for _, head in self.heads_of(number)]
 
     def heads_of(self, number: int) -> Iterator[tuple[int, str]]:
-        """Yield the same with their lines."""
+        """Yield what `conditions_of` returns, each with its line."""
         for at, head in itertools.islice(self.outwards(number), 1, None):
             if re.match(r"[ \t]*(def|class)\b", head):
                 return

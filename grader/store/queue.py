@@ -380,7 +380,8 @@ class Queue:
         `answer_lost` says that an earlier commit stored the result and its answer was lost. What that commit
         claimed counts.
         """
-        connection, (worker, in_turn) = session.connection(), claimant
+        worker, in_turn = claimant
+        connection = session.connection()
         claimed = resume(connection, worker, self._clock(), self.lease_s) if answer_lost else None
         if claimed is None:
             claimed = take(connection, worker, self._clock(), self.lease_s, in_turn)

@@ -84,9 +84,8 @@ def _counts_motions(start: str, script: ScriptText) -> bool:
     compared = r"[ \t]*(?:if|elif) ([\w.]+) ?[<>]=? ?([\w.]+) ?:$"
     heads = [re.match(compared, head) for head in script.conditions_of(raised[0])]
     limits = [found[2] for found in heads if found is not None and found[1] in passed]
-    if len(limits) != 1 or re.search(
-        r"\.(linear|angular)\.", str(script.block(script.owner_of(*raised) or 0))
-    ):
+    branch = "\n".join(script.block(script.owner_of(raised[0]) or 0))
+    if len(limits) != 1 or re.search(r"\.(linear|angular)\.", branch):
         return False
     return not script.lines_with(rf"{itself(limits[0])} ?(\+=|=.*\+)")
 

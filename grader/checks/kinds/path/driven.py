@@ -195,7 +195,7 @@ def figure_in(drive: Drive, wanted: WantedPath, start: StartPose) -> Figure | No
     if total_m < LEAST_M:
         return None
     points = path.x_m + 1j * path.y_m
-    found: Figure | None = None
+    found, found_off = None, math.inf
     ways, allowed = tracks(wanted), _Allowed(wanted, start)
     closed = bool(ways) and ways[0].is_closed
     least_share = LAP_SHARE if closed else UNFINISHED_SHARE
@@ -208,8 +208,9 @@ def figure_in(drive: Drive, wanted: WantedPath, start: StartPose) -> Figure | No
     for one in _refined(likely, allowed, THIN):
         if not closed and one.end_m < total_m and one.residual > COVERED_SHARE:
             continue  # hardly the whole path: with what follows it is one that was driven badly
-        if found is None or _misfit(one, drive) < (_misfit(found, drive) - NEARLY_SHARE) / LONGER_SHARE:
-            found = one
+        off = _misfit(one, drive)
+        if found is None or off < (found_off - NEARLY_SHARE) / LONGER_SHARE:
+            found, found_off = one, off
     begun = None if wanted.any_scale else _begun(points, along, ways, allowed)
     if begun is not None:
         return begun

@@ -351,9 +351,10 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
 
 def _is_endless(seen: _Seen, widest_rad: float, by_pose: bool) -> bool:
     """Whether the car turned in one place for far too long: by time in one go, by pose also with pauses."""
-    turns = ((abs(one.w_radps), lasted_ns / 1e9) for one, lasted_ns in motions_of(seen.run.trajectory))
-    longest_rad = max((rate_radps * lasted_s for rate_radps, lasted_s in turns), default=0.0)
-    return math.degrees(widest_rad if by_pose else longest_rad) > 1.25 * FULL_TURN_DEG
+    if not by_pose:
+        motions = motions_of(seen.run.trajectory)
+        widest_rad = max((abs(one.w_radps) * (lasted_ns / 1e9) for one, lasted_ns in motions), default=0.0)
+    return math.degrees(widest_rad) > 1.25 * FULL_TURN_DEG
 
 
 def _drove_first(seen: _Seen) -> bool:
