@@ -105,6 +105,7 @@ _OTHER_LANGUAGES: Final = {
     "nullptr": "None",
     "nil": "None",
     "none": "None",
+    "π": "math.pi",
 }
 """Names of Python 2, C++ and other languages, each with what Python 3 has instead."""
 _OF_ROS_1: Final = {
@@ -287,6 +288,8 @@ def _nearest_own(name: str, line: int, script: ScriptText, otherwise: Closer) ->
         return otherwise
     if not script.is_short or len(name) > LONGEST_NAME:
         return otherwise
+    if name == "publish" and script.publisher is not None:
+        return "publish_left_out", {}
     text = "".join(script.lines[line - 1 : line])
     if script.publisher and re.search(rf"(?<![\w.]){name}\.publish\(", text):
         return "misspelt", {"suggestion": script.publisher}
@@ -333,12 +336,18 @@ def unknown_attribute(error: StudentError, script: ScriptText) -> Closer:
     if closer is not None:
         return closer
     suggestion = suggested(error)
-    if suggestion is not None and suggestion not in _NODE_LISTS:
+    own_name = found is not None and _is_given(found[2], script)
+    if suggestion is not None and suggestion not in _NODE_LISTS and not own_name:
         return "misspelt", {"suggestion": suggestion}
     if found is not None and (closer := _message_fields(found[1], found[2], script)) is not None:
         return closer
     own = found is not None and script.class_line(found[1]) is not None
     return None if own or not script.has_code else ("unknown_in_library", {})
+
+
+def _is_given(name: str, script: ScriptText) -> bool:
+    """Whether the script gives an attribute a value, or adds to it: then it is not misspelt, but has none yet."""
+    return bool(script.lines_with(rf"\bself\.{re.escape(name)} ?(:[^=]*)?([-+*/]|//)?=(?!=)"))
 
 
 def _of_module(error: StudentError, script: ScriptText) -> Closer:
