@@ -111,7 +111,8 @@ def _only_logs(limit: _Limit, script: ScriptText) -> bool:
 def ticks_too_long(seen: Searched) -> Mistake | None:
     """Find a count of ticks that takes longer than the run, or as long as the longest motion in it."""
     ended = seen.run.outcome
-    longest_ns = max((lasted_ns for _, lasted_ns in motions_of(seen.run.trajectory)), default=0)
+    motions = motions_of(seen.run.trajectory)  # the last one may be held for longer than the run
+    longest_ns = max((min(lasted_ns, ended.duration_ns - one.t_ns) for one, lasted_ns in motions), default=0)
     for limit in _limits(seen.script):
         beyond = ended.status is RunStatus.INTERRUPTED and limit.took_s * 1e9 > ended.duration_ns
         last = re.search(r"\b(SystemExit|exit\(|shutdown\()", str(seen.script.body(limit.line)))  # of the run
@@ -177,7 +178,7 @@ def sum_not_reset(seen: Searched) -> Mistake | None:
         given = seen.script.lines_with(rf"{re.escape(found[1])} ?(?:[-%] ?)?=(?!=)")
         goes_on = any(re.match(r"[ \t]*self\.\w+ ?\+?=(?!=)", one) for one in seen.script.block(line)[1:])
         if goes_on and all(seen.script.function_around(at) == "__init__" for at in given):
-            return mistake("count_not_reset", line=line, name=found[1])
+            return mistake("sum_not_reset", line=line, name=found[1])
     return None
 
 

@@ -81,7 +81,7 @@ def _counts_motions(start: str, script: ScriptText) -> bool:
     if not around or around not in {one.name for one in script.callbacks("timer")}:
         return False
     passed = {found[1] for _, found in script.matches(rf"^[ \t]*([\w.]+) ?=(?!=).*- ?{itself(start)}")}
-    compared = r"[ \t]*(?:if|elif) ([\w.]+) ?[<>]=? ?([\w.]+) ?:$"
+    compared = r"[ \t]*(?:if|elif) ([\w.]+) ?[<>]=? ?(?:Duration\( ?seconds ?= ?)?([\w.]+) ?\)? ?:$"
     heads = [re.match(compared, head) for head in script.conditions_of(raised[0])]
     limits = [found[2] for found in heads if found is not None and found[1] in passed]
     branch = "\n".join(script.block(script.owner_of(raised[0]) or 0))
@@ -228,11 +228,14 @@ def _is_seconds(value: float | None, name: str, script: ScriptText) -> bool:
 
 
 def start_anew(seen: Searched) -> Mistake | None:
-    """Find a loop that takes its own start time anew in each round, so that no time ever passes."""
-    for loop in seen.script.lines_with(rf"^[ \t]*while\b.*{CLOCK}"):
+    """Find a loop that takes its own start, or end, anew in each round, so that the end never comes."""
+    for loop in seen.script.lines_with(rf"^[ \t]*while\b.*({CLOCK}|<)"):
         for line, text in seen.script.body(loop):
-            taken = re.match(rf"([\w.]+) ?= ?[\w.()]*{CLOCK}\S*$", text)
-            if taken and re.search(rf"- ?{itself(taken[1])}", seen.script.lines[loop - 1]):
+            taken = re.match(rf"([\w.]+) ?= ?[\w.()]*{CLOCK}\S*( ?\+ ?[\w.]+)?$", text)
+            if taken is None:
+                continue
+            compared = rf"\) ?<=? ?{itself(taken[1])}" if taken[2] else rf"- ?{itself(taken[1])}"
+            if re.search(compared, seen.script.lines[loop - 1]):
                 return mistake("start_anew", line=line, name=taken[1], loop=loop)
     return None
 
@@ -255,6 +258,46 @@ def publish_behind_loop(seen: Searched) -> Mistake | None:
         text = seen.script.lines[behind - 1] if behind <= len(seen.script.lines) else ""
         if only_waits and re.match(r"[ \t]*[\w.]+\.publish\( ?\w+ ?\)$", text):
             return mistake("publish_behind_loop", line=behind, loop=loop)
+    return None
+
+
+def sleep_behind_loop(seen: Searched) -> Mistake | None:
+    """Find a loop that publishes a motion again and again at one moment, and the pause that stands behind it."""
+    for loop in seen.script.lines_with(r"^[ \t]*for\b.*\brange\("):
+        block = seen.script.block(loop)
+        behind = loop + len(block)
+        slept = re.match(r"[ \t]*(?:time\.)?sleep\((.+)\)$", "".join(seen.script.lines[behind - 1 : behind]))
+        if slept is None or seen.script.owner_of(behind) != seen.script.owner_of(loop):
+            continue
+        if (value_of(slept[1], seen.script) or 0.0) > _PAUSE_S:
+            continue  # the motion may be meant to last for that pause
+        body = "\n".join(block[1:])
+        if re.search(r"\.publish\( ?(?!Twist\(|\w*stop)", body) and not re.search(r"sleep\(|spin", body):
+            return mistake("sleep_behind_loop", line=behind, loop=loop)
+    return None
+
+
+def added_again(seen: Searched) -> Mistake | None:
+    """Find a sum to which each round, or tick, adds the whole time since a start that stays as it was."""
+    loops = seen.script.lines_with(r"^[ \t]*while\b")
+    for begins in [*loops, *(one.begins for one in seen.script.functions_called_back("timer"))]:
+        block = seen.script.block(begins)
+        text = "\n".join(block)
+        for line, added in enumerate(block, start=begins):
+            found = re.match(
+                rf"[ \t]*([\w.]+) ?\+= ?(.*?({CLOCK}|[\w.]+) ?- ?([\w.]+)\)*(?:[ .*/\w]*))$", added
+            )
+            if found is None or not re.search(rf"\b(if|while)\b.*{itself(found[1])} ?[<>]", text):
+                continue
+            start, now = itself(found[4]), itself(found[3])
+            begun = seen.script.lines_with(rf"^[ \t]*{start} ?=(?!=).*{CLOCK}")
+            is_now = re.fullmatch(CLOCK, found[3]) or re.search(
+                rf"^[ \t]*{now} ?=(?!=).*{CLOCK}", text, re.MULTILINE
+            )
+            if begun and is_now and not re.search(rf"^[ \t]*{start} ?=(?!=)", text, re.MULTILINE):
+                return mistake(
+                    "added_again", line=line, name=found[1], start=found[4], right=f"{found[1]} = {found[2]}"
+                )
     return None
 
 
