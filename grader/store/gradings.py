@@ -156,6 +156,12 @@ def stored_report(session: Session, row: GradingRow, judged: str) -> StoredRepor
     )
 
 
+def report_of(session: Session, grading: Select[GradingRow], judged: str) -> StoredReport | None:
+    """Return as `stored_report` does the one grading that a query selects; None if it selects none."""
+    row = session.execute(grading).scalar_one_or_none()
+    return None if row is None else stored_report(session, row, judged)
+
+
 def _cases(session: Session, grading: GradingRow) -> dict[str, str]:
     statement = (
         select(col(TrajectoryRow.case_id), col(TrajectoryRow.sha256))
@@ -184,14 +190,14 @@ class PastGradings(StorePart):
         when there is none (not made yet, failed, or discarded). Judgements by people are the submission's.
         """
         with self._database.reading() as session:
-            applied = session.execute(
-                _of(submission_id).where(col(GradingRow.regrade) == regrade_id)
-            ).scalar_one_or_none()
+            of_submission = select(GradingRow).where(col(GradingRow.submission_id) == submission_id)
+            of_regrade = of_submission.where(col(GradingRow.regrade) == regrade_id)
+            applied = session.execute(of_regrade).scalar_one_or_none()
             if applied is not None:
-                earlier = _of(submission_id).where(col(GradingRow.attempt) < applied.attempt)
-                if applied.replaced is not None:  # gradings of older versions do not say
-                    earlier = earlier.where(col(GradingRow.attempt) == applied.replaced)
-                before = _newest(session, earlier, submission_id)
+                replaced = of_submission.where(
+                    col(GradingRow.attempt) == applied.replaced
+                )  # None: there is none
+                before = report_of(session, replaced, submission_id)
                 return before, stored_report(session, applied, submission_id)
             trial = (
                 select(GradingRow)
@@ -202,20 +208,10 @@ class PastGradings(StorePart):
                     col(SubmissionRow.graded_attempt) == col(GradingRow.attempt),
                 )
             )
-            before = _newest(session, standing_grading(submission_id), submission_id)
-            return before, _newest(session, trial, submission_id)
+            before = report_of(session, standing_grading(submission_id), submission_id)
+            return before, report_of(session, trial, submission_id)
 
     def measurements(self, stored: StoredReport) -> Measurements | None:
         """Return the measurements of a grading, which its report does not contain; None if it is not stored."""
         row = self._get(GradingRow, (stored.submission_id, stored.attempt))
         return None if row is None else from_json(Measurements, row.measurements)
-
-
-def _of(submission_id: str) -> Select[GradingRow]:
-    return select(GradingRow).where(col(GradingRow.submission_id) == submission_id)
-
-
-def _newest(session: Session, statement: Select[GradingRow], judged: str) -> StoredReport | None:
-    newest = statement.order_by(col(GradingRow.attempt).desc()).limit(1)
-    row = session.execute(newest).scalar_one_or_none()
-    return None if row is None else stored_report(session, row, judged)

@@ -17,7 +17,7 @@ from grader.contracts.submission import (
 from grader.store.audit import Signature, record
 from grader.store.clock import TimedPart
 from grader.store.courses import in_class
-from grader.store.gradings import standing_grading, stored_report
+from grader.store.gradings import report_of, standing_grading
 from grader.store.intake import attempts_of, refusal_of, take_in
 from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow, TrajectoryRow, as_contract
 
@@ -86,13 +86,15 @@ class Submissions(TimedPart):
     def report(self, submission_id: str) -> StoredReport | None:
         """Return the latest grading of a submission, or None when there is none yet."""
         with self._database.reading() as session:
-            return _report(session, submission_id)
+            return report_of(session, standing_grading(submission_id), submission_id)
 
     def with_report(self, submission_id: str) -> tuple[Submission, StoredReport | None] | None:
         """Return a submission and its latest grading as they are at one instant, or None, as `get` does."""
         with self._database.reading() as session:
             row = _handed_in(session, submission_id)
-            return None if row is None else (_submission(row), _report(session, submission_id))
+            if row is None:
+                return None
+            return _submission(row), report_of(session, standing_grading(submission_id), submission_id)
 
     def trajectory(self, report: StoredReport, case_id: str) -> bytes | None:
         """Return the trajectory of one case as gzip of its JSON, or None."""
@@ -200,11 +202,6 @@ def _record_handed_in(session: Session, by: str, row: SubmissionRow) -> None:
 def _handed_in(session: Session, submission_id: str) -> SubmissionRow | None:
     row = session.get(SubmissionRow, submission_id)
     return None if row is None or row.regrade is not None else row
-
-
-def _report(session: Session, submission_id: str) -> StoredReport | None:
-    row = session.execute(standing_grading(submission_id)).scalar_one_or_none()
-    return None if row is None else stored_report(session, row, submission_id)
 
 
 def _submission(row: SubmissionRow) -> Submission:

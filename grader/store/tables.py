@@ -1,4 +1,7 @@
-"""The tables. Changing one needs a migration in `grader.store.migrations.versions` (a test compares them)."""
+"""The tables. A new database gets them as they stand here.
+
+Changing one needs a migration in `grader.store.migrations.versions`; a test compares what both lead to.
+"""
 
 import gzip
 import re
