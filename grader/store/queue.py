@@ -18,7 +18,7 @@ from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingResult
-from grader.contracts.judgement import to_judge
+from grader.contracts.rubric import to_judge
 from grader.contracts.submission import Claim, QueueState, SubmissionState
 from grader.store.claiming import DUE, change, claim_of, claim_values, due_early, instants, resume, take
 from grader.store.clock import LONGEST_PAUSE, Clock, ahead, longer_pause

@@ -2,10 +2,9 @@
 
 from dataclasses import dataclass
 
-from grader.contracts.comment import LONGEST_COMMENT, Comment
+from grader.contracts.comment import LONGEST_COMMENT, Comment, is_comment
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role
-from grader.contracts.judgement import is_comment
 from grader.contracts.submission import Submission
 from grader.contracts.text import Text
 from grader.contracts.upload import lines_of

@@ -306,7 +306,7 @@ def _cut_output(services: Services, stored: StoredReport) -> dict[str, tuple[Str
 
     How much that is depends on the moment, so it is no part of the report.
     """
-    measured = services.past_gradings.measurements(stored)
+    measured = services.submissions.measurements(stored)
     cut = () if measured is None else measured.cut_output
     return {one.case: (stream_text(one.stdout), stream_text(one.stderr)) for one in cut}
 

@@ -12,7 +12,6 @@ from grader.contracts.regrade import Regrade, Wanted, Which
 from grader.contracts.submission import NewSubmission, Submission
 from grader.store.audit import Signature
 from grader.store.database import Database
-from grader.store.gradings import PastGradings
 from grader.store.judgements import Given, Judgements
 from grader.store.queue import Queue
 from grader.store.regrades import Regrades
@@ -109,7 +108,7 @@ def test_only_what_stands_can_be_undone(world: World, database: Database) -> Non
     world.undo(second)
     assert world.now.score == 10.0
     third = world.regrade(b"bad")
-    before, after = PastGradings(database).around(third.id, world.id)
+    before, after = Submissions(database, FakeClock()).around_regrade(third.id, world.id)
     assert before is not None
     assert after is not None
     assert (before.attempt, after.attempt) == (2, 4)
