@@ -124,13 +124,7 @@ class Preflight(Protocol):
 
 
 class AssignmentSource(Protocol):
-    """Where assignments come from: those of every course, or, by `of`, those of one."""
-
-    def of(self, course: str | None) -> "AssignmentSource":
-        """Return where those of a course come from: of every course's, and of its own."""
-
-    def look_again(self) -> None:
-        """Forget what was read lately: the next answer shows what is there by then."""
+    """Some assignments, such as those of one course."""
 
     def all(self) -> tuple[Assignment, ...]:
         """Return every assignment in the order of the checklist."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Self
 
-from grader.contracts.grading import AssignmentSource, Preflight
+from grader.contracts.grading import Preflight
 from grader.contracts.identity import Caller
 from grader.contracts.submission import QueueState, WorkerState
 from grader.grading.practice import PracticeRuns
@@ -42,6 +42,7 @@ from grader.store.work import Doorbell
 from grader.store.workers import Workers
 from grader.use_cases.callers import Allowances, Callers
 from grader.use_cases.comparing import Comparer
+from grader.use_cases.course_assignments import CourseAssignments
 from grader.use_cases.following import Estimates, Watching, WatchLimits
 from grader.use_cases.pictures import PlotCache
 from grader.use_cases.space import SpaceCounter
@@ -74,7 +75,7 @@ class Services:
 
     settings: Settings
     clock: Clock
-    assignments: AssignmentSource
+    assignments: CourseAssignments
     preflight: Preflight
 
     # who asks, and how often
@@ -134,7 +135,7 @@ class Services:
         clock: Clock,
         *,
         retries: Retries,
-        assignments: AssignmentSource,
+        assignments: CourseAssignments,
         preflight: Preflight,
         plots: PlotCache,
         callers: Callers,

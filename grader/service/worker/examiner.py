@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from grader.catalog.refreshed import same_version
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError, GraderError, InfrastructureError, UnknownAssignmentError
-from grader.contracts.grading import AssignmentSource, SupervisedGrader
+from grader.contracts.grading import SupervisedGrader
 from grader.contracts.own_assignment import Examined, Misfit, ScriptVerdict
 from grader.contracts.record import from_json, to_plain
 from grader.contracts.text import EMPTY, Text
@@ -26,6 +26,7 @@ from grader.grading.examination.reading import Reading, misfits_of, own_scripts
 from grader.grading.examination.reference import traced, wants_reference
 from grader.grading.examination.zipped import unpacked
 from grader.store.own_assignments import OwnAssignments, OwnClaim
+from grader.use_cases.course_assignments import CourseAssignments
 
 _log = logging.getLogger(__name__)
 _LOOK_S = 2.0
@@ -62,7 +63,7 @@ class Examiner:
     def __init__(
         self,
         uploads: Uploads,
-        assignments: AssignmentSource,
+        assignments: CourseAssignments,
         *,
         ready: Callable[[], bool],
         students_wait: Callable[[], bool],

@@ -15,7 +15,6 @@ from itertools import repeat
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import GraderError, InfrastructureError, NoRoomError, SandboxUnavailableError
 from grader.contracts.grading import (
-    AssignmentSource,
     GradingJob,
     GradingResult,
     SandboxState,
@@ -29,6 +28,7 @@ from grader.store.clock import Clock
 from grader.store.queue import Finished, Queue
 from grader.store.work import Doorbell, WorkSource
 from grader.store.workers import Workers
+from grader.use_cases.course_assignments import CourseAssignments
 
 _log = logging.getLogger(__name__)
 _STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, *repeat(4.0, 150))
@@ -56,7 +56,7 @@ class WorkerParts:
 
     queue: Queue
     workers: Workers
-    assignments: AssignmentSource
+    assignments: CourseAssignments
     make_grader: Callable[[], SupervisedGrader]
     probe: Callable[[], SandboxState]
     doorbell: Doorbell
