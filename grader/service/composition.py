@@ -97,8 +97,8 @@ def _practice(database: Database, settings: Settings, clock: Clock) -> PracticeR
 
 def _grading(database: Database, settings: Settings, services: Services) -> AbstractContextManager[Worker]:
     """Return the service's own worker."""
-    parts = _parts(database, settings, services.assignments, services.clock)
-    return _working(settings, replace(parts, doorbell=services.doorbell, observer=services.metrics))
+    parts = _parts(database, settings, services.assignments, services.clock, services.metrics)
+    return _working(settings, replace(parts, doorbell=services.doorbell))
 
 
 @contextmanager
@@ -111,11 +111,11 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
     with ExitStack() as stack:
         database = stack.enter_context(_store(settings, "grader worker"))
         clock = stack.enter_context(clock_of(database))
-        parts = _parts(database, settings, assignments_of(settings, database, clock), clock)
-        metrics = Metrics(Measures(database, parts.workers, clock, settings.silent_s).state)
+        metrics = Metrics(Measures(database, Workers(database, clock), clock, settings.silent_s).state)
         if settings.metrics_port is not None:
             stack.enter_context(exported(metrics, settings.metrics_port, settings.host))
-        yield stack.enter_context(_working(settings, replace(parts, observer=metrics)))
+        parts = _parts(database, settings, assignments_of(settings, database, clock), clock, metrics)
+        yield stack.enter_context(_working(settings, parts))
 
 
 def _providers(settings: Settings, clock: Clock) -> Providers:
@@ -161,7 +161,7 @@ def _working(settings: Settings, parts: WorkerParts) -> Iterator[Worker]:
 
 
 def _parts(
-    database: Database, settings: Settings, assignments: CourseAssignments, clock: Clock
+    database: Database, settings: Settings, assignments: CourseAssignments, clock: Clock, metrics: Metrics
 ) -> WorkerParts:
     return WorkerParts(
         queue=Queue(database, clock, _retries(settings)),
@@ -171,6 +171,7 @@ def _parts(
         probe=_probe,
         doorbell=Doorbell(),
         clock=clock,
+        metrics=metrics,
         uploads=Uploads(own=OwnAssignments(database, clock), make_grader=lambda: Slot(_BEHIND)),
         work=None if database.is_sqlite else _permits(database, settings, clock),
     )

@@ -207,7 +207,7 @@ def test_a_crashed_grading_process_is_one_retry(bench: Bench) -> None:
 
 
 class Told:
-    """Writes down what an observer is told."""
+    """Writes down what is counted."""
 
     def __init__(self) -> None:
         self.gradings: list[tuple[GradeStatus, float | None]] = []
@@ -224,9 +224,9 @@ class Told:
         self.lost += submissions
 
 
-def test_an_observer_is_told_how_gradings_went(bench: Bench) -> None:
+def test_how_gradings_went_is_counted(bench: Bench) -> None:
     told = Told()
-    bench.parts = replace(bench.parts, observer=told)
+    bench.parts = replace(bench.parts, metrics=told)
     bench.grader.faults = [InfrastructureError("died")] * 3
     slot = bench.slot()
     bench.upload(assignment="straight")
@@ -344,7 +344,7 @@ def test_a_report_whose_storing_was_not_answered_is_counted_once(bench: Bench) -
             return stored
 
     queue = Unanswered(bench.database, bench.clock, Retries())
-    bench.parts = replace(bench.parts, queue=queue, observer=told)
+    bench.parts = replace(bench.parts, queue=queue, metrics=told)
     bench.upload()
     assert bench.slot().step()
     assert (len(told.gradings), told.retries) == (1, 0)
