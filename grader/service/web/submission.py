@@ -263,7 +263,7 @@ def _beside(errand: PageErrand, submission: Submission) -> dict[str, Any]:
 
 def _comments(errand: PageErrand, submission: Submission) -> dict[str, Any]:
     """Return the comments by line, those about the whole under None, and what their authors are called."""
-    found = commenting.look(errand.services, errand.caller, submission)
+    found = commenting.read_comments(errand.services, errand.caller, submission)
     by_line: dict[int | None, list[Comment]] = {}
     for one in found:
         by_line.setdefault(one.line, []).append(one)
