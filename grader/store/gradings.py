@@ -37,7 +37,7 @@ Details = Sequence[tuple[Insert, list[Values]]]
 
 
 def grading_values(
-    claim: Claim, result: GradingResult, finished_at: datetime, assignment_sha256: str | None = None
+    claim: Claim, result: GradingResult, finished_at: datetime, assignment_sha256: str
 ) -> Values:
     """Return the row of the grading itself."""
     report = result.report

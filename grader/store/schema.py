@@ -15,6 +15,7 @@ from typing import Literal
 
 from sqlalchemy import Connection, text
 from sqlalchemy.exc import DBAPIError
+from sqlalchemy.schema import CreateIndex, CreateTable
 from sqlmodel import SQLModel
 
 from grader.contracts.errors import SettingsError
@@ -103,13 +104,21 @@ def _migrated(database: Database) -> tuple[str | None, str]:
         _check_encoding(connection)
         before = version(connection)
         if before is None:
-            SQLModel.metadata.create_all(connection, checkfirst=False)
+            _create(connection)
             _alembic(connection, "stamp")
         elif before != expected_version():
             _alembic(connection, "upgrade")
         _sort_by_code_point(connection)
         _install_queue(connection)
         return before, expected_version()
+
+
+def _create(connection: Connection) -> None:
+    """Create the tables, each with its indexes in one order: SQLite chooses between equally good ones by it."""
+    for table in SQLModel.metadata.sorted_tables:
+        connection.execute(CreateTable(table))
+        for index in sorted(table.indexes, key=lambda one: str(one.name)):
+            connection.execute(CreateIndex(index))
 
 
 def _alembic(connection: Connection, what: Literal["stamp", "upgrade"]) -> None:

@@ -109,13 +109,11 @@ class Submissions(TimedPart):
             row = session.get(TrajectoryRow, (report.submission_id, report.attempt, case_id))
             return None if row is None else row.content
 
-    def graded_assignment(self, report: StoredReport) -> Assignment | None:
-        """Return the assignment as it was when `report` was made; None when that was not kept."""
-        if report.assignment_sha256 is None:
-            return None
+    def graded_assignment(self, report: StoredReport) -> Assignment:
+        """Return the assignment as it was when `report` was made."""
         with self._database.reading() as session:
-            row = session.get(GradedAssignmentRow, report.assignment_sha256)
-            return None if row is None else from_json(Assignment, row.content)
+            row = session.get_one(GradedAssignmentRow, report.assignment_sha256)
+            return from_json(Assignment, row.content)
 
     def grading(self, submission_id: str, attempt: int) -> StoredReport | None:
         """Return the grading that `attempt` made of a submission, or None."""

@@ -1,21 +1,3 @@
-CREATE TABLE course (
-    id VARCHAR(64) NOT NULL,
-    title VARCHAR(200) NOT NULL,
-    time_zone VARCHAR(64) NOT NULL,
-    created_at DATETIME NOT NULL,
-    distro VARCHAR(32) DEFAULT 'humble' NOT NULL,
-    archived_at DATETIME,
-    PRIMARY KEY (id)
-);
-
-CREATE TABLE recognised (
-    sha256 VARCHAR(64) NOT NULL,
-    provider VARCHAR(64) NOT NULL,
-    subject VARCHAR(255) NOT NULL,
-    expires_at DATETIME NOT NULL,
-    PRIMARY KEY (sha256)
-);
-
 CREATE TABLE audit (
     id INTEGER NOT NULL,
     at DATETIME NOT NULL,
@@ -31,15 +13,46 @@ CREATE TABLE audit (
 
 CREATE INDEX audit_course ON audit (course, id);
 
+CREATE TABLE course (
+    id VARCHAR(64) NOT NULL,
+    title VARCHAR(200) NOT NULL,
+    time_zone VARCHAR(64) NOT NULL,
+    created_at DATETIME NOT NULL,
+    distro VARCHAR(32) DEFAULT 'humble' NOT NULL,
+    archived_at DATETIME,
+    PRIMARY KEY (id)
+);
+
+CREATE TABLE graded_assignment (
+    sha256 VARCHAR(64) NOT NULL,
+    content BLOB NOT NULL,
+    PRIMARY KEY (sha256)
+);
+
+CREATE TABLE platform_key (
+    id VARCHAR(64) NOT NULL,
+    secret TEXT NOT NULL,
+    created_at DATETIME NOT NULL,
+    PRIMARY KEY (id)
+);
+
+CREATE TABLE recognised (
+    sha256 VARCHAR(64) NOT NULL,
+    provider VARCHAR(64) NOT NULL,
+    subject VARCHAR(255) NOT NULL,
+    expires_at DATETIME NOT NULL,
+    PRIMARY KEY (sha256)
+);
+
 CREATE TABLE source (
     sha256 VARCHAR(64) NOT NULL,
     content BLOB NOT NULL,
     PRIMARY KEY (sha256)
 );
 
-CREATE TABLE graded_assignment (
+CREATE TABLE used_message (
     sha256 VARCHAR(64) NOT NULL,
-    content BLOB NOT NULL,
+    expires_at DATETIME NOT NULL,
     PRIMARY KEY (sha256)
 );
 
@@ -55,17 +68,14 @@ CREATE TABLE worker (
     PRIMARY KEY (id)
 );
 
-CREATE TABLE platform_key (
-    id VARCHAR(64) NOT NULL,
-    secret TEXT NOT NULL,
-    created_at DATETIME NOT NULL,
-    PRIMARY KEY (id)
-);
-
-CREATE TABLE used_message (
-    sha256 VARCHAR(64) NOT NULL,
-    expires_at DATETIME NOT NULL,
-    PRIMARY KEY (sha256)
+CREATE TABLE mail_wishes (
+    course VARCHAR(64) NOT NULL,
+    due BOOLEAN NOT NULL,
+    graded BOOLEAN NOT NULL,
+    faults BOOLEAN NOT NULL,
+    changed_at DATETIME NOT NULL,
+    PRIMARY KEY (course),
+    FOREIGN KEY(course) REFERENCES course (id)
 );
 
 CREATE TABLE member (
@@ -80,34 +90,26 @@ CREATE TABLE member (
     FOREIGN KEY(course) REFERENCES course (id)
 );
 
-CREATE TABLE rules (
+CREATE TABLE notice (
+    id VARCHAR(32) NOT NULL,
     course VARCHAR(64) NOT NULL,
-    assignment VARCHAR(64) NOT NULL,
-    document TEXT NOT NULL,
-    changed_at DATETIME NOT NULL,
-    PRIMARY KEY (course, assignment),
+    outlet VARCHAR(16) NOT NULL,
+    kind VARCHAR(16) NOT NULL,
+    person VARCHAR(64) NOT NULL,
+    heading TEXT NOT NULL,
+    body TEXT NOT NULL,
+    made_at DATETIME NOT NULL,
+    until DATETIME NOT NULL,
+    not_before DATETIME NOT NULL,
+    sent_at DATETIME,
+    tries INTEGER NOT NULL,
+    code VARCHAR(16) NOT NULL,
+    trouble TEXT NOT NULL,
+    PRIMARY KEY (id),
     FOREIGN KEY(course) REFERENCES course (id)
 );
 
-CREATE TABLE regrade (
-    id VARCHAR(16) NOT NULL,
-    course VARCHAR(64),
-    assignment VARCHAR(64) NOT NULL,
-    state VARCHAR(16) NOT NULL,
-    wanted TEXT NOT NULL,
-    created_at DATETIME NOT NULL,
-    created_by VARCHAR(64) NOT NULL,
-    decided_at DATETIME,
-    decided_by VARCHAR(64) NOT NULL,
-    reason TEXT NOT NULL,
-    outcome TEXT NOT NULL,
-    undone_at DATETIME,
-    undone_by VARCHAR(64) DEFAULT '' NOT NULL,
-    undone_reason TEXT DEFAULT '' NOT NULL,
-    PRIMARY KEY (id),
-    CONSTRAINT regrade_state CHECK (state IN ('open', 'applied', 'discarded', 'undone')),
-    FOREIGN KEY(course) REFERENCES course (id)
-);
+CREATE INDEX notice_course ON notice (course, made_at);
 
 CREATE TABLE own_assignment (
     course VARCHAR(64) NOT NULL,
@@ -158,47 +160,34 @@ CREATE TABLE platform_invitation (
     FOREIGN KEY(course) REFERENCES course (id)
 );
 
-CREATE TABLE webhook (
-    course VARCHAR(64) NOT NULL,
-    outlet VARCHAR(16) NOT NULL,
-    vendor VARCHAR(16) NOT NULL,
-    address VARCHAR(1000) NOT NULL,
-    secret VARCHAR(200) NOT NULL,
-    changed_at DATETIME NOT NULL,
-    PRIMARY KEY (course, outlet),
-    FOREIGN KEY(course) REFERENCES course (id)
-);
-
-CREATE TABLE mail_wishes (
-    course VARCHAR(64) NOT NULL,
-    due BOOLEAN NOT NULL,
-    graded BOOLEAN NOT NULL,
-    faults BOOLEAN NOT NULL,
-    changed_at DATETIME NOT NULL,
-    PRIMARY KEY (course),
-    FOREIGN KEY(course) REFERENCES course (id)
-);
-
-CREATE TABLE notice (
-    id VARCHAR(32) NOT NULL,
-    course VARCHAR(64) NOT NULL,
-    outlet VARCHAR(16) NOT NULL,
-    kind VARCHAR(16) NOT NULL,
-    person VARCHAR(64) NOT NULL,
-    heading TEXT NOT NULL,
-    body TEXT NOT NULL,
-    made_at DATETIME NOT NULL,
-    until DATETIME NOT NULL,
-    not_before DATETIME NOT NULL,
-    sent_at DATETIME,
-    tries INTEGER NOT NULL,
-    code VARCHAR(16) NOT NULL,
-    trouble TEXT NOT NULL,
+CREATE TABLE regrade (
+    id VARCHAR(16) NOT NULL,
+    course VARCHAR(64),
+    assignment VARCHAR(64) NOT NULL,
+    state VARCHAR(16) NOT NULL,
+    wanted TEXT NOT NULL,
+    created_at DATETIME NOT NULL,
+    created_by VARCHAR(64) NOT NULL,
+    decided_at DATETIME,
+    decided_by VARCHAR(64) NOT NULL,
+    reason TEXT NOT NULL,
+    outcome TEXT NOT NULL,
+    undone_at DATETIME,
+    undone_by VARCHAR(64) DEFAULT '' NOT NULL,
+    undone_reason TEXT DEFAULT '' NOT NULL,
     PRIMARY KEY (id),
+    CONSTRAINT regrade_state CHECK (state IN ('open', 'applied', 'discarded', 'undone')),
     FOREIGN KEY(course) REFERENCES course (id)
 );
 
-CREATE INDEX notice_course ON notice (course, made_at);
+CREATE TABLE rules (
+    course VARCHAR(64) NOT NULL,
+    assignment VARCHAR(64) NOT NULL,
+    document TEXT NOT NULL,
+    changed_at DATETIME NOT NULL,
+    PRIMARY KEY (course, assignment),
+    FOREIGN KEY(course) REFERENCES course (id)
+);
 
 CREATE TABLE told (
     course VARCHAR(64) NOT NULL,
@@ -210,29 +199,26 @@ CREATE TABLE told (
     FOREIGN KEY(course) REFERENCES course (id)
 );
 
-CREATE TABLE section (
+CREATE TABLE webhook (
     course VARCHAR(64) NOT NULL,
+    outlet VARCHAR(16) NOT NULL,
+    vendor VARCHAR(16) NOT NULL,
+    address VARCHAR(1000) NOT NULL,
+    secret VARCHAR(200) NOT NULL,
+    changed_at DATETIME NOT NULL,
+    PRIMARY KEY (course, outlet),
+    FOREIGN KEY(course) REFERENCES course (id)
+);
+
+CREATE TABLE extension (
+    course VARCHAR(64) NOT NULL,
+    assignment VARCHAR(64) NOT NULL,
     person VARCHAR(64) NOT NULL,
-    section VARCHAR(64) NOT NULL,
-    PRIMARY KEY (course, person, section),
+    due DATETIME,
+    extra_attempts INTEGER NOT NULL,
+    PRIMARY KEY (course, assignment, person),
     FOREIGN KEY(course, person) REFERENCES member (course, person)
 );
-
-CREATE TABLE token (
-    id VARCHAR(16) NOT NULL,
-    sha256 VARCHAR(64) NOT NULL,
-    course VARCHAR(64) NOT NULL,
-    person VARCHAR(64) NOT NULL,
-    created_at DATETIME NOT NULL,
-    expires_at DATETIME NOT NULL,
-    revoked_at DATETIME,
-    opened_by VARCHAR(16),
-    PRIMARY KEY (id),
-    FOREIGN KEY(course, person) REFERENCES member (course, person),
-    UNIQUE (sha256)
-);
-
-CREATE INDEX token_owner ON token (course, person);
 
 CREATE TABLE identity (
     id VARCHAR(16) NOT NULL,
@@ -248,13 +234,35 @@ CREATE TABLE identity (
 
 CREATE UNIQUE INDEX identity_subject ON identity (provider, subject, course);
 
-CREATE TABLE extension (
-    course VARCHAR(64) NOT NULL,
+CREATE TABLE platform_link (
+    platform VARCHAR(16) NOT NULL,
+    resource VARCHAR(255) NOT NULL,
+    title VARCHAR(255) NOT NULL,
     assignment VARCHAR(64) NOT NULL,
+    line_item VARCHAR(2000) NOT NULL,
+    used_at DATETIME NOT NULL,
+    PRIMARY KEY (platform, resource),
+    FOREIGN KEY(platform) REFERENCES platform (id)
+);
+
+CREATE TABLE platform_picking (
+    sha256 VARCHAR(64) NOT NULL,
+    platform VARCHAR(16) NOT NULL,
+    subject VARCHAR(255) NOT NULL,
+    back TEXT NOT NULL,
+    data TEXT NOT NULL,
+    several BOOLEAN NOT NULL,
+    scored BOOLEAN NOT NULL,
+    until DATETIME NOT NULL,
+    PRIMARY KEY (sha256),
+    FOREIGN KEY(platform) REFERENCES platform (id)
+);
+
+CREATE TABLE section (
+    course VARCHAR(64) NOT NULL,
     person VARCHAR(64) NOT NULL,
-    due DATETIME,
-    extra_attempts INTEGER NOT NULL,
-    PRIMARY KEY (course, assignment, person),
+    section VARCHAR(64) NOT NULL,
+    PRIMARY KEY (course, person, section),
     FOREIGN KEY(course, person) REFERENCES member (course, person)
 );
 
@@ -296,102 +304,33 @@ CREATE TABLE submission (
     FOREIGN KEY(original) REFERENCES submission (id)
 );
 
-CREATE INDEX submission_regrade ON submission (regrade);
-
-CREATE INDEX submission_original ON submission (original);
-
 CREATE INDEX submission_class ON submission (course, student, assignment, received_at);
-
-CREATE INDEX submission_lately ON submission (course, student, finished_at);
 
 CREATE INDEX submission_finished ON submission (finished_at);
 
+CREATE INDEX submission_lately ON submission (course, student, finished_at);
+
+CREATE INDEX submission_original ON submission (original);
+
 CREATE INDEX submission_queue ON submission (state, priority, turn_at, id, queued_at);
 
-CREATE TABLE platform_picking (
+CREATE INDEX submission_regrade ON submission (regrade);
+
+CREATE TABLE token (
+    id VARCHAR(16) NOT NULL,
     sha256 VARCHAR(64) NOT NULL,
-    platform VARCHAR(16) NOT NULL,
-    subject VARCHAR(255) NOT NULL,
-    back TEXT NOT NULL,
-    data TEXT NOT NULL,
-    several BOOLEAN NOT NULL,
-    scored BOOLEAN NOT NULL,
-    until DATETIME NOT NULL,
-    PRIMARY KEY (sha256),
-    FOREIGN KEY(platform) REFERENCES platform (id)
+    course VARCHAR(64) NOT NULL,
+    person VARCHAR(64) NOT NULL,
+    created_at DATETIME NOT NULL,
+    expires_at DATETIME NOT NULL,
+    revoked_at DATETIME,
+    opened_by VARCHAR(16),
+    PRIMARY KEY (id),
+    FOREIGN KEY(course, person) REFERENCES member (course, person),
+    UNIQUE (sha256)
 );
 
-CREATE TABLE platform_link (
-    platform VARCHAR(16) NOT NULL,
-    resource VARCHAR(255) NOT NULL,
-    title VARCHAR(255) NOT NULL,
-    assignment VARCHAR(64) NOT NULL,
-    line_item VARCHAR(2000) NOT NULL,
-    used_at DATETIME NOT NULL,
-    PRIMARY KEY (platform, resource),
-    FOREIGN KEY(platform) REFERENCES platform (id)
-);
-
-CREATE TABLE upload_key (
-    owner VARCHAR(160) NOT NULL,
-    "key" VARCHAR(255) NOT NULL,
-    digest VARCHAR(64) NOT NULL,
-    submission_id VARCHAR(36) NOT NULL,
-    at DATETIME NOT NULL,
-    PRIMARY KEY (owner, "key"),
-    FOREIGN KEY(submission_id) REFERENCES submission (id)
-);
-
-CREATE INDEX upload_key_submission ON upload_key (submission_id);
-
-CREATE TABLE grading (
-    submission_id VARCHAR(36) NOT NULL,
-    attempt INTEGER NOT NULL,
-    worker VARCHAR(255) NOT NULL,
-    finished_at DATETIME NOT NULL,
-    grader_version VARCHAR(64) NOT NULL,
-    assignment_version INTEGER NOT NULL,
-    verdict VARCHAR(32) NOT NULL,
-    score FLOAT,
-    max_score FLOAT NOT NULL,
-    report_sha256 VARCHAR(64) NOT NULL,
-    report BLOB NOT NULL,
-    measurements TEXT NOT NULL,
-    assignment_sha256 VARCHAR(64),
-    regrade VARCHAR(16),
-    replaced INTEGER,
-    PRIMARY KEY (submission_id, attempt),
-    FOREIGN KEY(submission_id) REFERENCES submission (id),
-    FOREIGN KEY(assignment_sha256) REFERENCES graded_assignment (sha256),
-    FOREIGN KEY(regrade) REFERENCES regrade (id)
-);
-
-CREATE INDEX grading_regrade ON grading (regrade);
-
-CREATE TABLE told_change (
-    submission_id VARCHAR(36) NOT NULL,
-    regrade VARCHAR(16) NOT NULL,
-    undone BOOLEAN NOT NULL,
-    change TEXT NOT NULL,
-    at DATETIME NOT NULL,
-    seen_at DATETIME,
-    PRIMARY KEY (submission_id, regrade, undone),
-    FOREIGN KEY(submission_id) REFERENCES submission (id),
-    FOREIGN KEY(regrade) REFERENCES regrade (id)
-);
-
-CREATE TABLE comment (
-    submission_id VARCHAR(36) NOT NULL,
-    number INTEGER NOT NULL,
-    written_by VARCHAR(64) NOT NULL,
-    by_student BOOLEAN NOT NULL,
-    line INTEGER,
-    text TEXT NOT NULL,
-    written_at DATETIME NOT NULL,
-    seen_at DATETIME,
-    PRIMARY KEY (submission_id, number),
-    FOREIGN KEY(submission_id) REFERENCES submission (id)
-);
+CREATE INDEX token_owner ON token (course, person);
 
 CREATE TABLE appeal (
     submission_id VARCHAR(36) NOT NULL,
@@ -413,6 +352,43 @@ CREATE TABLE appeal (
 
 CREATE INDEX appeal_waiting ON appeal (state, made_at);
 
+CREATE TABLE comment (
+    submission_id VARCHAR(36) NOT NULL,
+    number INTEGER NOT NULL,
+    written_by VARCHAR(64) NOT NULL,
+    by_student BOOLEAN NOT NULL,
+    line INTEGER,
+    text TEXT NOT NULL,
+    written_at DATETIME NOT NULL,
+    seen_at DATETIME,
+    PRIMARY KEY (submission_id, number),
+    FOREIGN KEY(submission_id) REFERENCES submission (id)
+);
+
+CREATE TABLE grading (
+    submission_id VARCHAR(36) NOT NULL,
+    attempt INTEGER NOT NULL,
+    worker VARCHAR(255) NOT NULL,
+    finished_at DATETIME NOT NULL,
+    grader_version VARCHAR(64) NOT NULL,
+    assignment_version INTEGER NOT NULL,
+    verdict VARCHAR(32) NOT NULL,
+    score FLOAT,
+    max_score FLOAT NOT NULL,
+    report_sha256 VARCHAR(64) NOT NULL,
+    report BLOB NOT NULL,
+    measurements TEXT NOT NULL,
+    assignment_sha256 VARCHAR(64) NOT NULL,
+    regrade VARCHAR(16),
+    replaced INTEGER,
+    PRIMARY KEY (submission_id, attempt),
+    FOREIGN KEY(submission_id) REFERENCES submission (id),
+    FOREIGN KEY(assignment_sha256) REFERENCES graded_assignment (sha256),
+    FOREIGN KEY(regrade) REFERENCES regrade (id)
+);
+
+CREATE INDEX grading_regrade ON grading (regrade);
+
 CREATE TABLE platform_score (
     platform VARCHAR(16) NOT NULL,
     resource VARCHAR(255) NOT NULL,
@@ -428,22 +404,29 @@ CREATE TABLE platform_score (
     FOREIGN KEY(course, person) REFERENCES member (course, person)
 );
 
-CREATE TABLE judgement (
+CREATE TABLE told_change (
     submission_id VARCHAR(36) NOT NULL,
-    item VARCHAR(128) NOT NULL,
-    revision INTEGER NOT NULL,
-    points FLOAT NOT NULL,
-    out_of FLOAT NOT NULL,
-    comment TEXT NOT NULL,
-    judged_by VARCHAR(64) NOT NULL,
-    judged_at DATETIME NOT NULL,
-    attempt INTEGER NOT NULL,
-    source_sha256 VARCHAR(64) NOT NULL,
-    PRIMARY KEY (submission_id, item, revision),
-    FOREIGN KEY(submission_id, attempt) REFERENCES grading (submission_id, attempt),
-    CONSTRAINT judgement_points CHECK (points >= 0 AND points <= out_of),
-    FOREIGN KEY(source_sha256) REFERENCES source (sha256)
+    regrade VARCHAR(16) NOT NULL,
+    undone BOOLEAN NOT NULL,
+    change TEXT NOT NULL,
+    at DATETIME NOT NULL,
+    seen_at DATETIME,
+    PRIMARY KEY (submission_id, regrade, undone),
+    FOREIGN KEY(submission_id) REFERENCES submission (id),
+    FOREIGN KEY(regrade) REFERENCES regrade (id)
 );
+
+CREATE TABLE upload_key (
+    owner VARCHAR(160) NOT NULL,
+    "key" VARCHAR(255) NOT NULL,
+    digest VARCHAR(64) NOT NULL,
+    submission_id VARCHAR(36) NOT NULL,
+    at DATETIME NOT NULL,
+    PRIMARY KEY (owner, "key"),
+    FOREIGN KEY(submission_id) REFERENCES submission (id)
+);
+
+CREATE INDEX upload_key_submission ON upload_key (submission_id);
 
 CREATE TABLE graded_item (
     submission_id VARCHAR(36) NOT NULL,
@@ -463,6 +446,23 @@ CREATE TABLE graded_mistake (
     rank INTEGER NOT NULL,
     PRIMARY KEY (submission_id, attempt, code),
     FOREIGN KEY(submission_id, attempt) REFERENCES grading (submission_id, attempt)
+);
+
+CREATE TABLE judgement (
+    submission_id VARCHAR(36) NOT NULL,
+    item VARCHAR(128) NOT NULL,
+    revision INTEGER NOT NULL,
+    points FLOAT NOT NULL,
+    out_of FLOAT NOT NULL,
+    comment TEXT NOT NULL,
+    judged_by VARCHAR(64) NOT NULL,
+    judged_at DATETIME NOT NULL,
+    attempt INTEGER NOT NULL,
+    source_sha256 VARCHAR(64) NOT NULL,
+    PRIMARY KEY (submission_id, item, revision),
+    FOREIGN KEY(submission_id, attempt) REFERENCES grading (submission_id, attempt),
+    CONSTRAINT judgement_points CHECK (points >= 0 AND points <= out_of),
+    FOREIGN KEY(source_sha256) REFERENCES source (sha256)
 );
 
 CREATE TABLE trajectory (

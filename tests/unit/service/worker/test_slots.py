@@ -17,7 +17,7 @@ from grader.service.worker import SandboxHealth
 from grader.store.audit import AuditLog, Signature
 from grader.store.courses import Courses
 from grader.store.queue import Queue, Retries
-from tests.fakes.grading import FakeGrader, grade
+from tests.fakes.grading import FakeGrader, assignment, grade
 from tests.fakes.waiting import PATIENCE_S
 from tests.fakes.worker_bench import Bench
 
@@ -89,7 +89,7 @@ def test_a_slot_is_kept_for_those_whose_turn_it_is(bench: Bench) -> None:
     second = bench.queue.claim("w/1")  # any other slot takes it at once
     assert second is not None
     for claim in (first, second):
-        assert bench.queue.finish(claim, bench.result(claim))
+        assert bench.queue.finish(claim, bench.result(claim), assignment())
     third = kept()  # those took no time
     assert third is not None
     assert {first.submission_id, second.submission_id, third.submission_id} == set(ids)
@@ -102,7 +102,7 @@ def test_a_slot_is_kept_from_whose_gradings_take_long(bench: Bench) -> None:
     first = kept()
     assert first is not None
     bench.clock.advance(6.0)
-    assert bench.queue.finish(first, bench.result(first))
+    assert bench.queue.finish(first, bench.result(first), assignment())
     assert kept() is None
     bench.upload(b"good", student="s2")
     other = kept()
