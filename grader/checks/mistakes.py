@@ -263,7 +263,7 @@ def sleep_at_end(run: Run) -> WaitingCall | None:
 def _loop_at_end(run: Run, script: ScriptText) -> int | None:
     """Return the line of the ``while`` that the main thread was in at the horizon."""
     call = call_at_end(run)
-    heads = [] if call is None else [*list(script.outwards(call.line))[:1], *script.heads_of(call.line)]
+    heads = [] if call is None else [*list(script.outwards(call.line))[:1], *script.heads_around(call.line)]
     return next((at for at, head in heads if re.match(r"[ \t]*while\b", head)), None)
 
 
@@ -508,9 +508,9 @@ def ended_at_once(run: Run) -> Mistake | None:
         return mistake("exited_early", line=lines[0])
     ends_itself = script.lines_with(_ENDS_ITSELF) or _ends_in_callback(script)
     asked = any(
-        re.match(r"[ \t]*if\b(?!.*__name__)", head) for at in spins for head in script.conditions_of(at)
+        re.match(r"[ \t]*if\b(?!.*__name__)", head) for at in spins for head in script.conditions_around(at)
     )
-    if spins and not asked and (caught := script.caught) is not None and not ends_itself:
+    if spins and not asked and (caught := script.lenient_except) is not None and not ends_itself:
         return mistake("error_hidden", line=caught)
     return None
 
@@ -557,11 +557,11 @@ def not_called(run: Run) -> Mistake | None:
     if (coroutine := _UNAWAITED.search(run.outcome.stderr.text)) is not None:
         return _unawaited(coroutine[1], ScriptText(run.source))
     script = ScriptText(run.source)
-    if (named := script.uncalled) is None:
+    if (named := script.named_only) is None:
         return None
     made = script.definition(named.name.rpartition(".")[2])
     if named.name.endswith(".publish"):
-        given = script.message_beside(named.line) or "msg"
+        given = script.twist_name_at(named.line) or "msg"
     else:
         given = "..." if made is not None and script.asks_for_more(made.line) else ""
     return mistake("not_called", line=named.line, name=named.name, call=f"{named.name}({given})")
@@ -601,7 +601,7 @@ def _waits(run: Run) -> Mistake | None:
         return mistake("not_received", topic=topic)
     if (empty := without_added_node(script)) is not None:
         return empty
-    if script.lines_with(r"\.publish\(") and (hidden := script.swallowed) is not None:
+    if script.lines_with(r"\.publish\(") and (hidden := script.silent_except) is not None:
         return mistake("error_hidden", line=hidden)
     return _in_loop(run, script)
 
@@ -657,7 +657,7 @@ def _only_zeros(run: Run) -> Mistake:
     if (empty := _empty_message(script)) is not None:
         return empty
     cancels = script.lines_with(r"\btimer\w*\.cancel\(")
-    if run.outcome.command_count <= _ONE_CALL and cancels and not script.conditions_of(cancels[0]):
+    if run.outcome.command_count <= _ONE_CALL and cancels and not script.conditions_around(cancels[0]):
         return mistake("timer_cancelled", line=cancels[0])
     if not script.lines_with(rf"\.(linear\.x|angular\.z) ?{NOT_ZERO}"):
         return mistake("zero_commands")

@@ -54,7 +54,7 @@ _MOST_STATES: Final = 20  # each that is asked for is compared with all of them
 def deaf_loop(seen: Searched) -> Mistake | None:
     """Find a loop that waits for what a subscription's callback keeps, in which nothing spins."""
     heard = [callback.name for callback in seen.script.callbacks("subscription")]
-    kept = {name for one in heard for name in seen.script.given_in(one)}
+    kept = {name for one in heard for name in seen.script.attributes_set_in(one)}
     others = [callback.name for callback in seen.script.callbacks("timer")] + heard
     if not kept or seen.script.lines_with(r"\bThread\(|Executor\("):
         return None
@@ -76,7 +76,7 @@ def _read_in(condition: str, script: ScriptText) -> list[str]:
 def error_caught(seen: Searched) -> Mistake | None:
     """Find the words of an error that an ``except`` of the script caught and that it printed or logged."""
     output = seen.run.outcome.stdout.text + seen.run.outcome.stderr.text
-    caught = seen.script.caught
+    caught = seen.script.lenient_except
     told = _WORDS_OF_ERRORS.search(output) if caught is not None else None
     return (
         None if told is None else mistake("error_caught", line=caught, told=told[0].strip()[:_LONGEST_WORDS])
@@ -324,7 +324,7 @@ def log_behind_spin(seen: Searched) -> Mistake | None:
 
 def uncalled(seen: Searched) -> Mistake | None:
     """Find a function that is named and not called; where no motion came, one that is called nowhere else."""
-    named = seen.script.uncalled
+    named = seen.script.named_only
     loud = {"log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on", "turn_missing"}
     name = "" if named is None else re.escape(named.name.rpartition(".")[2])
     called = seen.script.lines_with(rf"(?<!def )\b{name}\(") if name else []
@@ -353,7 +353,7 @@ def no_publish(seen: Searched) -> Mistake | None:
         return None
     first = timers[0]
     last, _ = (seen.script.body(first.begins) or [(first.begins, "")])[-1]
-    call = f"{seen.script.publisher or 'self.pub'}.publish({seen.script.message_beside(last) or 'msg'})"
+    call = f"{seen.script.publisher or 'self.pub'}.publish({seen.script.twist_name_at(last) or 'msg'})"
     return mistake("no_publish", name=first.name, begins=first.begins, call=call)
 
 
@@ -454,7 +454,7 @@ def never_called(seen: Searched) -> Mistake | None:
 
 def _called_otherwise(name: str, begins: int, script: ScriptText) -> Mistake | None:
     """Find a call of nearly that name, of which an ``except`` hides that there is no such function."""
-    if script.caught is None or len(name) > LONGEST_NAME:
+    if script.lenient_except is None or len(name) > LONGEST_NAME:
         return None
     for line, found in script.matches(rf"(?<!def )\b(\w{{1,{LONGEST_NAME}}})\("):
         if found[1] != name and script.definition(found[1]) is None and _alike(found[1], [name]):
