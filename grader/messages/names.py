@@ -336,7 +336,7 @@ def unknown_attribute(error: StudentError, script: ScriptText) -> Closer:
     if closer is not None:
         return closer
     suggestion = suggested(error)
-    own_name = found is not None and _is_given(found[2], script)
+    own_name = found is not None and _has_no_value_yet(found[2], suggestion, script)
     if suggestion is not None and suggestion not in _NODE_LISTS and not own_name:
         return "misspelt", {"suggestion": suggestion}
     if found is not None and (closer := _message_fields(found[1], found[2], script)) is not None:
@@ -345,9 +345,12 @@ def unknown_attribute(error: StudentError, script: ScriptText) -> Closer:
     return None if own or not script.has_code else ("unknown_in_library", {})
 
 
-def _is_given(name: str, script: ScriptText) -> bool:
-    """Whether the script gives an attribute a value, or adds to it: then it is not misspelt, but has none yet."""
-    return bool(script.lines_with(rf"\bself\.{re.escape(name)} ?(:[^=]*)?([-+*/]|//)?=(?!=)"))
+def _has_no_value_yet(name: str, suggestion: str | None, script: ScriptText) -> bool:
+    """Whether an attribute is the script's own: it is given a value, or added to and similar to a method only."""
+    if script.lines_with(rf"\bself\.{re.escape(name)} ?(:[^=]*)?=(?!=)"):
+        return True
+    counted = script.lines_with(rf"\bself\.{re.escape(name)} ?([-+*/]|//)=")
+    return bool(counted) and suggestion is not None and script.definition(suggestion) is not None
 
 
 def _of_module(error: StudentError, script: ScriptText) -> Closer:
@@ -382,6 +385,8 @@ def _of_object(owner: str, name: str, error: StudentError, script: ScriptText) -
     if is_node and name in _NODE_OF_ROS_1:
         node = script.node_name_at(error.line or 0)
         return "ros_1_habit", {"name": f"{node}.{name}", "instead": f"{node}.{_NODE_OF_ROS_1[name]}"}
+    if owner == "Timer" and name in ("stop", "destroy", "close"):
+        return "misspelt", {"suggestion": "cancel"}
     if owner in ("Duration", "Time") and name in _DURATION_OF_ROS_1:
         return "ros_1_habit", {"name": f".{name}", "instead": _DURATION_OF_ROS_1[name]}
     closer = _own_attribute(owner, name, script)

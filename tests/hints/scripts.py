@@ -548,4 +548,9 @@ SCRIPTS = (
     _script("period with a comma", "straight", "timer_arguments", ("create_timer(0.1,", "create_timer(0, 1,"), words="28"),
     _script("import with a capital", "square", "misspelt_keyword", ("from rclpy.node import Node", "from rclpy.node Import Node"), words="Import"),
     _script("return in the loop of a motion", "square", "leaves_loop", ("            self.cmd_vel_pub.publish(msg)\n            time.sleep(0.01)\n\n        self.stop()", "            self.cmd_vel_pub.publish(msg)\n            time.sleep(0.2)\n            return\n\n        self.stop()"), words="return"),
+    _script("whole seconds of a message", "square", "whole_seconds", ("start_time = self.get_clock().now()", "start_time = self.get_clock().now().to_msg().sec"), ("(self.get_clock().now() - start_time).nanoseconds < duration * 1e9", "self.get_clock().now().to_msg().sec - start_time < duration"), words="46|1e9"),
+    _script("whole seconds by division", "square", "whole_seconds", (".nanoseconds < duration * 1e9", ".nanoseconds // 1e9 < duration"), words="49"),
+    _script("ten times too many nanoseconds", "square", "nanoseconds_unit", ("duration * 1e9", "duration * 10e9"), words="duration * 1e9"),
+    _script("count with its letters exchanged", "straight", "misspelt", ("        self.timer = ", "        self.count = 0\n        self.timer = "), ("        msg = Twist()\n", "        self.conut += 1\n        msg = Twist()\n"), words="count"),
+    _script("timer that is told to stop", "straight", "misspelt", ("        msg = Twist()\n", "        self.timer.stop()\n        msg = Twist()\n"), words="cancel"),
 )  # fmt: skip

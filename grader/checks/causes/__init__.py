@@ -104,6 +104,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_SHORT | _COUNT | {"no_turns", "unequal_sides", "one_corner_off", "drives_too_brief"}, times.start_kept),
     (_STUCK | _NO_MOTION | _LASTS, times.start_anew),
     (_STUCK | _LASTS, times.reversed_time),
+    (_CORNERS | {"unequal_sides", "wrong_lengths"}, times.whole_seconds),
     (frozenset(("turns_too_far",)), times.no_stop_between),
     (_NO_MOTION | {"published_once", "too_brief", "stopped_at_once"}, times.publish_behind_loop),
     (_NO_MOTION | _SHORT | {"too_brief", "drives_too_brief"}, times.sleep_behind_loop),

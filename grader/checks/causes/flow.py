@@ -20,6 +20,7 @@ _AXES: Final = (r"linear\.x", r"angular\.z")
 _ENDS: Final = re.compile(r"\b(shutdown|destroy_timer|destroy_node|cancel|exit)\(|^raise SystemExit")
 _DIGITS: Final = str.maketrans("lIOo", "1100")
 _TURNS: Final = r"(?i)turn(?!le)|rotat|spin|left|right|corner|zhuan|转"
+_MOST_CALLS: Final = 200
 _MOST_DEAD: Final = 20  # functions that are looked at, each with all that it would run
 _WANTED: Final = {
     "no_turns": rf"\.angular\.z ?{NOT_ZERO}",
@@ -37,10 +38,10 @@ _NAMED: Final = r"(?<![\w.])((?:self\.)?\w*(?:state|status|mode|phase|stage)\w*)
 _STATE_SET: Final = re.compile(_NAMED + r" *= *[\"'](\w{1,40})[\"']")
 _STATE_ASKED: Final = re.compile(_NAMED + r" *== *[\"'](\w{1,40})[\"']")
 _WORDS_OF_ERRORS: Final = re.compile(
-    r"name '\w+' is not defined|'\w+' object has no attribute '\w+'|module '[\w.]+' has no attribute '\w+'|"
-    r"The '\w+' field must be [^\n]*|\w+\(\) (?:missing|takes|got an unexpected) [^\n]*|"
-    r"unsupported operand type[^\n]*|'[<>]=?' not supported [^\n]*|list index out of range|"
-    r"'\w+' object is not \w+|cannot access local variable '\w+'"
+    r"name '\w{1,60}' is not defined|'\w{1,60}' object (?:has no attribute '\w{1,60}'|is not \w{1,20})|"
+    r"module '[\w.]{1,60}' has no attribute '\w{1,60}'|The '\w{1,60}' field must be [^\n]{0,160}|"
+    r"\b\w{1,60}\(\) (?:missing|takes|got an unexpected) [^\n]{0,160}|unsupported operand type[^\n]{0,160}|"
+    r"'[<>]=?' not supported [^\n]{0,160}|list index out of range|cannot access local variable '\w{1,60}'"
 )
 """What Python says of errors that a script catches and shows."""
 _LONGEST_WORDS: Final = 160
@@ -85,7 +86,8 @@ def error_caught(seen: Searched) -> Mistake | None:
 
 def speeds_exchanged(seen: Searched) -> Mistake | None:
     """Find a function that puts the turn rate it is given into ``linear.x``, and the speed into ``angular.z``."""
-    for line, found in seen.script.matches(rf"\.linear\.x ?= ?(?:float\( ?)?({_RATES}) ?\)?$"):
+    given = seen.script.matches(rf"\.linear\.x ?= ?(?:float\( ?)?({_RATES}) ?\)?$")
+    for line, found in itertools.islice(given, _MOST_DEAD):
         made = seen.script.definition(seen.script.function_around(line))
         inside = seen.script.span(made.line) if made is not None else range(0)
         for at, other in seen.script.matches(rf"\.angular\.z ?= ?(?:float\( ?)?({_SPEEDS}) ?\)?$"):
@@ -182,7 +184,8 @@ def never_sent(seen: Searched) -> Mistake | None:
     fields = {"no_turns": r"angular\.z", "no_drive": r"linear\.x"}.get(
         seen.mistake.code, r"linear\.x|angular\.z"
     )
-    for line, found in script.matches(rf"^[ \t]+(\w+)\.({fields}) ?{NOT_ZERO}"):
+    filled = script.matches(rf"^[ \t]+(\w+)\.({fields}) ?{NOT_ZERO}")
+    for line, found in itertools.islice(filled, _MOST_DEAD):
         made = script.definition(function := script.function_around(line))
         block = script.block(made.line) if made is not None and script.calls(function) else []
         own = any(re.match(rf"[ \t]*{found[1]} ?= ?Twist\(", text) for text in block)
@@ -456,7 +459,8 @@ def _called_otherwise(name: str, begins: int, script: ScriptText) -> Mistake | N
     """Find a call of nearly that name, of which an ``except`` hides that there is no such function."""
     if script.lenient_except is None or len(name) > LONGEST_NAME:
         return None
-    for line, found in script.matches(rf"(?<!def )\b(\w{{1,{LONGEST_NAME}}})\("):
+    calls = script.matches(rf"(?<!def )\b(\w{{1,{LONGEST_NAME}}})\(")
+    for line, found in itertools.islice(calls, _MOST_CALLS):
         if found[1] != name and script.definition(found[1]) is None and _alike(found[1], [name]):
             return mistake("misspelt_hidden", line=line, written=found[1], name=name, begins=begins)
     return None

@@ -171,9 +171,8 @@ def turns_away(seen: Searched) -> Mistake | None:
 
 def _turned_away(script: ScriptText) -> Mistake | None:
     """Find a turn rate that is computed at once, from the present heading less the wanted one."""
-    rate = (
-        rf"\.angular\.z ?= ?(?:[\w.]+ ?\* ?)?(?:[\w.]+)?\(? ?({_TERM}) ?- ?({_TERM}) ?\)?(?: ?\* ?[\w.]+)?$"
-    )
+    factor = r"(?:[\w.]{1,40} ?\* ?)?(?:[\w.]{1,40})?"
+    rate = rf"\.angular\.z ?= ?{factor}\(? ?({_TERM}) ?- ?({_TERM}) ?\)?(?: ?\* ?[\w.]+)?$"
     for line, found in script.matches(rate):
         present = [bool(re.search(_PRESENT, one)) and not re.search(_WANTED, one) for one in found.groups()]
         if present == [True, False]:

@@ -133,7 +133,7 @@ def sleeps_in_callback(seen: Searched) -> Mistake | None:
     for line, text in seen.script.body(timer.begins):
         slept = re.match(r"(?:time\.)?sleep\((.+)\)$", text)
         pause_s = value_of(slept[1], seen.script) if slept else None
-        if pause_s is not None and pause_s >= _PAUSE_S:
+        if pause_s is not None and (pause_s >= _PAUSE_S or pause_s > 2.0 * timer.period_s):
             values = {"callback": timer.callback, "pause": number(pause_s, "s")}
             return mistake("sleeps_in_callback", line=line, **values)
     return None

@@ -17,7 +17,11 @@ _MOST_CLOCKS: Final = 50  # each is looked for in all lines
 _TIME_OF_DAY: Final = r"(?:\btime\.time\(\)|\bnow\(\))"
 _TO_SECONDS: Final = 0.99e9  # what divides nanoseconds by less does not make seconds of them
 _FEW_SECONDS: Final = 60.0
-_VALUE_OR_NAME: Final = r"[\w.]+(?: ?\* ?(?:1e\d+|1\d{3,12}))?"
+_VALUE_OR_NAME: Final = r"[\w.]+(?: ?\* ?(?:\d{1,3}e\d+|1\d{3,12}))?"
+_WHOLE_SECONDS: Final = (
+    r"to_msg\(\)\.sec\b(?!.*\bnanosec\b)|seconds_nanoseconds\(\)\[0\]|\bint\( ?time\.time\(\) ?\)|"
+    r"\.nanoseconds\)* ?// ?(?:int\( ?)?(?:1e9|10 ?\*\* ?9|1_?000_?000_?000)"
+)
 _FEW_NS: Final = 1e6  # a millisecond: what is compared with less is meant as seconds
 _TO_NS: Final = r"(?i)\b1e9|10 ?\*\* ?9|1_?000_?000_?000|nanosec|\bns\b"
 _NAME: Final = r"(?<![\w.])[\w.]{1,60}"
@@ -293,26 +297,30 @@ def sleep_behind_loop(seen: Searched) -> Mistake | None:
 
 def added_again(seen: Searched) -> Mistake | None:
     """Find a sum to which each round, or tick, adds the whole time since a start that stays as it was."""
-    loops = seen.script.lines_with(r"^[ \t]*while\b")
-    for begins in [*loops, *(one.begins for one in seen.script.functions_called_back("timer"))]:
-        block = seen.script.block(begins)
-        text = "\n".join(block)
-        for line, added in enumerate(block, start=begins):
-            found = re.match(
-                rf"[ \t]*([\w.]+) ?\+= ?(.*?({CLOCK}|[\w.]+) ?- ?([\w.]+)\)*(?:[ .*/\w]*))$", added
-            )
-            if found is None or not re.search(rf"\b(if|while)\b.*{itself(found[1])} ?[<>]", text):
-                continue
-            start, now = itself(found[4]), itself(found[3])
-            begun = seen.script.lines_with(rf"^[ \t]*{start} ?=(?!=).*{CLOCK}")
-            is_now = re.fullmatch(CLOCK, found[3]) or re.search(
-                rf"^[ \t]*{now} ?=(?!=).*{CLOCK}", text, re.MULTILINE
-            )
-            if begun and is_now and not re.search(rf"^[ \t]*{start} ?=(?!=)", text, re.MULTILINE):
-                return mistake(
-                    "added_again", line=line, name=found[1], start=found[4], right=f"{found[1]} = {found[2]}"
-                )
+    script = seen.script
+    ticks = {one.begins for one in script.functions_called_back("timer")}
+    added = script.matches(
+        rf"^[ \t]*([\w.]{{1,60}}) ?\+= ?([^-]*?({CLOCK}|{_NAME}) ?- ?({_NAME})[ .*/)\w]*)$"
+    )
+    for line, found in itertools.islice(added, _MOST_CLOCKS):
+        around = [at for at, head in script.outwards(line) if at in ticks or re.match(r"[ \t]*while\b", head)]
+        text = "\n".join(script.block(around[0])) if around else ""
+        if not re.search(rf"\b(if|while)\b.*{itself(found[1])} ?[<>]", text):
+            continue
+        start, taken = itself(found[4]), rf"^[ \t]*{itself(found[3])} ?=(?!=).*{CLOCK}"
+        begun = script.lines_with(rf"^[ \t]*{start} ?=(?!=).*{CLOCK}")
+        is_now = re.fullmatch(CLOCK, found[3]) or re.search(taken, text, re.MULTILINE)
+        if begun and is_now and not re.search(rf"^[ \t]*{start} ?=(?!=)", text, re.MULTILINE):
+            values = {"name": found[1], "start": found[4], "right": f"{found[1]} = {found[2]}"}
+            return mistake("added_again", line=line, **values)
     return None
+
+
+def whole_seconds(seen: Searched) -> Mistake | None:
+    """Find a time of which only the whole seconds are kept or compared."""
+    used = rf"\b(?:while|if|elif)\b.*(?:{_WHOLE_SECONDS})|^[ \t]*[\w.]+ ?=(?!=).*(?:{_WHOLE_SECONDS})"
+    lines = seen.script.lines_with(used)
+    return mistake("whole_seconds", line=lines[0]) if lines else None
 
 
 def wrong_time(seen: Searched) -> Mistake | None:
