@@ -131,6 +131,7 @@ _REPLACED: tuple[tuple[ModuleType, dict[str, object]], ...] = (
     (time, _like_builtins(time, time_patch.REPLACED)),
     (_thread, _like_builtins(_thread, threads.REPLACED)),
     (os, _like_builtins(os, {**host.REPLACED, **programs.REPLACED})),
+    (sys, _like_builtins(sys, host.REPLACED_SYS)),
     (os, _FILES),
     (io, _OPEN),
     (builtins, _OPEN),
