@@ -11,7 +11,7 @@ import gc
 import io
 import os
 import sys
-from types import CodeType, ModuleType
+from types import CodeType, ModuleType, SimpleNamespace
 
 from rclpy import _distro, _wire
 from rclpy._interfaces import importer  # the interface packages can be imported from now on
@@ -46,12 +46,13 @@ class Ending:
         self.message = ""
         self.line = 0
         self.text = ""
-        self.crashed_early = False  # one of several programs, while others went on to the horizon
+        self.crashed_early = False  # before Ctrl+C, though threads or other programs went on to it
 
     def set_error(self, error: BaseException, reason: int = _wire.RAISED) -> None:
         """Take over an exception that ended the script."""
         self.reason = reason
         self.code = 1
+        self.crashed_early = not kernel.interrupted
         self.type = type(error).__name__
         self.message = tracebacks.message_of(error)
         self.line = tracebacks.line_of(error)
@@ -250,7 +251,6 @@ def _run_program(step: Any) -> int:
     own = Ending()
     _guard(step, own)
     if ending.reason == _wire.FINISHED and (own.reason != _wire.FINISHED or not ending.code):
-        own.crashed_early = own.reason != _wire.FINISHED and not kernel.interrupted
         vars(ending).update(vars(own))
     return int(own.code or own.reason != _wire.FINISHED)
 
@@ -317,7 +317,12 @@ def _join_threads() -> None:
         for call in reversed(threading._threading_atexits):
             call()
         kernel.main_ended = True
-        kernel.wait(_only_daemons, None, "the end of the program waits for the other threads")
+        try:
+            kernel.wait(_only_daemons, None, "the end of the program waits for the other threads")
+        except BaseException as error:  # Ctrl+C, or what the script's handler of it raises
+            told: Any = SimpleNamespace(err_msg=None, object=threading)
+            told.exc_type, told.exc_value, told.exc_traceback = type(error), error, error.__traceback__
+            sys.unraisablehook(told)
 
 
 def _only_daemons() -> bool:
