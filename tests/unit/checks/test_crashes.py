@@ -155,6 +155,11 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
             ("'twist' from 'geometry_msgs.msg'",),
         ),
         (
+            error("AssertionError", "The 'result' field must be a sub message of type 'Move_Result'"),
+            "no_result",
+            ("Move.Result()",),
+        ),
+        (
             error("ImportError", "cannot import name 'Time' from 'std_msgs.msg' (/opt/ros/a.py)"),
             "missing_module",
             ("'Time' from 'std_msgs.msg'",),
