@@ -268,6 +268,16 @@ def patch_logging(logging: ModuleType) -> None:
 
 
 def patch_futures_thread(thread: ModuleType) -> None:
-    """Renew the lock that guards the start and end of all pools."""
+    """Renew the lock that guards the start and end of all pools, and tell errors that a future keeps."""
+    from rclpy._patches.tracebacks import tell_caught
+
     module: Any = thread
     module._global_shutdown_lock = Lock()
+    future = module._base.Future
+    keep = future.set_exception
+
+    def set_exception(self: Any, exception: BaseException | None) -> None:
+        tell_caught(exception)
+        keep(self, exception)
+
+    future.set_exception = set_exception

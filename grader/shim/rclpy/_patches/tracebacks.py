@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sys
 
-from rclpy._kernel import Kernel, Thread
+from rclpy._kernel import Kernel, Thread, kernel
+from rclpy._link import link
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -18,6 +19,9 @@ _print_by_python = sys.__excepthook__
 
 _LONGEST_MESSAGE = 1 << 16
 """Characters of a message that is sent or quoted: more than any place has room for. Printed ones are not cut."""
+
+_LONGEST_NOTE = 1_000
+_OF_TEXT = (AssertionError, AttributeError, NameError, TypeError)
 
 _BARE_MODULES = ("builtins", "__main__")
 """Modules whose exceptions are named without the module."""
@@ -92,6 +96,18 @@ def line_of(error: BaseException) -> int:
             line = traceback.tb_lineno or 0
         traceback = traceback.tb_next
     return line
+
+
+def tell_caught(error: BaseException | None, *, now: bool = True) -> None:
+    """Note, once, an error of the script's own text that does not end it, because something has caught it.
+
+    Of other errors, of what is not there yet (None), and of the clean-up after Ctrl+C nothing is told: they may be
+    meant to be caught. `now` says that it has just happened.
+    """
+    if not isinstance(error, _OF_TEXT) or "'NoneType'" in message_of(error):
+        return
+    if (line := line_of(error)) != 0 and not (now and kernel.interrupted):
+        link.note_once("caught", f"line {line}: {one_line(error)[:_LONGEST_NOTE]}")
 
 
 def message_of(error: BaseException) -> str:

@@ -137,6 +137,7 @@ def _get_ready() -> None:
     output.open_streams()
     _add_site_builtins()
     setattr(builtins, loops.CHECKPOINT, kernel.checkpoint)
+    setattr(builtins, loops.CAUGHT, lambda: tracebacks.tell_caught(sys.exc_info()[1]))
 
 
 def _prepare(start: dict[str, Any], source: bytes) -> ModuleType:
@@ -275,6 +276,7 @@ def _guard(step: Any, end: Ending = ending) -> None:
     except KeyboardInterrupt as error:
         if kernel.interrupted:
             end.code = 130  # the horizon's Ctrl+C: printed as at home, but no error of the script
+            tracebacks.tell_caught(error.__context__, now=False)  # one that a `finally` has held up
             _print(error)
         else:
             _fail(error, end)
