@@ -412,6 +412,7 @@ UNDEFINED = ("caught", "line 3: NameError: name 'oops' is not defined")
         ("try: go()\nexcept NameError: pass\n", []),
         ("try: 1 / 0\nexcept Exception: pass\n", []),
         ("try: None.x\nexcept Exception: pass\n", []),
+        ("class Late(TypeError): pass\ntry: raise Late\nexcept Exception: pass\n", []),
         ("try: time.sleep(99)\nexcept KeyboardInterrupt:\n    try: go()\n    except Exception: pass\n", []),
         ("try: go()\nfinally: time.sleep(99)\n", [UNDEFINED]),
         ("from concurrent.futures import ThreadPoolExecutor as P\nP().submit(go)\n", [UNDEFINED]),

@@ -21,7 +21,7 @@ _LONGEST_MESSAGE = 1 << 16
 """Characters of a message that is sent or quoted: more than any place has room for. Printed ones are not cut."""
 
 _LONGEST_NOTE = 1_000
-_OF_TEXT = (AssertionError, AttributeError, NameError, TypeError)
+_OF_TEXT = (AssertionError, AttributeError, NameError, TypeError, UnboundLocalError)
 
 _BARE_MODULES = ("builtins", "__main__")
 """Modules whose exceptions are named without the module."""
@@ -104,7 +104,7 @@ def tell_caught(error: BaseException | None, *, now: bool = True) -> None:
     Of other errors, of what is not there yet (None), and of the clean-up after Ctrl+C nothing is told: they may be
     meant to be caught. `now` says that it has just happened.
     """
-    if not isinstance(error, _OF_TEXT) or "'NoneType'" in message_of(error):
+    if error is None or type(error) not in _OF_TEXT or "'NoneType'" in message_of(error):
         return
     if (line := line_of(error)) != 0 and not (now and kernel.interrupted):
         link.note_once("caught", f"line {line}: {one_line(error)[:_LONGEST_NOTE]}")
