@@ -33,6 +33,7 @@ class Script:
     Attributes:
         files: of a package all modules, by the names that tracebacks show; else nothing.
         aborted: what ends it where code in C would abort the process; never raised.
+        told_caught: whether an error that was caught has been told.
     """
 
     def __init__(self) -> None:
@@ -40,6 +41,7 @@ class Script:
         self.source = b""
         self.files: dict[str, bytes] = {}
         self.aborted: BaseException | None = None
+        self.told_caught = False
 
     def owns(self, file_name: str | None) -> bool:
         """Whether code of this file is the student's."""
@@ -104,10 +106,11 @@ def tell_caught(error: BaseException | None, *, now: bool = True) -> None:
     Of other errors, of what is not there yet (None), and of the clean-up after Ctrl+C nothing is told: they may be
     meant to be caught. `now` says that it has just happened.
     """
-    if error is None or type(error) not in _OF_TEXT or "'NoneType'" in message_of(error):
-        return
-    if (line := line_of(error)) != 0 and not (now and kernel.interrupted):
-        link.note_once("caught", f"line {line}: {one_line(error)[:_LONGEST_NOTE]}")
+    if script.told_caught or type(error) not in _OF_TEXT or (now and kernel.interrupted):
+        return  # at once: a loop may come here a million times
+    if error is not None and "'NoneType'" not in message_of(error) and (line := line_of(error)) != 0:
+        script.told_caught = True
+        link.note("caught", f"line {line}: {one_line(error)[:_LONGEST_NOTE]}")
 
 
 def message_of(error: BaseException) -> str:
