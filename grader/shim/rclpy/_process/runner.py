@@ -316,10 +316,10 @@ def _join_threads() -> None:
 
     end_main_thread(threading)
     if not kernel.interrupted:
-        for call in reversed(threading._threading_atexits):
-            call()
-        kernel.main_ended = True
         try:
+            for call in reversed(threading._threading_atexits):
+                call()
+            kernel.main_ended = True
             kernel.wait(_only_daemons, None, "the end of the program waits for the other threads")
         except BaseException as error:  # Ctrl+C, or what the script's handler of it raises
             told: Any = SimpleNamespace(err_msg=None, object=threading)
