@@ -416,6 +416,11 @@ UNDEFINED = ("caught", "line 3: NameError: name 'oops' is not defined")
         ("try: time.sleep(99)\nexcept KeyboardInterrupt:\n    try: go()\n    except Exception: pass\n", []),
         ("try: go()\nfinally: time.sleep(99)\n", [UNDEFINED]),
         ("from concurrent.futures import ThreadPoolExecutor as P\nP().submit(go)\n", [UNDEFINED]),
+        (
+            "import asyncio\nasync def run(): go()\nasync def main():\n"
+            "    asyncio.create_task(run())\n    await asyncio.sleep(1)\nasyncio.run(main())\n",
+            [UNDEFINED],
+        ),
     ],
 )
 def test_an_error_of_the_text_that_is_caught_is_told_once(

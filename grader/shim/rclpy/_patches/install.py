@@ -29,6 +29,7 @@ LAZY = {
     "_multiprocessing": ("locks", "patch_multiprocessing"),
     "_tkinter": ("host", "patch_tkinter"),
     "asyncio": ("python_3_10", "restore"),
+    "asyncio.base_events": ("threads", "patch_event_loop"),
     "concurrent.futures.thread": ("threads", "patch_futures_thread"),
     "linecache": ("tracebacks", "prime_linecache"),
     "dataclasses": ("python_3_10", "restore"),
