@@ -77,12 +77,7 @@ _BY_POSE: Final = _LOST | {"side_goes_on", "turned_instead", "no_turns", "no_tur
 _NOT_ON: Final = frozenset(("lost_at_home", "not_spinning", "never_spun"))
 _WAITS: Final = frozenset(("waits_in_loop", "waits_without_spin"))
 _KEPT_BUSY: Final = frozenset(("waits_in_loop", "cpu_limit", "log_not_reached", "publish_not_reached"))
-_ENDED: Final = frozenset(
-    ("never_spun", "not_spinning", "error_hidden", "no_publisher", "publisher_not_reached", "log_not_reached")
-)
-"""What may come of an error that the script catches."""
 _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (
-    (_NO_MOTION | _SILENT | _COUNT | _ENDED | {"too_brief", "too_short"}, flow.error_caught),
     (_CORNERS | _COUNT | _NO_MOTION | {"curved", "only_drove", "circling"}, flow.speeds_exchanged),
     (_NO_MOTION | {"wall_hit_in_arc", "path_no_arc", "path_count", "path_unfinished"}, flow.other_axis),
     (_COUNTED, counts.set_to_plus),
@@ -197,7 +192,6 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("publish_not_reached",)), flow.lambda_names),
     (_WAITS, flow.waits_for_two),
     (_KEPT_BUSY, flow.loop_for_spin),
-    (frozenset(("error_hidden", "ended_before_init")), numbers.hidden_int),
 )
 """Mistakes, each with a function that looks for a cause of them; the first cause that is found counts."""
 

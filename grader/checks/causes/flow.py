@@ -11,7 +11,7 @@ from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import not_called
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
-from grader.messages.script import LONGEST_NAME, NOT_ZERO, Callback, Definition, ScriptText
+from grader.messages.script import NOT_ZERO, Callback, Definition, ScriptText
 
 _HARMLESS: Final = r"(?i)log|print|wait|sleep|stop|clean|close|exit|shut|finish|done|handler|signal|__"
 """Names of functions that may be empty without harm to a motion."""
@@ -20,7 +20,6 @@ _AXES: Final = (r"linear\.x", r"angular\.z")
 _ENDS: Final = re.compile(r"\b(shutdown|destroy_timer|destroy_node|cancel|exit)\(|^raise SystemExit")
 _DIGITS: Final = str.maketrans("lIOo", "1100")
 _TURNS: Final = r"(?i)turn(?!le)|rotat|spin|left|right|corner|zhuan|转"
-_MOST_CALLS: Final = 200
 _MOST_DEAD: Final = 20  # functions that are looked at, each with all that it would run
 _WANTED: Final = {
     "no_turns": rf"\.angular\.z ?{NOT_ZERO}",
@@ -37,14 +36,6 @@ _STATE: Final = r"\b\w*(?:state|status|mode|phase|stage)\w*"
 _NAMED: Final = r"(?<![\w.])((?:self\.)?\w*(?:state|status|mode|phase|stage)\w*)"
 _STATE_SET: Final = re.compile(_NAMED + r" *= *[\"'](\w{1,40})[\"']")
 _STATE_ASKED: Final = re.compile(_NAMED + r" *== *[\"'](\w{1,40})[\"']")
-_WORDS_OF_ERRORS: Final = re.compile(
-    r"name '\w{1,60}' is not defined|'\w{1,60}' object (?:has no attribute '\w{1,60}'|is not \w{1,20})|"
-    r"module '[\w.]{1,60}' has no attribute '\w{1,60}'|The '\w{1,60}' field must be [^\n]{0,160}|"
-    r"\b\w{1,60}\(\) (?:missing|takes|got an unexpected) [^\n]{0,160}|unsupported operand type[^\n]{0,160}|"
-    r"'[<>]=?' not supported [^\n]{0,160}|list index out of range|cannot access local variable '\w{1,60}'"
-)
-"""What Python says of errors that a script catches and shows."""
-_LONGEST_WORDS: Final = 160
 _RATES: Final = r"w|wz|omega|ang|angular(?:_\w+)?|turn\w*|rot\w*"
 _SPEEDS: Final = r"v|vx|lin|linear(?:_\w+)?|speed|vel|velocity"
 """What functions call the turn rate and the speed that they are given."""
@@ -72,16 +63,6 @@ def _read_in(condition: str, script: ScriptText) -> list[str]:
     called = (script.definition(name) for name in re.findall(r"\bself\.(\w+)\(", condition))
     blocks = ("\n".join(script.block(made.line)) for made in called if made is not None)
     return names + [name for block in blocks for name in re.findall(r"\bself\.(\w+)", block)]
-
-
-def error_caught(seen: Searched) -> Mistake | None:
-    """Find the words of an error that an ``except`` of the script caught and that it printed or logged."""
-    output = seen.run.outcome.stdout.text + seen.run.outcome.stderr.text
-    caught = seen.script.lenient_except
-    told = _WORDS_OF_ERRORS.search(output) if caught is not None else None
-    return (
-        None if told is None else mistake("error_caught", line=caught, told=told[0].strip()[:_LONGEST_WORDS])
-    )
 
 
 def speeds_exchanged(seen: Searched) -> Mistake | None:
@@ -449,20 +430,7 @@ def never_called(seen: Searched) -> Mistake | None:
         does = any(line in script.span(begins) for line in wanted for begins in blocks)
         named = seen.mistake.code == "no_turns" and re.search(_TURNS, name) and _moves(made, script)
         if made is not None and ((lost and does) or named or _brings(made.line, asked, script)):
-            return _called_otherwise(name, made.line, script) or mistake(
-                "never_called", name=name, begins=made.line
-            )
-    return None
-
-
-def _called_otherwise(name: str, begins: int, script: ScriptText) -> Mistake | None:
-    """Find a call of nearly that name, of which an ``except`` hides that there is no such function."""
-    if script.lenient_except is None or len(name) > LONGEST_NAME:
-        return None
-    calls = script.matches(rf"(?<!def )\b(\w{{1,{LONGEST_NAME}}})\(")
-    for line, found in itertools.islice(calls, _MOST_CALLS):
-        if found[1] != name and script.definition(found[1]) is None and _alike(found[1], [name]):
-            return mistake("misspelt_hidden", line=line, written=found[1], name=name, begins=begins)
+            return mistake("never_called", name=name, begins=made.line)
     return None
 
 
