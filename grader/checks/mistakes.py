@@ -186,7 +186,7 @@ def _unfit_commands(run: Run, world: World) -> tuple[Mistake, ...] | None:
     if noted(outcome, "lateral_command") is not None:
         return (mistake("sideways"),)
     if commands and not any(command.v_mps or command.w_radps for command in commands):
-        return (waits_in_vain(run, world, surely=True) or _only_zeros(run),)
+        return (waits_in_vain(run, world, surely=True) or _error_caught(run) or _only_zeros(run),)
     return None
 
 
@@ -408,11 +408,19 @@ def _unpublished(run: Run, world: World) -> Mistake | None:
     return None if missing is None else mistake("not_published", topic=missing)
 
 
+def _error_caught(run: Run) -> Mistake | None:
+    """Return the mistake of an error that something caught, in a script that nothing else ended."""
+    error = noted(run.outcome, "caught")
+    if error is None or script_mistakes(run):
+        return None
+    return Mistake("error_caught", _explained(say("mistake.error_caught", detail=error), error, run))
+
+
 def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
     """Return why no velocity command arrived; nothing if the script ended before it could send one."""
     outcome, topic = run.outcome, world.cmd_vel_topic
-    if (error := noted(outcome, "caught")) is not None and not script_mistakes(run):
-        return (Mistake("error_caught", _explained(say("mistake.error_caught", detail=error), error, run)),)
+    if (caught := _error_caught(run)) is not None:
+        return (caught,)
     made = [each for each in outcome.endpoints if each.kind == "publisher" and each.name not in _OWN_TOPICS]
     publishers = [each for each in made if _may_command(each, topic)]
     right = [publisher for publisher in publishers if publisher.name == topic]

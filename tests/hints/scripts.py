@@ -553,4 +553,5 @@ SCRIPTS = (
     _script("ten times too many nanoseconds", "square", "nanoseconds_unit", ("duration * 1e9", "duration * 10e9"), words="duration * 1e9"),
     _script("count with its letters exchanged", "straight", "misspelt", ("        self.timer = ", "        self.count = 0\n        self.timer = "), ("        msg = Twist()\n", "        self.conut += 1\n        msg = Twist()\n"), words="count"),
     _script("timer that is told to stop", "straight", "misspelt", ("        msg = Twist()\n", "        self.timer.stop()\n        msg = Twist()\n"), words="cancel"),
+    _script("error that is caught before a last stop", "square", "error_caught", ("    node.move_square()\n", "    try:\n        node.move_square()\n    except Exception as e:\n        print(e)\n    node.stop()\n"), ("self.move_straight(self.MOVE_TIME)", "self.move_straight(self.MOVE_TIMES)"), words="MOVE_TIMES"),
 )  # fmt: skip
