@@ -261,11 +261,11 @@ def segment(path: Path) -> Segments:
     extent_m = max(path.extent_m, MIN_EXTENT_M)
     path = _steadied(path, extent_m)
     across, up = path.along_m / (DISTANCE_TOLERANCE_SHARE * extent_m), path.travel_rad / HEADING_TOLERANCE_RAD
-    corners = _without_wobble(path, _simplify(across, up))
+    corners = _without_wobble(path, simplified(across, up))
     for piece in _classify(path, corners, extent_m):
         if not piece.straight:  # half the tolerance tells a side that bends at one end from an arc
             part = slice(piece.first, piece.last + 1)
-            corners += [piece.first + i for i in _simplify(across[part], 2.0 * up[part])[1:-1]]
+            corners += [piece.first + i for i in simplified(across[part], 2.0 * up[part])[1:-1]]
     return _assemble(path, _join(path, _classify(path, sorted(corners), extent_m)))
 
 
@@ -277,7 +277,7 @@ def _steadied(path: Path, extent_m: float) -> Path:
     """
     tolerance_m = STRIP_SHARE * extent_m
     travel_rad = path.travel_rad
-    for first, last in itertools.pairwise(_simplify(path.x_m / tolerance_m, path.y_m / tolerance_m)):
+    for first, last in itertools.pairwise(simplified(path.x_m / tolerance_m, path.y_m / tolerance_m)):
         dx, dy = float(path.x_m[last] - path.x_m[first]), float(path.y_m[last] - path.y_m[first])
         along, travel = path.along_m[first : last + 1], path.travel_rad[first : last + 1]
         inner = travel[(along > along[0] + tolerance_m) & (along < along[-1] - tolerance_m)]
@@ -293,7 +293,7 @@ def _steadied(path: Path, extent_m: float) -> Path:
     return replace(path, travel_rad=travel_rad)
 
 
-def _simplify(across: Floats, up: Floats) -> list[int]:
+def simplified(across: Floats, up: Floats) -> list[int]:
     """Return the sorted indices kept by Ramer-Douglas-Peucker with tolerance 1: both axes are in tolerances."""
     last = len(across) - 1
     kept, stack = {0, last}, [(0, last)]
@@ -409,7 +409,7 @@ def _without_detours(path: Path, piece: _Piece) -> tuple[Floats, float]:
     return travel, spun_rad
 
 
-def _driven_m(path: Path, first: int, last: int) -> float:
+def driven_m(path: Path, first: int, last: int) -> float:
     """Return the distance driven between two samples, forwards and backwards, without small swings to a stop."""
     signed_m = path.signed_m[first : last + 1]
     turning = _turning_points(signed_m, max(SETTLING_SHARE * path.extent_m, MIN_REVERSAL_M))
@@ -424,7 +424,7 @@ def _assemble(path: Path, pieces: list[_Piece]) -> Segments:
         length_m = float(path.along_m[piece.last] - path.along_m[piece.first])
         if piece.straight:
             direction_rad, bend_rad, spun_rad = _line(path, piece)
-            strayed_m = sum(_driven_m(path, *detour) for detour in piece.detours)
+            strayed_m = sum(driven_m(path, *detour) for detour in piece.detours)
             straights.append(
                 Straight(piece.first, piece.last, direction_rad, bend_rad, length_m, strayed_m, spun_rad)
             )
