@@ -70,7 +70,7 @@ BENT_RAD, ROUND_RAD = math.radians(10.0), math.radians(30.0)
 LEVEL_SHARE, ROUND_SHARE = 0.45, 0.27
 # How much the distance driven in a turn counts against the angle, to find its middle. More would move the middle
 # of an arc that is driven unevenly; any less decides where the angle does not change.
-CUT_OFF_COUNTS = 0.1
+CUT_OFF_COUNTS = 0.02
 MAX_APPROACH_STRAIGHTS = 3  # to one of its sides, perhaps round something, and along that to a corner
 
 

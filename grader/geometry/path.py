@@ -52,6 +52,7 @@ MIN_STRAIGHT_SHARE = 0.06
 # must be. Who steers in steps of 0.1 s at 0.5 m/s and 3 rad/s swings by 17 degrees, and is 1 cm off its line.
 STRIP_SHARE, MIN_STRIP_SHARE = 0.015, 0.12
 
+BOX_STEP_DEG = 5.0  # a box that stands askew by half of it is 3 % larger
 MIN_SWINGS = 4  # an S has two
 MOST_ASIDE_RAD = math.radians(60.0)
 MIN_EXTENT_M = 0.02  # keeps the tolerances of a car that turned on the spot from shrinking to its noise
@@ -70,7 +71,7 @@ class Path:
         along_m: (n,) distance travelled since the start. It falls only within a correction: a way back that
             is small against the extent of the whole path.
         signed_m: (n,) distance along the car's own axis, falling while it backs up.
-        extent_m: diagonal of the box around the path.
+        extent_m: diagonal of the smallest box around the path, however it lies.
     """
 
     x_m: Floats
@@ -96,10 +97,18 @@ def driven_path(x_m: Floats, y_m: Floats, heading_rad: Floats, jumps: Sequence[i
     middle = (heading_rad[1:] + heading_rad[:-1]) / 2.0
     # Projected on the heading, measuring noise cancels from sample to sample; a sum of lengths would grow.
     signed_m = np.concatenate(([0.0], np.cumsum(dx * np.cos(middle) + dy * np.sin(middle))))
-    extent_m = math.hypot(float(np.ptp(x_m)), float(np.ptp(y_m)))
+    extent_m = _extent_m(x_m, y_m, float(heading_rad[0]))
     turning = _turning_points(signed_m, _reversal_m(extent_m))
     along_m, travel_rad = _unfold(signed_m, heading_rad, turning)
     return Path(x_m, y_m, heading_rad, travel_rad, along_m, signed_m, extent_m)
+
+
+def _extent_m(x_m: Floats, y_m: Floats, heading_rad: float) -> float:
+    """Return the diagonal of the smallest box around a path, of those at multiples of 5° to its start."""
+    angles = heading_rad + np.radians(np.arange(0.0, 90.0, BOX_STEP_DEG))
+    cos, sin = np.cos(angles)[:, None], np.sin(angles)[:, None]
+    width_m, depth_m = np.ptp(cos * x_m + sin * y_m, axis=1), np.ptp(cos * y_m - sin * x_m, axis=1)
+    return float(np.min(np.hypot(width_m, depth_m)))
 
 
 def without_overshoots(path: Path) -> Path:

@@ -147,10 +147,19 @@ class DrivenPolygon:
         return self.is_other(wanted) and min(sides) > OTHER_SIDES * max(sides)
 
     @property
+    def is_approached(self) -> bool:
+        """Whether something was driven before the figure, which may be a part of its first side."""
+        return self.figure is not None and self.figure.approach_m > 0.0
+
+    @property
     def roughness(self) -> float:
-        """How far its sides are from straight ones, its corners from equal ones, and whether more follows it."""
-        bows, more = ((0.0,), False) if self.figure is None else (self.figure.bows, self.figure.overrun)
-        return max(bows) + sum(bows) + math.radians(float(np.ptp(self.corners_deg))) + more
+        """How far sides are from straight and equal ones, corners from equal ones, and whether more follows."""
+        figure = self.figure
+        if figure is None:
+            return math.inf
+        uneven = 1.0 - min(figure.sides_m) / max(figure.sides_m)
+        bent = max(figure.bows) + sum(figure.bows)
+        return uneven + bent + math.radians(float(np.ptp(self.corners_deg))) + figure.overrun
 
     def is_on_the_whole(self, wanted: WantedPolygon) -> bool:
         """Whether it is a figure of as many sides as are wanted and of equal corners that closes, if roughly."""
@@ -249,14 +258,15 @@ def driven_polygon(assignment: Assignment, wanted: WantedPolygon, run: Run) -> D
         return None
     drive = replace(drive, path=without_overshoots(drive.path))
     fine = _polygon_of(assignment, wanted, drive, segment(drive.path))
-    if fine.has_sides(wanted) or drive.path.extent_m <= 0.0:
+    has_sides = fine.has_sides(wanted)
+    if (has_sides and not fine.is_approached) or drive.path.extent_m <= 0.0:
         return fine
     looks = (
         coarsely_segmented(drive.path, tolerance, crossing=crossing)
         for tolerance, crossing in itertools.product(TOLERANCES, (False, True))
     )
     found = [_polygon_of(assignment, wanted, drive, look) for look in looks]
-    whole = [one for one in found if one.is_on_the_whole(wanted)]
+    whole = [fine] * has_sides + [one for one in found if one.is_on_the_whole(wanted)]
     return min(whole, key=lambda one: one.roughness, default=fine)
 
 
