@@ -16,6 +16,7 @@ from grader.checks.kinds.path.driven import (
     driven_stretches,
     end_ns,
     figure_in,
+    from_a_corner,
 )
 from grader.checks.kinds.path.mistakes import name_of, named_corner, path_mistakes
 from grader.checks.kinds.path.wanted import track_of
@@ -65,6 +66,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     drive = drive_of(run)
     if drive is None or assignment.path is None:
         return Findings(mistakes=driving_mistakes(run, ()))
+    drive = from_a_corner(drive, assignment.path)
     figure = figure_in(drive, assignment.path, assignment.world.start)
     measures = {"distance_m": Measure(float(np.max(drive.path.along_m))), "settled": _settled(drive, figure)}
     stretches = [] if figure is None else driven_stretches(figure, drive)
@@ -156,6 +158,7 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     drive = drive_of(run)
     figure = None
     if drive is not None and assignment.path is not None:
+        drive = from_a_corner(drive, assignment.path)
         figure = figure_in(drive, assignment.path, assignment.world.start)
     if drive is None or figure is None:
         return FigureSketch()
