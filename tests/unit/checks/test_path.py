@@ -90,6 +90,19 @@ def test_a_closed_path_may_begin_within_a_line(share: float, side: int, sense: f
     assert [corner.ok for corner in shown.corners] == [True, True]
 
 
+def test_an_approach_to_a_closed_path_costs_the_way_back_only() -> None:
+    points = []
+    for length_m in (0.0, 0.2, 0.3, 0.5, 0.7, 1.0, 2.0):
+        approach = [("line", length_m), ("turn", 50.0)] if length_m else []
+        scoring = graded("right_triangle", drive(legs([*approach, *TRIANGLE, ("turn", 135.0)])))
+        points.append(score(scoring))
+    assert points[0] == 100
+    assert min(points) == points[-1] == 90
+    assert scoring.mistakes == ("approach",)
+    square = legs([("line", 2.0), ("turn", 90.0)] * 4)
+    assert score(graded("right_triangle", drive(square))) < 30
+
+
 def test_who_ends_beside_the_beginning_within_a_line_has_a_gap() -> None:
     points = []
     for beyond_m in (0.0, 0.2, 0.4, 0.6, 0.8):

@@ -15,8 +15,7 @@ from grader.checks.kinds.path.driven import (
     corners_deg,
     driven_stretches,
     end_ns,
-    figure_in,
-    from_a_corner,
+    looked_at,
 )
 from grader.checks.kinds.path.mistakes import name_of, named_corner, path_mistakes
 from grader.checks.kinds.path.wanted import track_of
@@ -66,8 +65,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     drive = drive_of(run)
     if drive is None or assignment.path is None:
         return Findings(mistakes=driving_mistakes(run, ()))
-    drive = from_a_corner(drive, assignment.path)
-    figure = figure_in(drive, assignment.path, assignment.world.start)
+    drive, figure = looked_at(drive, assignment.path, assignment.world.start)
     measures = {"distance_m": Measure(float(np.max(drive.path.along_m))), "settled": _settled(drive, figure)}
     stretches = [] if figure is None else driven_stretches(figure, drive)
     if figure is not None:
@@ -93,6 +91,7 @@ def _of_the_whole(figure: Figure, on_m: float) -> dict[str, Measure]:
     away, nearest = max(figure.apart_m, figure.strayed_m), figure.distances_m
     mean = float(np.mean(nearest))
     gap = abs((figure.driven[-1] - figure.driven[0]) - (figure.wanted[-1] - figure.wanted[0]))
+    gap = max(float(gap), figure.approach_m)  # the car ends where the path begins, not where it set out
     after = say("path.drove_on", length=number(on_m, "m")) if on_m > 0.0 else EMPTY
     if size <= 0.0 or length <= 0.0:
         return {}
@@ -101,8 +100,8 @@ def _of_the_whole(figure: Figure, on_m: float) -> dict[str, Measure]:
         "mean_off_pct": Measure(100.0 * mean / size, {"away": number(mean, "m"), "size": number(size, "m")}),
         "covered_pct": Measure(100.0 * figure.covered_share),
         "gap_pct": Measure(
-            100.0 * max(float(gap), on_m) / length,
-            {"gap": number(float(gap), "m"), "length": number(length, "m"), "after": after},
+            100.0 * max(gap, on_m) / length,
+            {"gap": number(gap, "m"), "length": number(length, "m"), "after": after},
         ),
     }
 
@@ -158,8 +157,7 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     drive = drive_of(run)
     figure = None
     if drive is not None and assignment.path is not None:
-        drive = from_a_corner(drive, assignment.path)
-        figure = figure_in(drive, assignment.path, assignment.world.start)
+        drive, figure = looked_at(drive, assignment.path, assignment.world.start)
     if drive is None or figure is None:
         return FigureSketch()
     stretches, scale = driven_stretches(figure, drive), figure.placed.scale

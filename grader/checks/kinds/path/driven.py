@@ -24,7 +24,7 @@ from grader.checks.kinds.path.wanted import (
 from grader.checks.mistakes import with_ends
 from grader.contracts.assignment import StartPose, WantedPath
 from grader.contracts.trajectory import Trajectory
-from grader.geometry.figure import chord, half_turned
+from grader.geometry.figure import MAX_APPROACH_STRAIGHTS, chord, half_turned
 from grader.geometry.matching import (
     Floats,
     Points,
@@ -37,6 +37,7 @@ from grader.geometry.matching import (
 )
 from grader.geometry.path import Path, Straight, driven_path, median, segment
 
+APPROACHED_SHARE = 0.02  # of the size: nearer to the wanted path, a drive has no approach
 SEAM_SHARE = 0.2  # of the way: a car that ends further from where it began within a line has not come back
 LEAST_M = 0.05  # a shorter drive is not a path
 LAPS_TRIED = 8  # ends of the first lap that are tried: where the car came back to its start
@@ -126,6 +127,7 @@ class Figure:
         repeated: what follows is the same figure again. overrun: something else follows.
         strayed_m: how far what follows an open path leads away from it.
         on_m: how far what follows goes straight on from the last piece.
+        approach_m: how far from where the car set out the path begins, after straights that are no part of it.
     """
 
     track: Track
@@ -141,6 +143,7 @@ class Figure:
     overrun: bool = False
     strayed_m: float = 0.0
     on_m: float = 0.0
+    approach_m: float = 0.0
 
     @property
     def size_m(self) -> float:
@@ -210,6 +213,29 @@ def from_a_corner(drive: Drive, wanted: WantedPath) -> Drive:
     if not (back and _goes_on(straights[-1], straights[0])):
         return drive
     return _turned_round(drive, first, straights[0].last, last)
+
+
+def looked_at(drive: Drive, wanted: WantedPath, start: StartPose) -> tuple[Drive, Figure | None]:
+    """Return the part of a drive that is looked at, as if it began at a corner, and the wanted path laid on it.
+
+    Straights before a closed path that may lie anywhere are an approach, where the rest is that path.
+    """
+    whole = from_a_corner(drive, wanted)
+    figure = figure_in(whole, wanted, start)
+    ways, straights = tracks(wanted), segment(drive.path).straights
+    may_be_approached = bool(ways) and ways[0].is_closed and wanted.any_start
+    if figure is None or figure.residual <= APPROACHED_SHARE or not may_be_approached:
+        return whole, figure
+    for before in straights[:MAX_APPROACH_STRAIGHTS]:
+        rest = from_a_corner(_rest_of(drive, before.last), wanted)
+        found = figure_in(rest, wanted, start)
+        if (
+            found is not None
+            and found.residual <= min(COVERED_SHARE, figure.residual / 2.0)
+            and not found.begun
+        ):
+            return rest, replace(found, approach_m=chord(drive.path, 0, before.last))
+    return whole, figure
 
 
 def _goes_on(later: Straight, first: Straight) -> bool:

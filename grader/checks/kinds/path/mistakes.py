@@ -398,7 +398,9 @@ def _by_error(stretches: list[DrivenStretch], kind: str, scale: float) -> list[D
 
 
 def _ending(seen: _Seen) -> Iterator[Mistake]:
-    """Say what was driven after the path."""
+    """Say what was driven before and after the path."""
+    if seen.figure.approach_m > 0.0:
+        yield mistake("approach", ("gap_pct",), distance=number(seen.figure.approach_m, "m"))
     if seen.figure.repeated:
         return
     publisher = ScriptText(seen.run.source).publisher_name
