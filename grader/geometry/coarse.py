@@ -28,7 +28,10 @@ from grader.geometry.path import (
 # lies 15 % of a square's extent beside the sides.
 TOLERANCES = (0.02, 0.04, 0.08, 0.15)
 
-FITTED_AT = 40  # points of a side, at equal distances, through which its line is laid
+# With both ends of the path: of a triangle; of seven laps of an octagon. It bounds the time that a circle takes.
+LEAST_CORNERS, MOST_CORNERS = 4, 60
+
+FITTED_AT = 20  # points of a side, at equal distances, through which its line is laid
 END_SHARE = 0.15  # of a side: left out at its ends, where corners are rounded or cut off
 SAGITTA = 8.0  # an arc that strays by s from its chord of length c turns by about 8 s / c
 
@@ -36,7 +39,7 @@ _Line = tuple[complex, float]
 """A point of a line and its direction as a continuous angle."""
 
 
-def coarsely_segmented(path: Path, tolerance: float, *, crossing: bool) -> Segments:
+def coarsely_segmented(path: Path, tolerance: float, *, crossing: bool) -> Segments | None:
     """Cut `path` into straights and the corners between them, whatever strays less than `tolerance` aside.
 
     Args:
@@ -46,10 +49,15 @@ def coarsely_segmented(path: Path, tolerance: float, *, crossing: bool) -> Segme
             else they are where the path goes furthest out.
 
     Returns:
-        The pieces, without the turn after the last straight.
+        The pieces, without the turn after the last straight; None for a path that has hardly any corner, or more
+        than a figure that one can see.
     """
     width_m = tolerance * path.extent_m
-    corners = _plain_corners(path, simplified(path.x_m / width_m, path.y_m / width_m), width_m)
+    corners = simplified(path.x_m / width_m, path.y_m / width_m)
+    if len(corners) <= MOST_CORNERS:
+        corners = _plain_corners(path, corners, width_m)
+    if not LEAST_CORNERS <= len(corners) <= MOST_CORNERS:
+        return None
     fit = _through_middle if crossing else _through_ends
     lines = [fit(path, first, last) for first, last in itertools.pairwise(corners)]
     if crossing:

@@ -265,7 +265,7 @@ def driven_polygon(assignment: Assignment, wanted: WantedPolygon, run: Run) -> D
         coarsely_segmented(drive.path, tolerance, crossing=crossing)
         for tolerance, crossing in itertools.product(TOLERANCES, (False, True))
     )
-    found = [_polygon_of(assignment, wanted, drive, look) for look in looks]
+    found = [_polygon_of(assignment, wanted, drive, look) for look in looks if look is not None]
     whole = [fine] * has_sides + [one for one in found if one.is_on_the_whole(wanted)]
     return min(whole, key=lambda one: one.roughness, default=fine)
 
