@@ -256,7 +256,7 @@ def sleep_at_end(run: Run) -> WaitingCall | None:
 def _loop_at_end(run: Run, script: ScriptText) -> int | None:
     """Return the line of the ``while`` that the main thread was in at the horizon."""
     call = call_at_end(run)
-    heads = [] if call is None else [*list(script.outwards(call.line))[:1], *script.heads_of(call.line)]
+    heads = [] if call is None else [*list(script.outwards(call.line))[:1], *script.heads_around(call.line)]
     return next((at for at, head in heads if re.match(r"[ \t]*while\b", head)), None)
 
 
@@ -483,7 +483,7 @@ def ended_at_once(run: Run) -> Mistake | None:
     if (lines := _exits(script, run.outcome)) and spins and lines[0] < spins[0]:
         return mistake("exited_early", line=lines[0])
     ends_itself = script.lines_with(_ENDS_ITSELF) or _ends_in_callback(script)
-    if spins and (caught := script.caught) is not None and not ends_itself:
+    if spins and (caught := script.lenient_except) is not None and not ends_itself:
         return mistake("error_hidden", line=caught)
     return None
 
@@ -530,9 +530,9 @@ def not_called(run: Run) -> Mistake | None:
     if (coroutine := _UNAWAITED.search(run.outcome.stderr.text)) is not None:
         return _unawaited(coroutine[1], ScriptText(run.source))
     script = ScriptText(run.source)
-    if (named := script.uncalled) is None:
+    if (named := script.named_only) is None:
         return None
-    given = (script.message_beside(named.line) or "msg") if named.name.endswith(".publish") else ""
+    given = (script.twist_name_at(named.line) or "msg") if named.name.endswith(".publish") else ""
     return mistake("not_called", line=named.line, name=named.name, call=f"{named.name}({given})")
 
 
@@ -570,7 +570,7 @@ def _waits(run: Run) -> Mistake | None:
         return mistake("not_received", topic=topic)
     if (empty := without_added_node(script)) is not None:
         return empty
-    if script.lines_with(r"\.publish\(") and (hidden := script.swallowed) is not None:
+    if script.lines_with(r"\.publish\(") and (hidden := script.silent_except) is not None:
         return mistake("error_hidden", line=hidden)
     return _in_loop(run, script)
 

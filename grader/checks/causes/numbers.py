@@ -199,7 +199,7 @@ def _becomes_rate(before: str, after: str, script: ScriptText) -> bool:
 def hidden_int(seen: Searched) -> Mistake | None:
     """Find a whole number that was given to a float's field, if an ``except`` hides the error."""
     lines = seen.script.lines_with(r"\.(linear|angular)\.[xyz] ?= ?-?\d+$")
-    if not lines or (hidden := seen.script.swallowed) is None:
+    if not lines or (hidden := seen.script.silent_except) is None:
         return None
     written = seen.script.lines[lines[0] - 1].strip()
     return mistake("hidden_int", line=lines[0], hidden=hidden, written=written, right=f"{written}.0")
