@@ -43,8 +43,8 @@ _CREPT_M = 0.001  # but may be what became of a drive
 _LEAST_SIGN_CHANGES = 4  # of the speed: a script that changes it this often does not do so on purpose
 SPOT_RADIUS_M = 0.1  # an arc tighter than this is a turn on the spot
 STILL_M = 1e-6  # within a step
-# In the shipped rubrics a third of the points for the heading, and with them of those for the distance: the line is
-# right, but their briefs ask for no turn.
+# In the shipped rubrics that leaves a third of the points for heading and distance: the line is right, but
+# their briefs ask for no turn.
 MOST_ON_THE_SPOT_DEG = 30.0
 
 
