@@ -90,6 +90,20 @@ def test_a_closed_path_may_begin_within_a_line(share: float, side: int, sense: f
     assert [corner.ok for corner in shown.corners] == [True, True]
 
 
+@pytest.mark.parametrize("between", ["turn", "line"])
+def test_what_is_driven_between_two_circles_costs_the_more_the_larger_it_is(between: str) -> None:
+    points = []
+    for share in (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0):
+        extra = (between, share * (90.0 if between == "turn" else 1.5))
+        scoring = graded("figure_eight", drive(legs([EIGHT[0], extra, EIGHT[1]] if share else EIGHT)))
+        points.append(score(scoring))
+    assert points[:2] == [100, 100]
+    assert points == sorted(points, reverse=True)
+    assert points[-1] < 80
+    assert item(scoring, "touch").earned == 0
+    assert item(scoring, "radius").earned == 25
+
+
 def test_an_approach_to_a_closed_path_costs_the_way_back_only() -> None:
     points = []
     for length_m in (0.0, 0.2, 0.3, 0.5, 0.7, 1.0, 2.0):

@@ -18,7 +18,7 @@ from grader.checks.kinds.path.driven import (
     looked_at,
 )
 from grader.checks.kinds.path.mistakes import name_of, named_corner, path_mistakes
-from grader.checks.kinds.path.wanted import track_of
+from grader.checks.kinds.path.wanted import go_on, track_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind
 from grader.checks.mistakes import driving_mistakes
 from grader.checks.scoring import fits
@@ -38,6 +38,7 @@ MEASURES = {
     "length_error_pct": MeasureKind("%"),
     "radius_error_pct": MeasureKind("%"),
     "round_pct": MeasureKind("%"),
+    "touch_pct": MeasureKind("%"),
     "gap_pct": MeasureKind("%"),
     "settled": MeasureKind(form="flag"),
 }
@@ -57,6 +58,10 @@ _NO_LINES = Text(
     zh="路径里没有 line 或 goto：删掉这一项", en="the path has no line or goto; remove this item"
 )
 _NO_ARCS = Text(zh="路径里没有 arc：删掉这一项", en="the path has no arc; remove this item")
+_NO_TOUCH = Text(
+    zh="路径里没有一段弧接着另一段弧：删掉这一项",
+    en="the path has no arc that goes on as another one; remove this item",
+)
 _NO_CORNERS = Text(zh="路径里没有转角：删掉这一项", en="the path has no corner; remove this item")
 
 
@@ -118,6 +123,7 @@ def _of_the_pieces(figure: Figure, stretches: list[DrivenStretch]) -> dict[str, 
     if arcs:
         taken["radius_error_pct"] = _worst(arcs, lambda one: (one.radius_m, scale * one.wanted.radius_m))
         taken["round_pct"] = _roundness(arcs)
+        taken["touch_pct"] = _touch(stretches)
     return taken
 
 
@@ -150,6 +156,24 @@ def _roundness(arcs: Sequence[DrivenStretch]) -> Measure:
     worst = arcs[int(np.argmax(shares))]
     details = {"piece": name_of(worst.wanted), "deviation": number(worst.deviation_m, "m")}
     return Measure(max(shares), details)
+
+
+def _touch(stretches: Sequence[DrivenStretch]) -> Measure:
+    """Return how far the centres of two arcs that touch are from where they should be, for the worst two."""
+    found = []
+    for before, after in itertools.pairwise(stretches):
+        if not go_on(before.wanted, after.wanted):
+            continue
+        radii_m = before.radius_m, after.radius_m
+        same_way = before.wanted.angle_deg * after.wanted.angle_deg > 0.0
+        wanted_m = abs(radii_m[0] - radii_m[1]) if same_way else sum(radii_m)
+        driven_m = abs(after.centre - before.centre)
+        found.append((100.0 * abs(driven_m - wanted_m) / sum(radii_m), driven_m, wanted_m, before, after))
+    if not found or any(math.isnan(one[0]) for one in found):
+        return UNMEASURED
+    error, driven_m, wanted_m, before, after = max(found, key=lambda one: one[0])
+    names = {"first": name_of(before.wanted), "second": name_of(after.wanted)}
+    return Measure(error, {**names, "driven": number(driven_m, "m"), "wanted": number(wanted_m, "m")})
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
@@ -215,6 +239,7 @@ def _consult(assignment: Assignment) -> Iterable[Misfit]:
         (("length_error_pct",), "line" in kinds, _NO_LINES),
         (("radius_error_pct", "round_pct"), "arc" in kinds, _NO_ARCS),
         (("corner_error_deg",), track.has_corners, _NO_CORNERS),
+        (("touch_pct",), any(map(go_on, track.stretches, track.stretches[1:])), _NO_TOUCH),
     )
 
 

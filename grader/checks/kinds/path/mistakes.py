@@ -63,6 +63,7 @@ _SHAPE_MEASURES = (
     "length_error_pct",
     "radius_error_pct",
     "round_pct",
+    "touch_pct",
     "gap_pct",
 )
 _WHOLE_MEASURES = ("off_pct", "mean_off_pct", "covered_pct", "gap_pct")
