@@ -10,6 +10,7 @@ All tolerances are shares of the path's own size or angles, so that small and la
 import itertools
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -214,19 +215,28 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
     first, count = (None if plain else _closed(path, segments, corners, lengths, sides)) or (0, lap)
     if first + count == total:
         return _Extent(first, count)
+    found = _followed(path, segments, corners, _Extent(first, count), cut_short=cut_short)
+    meant = total == sides or _one_too_many(lengths[first:], corners[first:])
+    if meant and not (found.repeated or found.apart) and not cut_short:
+        return _Extent(first, total - first)
+    return found
+
+
+def _followed(
+    path: Path, segments: Segments, corners: list[float], lap: _Extent, *, cut_short: bool
+) -> _Extent:
+    """Say of a lap how what follows relates to it."""
+    first, count = lap.first, lap.count
+    lengths = [chord(path, *span(path, segments, i)) for i in range(first, len(segments.straights))]
     retraced = _retraced(path, segments, first, count, cut_short=cut_short)
     repeated = (
         retraced
-        or _repeats(lengths[first:], corners[first:], count, cut_short=cut_short)
-        or _resized(path, segments, corners, _Extent(first, count), cut_short=cut_short)
+        or _repeats(lengths, corners[first:], count, cut_short=cut_short)
+        or _resized(path, segments, corners, lap, cut_short=cut_short)
     )
-    meant = total == sides or _one_too_many(lengths[first:], corners[first:])
-    if meant and not repeated and not cut_short:
-        return _Extent(first, total - first)
     apart = repeated and not retraced and _turned_between(corners[first : first + count])
-    return _Extent(
-        first,
-        count,
+    return replace(
+        lap,
         retraced=retraced,
         repeated=repeated and not apart,
         overrun=not repeated or apart,
