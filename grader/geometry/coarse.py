@@ -2,8 +2,8 @@
 
 A fine look (`grader.geometry.path.segment`) takes a corner that is cut off by a short straight for two corners, a
 side with a kink for three sides, and one that bends to and fro for none, all from some size on. Whoever sees the
-drawing sees the same figure, driven less well. So the path is simplified in the plane, and a side that strays to
-and fro counts as bent, like an arc that needs a strip of the same width.
+drawing sees the same figure, driven less well. So the path is simplified in the plane, and a side that strays
+counts as bent, like an arc that strays as far.
 """
 
 import cmath
@@ -63,8 +63,8 @@ def coarsely_segmented(path: Path, tolerance: float, *, crossing: bool) -> Segme
     if crossing:
         corners = _crossings(path, lines, corners, width_m)
     straights = tuple(
-        _straight(path, line, first, last)
-        for line, (first, last) in zip(lines, itertools.pairwise(corners), strict=True)
+        _straight(path, direction_rad, first, last)
+        for (_, direction_rad), (first, last) in zip(lines, itertools.pairwise(corners), strict=True)
     )
     turns = [
         Turn(at, at, after.direction_rad - before.direction_rad, 0.0)
@@ -80,10 +80,7 @@ def _plain_corners(path: Path, corners: list[int], width_m: float) -> list[int]:
         if kept and not path.along_m[corner] > path.along_m[kept[-1]]:
             continue
         kept.append(corner)
-        while (
-            len(kept) > 2
-            and _width_m(path, _through_ends(path, kept[-3], corner), kept[-3], corner) < width_m
-        ):
+        while len(kept) > 2 and _aside_m(path, kept[-3], corner) < width_m:
             del kept[-2]
     return kept
 
@@ -147,18 +144,18 @@ def _halfway(path: Path, first: int, last: int) -> int:
     return first + int(np.searchsorted(along, (along[0] + along[-1]) / 2.0))
 
 
-def _straight(path: Path, line: _Line, first: int, last: int) -> Straight:
+def _straight(path: Path, direction_rad: float, first: int, last: int) -> Straight:
     """Return a side; what is driven further than it is long was driven beside it, or to and fro."""
     length_m = max(float(path.along_m[last] - path.along_m[first]), 0.0)
     side_m = abs(_between(path, first, last))
     strayed_m = max(driven_m(path, first, last) - side_m, 0.0)
-    bend_rad = SAGITTA * _width_m(path, line, first, last) / side_m if side_m > 0.0 else 0.0
-    return Straight(first, last, line[1], bend_rad, length_m, strayed_m)
+    bend_rad = SAGITTA * _aside_m(path, first, last) / side_m if side_m > 0.0 else 0.0
+    return Straight(first, last, direction_rad, bend_rad, length_m, strayed_m)
 
 
-def _width_m(path: Path, line: _Line, first: int, last: int) -> float:
-    """Return how wide a strip along a line must be to hold the path."""
-    middle, direction_rad = line
-    x_m, y_m = path.x_m[first : last + 1], path.y_m[first : last + 1]
-    aside_m = (y_m - middle.imag) * math.cos(direction_rad) - (x_m - middle.real) * math.sin(direction_rad)
-    return float(np.ptp(aside_m))
+def _aside_m(path: Path, first: int, last: int) -> float:
+    """Return how far the path strays from the line between two samples; to the less far side it counts half."""
+    (middle, direction_rad), between = _through_ends(path, first, last), slice(first, last + 1)
+    x_m, y_m = path.x_m[between] - middle.real, path.y_m[between] - middle.imag
+    aside_m = y_m * math.cos(direction_rad) - x_m * math.sin(direction_rad)
+    return (float(np.max(np.abs(aside_m))) + float(np.ptp(aside_m))) / 2.0
