@@ -86,14 +86,17 @@ def _turned(drive: Drive) -> Measure:
 
     A turn on the spot draws nothing, so it counts as `MOST_ON_THE_SPOT_DEG` at most.
     """
+    heading_rad, on_the_spot = drive.path.heading_rad, _on_the_spot(drive)
+    middle_rad = (heading_rad[1:] + heading_rad[:-1]) / 2.0 - heading_rad[0]
+    aside_rad = np.where(
+        on_the_spot, 0.0, np.angle(np.exp(1j * middle_rad))
+    )  # without whole turns on the spot
+    driven_rad = np.cumsum(np.where(on_the_spot, 0.0, np.diff(heading_rad)))
+    driving_deg = math.degrees(float(np.max(np.abs((aside_rad, driven_rad)), initial=0.0)))
     largest_deg = math.degrees(_largest_rad(drive))
-    middle_rad = (drive.path.heading_rad[1:] + drive.path.heading_rad[:-1]) / 2.0 - drive.path.heading_rad[0]
-    aside_rad = np.abs(np.angle(np.exp(1j * middle_rad)))[~_on_the_spot(drive)]
-    driving_deg = math.degrees(float(np.max(aside_rad, initial=0.0)))
     turned_deg = max(driving_deg, min(largest_deg, MOST_ON_THE_SPOT_DEG))
-    spot = EMPTY
-    if largest_deg > max(driving_deg, MOST_ON_THE_SPOT_DEG) + 1.0:
-        spot = say("motion.on_the_spot", turned=number(largest_deg, "deg"))
+    noted = _turns_on_the_spot(drive) and largest_deg > turned_deg + 1.0
+    spot = say("motion.on_the_spot", turned=number(largest_deg, "deg")) if noted else EMPTY
     return Measure(turned_deg, {"spot": spot})
 
 

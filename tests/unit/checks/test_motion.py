@@ -156,6 +156,12 @@ def test_a_turn_on_the_spot_is_not_called_a_curve() -> None:
     assert "85.9°" in scoring.hint.zh
 
 
+def test_a_turn_while_driving_is_told_in_full() -> None:
+    heading = item(graded("straight", drive([(7.0, 1.0, 1.0)])), "heading")
+    assert heading.measured == pytest.approx(math.degrees(7.0), abs=1.0)
+    assert "on the spot" not in heading.message.en
+
+
 @pytest.mark.parametrize("turned_deg", [90, 360, -120])
 def test_turns_on_the_spot_cost_the_same_wherever_the_line_is_right(turned_deg: float) -> None:
     rate = math.copysign(1.0, turned_deg)
