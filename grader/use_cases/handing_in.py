@@ -70,7 +70,7 @@ def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submiss
         by=None if student == caller.person or caller.course is None else caller.signature,
     )
     with services.allowances.uploads_at_once.one_more(owner):
-        submission, repeated = services.submissions.accept(_checked(services, caller, new, owner))
+        submission, repeated = services.intake.accept(_checked(services, caller, new, owner))
     note(
         submission=submission.id,
         assignment=submission.assignment,
@@ -83,11 +83,11 @@ def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submiss
 def _checked(services: Services, caller: Caller, new: NewSubmission, owner: str) -> NewSubmission:
     """Return `new` as it is stored: for a published assignment, its name and content checked."""
     published = require_published(services, caller, new.assignment, "unknown_assignment", field="assignment")
-    if new.key is None and (refusal := services.submissions.refusal(new)) is not None:
+    if new.key is None and (refusal := services.intake.refusal(new)) is not None:
         raise refusal.error()  # one with a key may be an upload that was accepted before
     name = _checked_name(new.file_name, published.input)
     source = _checked_content(services, owner, new.source, name, published.input)
-    if services.submissions.open_count(new.student, new.course) >= services.settings.max_open_submissions:
+    if services.intake.open_count(new.student, new.course) >= services.settings.max_open_submissions:
         raise RefusedError("too_many_open", retry_after_s=_RETRY_AFTER_S, field="student")
     return replace(
         new,
