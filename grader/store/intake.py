@@ -46,7 +46,7 @@ from grader.store.tables import (
     SubmissionRow,
     UploadKeyRow,
     UtcDateTime,
-    as_contract,
+    submission_of,
     table_of,
 )
 from grader.store.work import Announcer, announcement_of
@@ -266,17 +266,6 @@ def as_attempts(submissions: Iterable[Any]) -> tuple[Attempt, ...]:
             and one.verdict != GradeStatus.SYNTAX_ERROR.value,
         )
         for one in submissions
-    )
-
-
-def submission_of(row: SubmissionRow) -> Submission:
-    """Return what a row says of a submission."""
-    return as_contract(
-        row,
-        Submission,
-        sha256=row.source_sha256,
-        state=SubmissionState(row.state),
-        verdict=None if row.verdict is None else GradeStatus(row.verdict),
     )
 
 

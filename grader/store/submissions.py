@@ -13,7 +13,6 @@ from grader.contracts.submission import (
 )
 from grader.store.courses import in_class
 from grader.store.database import StorePart
-from grader.store.intake import submission_of
 from grader.store.judgements import judgements_of
 from grader.store.tables import (
     GradedAssignmentRow,
@@ -22,6 +21,7 @@ from grader.store.tables import (
     SubmissionRow,
     TrajectoryRow,
     as_contract,
+    submission_of,
 )
 
 
