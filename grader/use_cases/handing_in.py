@@ -15,7 +15,7 @@ from grader.contracts.upload import check_name, check_source, decoded
 from grader.formats.packages.bundle import bundled, files_of
 from grader.messages.exceptions import meaning
 from grader.messages.script import ScriptText
-from grader.operation.context import note
+from grader.operation.logs import note
 from grader.render.escape import visible_line
 from grader.use_cases.assignments import is_own, require_published
 from grader.use_cases.services import Services

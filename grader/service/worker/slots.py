@@ -21,7 +21,7 @@ from grader.contracts.grading import (
 )
 from grader.contracts.submission import Claim, SubmissionState
 from grader.grading.slot import Slot
-from grader.operation.context import about
+from grader.operation.logs import about
 from grader.operation.metrics import Metrics
 from grader.service.worker.examiner import Uploads
 from grader.store.clock import Clock
