@@ -1,7 +1,7 @@
 """The log: one record a line on stderr, as text for people or as JSON for machines.
 
-Fields say which request, upload or grading a line belongs to. They are bound once, where the work begins, and stand
-on every line that is written until it ends, also by code that knows nothing of them.
+Fields say which request, upload or grading a line belongs to. They are bound once, where the work begins, and
+stand on every line that is written until it ends, also by code that knows nothing of them.
 
 No record can forge another: in JSON everything beyond printable ASCII is an escape, in text a message's control
 characters are, and the lines of a traceback are indented behind a bar.
