@@ -103,7 +103,7 @@ class Drain:
         self._clock = clock
         self._service = service
         self._server = server
-        self._intake = Intake(database, clock)
+        self._intake = Intake(database)
 
     def run(self, uploads: Sequence[Upload]) -> Round:
         """Queue `uploads` at one instant and wait until they are graded."""
@@ -144,7 +144,7 @@ class Drain:
             time.sleep(max(0.0, begun + number * every_s - time.perf_counter()))
             upload = self.new(one)
             started = time.perf_counter()
-            self._intake.accept(upload)
+            self._intake.accept(upload, self._clock())
             times.append(time.perf_counter() - started)
         return times
 

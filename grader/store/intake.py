@@ -35,8 +35,7 @@ from grader.contracts.report import GradeStatus
 from grader.contracts.rules import Attempt, Extension, Refusal, Rules
 from grader.contracts.submission import NewSubmission, Submission, SubmissionState
 from grader.store.audit import Signature, record
-from grader.store.clock import TimedPart
-from grader.store.database import add_once, one_at_a_time
+from grader.store.database import StorePart, add_once, one_at_a_time
 from grader.store.own_assignments import still_used
 from grader.store.rules import ABOUT, ABOUT_FROM, OF_COURSE, rules_about
 from grader.store.tables import (
@@ -156,10 +155,10 @@ _IN_COURSE, _WITHOUT_COURSE = _question(_OF_COURSE), _question(_OF_NO_COURSE)
 _COSTLY_IN_COURSE, _COSTLY_WITHOUT_COURSE = _costly_of(_OF_COURSE), _costly_of(_OF_NO_COURSE)
 
 
-class Intake(TimedPart):
+class Intake(StorePart):
     """Takes uploads in; safe to share between threads."""
 
-    def accept(self, upload: NewSubmission) -> tuple[Submission, bool]:
+    def accept(self, upload: NewSubmission, received_at: datetime) -> tuple[Submission, bool]:
         """Store an upload and queue it, in one transaction: once this returns, it is not lost.
 
         A student's uploads that arrive at the same moment are counted one after the other. What the student sent
@@ -173,19 +172,18 @@ class Intake(TimedPart):
             RefusedError: as `take_in`.
         """
         with self._database.writing() as session:
-            now = upload.received_at or self._clock()
-            row, repeated = take_in(session, upload, now, self._database.announcer)
+            row, repeated = take_in(session, upload, received_at, self._database.announcer)
             if upload.by is not None and not repeated:
                 _record_handed_in(session, upload.by, row)
             return submission_of(row), repeated
 
-    def refusal(self, upload: NewSubmission) -> Refusal | None:
+    def refusal(self, upload: NewSubmission, received_at: datetime) -> Refusal | None:
         """Return why the rules refuse an upload, or None. Its content is not looked at."""
         if not upload.ruled:
             return None
         with self._database.reading() as session:
             known = _known(session, upload.student, upload.assignment, upload.course)
-            return _refusal(session, upload, known, upload.received_at or self._clock())
+            return _refusal(session, upload, known, received_at)
 
     def attempts(self, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
         """Return a student's submissions to an assignment as the rules see them, in order of arrival."""

@@ -174,7 +174,7 @@ class Services:
 
 def _stores(database: Database, clock: Clock) -> dict[str, Any]:
     return {
-        "intake": Intake(database, clock),
+        "intake": Intake(database),
         "submissions": Submissions(database),
         "regrades": Regrades(database),
         "judgements": Judgements(database),

@@ -12,7 +12,10 @@ class Submissions(StoredSubmissions):
 
     def __init__(self, database: Database, clock: Clock) -> None:
         super().__init__(database)
-        self.accept = Intake(database, clock).accept
+        self._intake, self._clock = Intake(database), clock
+
+    def accept(self, upload: NewSubmission) -> tuple[Submission, bool]:
+        return self._intake.accept(upload, self._clock())
 
     def add(self, upload: NewSubmission) -> Submission:
         return self.accept(upload)[0]

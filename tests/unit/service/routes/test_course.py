@@ -110,9 +110,9 @@ def test_an_upload_of_somebody_who_was_just_removed_is_not_stored(
     """Between finding out who asks and storing the file somebody else may remove them."""
     accept = services.intake.accept
 
-    def late(new: Any) -> Any:
+    def late(*given: Any) -> Any:
         services.courses.remove("ros", ["li"], "wang")
-        return accept(new)
+        return accept(*given)
 
     monkeypatch.setattr(services.intake, "accept", late)
     refused = upload(student="", headers=school.as_("li"))
