@@ -120,9 +120,9 @@ class Claim:
     assignment: str
     file_name: str
     source: bytes
-    queued_at: datetime | None = None
-    course: str | None = None
-    distro: Distro | None = None
+    queued_at: datetime
+    course: str | None
+    distro: Distro | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,6 +5,7 @@ import threading
 import unicodedata
 from collections.abc import Iterator
 from contextvars import copy_context
+from datetime import UTC, datetime
 
 import pytest
 from hypothesis import example, given
@@ -70,6 +71,9 @@ def test_every_line_of_a_grading_names_it(log: logging.Logger) -> None:
         assignment="square",
         file_name="a.py",
         source=b"",
+        queued_at=datetime.now(UTC),
+        course=None,
+        distro=None,
     )
     with logs.about(claim):
         log.warning("try 1: the grading process died")
