@@ -127,6 +127,10 @@ _SIGNS: Final = (
     ),
     (r"AssertionError: The '(?P<field>\w+)' field must be a set or sequence", "list_in_field"),
     (
+        r"AssertionError: The 'result' field must be a sub message of type '(?P<owner>\w+)_Result'",
+        "no_result",
+    ),
+    (
         r"AssertionError: The '(?P<field>\w+)' field must be a sub message of type '(?P<owner>\w+)'",
         "message_in_field",
     ),

@@ -473,12 +473,17 @@ def unknown_module(error: StudentError, script: ScriptText) -> Closer:
     return ("misspelt", {"suggestion": near[0]}) if known else None
 
 
+def _is_of(known: str, name: str) -> bool:
+    """Whether `known` can be meant: the module `time` is not by std_msgs' `Time`, which ROS 1 had."""
+    return known == name or IMPORTS[known].startswith("from ")
+
+
 def _imported_name(error: StudentError) -> Closer:
     found = re.match(r"cannot import name '(\w+)' from '([\w.]+)'", error.message)
     if found is None:
         return None
     name, module = found.groups()
-    near = [known for known in IMPORTS if known.lower() == name.lower()]
+    near = [known for known in IMPORTS if known.lower() == name.lower() and _is_of(known, name)]
     near = near or difflib.get_close_matches(name, _NAMES_BY_MODULE.get(module, ()), 1, 0.75)
     return ("import_statement", {"statement": IMPORTS[near[0]]}) if near else None
 

@@ -269,7 +269,32 @@ def patch_logging(logging: ModuleType) -> None:
             handler.createLock()
 
 
+def patch_event_loop(base_events: ModuleType) -> None:
+    """Tell errors of tasks that nobody awaits."""
+    from rclpy._patches.tracebacks import tell_caught
+
+    module: Any = base_events
+    loop = module.BaseEventLoop
+    handle = loop.call_exception_handler
+
+    def call_exception_handler(self: Any, context: dict[str, Any]) -> None:
+        tell_caught(context.get("exception"))
+        handle(self, context)
+
+    loop.call_exception_handler = call_exception_handler
+
+
 def patch_futures_thread(thread: ModuleType) -> None:
-    """Renew the lock that guards the start and end of all pools."""
+    """Renew the lock that guards the start and end of all pools, and tell errors that a future keeps."""
+    from rclpy._patches.tracebacks import tell_caught
+
     module: Any = thread
     module._global_shutdown_lock = Lock()
+    future = module._base.Future
+    keep = future.set_exception
+
+    def set_exception(self: Any, exception: BaseException | None) -> None:
+        tell_caught(exception)
+        keep(self, exception)
+
+    future.set_exception = set_exception
