@@ -113,12 +113,18 @@ def noted(outcome: RunOutcome, code: str) -> str | None:
 
 def _explained(told: Text, note: str, run: Run) -> Text:
     """Return what is `told` of the exception in a note and, where it is known, what that exception means."""
+    reason = _reason(note, run)
+    return told if reason is None else join([told, reason], _SPACE)
+
+
+def _reason(note: str, run: Run) -> Text | None:
+    """Return what the exception in a note means; None where that is not known."""
     found = _IN_NOTE.fullmatch(note)
     if found is None:
-        return told
+        return None
     error = StudentError(type=found[2], message=found[3] or "", line=int(found[1] or 0) or None, traceback="")
     code, reason = meaning(error, "crashed", ScriptText(run.source))
-    return told if code == "crashed" else join([told, reason], _SPACE)
+    return None if code == "crashed" else reason
 
 
 def _killed(outcome: RunOutcome) -> Mistake:
@@ -186,7 +192,7 @@ def _unfit_commands(run: Run, world: World) -> tuple[Mistake, ...] | None:
     if noted(outcome, "lateral_command") is not None:
         return (mistake("sideways"),)
     if commands and not any(command.v_mps or command.w_radps for command in commands):
-        return (waits_in_vain(run, world, surely=True) or _error_caught(run) or _only_zeros(run),)
+        return (waits_in_vain(run, world, surely=True) or error_caught(run) or _only_zeros(run),)
     return None
 
 
@@ -408,18 +414,21 @@ def _unpublished(run: Run, world: World) -> Mistake | None:
     return None if missing is None else mistake("not_published", topic=missing)
 
 
-def _error_caught(run: Run) -> Mistake | None:
+def error_caught(run: Run) -> Mistake | None:
     """Return the mistake of an error that something caught, in a script that nothing else ended."""
     error = noted(run.outcome, "caught")
     if error is None or script_mistakes(run):
         return None
-    return Mistake("error_caught", _explained(say("mistake.error_caught", detail=error), error, run))
+    reason = _reason(error, run)
+    if reason is None:
+        return mistake("error_caught", detail=error)
+    return Mistake("error_caught", join([say("detail.error_caught"), reason], _SPACE))
 
 
 def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
     """Return why no velocity command arrived; nothing if the script ended before it could send one."""
     outcome, topic = run.outcome, world.cmd_vel_topic
-    if (caught := _error_caught(run)) is not None:
+    if (caught := error_caught(run)) is not None:
         return (caught,)
     made = [each for each in outcome.endpoints if each.kind == "publisher" and each.name not in _OWN_TOPICS]
     publishers = [each for each in made if _may_command(each, topic)]

@@ -341,12 +341,16 @@ _SIGNS: Final = (
         r"services|subscriptions|timers|waitables)' of '\w+' object has no setter",
         "name_taken",
     ),
+    (
+        r"(NameError: name|AttributeError: .* has no attribute|ImportError: cannot import name) "
+        r"'(_{2,}|TODO|FIXME|X{3,}|x{3,})'",
+        "unfinished_line",
+    ),
     (r"AttributeError: 'super' object has no attribute '_*init_*'", "underscores"),
     (r"AttributeError: ", "unknown_attribute"),
     (r"NameError: name '(?P<name>__main__)' is not defined", "name_without_quotes"),
     (r"NameError: name '(?=(\w*_){2})_{0,3}(name|main|init)_{0,3}' is not defined", "underscores"),
     (r"NameError: name '(?P<name>\w*[\u4e00-\u9fff]\w*)' is not defined", "words_in_code"),
-    (r"NameError: name '(?P<name>_+|TODO|FIXME|X{2,}|x{3,})' is not defined", "unfinished_line"),
     (r"NameError: ", "unknown_name"),
     (r"KeyError: ", "missing_key"),
     (r"ZeroDivisionError: ", "divided_by_zero"),
@@ -487,8 +491,10 @@ def _float(error: StudentError, script: ScriptText) -> Closer:
     field = re.match(r"The '(\w+)'", error.message)
     if field is not None and given[:1] in ("'", '"'):
         return "text_in_float", {"field": field[1]}
-    if field is not None and re.match(r"[\[{]", given):
+    if field is not None and re.fullmatch(r"\[[^\[\]]*\]", given):
         return "list_in_float", {"field": field[1]}
+    if given == "...":
+        return "unfinished_line", {}
     return ("comma_in_float", {}) if re.match(r"-?\d+[ \t]*,[ \t]*\d+$", given) else None
 
 
@@ -503,14 +509,27 @@ def _later(error: StudentError, script: ScriptText) -> Closer:
 
 def _indented(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at a block that Python misses: where what follows it is right, nothing was written in it."""
-    found = re.match(r"expected an indented block after .* on line (\d{1,6})$", error.message)
-    begins, line = int(found[1]) if found else 0, error.line or 0
-    if not 0 < begins < line <= len(script.lines):
+    found = re.match(r"expected an indented block after (.*) on line (\d{1,6})$", error.message)
+    begins, line = int(found[2]) if found else 0, error.line or 0
+    if found is None or not 0 < begins <= line <= len(script.lines):
         return None
     head, behind = (script.lines[at - 1] for at in (begins, line))
-    ends = re.match(r"[ \t]*(def|class|elif|else|except|finally|@|if __name__)", behind)
+    if found[1] == "class definition" and re.match(r"[ \t]*def \w+ ?\( ?self\b", behind):
+        return None  # its own method, which is not indented
+    ends = begins == line or re.match(r"[ \t]*(def|class|elif|else|except|finally|@|if __name__)", behind)
     outside = len(behind) - len(behind.lstrip()) < len(head) - len(head.lstrip())
     return ("empty_block", {"line": begins}) if ends or outside else None
+
+
+def _sent(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at what a publisher has not: a method that would send a message, or something else."""
+    found, written = re.search(r"attribute '(\w+)'", error.message), script_line(error)
+    message = script.twist_name_at(error.line or 0)
+    if found is not None and found[1] in ("linear", "angular") and message is not None:
+        return "misspelt", {"suggestion": f"{message}.{found[1]}"}
+    if found is not None and re.search(rf"\.{found[1]}\b(?!\([ \t]*[a-zA-Z_])", written):
+        return unknown_attribute(error, script) or ("unknown_attribute", {})
+    return "publish_left_out", {"publisher": script.publisher or "self.pub"}
 
 
 def _no_init(error: StudentError, script: ScriptText) -> Closer:
@@ -727,6 +746,7 @@ _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
     "function_not_called": _function,
     "indentation": _indented,
     "no_init": _no_init,
+    "publish_left_out": _sent,
     "int_in_float": _float,
     "no_input": _asked_again,
     "comma_of_args": _args,

@@ -289,7 +289,7 @@ def _nearest_own(name: str, line: int, script: ScriptText, otherwise: Closer) ->
     if not script.is_short or len(name) > LONGEST_NAME:
         return otherwise
     if name == "publish" and script.publisher is not None:
-        return "publish_left_out", {}
+        return "publish_left_out", {"publisher": script.publisher}
     text = "".join(script.lines[line - 1 : line])
     if script.publisher and re.search(rf"(?<![\w.]){name}\.publish\(", text):
         return "misspelt", {"suggestion": script.publisher}

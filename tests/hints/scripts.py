@@ -500,8 +500,6 @@ SCRIPTS = (
     _script("timer that makes timers", "straight", "", ("        msg = Twist()\n", "        self.timer.cancel()\n        self.timer = self.create_timer(0.1, self.timer_callback)\n        msg = Twist()\n")),
     # Where the pause, the publish or the loop stands.
     _script("pause behind the loop", "", "sleep_behind_loop", ("", _BARE + "for i in range(4):\n    go(1.0, 0.0, 2.0)\n    go(0.0, 1.0, 1.5708)\n"), ("        pub_a.publish(m)\n        time.sleep(0.02)\n", "        pub_a.publish(m)\n    time.sleep(0.1)\n"), words="13|11", to="square"),
-    _script("time added again and again", "square", "added_again", ("        while (self.get_clock().now() - start_time).nanoseconds < duration * 1e9:\n            self.cmd_vel_pub.publish(msg)\n            time.sleep(0.01)\n\n        self.stop()",
-            "        turned = 0.0\n        while turned < duration:\n            self.cmd_vel_pub.publish(msg)\n            time.sleep(0.01)\n            turned += (self.get_clock().now() - start_time).nanoseconds / 1e9\n\n        self.stop()"), words="start_time"),
     _script("message that is not sent", "square", "never_sent", ("            self.cmd_vel_pub.publish(msg)\n            time.sleep(0.01)\n\n        self.stop()", "            time.sleep(0.01)\n\n        self.stop()"), words="63|turn()|self.cmd_vel_pub.publish(msg)"),
     _script("only the first side", "square", "leaves_loop", ("            self.turn(self.TURN_TIME)\n", "            break\n            self.turn(self.TURN_TIME)\n"), words="break"),
     _script("whole turns for corners", "square", "turns_too_far", ("1.5708 / self", "6.2832 / self"), words="360"),
@@ -518,7 +516,6 @@ SCRIPTS = (
     # By place and heading.
     _script("from point to point", "", "", ("", _POINTS), to="square"),
     _script("turns while it drives", "", "wide_tolerance", ("", _POINTS), ("abs(err) > 0.02", "abs(err) > 0.5"), ("0.5 * err", "2.0 * err"), words="0.5 rad", to="square"),
-    _script("corner taken for reached", "", "wide_distance", ("", _POINTS), ("dist < 0.03", "dist < 0.5"), words="0.5 m|0.05", to="square"),
     _script("the same point for ever", "", "no_turns_by_pose", ("", _POINTS), ("self.k += 1", "pass"), words="abs(", to="square"),
     _script("axes exchanged in a square", "", "arctan_exchanged", ("", _POINTS), ("atan2(gy - p.y, gx - p.x)", "atan2(gx - p.x, gy - p.y)"), words="math.atan2(gy - p.y, gx - p.x)", to="square"),
     _script("degrees of theta", "", "degrees_of_radians", ("", _POINTS), ("- p.theta\n", "- math.degrees(p.theta)\n"), words="math.degrees(p.theta)", to="square"),
@@ -541,7 +538,6 @@ SCRIPTS = (
     _script("callback that reads what it is not given", "", "subscription_callback", ("", _POINTS), ("def on_pose(self, p)", "def on_pose(self)"), ("x, y, s = p.x, p.y, 2.0", "x, y, s = pose.x, pose.y, 2.0"), words="def on_pose(self, pose):", to="square"),
     _script("message with brackets", "", "not_callable", ("", _HEARD), ("x = pose.x", "x = pose.x()"), words="()", to="straight"),
     _script("arcs of a script that steers", "", "arcs_by_pose", ("", _POINTS), ("abs(err) > 0.02", "err * err > 0.3"), ("0.5 * err", "2.0 * err"), words="0.02", to="square"),
-    _script("speed and turn rate exchanged", "", "speeds_exchanged", ("", _BARE + "for i in range(4):\n    go(1.0, 0.0, 2.0)\n    go(0.0, 1.0, 1.5708)\n"), ("m.linear.x = v", "m.linear.x = w"), ("m.angular.z = w", "m.angular.z = v"), words="w|v", to="square"),
     _script("publisher called itself", "straight", "publish_left_out", ("self.cmd_vel_pub.publish(msg)", "self.cmd_vel_pub(msg)"), words="41"),
     _script("publish of nothing", "straight", "publish_left_out", ("self.cmd_vel_pub.publish(msg)", "publish(msg)"), words="41"),
     _script("publish with a letter too few", "straight", "misspelt", ("self.cmd_vel_pub.publish(msg)", "self.cmd_vel_pub.publis(msg)"), words="publish"),
@@ -554,4 +550,12 @@ SCRIPTS = (
     _script("count with its letters exchanged", "straight", "misspelt", ("        self.timer = ", "        self.count = 0\n        self.timer = "), ("        msg = Twist()\n", "        self.conut += 1\n        msg = Twist()\n"), words="count"),
     _script("timer that is told to stop", "straight", "misspelt", ("        msg = Twist()\n", "        self.timer.stop()\n        msg = Twist()\n"), words="cancel"),
     _script("error that is caught before a last stop", "square", "error_caught", ("    node.move_square()\n", "    try:\n        node.move_square()\n    except Exception as e:\n        print(e)\n    node.stop()\n"), ("self.move_straight(self.MOVE_TIME)", "self.move_straight(self.MOVE_TIMES)"), words="MOVE_TIMES"),
+    # What is there, and is not the cause.
+    _script("stops that are sent again and again", "", "one_radian", ("", _BARE + "for i in range(4):\n    go(1.0, 0.0, 2.0)\n    go(0.0, 1.0, 1.0)\n"), ("        pub_a.publish(m)\n        time.sleep(0.02)\n", "        pub_a.publish(m)\n        time.sleep(0.02)\n    m = Twist()\n    for _ in range(3):\n        pub_a.publish(m)\n    time.sleep(0.1)\n"), to="square"),
+    _script("whole seconds of a limit", "square", "turns_too_short", ("        for i in range(4):\n", "        begun = int(time.time())\n        for i in range(4):\n            if int(time.time()) - begun > 90:\n                break\n"), ("1.5708 /", "1.3 /")),
+    _script("whole seconds of a difference", "square", "whole_seconds", ("start_time = self.get_clock().now()", "start_time = time.time()"), ("(self.get_clock().now() - start_time).nanoseconds < duration * 1e9", "int(time.time() - start_time) < duration"), words="49"),
+    _script("timer that begins later", "", "one_radian", ("", _CHAIN), ("        self.create_timer(0.02, self.send)\n", "        self.once = self.create_timer(0.5, self.begin)\n"), ("    def forward(self):\n", "    def begin(self):\n        self.once.cancel()\n        self.create_timer(0.02, self.send)\n    def forward(self):\n"), ("1.5708", "1.0"), to="square"),
+    _script("error that ends the first side", "square", "error_caught", ("    node.move_square()\n", "    try:\n        node.move_square()\n    except Exception as e:\n        print(e)\n"), ("self.turn(self.TURN_TIME)", "self.turn(self.TURN_TIMES)"), words="91|TURN_TIMES"),
+    _script("error of a log that is caught", "square", "sides_missing", ("range(4)", "range(3)"), ("    node.move_square()\n", "    try:\n        node.get_logger().inform('go')\n    except Exception:\n        pass\n    node.move_square()\n")),
+    _script("corners in two parts", "", "crooked", ("", _BARE + "for i in range(4):\n    go(1.0, 0.0, 2.0)\n    go(0.0, 1.0, 0.7854)\n    go(1.0, 0.0, 0.4)\n    go(0.0, 1.0, 0.7854)\npub_a.publish(Twist())\n"), to="square"),
 )  # fmt: skip

@@ -77,8 +77,15 @@ _BY_POSE: Final = _LOST | {"side_goes_on", "turned_instead", "no_turns", "no_tur
 _NOT_ON: Final = frozenset(("lost_at_home", "not_spinning", "never_spun"))
 _WAITS: Final = frozenset(("waits_in_loop", "waits_without_spin"))
 _KEPT_BUSY: Final = frozenset(("waits_in_loop", "cpu_limit", "log_not_reached", "publish_not_reached"))
+_LEFT_OUT: Final = (
+    _NO_MOTION
+    | _COUNT
+    | _STUCK
+    | {"no_final_stop", "never_stops", "drove_on", "turned_on", "turn_missing", "never_finished"}
+)
+"""Mistakes that may come of lines that did not run."""
 _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (
-    (_CORNERS | _COUNT | _NO_MOTION | {"curved", "only_drove", "circling"}, flow.speeds_exchanged),
+    (_LEFT_OUT, flow.error_hides_rest),
     (_NO_MOTION | {"wall_hit_in_arc", "path_no_arc", "path_count", "path_unfinished"}, flow.other_axis),
     (_COUNTED, counts.set_to_plus),
     (_COUNTED | _BY_POSE | {"curved"}, flow.state_never_set),
@@ -103,7 +110,6 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("turns_too_far",)), times.no_stop_between),
     (_NO_MOTION | {"published_once", "too_brief", "stopped_at_once"}, times.publish_behind_loop),
     (_NO_MOTION | _SHORT | {"too_brief", "drives_too_brief"}, times.sleep_behind_loop),
-    (_NO_MOTION | _SHORT | _COUNT | {"too_brief", "drives_too_brief"}, times.added_again),
     (_NO_MOTION | _SHORT, numbers.floor_is_zero),
     (_NO_MOTION | _SHORT, numbers.int_is_zero),
     (_NO_MOTION | _COUNT, numbers.negative_time),
@@ -132,10 +138,9 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_WRONG_WAY, steering.away_from_goal),
     (frozenset(("place_never_stops", "place_circled")), steering.tolerance_too_small),
     (
-        frozenset(("turns_too_short", "one_corner_off", "slipped", "arcs_by_pose", "approach", "turned_on")),
+        steering.LATER | {"turns_too_short", "one_corner_off", "slipped"},
         steering.wide_tolerance,
     ),
-    (frozenset(("one_corner_off", "unequal_sides")), steering.wide_distance),
     (_CORNERS | _COUNT | {"no_turns", "wall_hit", "curved", "arcs"}, flow.timers_overrule),
     (_CORNERS - {"one_radian"}, times.wrong_time),
     (_SHORT | {"one_corner_off"}, numbers.ticks_cut),

@@ -8,7 +8,7 @@ from typing import Final
 
 from grader.checks.causes.searched import CLOCK, SHOWS, Searched, is_repeated, itself
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import not_called
+from grader.checks.mistakes import error_caught, not_called, noted
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
 from grader.messages.script import NOT_ZERO, Callback, Definition, ScriptText
@@ -36,9 +36,7 @@ _STATE: Final = r"\b\w*(?:state|status|mode|phase|stage)\w*"
 _NAMED: Final = r"(?<![\w.])((?:self\.)?\w*(?:state|status|mode|phase|stage)\w*)"
 _STATE_SET: Final = re.compile(_NAMED + r" *= *[\"'](\w{1,40})[\"']")
 _STATE_ASKED: Final = re.compile(_NAMED + r" *== *[\"'](\w{1,40})[\"']")
-_RATES: Final = r"w|wz|omega|ang|angular(?:_\w+)?|turn\w*|rot\w*"
-_SPEEDS: Final = r"v|vx|lin|linear(?:_\w+)?|speed|vel|velocity"
-"""What functions call the turn rate and the speed that they are given."""
+_CANCELS: Final = r"\b(cancel|destroy_timer)\("
 _NEAR: Final = 0.8
 _MOST_STATES: Final = 20  # each that is asked for is compared with all of them
 
@@ -65,16 +63,16 @@ def _read_in(condition: str, script: ScriptText) -> list[str]:
     return names + [name for block in blocks for name in re.findall(r"\bself\.(\w+)", block)]
 
 
-def speeds_exchanged(seen: Searched) -> Mistake | None:
-    """Find a function that puts the turn rate it is given into ``linear.x``, and the speed into ``angular.z``."""
-    given = seen.script.matches(rf"\.linear\.x ?= ?(?:float\( ?)?({_RATES}) ?\)?$")
-    for line, found in itertools.islice(given, _MOST_DEAD):
-        made = seen.script.definition(seen.script.function_around(line))
-        inside = seen.script.span(made.line) if made is not None else range(0)
-        for at, other in seen.script.matches(rf"\.angular\.z ?= ?(?:float\( ?)?({_SPEEDS}) ?\)?$"):
-            if at in inside:
-                return mistake("speeds_exchanged", line=line, rate=found[1], speed=other[1], other=at)
-    return None
+def error_hides_rest(seen: Searched) -> Mistake | None:
+    """Find an error that something caught, so that what follows it did not run; one of a log hardly matters."""
+    caught = noted(seen.run.outcome, "caught") or ""
+    line = re.match(r"line (\d{1,6}): ", caught)
+    written = seen.script.lines[int(line[1]) - 1 : int(line[1])] if line else []
+    return (
+        error_caught(seen.run)
+        if any(not re.search(rf"{SHOWS}|get_logger\(", one) for one in written)
+        else None
+    )
 
 
 def other_axis(seen: Searched) -> Mistake | None:
@@ -170,17 +168,19 @@ def never_sent(seen: Searched) -> Mistake | None:
         made = script.definition(function := script.function_around(line))
         block = script.block(made.line) if made is not None and script.calls(function) else []
         own = any(re.match(rf"[ \t]*{found[1]} ?= ?Twist\(", text) for text in block)
-        if own and not any(
-            re.search(rf"[(,=\[] ?{found[1]} ?[),\]]|\b(return|yield) {found[1]}\b|= ?{found[1]}$", text)
-            for text in block
-        ):
+        used = rf"[(,=\[] ?{found[1]} ?[),\]]|\b(return|yield) {found[1]}\b|= ?{found[1]}$"
+        read = rf"\b{found[1]}\.(linear|angular)\.\w\b(?! ?=(?!=))"
+        if own and not any(re.search(rf"{used}|{read}", text) for text in block):
             call = f"{script.publisher_name}.publish({found[1]})"
             return mistake("never_sent", line=line, field=found[2], function=function, call=call)
     return None
 
 
 def timer_repeats(seen: Searched) -> Mistake | None:
-    """Find a timer that a callback creates for one time, and that nothing in its own callback cancels."""
+    """Find a timer that a callback creates for one time, and that nothing in its own callback cancels.
+
+    It is sure to be meant so in a chain of timers, and where each tick of another timer creates it.
+    """
     script = seen.script
     timers = script.callbacks("timer")[:_MOST_DEAD]
     reached = script.reached_from(timer.begins for timer in timers)
@@ -188,10 +188,16 @@ def timer_repeats(seen: Searched) -> Mistake | None:
         maker = script.definition(script.function_around(timer.created))
         if maker is None or maker.line not in reached:
             continue
-        runs = (text for at in script.reached_from([timer.begins]) for text in script.block(at))
-        if not any(re.search(r"\b(cancel|destroy_timer)\(", text) for text in runs):
+        runs, made_by = ("\n".join(_all_of(at, script)) for at in (timer.begins, maker.line))
+        each_tick = not re.search(_CANCELS, made_by) and not any(script.heads_around(timer.created))
+        if ("create_timer(" in runs or each_tick) and not re.search(_CANCELS, runs):
             return mistake("timer_repeats", line=timer.created, callback=timer.name)
     return None
+
+
+def _all_of(begins: int, script: ScriptText) -> Iterator[str]:
+    """Yield the lines of a function and of those that run from it."""
+    return (text for at in sorted(script.reached_from([begins])) for text in script.block(at))
 
 
 def skips_rest(seen: Searched) -> Mistake | None:

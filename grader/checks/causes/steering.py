@@ -27,8 +27,7 @@ _PLUS_DEGREES: Final = (
 _COASTED_DEG: Final = 2.0
 _WIDE_RAD: Final = 0.08  # almost 5 degrees, which cost points at each corner
 _VERY_WIDE_RAD: Final = 0.2
-_FAR_M, _NOT_A_SIDE_M = 0.15, 0.8  # a larger one may be the length of a side
-_LATER: Final = frozenset(("arcs_by_pose", "approach", "turned_on"))
+LATER: Final = frozenset(("arcs_by_pose", "crooked", "approach", "turned_on"))
 """What comes of a turn that ends early: the rest is turned while driving, or the figure begins at the next one."""
 _LEAST_M: Final = 0.01  # poses come every 16 ms: at 1 m/s the car drives more than that in between
 _ALONG_X: Final = r"((?:self\.)?(?:d|delta_?|error_?|err_?|diff_?)x|[\w.]*x ?- ?[\w.]*x)"
@@ -85,25 +84,9 @@ def wide_tolerance(seen: Searched) -> Mistake | None:
         rad = value_of(found[1], seen.script)
         if rad is None or not _WIDE_RAD <= rad <= math.pi / 2:
             continue
-        if rad >= _VERY_WIDE_RAD if seen.mistake.code in _LATER else _misses_by(math.degrees(rad), seen):
+        if rad >= _VERY_WIDE_RAD if seen.mistake.code in LATER else _misses_by(math.degrees(rad), seen):
             degrees = number(math.degrees(rad), "deg")
             return mistake("wide_tolerance", line=line, value=number(rad, "rad"), degrees=degrees)
-    return None
-
-
-def wide_distance(seen: Searched) -> Mistake | None:
-    """Find a condition by which a script that goes to places takes one for reached while it is far away."""
-    if not seen.run.outcome.hears or not seen.script.lines_with(r"\bhypot\(|\bsqrt\(|\bdist\("):
-        return None
-    distance = rf"{_CONDITION}(?<![\w.])(?:self\.)?\w*(?:dist|juli|距离)\w*(?:\( ?\))? ?(?:<=?|>=?) ?([\w.]+)"
-    compared = [(line, value_of(found[1], seen.script)) for line, found in seen.script.matches(distance)]
-    known = [(line, value) for line, value in compared if value is not None]
-    if any(value < _FAR_M for _, value in known):
-        return None  # that one ends the side; the others slow the car down
-    for line, value in known:
-        slows = any(re.search(r"linear|speed|vel|\bv\b", text) for text in seen.script.block(line))
-        if value <= _NOT_A_SIDE_M and not slows:
-            return mistake("wide_distance", line=line, value=number(value, "m"))
     return None
 
 

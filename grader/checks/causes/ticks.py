@@ -164,9 +164,13 @@ def count_not_reset(seen: Searched) -> Mistake | None:
 
 
 def sum_not_reset(seen: Searched) -> Mistake | None:
-    """Find a sum of time or way that ends one motion after the other, and that nothing ever sets back to 0."""
+    """Find a sum of time or way that ends one motion after the other, and that nothing ever sets back to 0.
+
+    One of the next motions then ends at once.
+    """
     timer = _timer(seen.script)
-    if timer is None:
+    lasted = [lasted_ns / 1e9 for _, lasted_ns in motions_of(seen.run.trajectory)]
+    if timer is None or (len(lasted) > 2 and min(lasted[1:4]) > _TICKS_OFF * timer.period_s):
         return None
     block = seen.script.block(timer.begins)
     for line, text in enumerate(block, start=timer.begins):
@@ -175,7 +179,7 @@ def sum_not_reset(seen: Searched) -> Mistake | None:
             continue
         if _runs_on(found[1], found[3], seen.script) or _is_schedule(found[1], block, seen.script):
             continue
-        given = seen.script.lines_with(rf"{re.escape(found[1])} ?(?:[-%] ?)?=(?!=)")
+        given = seen.script.lines_with(rf"{re.escape(found[1])}\b[^=+*/<>!]{{0,80}}=(?!=)")
         goes_on = any(re.match(r"[ \t]*self\.\w+ ?\+?=(?!=)", one) for one in seen.script.block(line)[1:])
         if goes_on and all(seen.script.function_around(at) == "__init__" for at in given):
             return mistake("sum_not_reset", line=line, name=found[1])

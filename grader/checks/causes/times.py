@@ -7,7 +7,8 @@ from typing import Final
 
 from grader.checks.causes.searched import CLOCK, Searched, is_repeated, itself, sets
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import sleep_at_end, sleeps_too_long, with_ends
+from grader.checks.mistakes import motions_of, sleep_at_end, sleeps_too_long, with_ends
+from grader.contracts.scoring import Run
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
@@ -19,7 +20,8 @@ _TO_SECONDS: Final = 0.99e9  # what divides nanoseconds by less does not make se
 _FEW_SECONDS: Final = 60.0
 _VALUE_OR_NAME: Final = r"[\w.]+(?: ?\* ?(?:\d{1,3}e\d+|1\d{3,12}))?"
 _WHOLE_SECONDS: Final = (
-    r"to_msg\(\)\.sec\b(?!.*\bnanosec\b)|seconds_nanoseconds\(\)\[0\]|\bint\( ?time\.time\(\) ?\)|"
+    r"to_msg\(\)\.sec\b(?!.*\bnanosec\b)|seconds_nanoseconds\(\)\[0\]|"
+    r"\bint\( ?time\.(?:time|monotonic|perf_counter)\(\)|"
     r"\.nanoseconds\)* ?// ?(?:int\( ?)?(?:1e9|10 ?\*\* ?9|1_?000_?000_?000)"
 )
 _FEW_NS: Final = 1e6  # a millisecond: what is compared with less is meant as seconds
@@ -31,6 +33,7 @@ _LONG_PAUSE_S: Final = 5.0
 _HELD_S: Final = 0.1  # a command that acts for less is followed at once by the next one
 _BESIDE_DEG: Final = 3.0  # so far the excess of a corner may be from what a held turn explains
 _MARGIN_S: Final = 2.0  # between the end of a timer and that of the run
+_NEAR_S: Final = 0.1  # a motion ends so much later than it should: a tick, or a turn of a loop
 
 
 def clock_before_sleep(seen: Searched) -> Mistake | None:
@@ -287,37 +290,31 @@ def sleep_behind_loop(seen: Searched) -> Mistake | None:
         slept = re.match(r"[ \t]*(?:time\.)?sleep\((.+)\)$", "".join(seen.script.lines[behind - 1 : behind]))
         if slept is None or seen.script.owner_of(behind) != seen.script.owner_of(loop):
             continue
-        if (value_of(slept[1], seen.script) or 0.0) > _PAUSE_S:
-            continue  # the motion may be meant to last for that pause
+        pause_s = value_of(slept[1], seen.script)
+        if pause_s is None or pause_s > _PAUSE_S or not _lasted(pause_s, seen.run):
+            continue  # the motion may be meant to last for that pause, or the loop sends stops
         body = "\n".join(block[1:])
         if re.search(r"\.publish\( ?(?!Twist\(|\w*stop)", body) and not re.search(r"sleep\(|spin", body):
             return mistake("sleep_behind_loop", line=behind, loop=loop)
     return None
 
 
-def added_again(seen: Searched) -> Mistake | None:
-    """Find a sum to which each round, or tick, adds the whole time since a start that stays as it was."""
-    script = seen.script
-    ticks = {one.begins for one in script.functions_called_back("timer")}
-    added = script.matches(
-        rf"^[ \t]*([\w.]{{1,60}}) ?\+= ?([^-]*?({CLOCK}|{_NAME}) ?- ?({_NAME})[ .*/)\w]*)$"
-    )
-    for line, found in itertools.islice(added, _MOST_CLOCKS):
-        around = [at for at, head in script.outwards(line) if at in ticks or re.match(r"[ \t]*while\b", head)]
-        text = "\n".join(script.block(around[0])) if around else ""
-        if not re.search(rf"\b(if|while)\b.*{itself(found[1])} ?[<>]", text):
-            continue
-        start, taken = itself(found[4]), rf"^[ \t]*{itself(found[3])} ?=(?!=).*{CLOCK}"
-        begun = script.lines_with(rf"^[ \t]*{start} ?=(?!=).*{CLOCK}")
-        is_now = re.fullmatch(CLOCK, found[3]) or re.search(taken, text, re.MULTILINE)
-        if begun and is_now and not re.search(rf"^[ \t]*{start} ?=(?!=)", text, re.MULTILINE):
-            values = {"name": found[1], "start": found[4], "right": f"{found[1]} = {found[2]}"}
-            return mistake("added_again", line=line, **values)
-    return None
+def _lasted(pause_s: float, run: Run) -> bool:
+    """Whether a motion lasted for just that pause."""
+    return any(abs(lasted_ns / 1e9 - pause_s) <= _NEAR_S / 2.0 for _, lasted_ns in motions_of(run.trajectory))
 
 
 def whole_seconds(seen: Searched) -> Mistake | None:
-    """Find a time of which only the whole seconds are kept or compared."""
+    """Find a time of which only the whole seconds are kept or compared, if motions last or end by such a time."""
+    motions = motions_of(seen.run.trajectory)
+    lasted = [lasted_ns / 1e9 for _, lasted_ns in motions]
+    ends = [
+        (first.t_ns + lasted_ns - motions[0][0].t_ns - motions[0][1]) / 1e9 for first, lasted_ns in motions
+    ]
+    if len(motions) < 2 or not any(
+        all(abs(math.remainder(each, 1.0)) <= _NEAR_S for each in times) for times in (lasted, ends)
+    ):
+        return None
     used = rf"\b(?:while|if|elif)\b.*(?:{_WHOLE_SECONDS})|^[ \t]*[\w.]+ ?=(?!=).*(?:{_WHOLE_SECONDS})"
     lines = seen.script.lines_with(used)
     return mistake("whole_seconds", line=lines[0]) if lines else None

@@ -104,6 +104,11 @@ class _Seen:
     def ideal_deg(self) -> float:
         return self.wanted.corner_deg
 
+    @property
+    def has_wrong_corner(self) -> bool:
+        """Whether a corner of the figure costs points."""
+        return any(self.loses("corner_deg", corner) for corner in self.driven.corners_deg.tolist())
+
     def loses(self, measure: str, value: float) -> bool:
         """Whether a value of `measure` costs points."""
         return fits(self.assignment, measure, value) is False
@@ -263,7 +268,9 @@ def _wrong_turns(seen: _Seen) -> Iterator[Mistake]:
     """
     contacts, figure = seen.run.trajectory.contacts, seen.driven.figure
     until_ns = contacts[0].start_ns if contacts else seen.run.outcome.duration_ns
-    round_by_corners = seen.rigid and (figure is None or figure.curved_share > MOSTLY_ROUND_SHARE)
+    right_corners = len(seen.driven.corners_deg) > 0 and not seen.has_wrong_corner
+    is_round = figure is None or (figure.curved_share > MOSTLY_ROUND_SHARE and not right_corners)
+    round_by_corners = seen.rigid and is_round
     looks = contacts or (round_by_corners and not any(map(is_arc, seen.run.trajectory.commands)))
     turned = _commanded_turns(seen, until_ns) if looks else []
     most_deg = seen.ideal_deg - _FAR_OFF_DEG if contacts else seen.ideal_deg / 2.0
@@ -437,8 +444,7 @@ def _too_few(run: Run) -> str:
 def _drives_blindly(seen: _Seen) -> bool:
     """Whether the corners fail on a car that slips, and no command ever corrects the heading on the way."""
     blind = seen.run.trajectory.commands and not any(map(is_arc, moves_of(seen.run.trajectory)))
-    wrong = any(seen.loses("corner_deg", corner) for corner in seen.driven.corners_deg.tolist())
-    return bool(blind) and wrong and not seen.rigid
+    return bool(blind) and seen.has_wrong_corner and not seen.rigid
 
 
 def _is_beyond_slip(seen: _Seen, figure: PolygonFigure) -> bool:
