@@ -122,7 +122,10 @@ def _reason(note: str, run: Run) -> Text | None:
     found = _IN_NOTE.fullmatch(note)
     if found is None:
         return None
-    error = StudentError(type=found[2], message=found[3] or "", line=int(found[1] or 0) or None, traceback="")
+    line = int(found[1] or 0) or None
+    written = run.source.splitlines()[line - 1 : line] if line else []
+    traceback = "".join(f'  File "script", line {line}\n    {text.strip()}\n' for text in written)
+    error = StudentError(type=found[2], message=found[3] or "", line=line, traceback=traceback)
     code, reason = meaning(error, "crashed", ScriptText(run.source))
     return None if code == "crashed" else reason
 

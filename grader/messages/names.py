@@ -256,8 +256,18 @@ def unknown_name(error: StudentError, script: ScriptText) -> Closer:
     ) is not None:
         return closer
     if script.node_class and name not in ("rospy", *_OTHER_LANGUAGES) and _is_node(name, written):
-        return "node_not_made", {"name": name, "owner": script.node_class}
+        return _node_meant(name, line, script)
     return _nearest_own(name, line, script, _name(error, script))
+
+
+def _node_meant(name: str, line: int, script: ScriptText) -> Closer:
+    """Say what the function around a line calls its node, or else that it makes none."""
+    made = script.matches(rf"^[ \t]*(\w+) ?= ?{script.node_class}\(")
+    around = script.function_around(line)
+    nodes = [found[1] for at, found in made if at < line and script.function_around(at) == around]
+    if nodes:
+        return "misspelt", {"suggestion": nodes[-1]}
+    return "node_not_made", {"name": name, "owner": script.node_class}
 
 
 def _of_node(name: str, call: str, line: int, script: ScriptText) -> Closer:

@@ -36,7 +36,6 @@ _STATE: Final = r"\b\w*(?:state|status|mode|phase|stage)\w*"
 _NAMED: Final = r"(?<![\w.])((?:self\.)?\w*(?:state|status|mode|phase|stage)\w*)"
 _STATE_SET: Final = re.compile(_NAMED + r" *= *[\"'](\w{1,40})[\"']")
 _STATE_ASKED: Final = re.compile(_NAMED + r" *== *[\"'](\w{1,40})[\"']")
-_CANCELS: Final = r"\b(cancel|destroy_timer)\("
 _NEAR: Final = 0.8
 _MOST_STATES: Final = 20  # each that is asked for is compared with all of them
 
@@ -177,9 +176,9 @@ def never_sent(seen: Searched) -> Mistake | None:
 
 
 def timer_repeats(seen: Searched) -> Mistake | None:
-    """Find a timer that a callback creates for one time, and that nothing in its own callback cancels.
+    """Find a timer that a callback creates, whose own callback creates the next one and cancels none.
 
-    It is sure to be meant so in a chain of timers, and where each tick of another timer creates it.
+    Outside of such a chain a timer that a callback creates may be meant to go on.
     """
     script = seen.script
     timers = script.callbacks("timer")[:_MOST_DEAD]
@@ -188,16 +187,10 @@ def timer_repeats(seen: Searched) -> Mistake | None:
         maker = script.definition(script.function_around(timer.created))
         if maker is None or maker.line not in reached:
             continue
-        runs, made_by = ("\n".join(_all_of(at, script)) for at in (timer.begins, maker.line))
-        each_tick = not re.search(_CANCELS, made_by) and not any(script.heads_around(timer.created))
-        if ("create_timer(" in runs or each_tick) and not re.search(_CANCELS, runs):
+        runs = "\n".join(text for at in script.reached_from([timer.begins]) for text in script.block(at))
+        if "create_timer(" in runs and not re.search(r"\b(cancel|destroy_timer)\(", runs):
             return mistake("timer_repeats", line=timer.created, callback=timer.name)
     return None
-
-
-def _all_of(begins: int, script: ScriptText) -> Iterator[str]:
-    """Yield the lines of a function and of those that run from it."""
-    return (text for at in sorted(script.reached_from([begins])) for text in script.block(at))
 
 
 def skips_rest(seen: Searched) -> Mistake | None:

@@ -315,9 +315,13 @@ def whole_seconds(seen: Searched) -> Mistake | None:
         all(abs(math.remainder(each, 1.0)) <= _NEAR_S for each in times) for times in (lasted, ends)
     ):
         return None
-    used = rf"\b(?:while|if|elif)\b.*(?:{_WHOLE_SECONDS})|^[ \t]*[\w.]+ ?=(?!=).*(?:{_WHOLE_SECONDS})"
-    lines = seen.script.lines_with(used)
-    return mistake("whole_seconds", line=lines[0]) if lines else None
+    used = rf"\b(?:while|if|elif)\b.*(?:{_WHOLE_SECONDS})|^[ \t]*([\w.]+) ?=(?!=).*(?:{_WHOLE_SECONDS})"
+    for line, found in itertools.islice(seen.script.matches(used), _MOST_CLOCKS):
+        name = itself(found[1] or "")
+        since = rf"\b(?:while|if|elif)\b.*{name}|{name} ?-|- ?{name}"
+        if found[1] is None or seen.script.lines_with(since):
+            return mistake("whole_seconds", line=line)
+    return None
 
 
 def wrong_time(seen: Searched) -> Mistake | None:
