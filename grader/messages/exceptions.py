@@ -114,7 +114,7 @@ _SIGNS: Final = (
     (r"TypeError: object\.__init__\(\) takes exactly one argument", "no_base_class"),
     (r"TypeError: module\(\) takes at most 2 arguments", "no_base_class"),
     (
-        r"TypeError: (Node|Publisher|Clock|Rate|Timer)\.(?P<name>\w+)\(\) takes 1 positional argument",
+        r"TypeError: (Node|Publisher|Clock|Rate|Timer)\.\w+\(\) takes 1 positional argument",
         "takes_nothing",
     ),
     (
@@ -532,6 +532,13 @@ def _sent(error: StudentError, script: ScriptText) -> Closer:
     return "publish_left_out", {"publisher": script.publisher or "self.pub"}
 
 
+def _nothing(error: StudentError, script: ScriptText) -> Closer:
+    """Say how to call what takes no arguments; the logger was perhaps to log them."""
+    name = error.message.partition("()")[0].rpartition(".")[2]
+    logs = name == "get_logger" and not re.search(r"\)[ \t]*\.\w", script_line(error))
+    return "takes_nothing", {"name": name, "call": "get_logger().info('...')" if logs else f"{name}()"}
+
+
 def _no_init(error: StudentError, script: ScriptText) -> Closer:
     """Find the class that was given arguments and has no ``__init__`` of its own to take them."""
     name = error.message.partition("()")[0]
@@ -747,6 +754,7 @@ _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
     "indentation": _indented,
     "no_init": _no_init,
     "publish_left_out": _sent,
+    "takes_nothing": _nothing,
     "int_in_float": _float,
     "no_input": _asked_again,
     "comma_of_args": _args,

@@ -558,6 +558,7 @@ SCRIPTS = (
     _script("error that ends the first side", "square", "error_caught", ("    node.move_square()\n", "    try:\n        node.move_square()\n    except Exception as e:\n        print(e)\n"), ("self.turn(self.TURN_TIME)", "self.turn(self.TURN_TIMES)"), words="91|TURN_TIMES"),
     _script("error of a log that is caught", "square", "sides_missing", ("range(4)", "range(3)"), ("    node.move_square()\n", "    try:\n        node.get_logger().inform('go')\n    except Exception:\n        pass\n    node.move_square()\n")),
     _script("corners in two parts", "", "crooked", ("", _BARE + "for i in range(4):\n    go(1.0, 0.0, 2.0)\n    go(0.0, 1.0, 0.7854)\n    go(1.0, 0.0, 0.4)\n    go(0.0, 1.0, 0.7854)\npub_a.publish(Twist())\n"), to="square"),
+    _script("text for the logger", "hello", "takes_nothing", ("self.get_logger().info(", "self.get_logger("), words="get_logger().info('...')"),
     _script("node with a letter too few", "straight", "misspelt", ("rclpy.spin(node)", "rclpy.spin(nod)"), words="node"),
     _script("whole seconds that nothing compares", "square", "one_radian", ("import time\n", "import time\nSEED = int(time.time())\n"), ("1.5708 /", "1.0 /")),
     _script("arguments that are forgotten in a try", "square", "error_caught", ("    node.move_square()\n", "    try:\n        node.move_square()\n    except Exception as e:\n        print(e)\n"), ("self.turn(self.TURN_TIME)", "self.turn()"), words="turn()|57"),
