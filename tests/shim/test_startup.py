@@ -80,6 +80,7 @@ import sys, time
 print("threading" in sys.modules)
 import threading
 print(time.monotonic_ns(), threading.main_thread().name, threading.get_ident(), threading.__spec__.origin)
+print(type(threading.__loader__), threading.__loader__ is threading.__spec__.loader)
 started = threading.Event()
 thread = threading.Thread(target=lambda: (time.sleep(0.5), started.set()))
 thread.start()

@@ -57,8 +57,9 @@ class Shelf:
         return self._modules.pop(spec.name)
 
     def exec_module(self, module: ModuleType) -> None:
-        """Give the module its own spec back; it was executed when it was loaded."""
-        module.__spec__ = self._specs.pop(module.__name__)
+        """Give the module its own spec and loader back; it was executed when it was loaded."""
+        module.__spec__ = spec = self._specs.pop(module.__name__)
+        module.__loader__ = spec.loader
         if module.__name__ == "threading":
             kernel.charge()  # executed now, it would ask a lock
 
