@@ -84,7 +84,7 @@ def whole_number(text: str) -> int:
         return whole(text)
     except ValueError:
         raise wrong_value(
-            zh=f"{text!r} 不行：要填一个整数", en=f"{text!r} will not do: write a whole number"
+            zh=f"{text!r} 不行：要写整数", en=f"{text!r} will not do: write a whole number"
         ) from None
 
 

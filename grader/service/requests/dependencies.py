@@ -22,6 +22,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Seen, sections_of
 from grader.contracts.notation import decimal, whole
 from grader.contracts.text import LANGUAGES, Language, Text
+from grader.contracts.validation_words import SENT_TWICE
 from grader.use_cases.callers import PLOT_WEIGHT, name_of, require_instructor, require_staff
 from grader.use_cases.people import members
 from grader.use_cases.services import Services
@@ -113,11 +114,15 @@ def parameters(dependant: Dependant, kind: Literal["query_params", "body_params"
 
 def _refuse_unknown_parameters(request: Request) -> None:
     """Refuse an address with a parameter that is not read: a misspelt filter would show everything."""
-    known = parameters(request.scope["route"].dependant, "query_params") if request.query_params else {}
-    unknown = [name for name in request.query_params if name not in known and name != _LANGUAGE]
-    if unknown:
+    given = request.query_params
+    known = {_LANGUAGE: False} | (
+        parameters(request.scope["route"].dependant, "query_params") if given else {}
+    )
+    wrong = [("extra_forbidden", name) for name in given if name not in known]
+    wrong += [(SENT_TWICE[0], name) for name in given if len(given.getlist(name)) > 1]
+    if wrong:
         raise RequestValidationError(
-            [{"type": "extra_forbidden", "loc": ("query", name), "msg": ""} for name in unknown]
+            [{"type": kind, "loc": ("query", name), "msg": ""} for kind, name in wrong]
         )
 
 
@@ -129,7 +134,7 @@ async def _errand(
     Raises:
         RefusedError: a token is needed and missing, unknown, expired or revoked; a student asks too often, or
             somebody for too much at once.
-        RequestValidationError: the address has a parameter that the endpoint does not have.
+        RequestValidationError: the address has a parameter that the endpoint does not have, or one twice.
     """
     _refuse_unknown_parameters(request)
     with under_way(request, services, caller):

@@ -202,6 +202,14 @@ def test_a_misspelt_parameter_is_refused(client: httpx.Client, school: Any, addr
     assert document["errors"] == [{"field": "query.assigment", "detail": "没有这个字段。"}]
 
 
+def test_a_parameter_given_twice_is_refused(client: httpx.Client, school: Any) -> None:
+    """Only the last would be read."""
+    answer = client.get("/api/v1/submissions?student=li&student=han", headers=school.as_("ta"))
+    assert problem(answer, 422, "invalid_request")["errors"] == [
+        {"field": "query.student", "detail": "这个字段只能有一个。"}
+    ]
+
+
 @pytest.mark.thorough
 def test_attempts_to_pass(client: httpx.Client, graded: Callable[..., str], clock: FakeClock) -> None:
     for student, tries in (
