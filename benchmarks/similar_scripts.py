@@ -19,15 +19,13 @@ from pathlib import Path
 
 from benchmarks.classroom import ASSIGNMENTS, Script, Upload, results, roster
 from benchmarks.seeded_class import COURSE, seed
-from grader.catalog import Catalog
-from grader.catalog.cache import AssignmentMemory
-from grader.catalog.refreshed import RefreshedAssignments
 from grader.contracts.identity import Caller, Role
 from grader.grading.practice import PracticeRuns
 from grader.grading.preflight import NoPreflight
 from grader.grading.slot import Slot, SlotConfig
 from grader.live.cars import LiveCars
 from grader.operation.settings import Settings
+from grader.service.composition import assignments_of
 from grader.store.clock import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
@@ -106,7 +104,7 @@ def main() -> None:
         settings,
         utc_now,
         retries=Retries(lease_s=60.0, max_tries=3, backoff_s=1.0),
-        assignments=RefreshedAssignments([Catalog(cache=AssignmentMemory())]),
+        assignments=assignments_of(settings, database, utc_now),
         preflight=NoPreflight(),
         plots=PlotCache(draw_stored, 1),
         callers=Callers(Courses(database, utc_now), Tokens(database, utc_now), "unused"),

@@ -1,32 +1,19 @@
 """Assignments that somebody may edit while the service runs."""
 
 import logging
-import math
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import Protocol
 
+from grader.catalog import Catalog
+from grader.catalog.misfits import refusals
 from grader.contracts.assignment import Assignment, graded_otherwise
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 from grader.contracts.text import Text
 
 _log = logging.getLogger(__name__)
 _FRESH_S = 2.0
-
-
-class Folder(Protocol):
-    """A folder of assignments, such as `grader.catalog.Catalog`."""
-
-    def each(self) -> Iterator[tuple[str, Assignment | AssignmentError]]:
-        """Yield id and content of every assignment; of a wrong one, what is wrong."""
-
-    def starter(self, assignment_id: str) -> bytes:
-        """Return the script that students of an assignment begin with, or raise UnknownAssignmentError."""
-
-    def given_code(self) -> tuple[bytes, ...]:
-        """Return the scripts that every student can read."""
 
 
 class RefreshedAssignments:
@@ -38,29 +25,27 @@ class RefreshedAssignments:
 
     Args:
         folders: of two assignments with one id, that of the first folder is taken.
+        problems: returns (field, problem) for all that does not fit an assignment's check.
         monotonic_s: a clock.
 
     Raises:
         AssignmentError: one of the folders is not there.
     """
 
-    def __init__(self, folders: Sequence[Folder], monotonic_s: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        folders: Sequence[Catalog],
+        problems: Callable[[Assignment], Sequence[tuple[str, Text]]],
+        monotonic_s: Callable[[], float] = time.monotonic,
+    ) -> None:
         self._folders = folders
+        self._problems = problems
         self._monotonic_s = monotonic_s
         self._lock = threading.Lock()
         self._read_at_s = monotonic_s()
         self._assignments: tuple[Assignment, ...] = ()
         self._troubles: Mapping[str, Text] = {}
         self._read()
-
-    def of(self, course: str | None) -> "RefreshedAssignments":
-        """Return the same assignments for every course: folders belong to none."""
-        return self
-
-    def look_again(self) -> None:
-        """Read the folders again when the next assignment is asked for."""
-        with self._lock:
-            self._read_at_s = -math.inf
 
     def all(self) -> tuple[Assignment, ...]:
         """Return every assignment in the order of the checklist."""
@@ -106,25 +91,35 @@ class RefreshedAssignments:
         before = {one.id: one for one in self._assignments}
         found: dict[str, Assignment] = {}
         troubles: dict[str, Text] = {}
-        for id_, one in (pair for folder in self._folders for pair in folder.each()):
+        for folder, id_, one in ((each, *pair) for each in self._folders for pair in each.each()):
             if id_ in found or id_ in troubles:
                 told = AssignmentError(
                     f"two folders have an assignment {id_}; rename one", f"两个文件夹里都有作业 {id_}：请改名"
                 )
                 troubles[id_] = told.text
-            elif isinstance(one, AssignmentError):
-                troubles[id_] = one.text
+            elif (error := self._trouble(folder, before.get(id_), one)) is not None:
+                troubles[id_] = error.text
                 if id_ in before:
                     found[id_] = before[id_]
-            elif (error := same_version(before.get(id_), one)) is not None:
-                troubles[id_], found[id_] = error.text, before[id_]
-            else:
+            elif isinstance(one, Assignment):
                 found[id_] = one
         for id_, trouble in troubles.items():
             if self._troubles.get(id_) != trouble:
                 _log.error("assignment %s cannot be read: %s", id_, trouble.en)
         self._assignments = tuple(sorted(found.values(), key=lambda one: (one.order, one.id)))
         self._troubles = troubles
+
+    def _trouble(
+        self, folder: Catalog, before: Assignment | None, now: Assignment | AssignmentError
+    ) -> AssignmentError | None:
+        """Return why what a folder has now cannot take the place of what was read before; None if it can."""
+        if isinstance(now, AssignmentError):
+            return now
+        if now is before:  # its file is the same, and it was fit
+            return None
+        if found := self._problems(now):
+            return refusals((folder.place(now.id, field), told) for field, told in found)
+        return same_version(before, now)
 
 
 def same_version(before: Assignment | None, after: Assignment) -> AssignmentError | None:

@@ -6,7 +6,7 @@ from typing import Literal
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
-from grader.contracts.record import PositionalRecord, Record, field
+from grader.contracts.record import Record, field
 from grader.contracts.rubric import Unit
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
@@ -18,7 +18,7 @@ Options = Mapping[str, Callable[[Option], Text | None]]
 """Names of options, with what is wrong about a value (or None)."""
 
 
-class MeasureKind(PositionalRecord):
+class MeasureKind(Record, kw_only=False):
     """A quantity that a check computes. Its texts are the messages ``<check>.<name>.{name,seen,hint}``.
 
     Attributes:
@@ -32,7 +32,7 @@ class MeasureKind(PositionalRecord):
     of: str = ""
 
 
-class Measure(PositionalRecord):
+class Measure(Record, kw_only=False):
     """A measured value. NaN: could not be measured; ``why`` among the details may say what kept it from that.
 
     `details` fill the ``seen`` sentence. `share` of the value's credit counts; what lowers it is ``why``.
@@ -46,7 +46,7 @@ class Measure(PositionalRecord):
 UNMEASURED = Measure(math.nan)
 
 
-class Mistake(PositionalRecord):
+class Mistake(Record, kw_only=False):
     """A recognised mistake.
 
     Attributes:
@@ -86,7 +86,7 @@ def _follows(later: Mistake, cause: Mistake) -> bool:
     return not later.apart and bool(later.measures) and set(later.measures) <= set(cause.measures)
 
 
-class Findings(PositionalRecord):
+class Findings(Record, kw_only=False):
     """What a check saw in one run. A measure that is absent could not be taken. `mistakes`: most likely first."""
 
     measures: Mapping[str, Measure] = field(default_factory=dict)

@@ -28,7 +28,7 @@ from grader.messages.exceptions import meaning
 from grader.messages.quantity import number
 from grader.messages.script import NOT_ZERO, ScriptText
 
-_IN_THREAD = re.compile(r"[^:]*?(?:, line (\d{1,7}))?: (\w+)(?:: (.*))?", re.DOTALL | re.ASCII)
+_IN_NOTE = re.compile(r"[^:]*?(?:\bline (\d{1,7}))?: (\w+)(?:: (.*))?", re.DOTALL | re.ASCII)
 _SPACE = Text(zh="", en=" ")
 
 _ENDINGS = {
@@ -83,7 +83,9 @@ def script_mistakes(run: Run) -> tuple[Mistake, ...]:
         code = _ENDINGS[outcome.status]
         return (mistake(code, detail=explained(outcome.status, outcome.detail)),)
     if (thread := noted(outcome, "thread_exception")) is not None:
-        return (Mistake("thread_crashed", _in_thread(thread, script)),)
+        return (
+            Mistake("thread_crashed", _explained(say("mistake.thread_crashed", detail=thread), thread, run)),
+        )
     return ()
 
 
@@ -104,15 +106,14 @@ def noted(outcome: RunOutcome, code: str) -> str | None:
     return next((note.text for note in outcome.notes if note.code == code), None)
 
 
-def _in_thread(note: str, script: ScriptText) -> Text:
-    """Return what became of a thread and, where its exception is known, what that means."""
-    crash = say("mistake.thread_crashed", detail=note)
-    found = _IN_THREAD.fullmatch(note)
+def _explained(told: Text, note: str, run: Run) -> Text:
+    """Return what is `told` of the exception in a note and, where it is known, what that exception means."""
+    found = _IN_NOTE.fullmatch(note)
     if found is None:
-        return crash
+        return told
     error = StudentError(type=found[2], message=found[3] or "", line=int(found[1] or 0) or None, traceback="")
-    code, reason = meaning(error, "crashed", script)
-    return crash if code == "crashed" else join([crash, reason], _SPACE)
+    code, reason = meaning(error, "crashed", ScriptText(run.source))
+    return told if code == "crashed" else join([told, reason], _SPACE)
 
 
 def _killed(outcome: RunOutcome) -> Mistake:
@@ -256,7 +257,7 @@ def sleep_at_end(run: Run) -> WaitingCall | None:
 def _loop_at_end(run: Run, script: ScriptText) -> int | None:
     """Return the line of the ``while`` that the main thread was in at the horizon."""
     call = call_at_end(run)
-    heads = [] if call is None else [*list(script.outwards(call.line))[:1], *script.heads_of(call.line)]
+    heads = [] if call is None else [*list(script.outwards(call.line))[:1], *script.heads_around(call.line)]
     return next((at for at, head in heads if re.match(r"[ \t]*while\b", head)), None)
 
 
@@ -386,6 +387,8 @@ def _unpublished(run: Run, world: World) -> Mistake | None:
 def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
     """Return why no velocity command arrived; nothing if the script ended before it could send one."""
     outcome, topic = run.outcome, world.cmd_vel_topic
+    if (error := noted(outcome, "caught")) is not None and not script_mistakes(run):
+        return (Mistake("error_caught", _explained(say("mistake.error_caught", detail=error), error, run)),)
     made = [each for each in outcome.endpoints if each.kind == "publisher" and each.name not in _OWN_TOPICS]
     publishers = [each for each in made if _may_command(each, topic)]
     right = [publisher for publisher in publishers if publisher.name == topic]
@@ -483,7 +486,7 @@ def ended_at_once(run: Run) -> Mistake | None:
     if (lines := _exits(script, run.outcome)) and spins and lines[0] < spins[0]:
         return mistake("exited_early", line=lines[0])
     ends_itself = script.lines_with(_ENDS_ITSELF) or _ends_in_callback(script)
-    if spins and (caught := script.caught) is not None and not ends_itself:
+    if spins and (caught := script.lenient_except) is not None and not ends_itself:
         return mistake("error_hidden", line=caught)
     return None
 
@@ -530,9 +533,9 @@ def not_called(run: Run) -> Mistake | None:
     if (coroutine := _UNAWAITED.search(run.outcome.stderr.text)) is not None:
         return _unawaited(coroutine[1], ScriptText(run.source))
     script = ScriptText(run.source)
-    if (named := script.uncalled) is None:
+    if (named := script.named_only) is None:
         return None
-    given = (script.message_beside(named.line) or "msg") if named.name.endswith(".publish") else ""
+    given = (script.twist_name_at(named.line) or "msg") if named.name.endswith(".publish") else ""
     return mistake("not_called", line=named.line, name=named.name, call=f"{named.name}({given})")
 
 
@@ -570,14 +573,14 @@ def _waits(run: Run) -> Mistake | None:
         return mistake("not_received", topic=topic)
     if (empty := without_added_node(script)) is not None:
         return empty
-    if script.lines_with(r"\.publish\(") and (hidden := script.swallowed) is not None:
+    if script.lines_with(r"\.publish\(") and (hidden := script.silent_except) is not None:
         return mistake("error_hidden", line=hidden)
     return _in_loop(run, script)
 
 
 def without_added_node(script: ScriptText) -> Mistake | None:
     """Recognise an executor to which no node was added."""
-    made = script.lines_with(r"Executor\(")
+    made = script.lines_with(r"(?<!Pool)Executor\(")
     added = script.lines_with(r"\badd_node\(|\bspin\w*\(.*\bexecutor ?=")
     return mistake("executor_without_node") if made and not added else None
 

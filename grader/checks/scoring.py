@@ -16,7 +16,7 @@ from grader.checks.measure import (
     text_id,
 )
 from grader.contracts.assignment import BY_PERSON, Across, Assignment, ItemSpec
-from grader.contracts.record import PositionalRecord
+from grader.contracts.record import Record
 from grader.contracts.rubric import ItemStatus, PublishedItem, PublishedRubric, RubricItem, Unit
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
@@ -119,7 +119,7 @@ def _number(value: float | None, unit: Unit) -> str:
     return "" if value is None else number(value, unit, _MOST_DECIMALS)
 
 
-class Portion(PositionalRecord):
+class Portion(Record, kw_only=False):
     """One of the runs among which each item's points are divided.
 
     Attributes:

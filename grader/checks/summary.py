@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 
 from grader.checks.measure import Findings, Mistake
-from grader.contracts.judgement import to_judge
 from grader.contracts.outcome import RunOutcome, RunStatus
-from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.rubric import ItemStatus, RubricItem, to_judge
 from grader.contracts.scoring import Scoring
 from grader.contracts.text import EMPTY, Text
 from grader.messages import enumerated, say

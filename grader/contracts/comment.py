@@ -1,10 +1,15 @@
 """What staff and a student write to each other about one submission."""
 
+import re
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Final
 
 LONGEST_COMMENT = 2_000
 """Characters of a comment, be it on a submission or with the points that a person gave."""
+
+COMMENT_PATTERN: Final = r"^[^\x00-\x08\x0b\x0c\x0e-\x1f\x7f]*$"
+"""What a comment may consist of: no control characters but tabs and ends of lines."""
 
 MOST_COMMENTS = 200
 """On one submission."""
@@ -29,3 +34,8 @@ class Comment:
     text: str
     at: datetime
     seen: bool
+
+
+def is_comment(text: str, longest: int) -> bool:
+    """Whether `text`, which may be empty, is fit to be kept and shown as what somebody wrote."""
+    return len(text) <= longest and re.search(COMMENT_PATTERN, text) is not None

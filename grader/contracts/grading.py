@@ -78,36 +78,6 @@ class Grader(Protocol):
         """
 
 
-class SupervisedGrader(Grader, Protocol):
-    """A grader in a process of its own that somebody starts and ends, as `grader.grading.slot.Slot` does."""
-
-    def start(self) -> None:
-        """Start the process unless it runs.
-
-        Raises:
-            InfrastructureError: it could not be started.
-        """
-
-    def abort(self) -> None:
-        """Kill the process, from any thread; a grading under way raises InfrastructureError."""
-
-    def close(self) -> None:
-        """End the process; idempotent; only from the thread that grades."""
-
-
-class TellingGrader(SupervisedGrader, Protocol):
-    """A supervised grader that can tell how far a run has come."""
-
-    def grade(
-        self,
-        job: GradingJob,
-        on_run: Callable[[], None] = ...,
-        on_progress: Callable[[RunProgress], None] | None = ...,
-        /,
-    ) -> GradingResult:
-        """Do what a `Grader` does; call `on_progress` now and then while a run lasts."""
-
-
 class Preflight(Protocol):
     """Looks at a file without running it."""
 
@@ -124,13 +94,7 @@ class Preflight(Protocol):
 
 
 class AssignmentSource(Protocol):
-    """Where assignments come from: those of every course, or, by `of`, those of one."""
-
-    def of(self, course: str | None) -> "AssignmentSource":
-        """Return where those of a course come from: of every course's, and of its own."""
-
-    def look_again(self) -> None:
-        """Forget what was read lately: the next answer shows what is there by then."""
+    """Some assignments, such as those of one course."""
 
     def all(self) -> tuple[Assignment, ...]:
         """Return every assignment in the order of the checklist."""

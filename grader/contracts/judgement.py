@@ -4,36 +4,16 @@ People give points for what no machine judges, and instructors correct what a ma
 never changed. Judgements stand beside it; `composed` is the one place that puts the two together.
 """
 
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
 
 from grader.contracts.notation import written
 from grader.contracts.report import GradeReport, report_from, status_of
-from grader.contracts.rubric import ItemStatus, RubricItem, summed
+from grader.contracts.rubric import ItemScore, ItemStatus, RubricItem, score_of, to_judge, total
 from grader.contracts.submission import Judgement, StoredReport
 from grader.contracts.text import EMPTY, Text
 
-COMMENT_PATTERN: Final = r"^[^\x00-\x08\x0b\x0c\x0e-\x1f\x7f]*$"
-"""What a comment may consist of: no control characters but tabs and ends of lines."""
-
 _JUDGED = Text(zh="已人工评分。", en="A person has graded this.")
-
-
-def is_comment(text: str, longest: int) -> bool:
-    """Whether `text`, which may be empty, is fit to be kept and shown as what somebody wrote."""
-    return len(text) <= longest and re.search(COMMENT_PATTERN, text) is not None
-
-
-@dataclass(frozen=True, slots=True)
-class ItemScore:
-    """What one rubric item earned: all that a total needs."""
-
-    item: str
-    points: float
-    earned: float
-    status: ItemStatus
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,16 +57,6 @@ def settled(items: Iterable[ItemScore], judgements: Sequence[Judgement]) -> tupl
     return tuple(_settled(item, judgements) for item in items)
 
 
-def total(items: Sequence[ItemScore]) -> float | None:
-    """Return the sum of what the items earned; None while one waits for a person."""
-    return None if to_judge(items) else summed(item.earned for item in items)
-
-
-def to_judge(items: Iterable[ItemScore | RubricItem]) -> int:
-    """Count the items that wait for a person."""
-    return sum(item.status is ItemStatus.NEEDS_MANUAL for item in items)
-
-
 def composed(report: GradeReport, judgements: Sequence[Judgement]) -> GradeReport:
     """Return `report` with the judgements that stand: points, comments, and the total once nothing waits.
 
@@ -121,11 +91,6 @@ def composed(report: GradeReport, judgements: Sequence[Judgement]) -> GradeRepor
 def judged(stored: StoredReport) -> GradeReport:
     """Return a stored report `composed` with the judgements that came with it."""
     return composed(report_from(stored.content), stored.judgements)
-
-
-def score_of(item: RubricItem) -> ItemScore:
-    """Return what a total needs of a rubric item."""
-    return ItemScore(item.id, item.points, item.earned, item.status)
 
 
 def _settled(item: ItemScore, judgements: Sequence[Judgement]) -> ItemScore:

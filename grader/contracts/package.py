@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Final
 
-from grader.contracts.record import PositionalRecord, field
+from grader.contracts.record import Record, field
 
 MANIFEST, NAMES, MODULES, ENTRY, SHARE = (
     "package_manifest",
@@ -16,7 +16,7 @@ AREAS: Final = (MANIFEST, NAMES, MODULES, ENTRY, SHARE)
 """The measures that problems of a package spoil."""
 
 
-class PackageProblem(PositionalRecord):
+class PackageProblem(Record, kw_only=False):
     """A mistake in a package's files.
 
     Attributes:

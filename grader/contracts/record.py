@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, dataclass_transform
 import msgspec
 from msgspec import field
 
-__all__ = ["PositionalRecord", "Record", "canonical", "field", "from_json", "from_plain", "to_plain"]
+__all__ = ["Record", "canonical", "field", "from_json", "from_plain", "to_plain"]
 
 T = TypeVar("T")
 
@@ -21,16 +21,12 @@ T = TypeVar("T")
 class _RecordType(msgspec.StructMeta):
     """Gives every record the same options, so that no class can forget one of them."""
 
-    keyword_only = True
-
-    def __new__(cls, name: str, bases: tuple[type, ...], namespace: dict[str, Any]) -> Any:
+    def __new__(
+        cls, name: str, bases: tuple[type, ...], namespace: dict[str, Any], *, kw_only: bool = True
+    ) -> Any:
         return super().__new__(
-            cls, name, bases, namespace, kw_only=cls.keyword_only, frozen=True, forbid_unknown_fields=True
+            cls, name, bases, namespace, kw_only=kw_only, frozen=True, forbid_unknown_fields=True
         )
-
-
-class _PositionalRecordType(_RecordType):
-    keyword_only = False
 
 
 class _DataclassFields:
@@ -54,21 +50,17 @@ if TYPE_CHECKING:  # mypy does not see that the options of `_RecordType` hold fo
 
     @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(field,))
     class Record:
-        """An immutable class with slots, equality and hash by value, and keyword arguments only."""
+        """As below."""
 
-    @dataclass_transform(frozen_default=True, field_specifiers=(field,))
-    class PositionalRecord:
-        """A record whose arguments may be given by position as well."""
+        def __init_subclass__(cls, *, kw_only: bool = True) -> None: ...
 
 else:
 
     class Record(msgspec.Struct, metaclass=_RecordType):
-        """An immutable class with slots, equality and hash by value, and keyword arguments only."""
+        """An immutable class with slots, equality and hash by value.
 
-        __dataclass_fields__ = _DataclassFields()
-
-    class PositionalRecord(msgspec.Struct, metaclass=_PositionalRecordType):
-        """A record whose arguments may be given by position as well."""
+        Its arguments have names, unless a subclass is defined with ``kw_only=False``.
+        """
 
         __dataclass_fields__ = _DataclassFields()
 

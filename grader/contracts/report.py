@@ -7,7 +7,7 @@ from enum import StrEnum
 
 from grader.contracts.outcome import RunOutcome, RunStatus, Stream
 from grader.contracts.record import Record, canonical, from_json
-from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.rubric import RubricItem, to_judge
 from grader.contracts.text import EMPTY, Text
 
 SCHEMA_VERSION = 1
@@ -45,7 +45,7 @@ def status_of(items: Iterable[RubricItem], outcomes: Iterable[RunOutcome]) -> Gr
 
     While an item waits for a person nothing is final, however the script ended.
     """
-    if any(item.status is ItemStatus.NEEDS_MANUAL for item in items):
+    if to_judge(items):
         return GradeStatus.NEEDS_MANUAL
     unusual = (_UNUSUAL[outcome.status] for outcome in outcomes if outcome.status in _UNUSUAL)
     return next(unusual, GradeStatus.GRADED)

@@ -1,6 +1,7 @@
-"""Rubric items: what was asked, what was measured, what it earned."""
+"""Rubric items: what was asked, what was measured, what it earned, and what they add up to."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal
 
@@ -84,3 +85,28 @@ class PublishedRubric(Record):
 def summed(points: Iterable[float]) -> float:
     """Return the sum of points to the hundredth, as each of them is: a sum of floats is a little off."""
     return round(sum(points), 2)
+
+
+@dataclass(frozen=True, slots=True)
+class ItemScore:
+    """What one rubric item earned: all that a total needs."""
+
+    item: str
+    points: float
+    earned: float
+    status: ItemStatus
+
+
+def score_of(item: RubricItem) -> ItemScore:
+    """Return what a total needs of a rubric item."""
+    return ItemScore(item.id, item.points, item.earned, item.status)
+
+
+def total(items: Sequence[ItemScore]) -> float | None:
+    """Return the sum of what the items earned; None while one waits for a person."""
+    return None if to_judge(items) else summed(item.earned for item in items)
+
+
+def to_judge(items: Iterable[ItemScore | RubricItem]) -> int:
+    """Count the items that wait for a person."""
+    return sum(item.status is ItemStatus.NEEDS_MANUAL for item in items)

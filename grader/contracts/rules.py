@@ -34,7 +34,7 @@ LATE_PARAMETERS: Final[dict[LateKind, tuple[str, ...]]] = {
     "linear": ("per_day",),
     "steps": ("steps",),
 }
-"""The fields that each kind of late rule uses. The form shows these, the others keep their defaults."""
+"""The fields that each kind of late rule uses. The form shows only these; the others keep their defaults."""
 
 YEARS = range(2000, 2201)  # near the ends of the calendar, adding a duration to an instant overflows
 _MOST_S = 10 * 366 * 86_400
@@ -164,7 +164,7 @@ def _check_fields(contract: object, kinds: Mapping[str, FieldKind]) -> None:
     """Refuse an instant without a time zone, and a count or duration below the least that its kind allows.
 
     Raises:
-        RuleError: there is one.
+        RuleError: names the first such field.
     """
     for name, kind in kinds.items():
         value = getattr(contract, name)
@@ -213,7 +213,7 @@ class Attempt:
 
     Attributes:
         score: None while it is not graded.
-        costs: False when the service failed to grade it: then it uses up no attempt and never counts.
+        costs: whether it uses up an attempt. If not (the service failed to grade it), it never counts either.
     """
 
     id: str
@@ -338,11 +338,13 @@ class Rules:
         own = [one for one in self.by_section if one.section in sections]
         if not own:
             return replace(self, by_section=())
-        one = max(own, key=lambda one: one.due)
-        return replace(self, due=one.due, late=one.late, accept_late_s=one.accept_late_s, by_section=())
+        latest = max(own, key=lambda rule: rule.due)
+        return replace(
+            self, due=latest.due, late=latest.late, accept_late_s=latest.accept_late_s, by_section=()
+        )
 
     def with_section(self, section: str, rule: SectionRule | None) -> "Rules":
-        """Return the rules with another rule for a section; None: with none."""
+        """Return the rules with `rule` as that of a section; None: without a rule for it."""
         others = [one for one in self.by_section if one.section != section]
         own = [] if rule is None else [rule]
         return replace(self, by_section=tuple(sorted([*others, *own], key=lambda one: one.section)))
@@ -429,10 +431,9 @@ class Rules:
     def moved(self, days: int, zone: ZoneInfo) -> "Rules":
         """Return the rules with every date `days` days later, at the same time of the day in `zone`."""
         later = timedelta(days=days)
-        dates = {
-            name: getattr(self, name) for name, kind in kinds_of(Rules).items() if isinstance(kind, Instant)
-        }
-        moved = {name: one.astimezone(zone) + later for name, one in dates.items() if one is not None}
+        instants = [name for name, kind in kinds_of(Rules).items() if isinstance(kind, Instant)]
+        dates = {name: date for name in instants if (date := getattr(self, name)) is not None}
+        moved = {name: date.astimezone(zone) + later for name, date in dates.items()}
         sections = [replace(one, due=one.due.astimezone(zone) + later) for one in self.by_section]
         return replace(self, **moved, by_section=tuple(sections))
 

@@ -158,7 +158,7 @@ class StoredReport:
 
     Attributes:
         content: canonical bytes of the report; `sha256` is their digest.
-        assignment_sha256: digest of the assignment as it was graded; None for old gradings.
+        assignment_sha256: digest of the assignment as it was graded.
         cases: case id to the digest of its trajectory, in the order of the report.
         judgements: everything that people decided about the submission, in order of item and revision.
     """
@@ -169,7 +169,7 @@ class StoredReport:
     content: bytes
     sha256: str
     cases: dict[str, str]
-    assignment_sha256: str | None = None
+    assignment_sha256: str
     judgements: tuple[Judgement, ...] = ()
 
 

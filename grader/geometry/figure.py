@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from grader.contracts.record import PositionalRecord
+from grader.contracts.record import Record
 from grader.geometry.path import (
     ARC_SHARE,
     FULL_TURN_RAD,
@@ -65,7 +65,7 @@ LEVEL_SHARE, ROUND_SHARE = 0.45, 0.27
 MAX_APPROACH_STRAIGHTS = 3  # to one of its sides, perhaps round something, and along that to a corner
 
 
-class PolygonFigure(PositionalRecord):
+class PolygonFigure(Record, kw_only=False):
     """The first figure of a path, complete or not.
 
     Attributes:
@@ -113,7 +113,7 @@ class PolygonFigure(PositionalRecord):
         return sum(self.sides_m)
 
 
-class _Extent(PositionalRecord):
+class _Extent(Record, kw_only=False):
     """Which straights make the figure, and how those that follow relate to it.
 
     Attributes:

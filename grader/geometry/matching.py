@@ -12,13 +12,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.contracts.record import PositionalRecord
+from grader.contracts.record import Record
 
 Points = NDArray[np.complex128]
 Floats = NDArray[np.float64]
 
 
-class Similarity(PositionalRecord):
+class Similarity(Record, kw_only=False):
     """The map ``z -> factor * z + offset``, after a reflection at the x axis if `mirrored`."""
 
     factor: complex = 1.0 + 0.0j
@@ -129,7 +129,7 @@ def _walked_back(way: bytes, rows: int, columns: int) -> NDArray[np.intp]:
     return np.array(pairs[::-1], dtype=np.intp)
 
 
-class Circle(PositionalRecord):
+class Circle(Record, kw_only=False):
     """A circle through points.
 
     Attributes:

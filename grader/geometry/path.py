@@ -19,7 +19,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.contracts.record import PositionalRecord
+from grader.contracts.record import Record
 
 Floats = NDArray[np.float64]
 
@@ -199,7 +199,7 @@ def bare(corner_rad: float) -> float:
     return math.remainder(corner_rad, FULL_TURN_RAD) if abs(corner_rad) < WILD_RAD else corner_rad
 
 
-class Straight(PositionalRecord):
+class Straight(Record, kw_only=False):
     """A straight stretch between samples `first` and `last`, perhaps with a detour, after which it goes on.
 
     Attributes:
@@ -219,7 +219,7 @@ class Straight(PositionalRecord):
     spun_rad: float = 0.0
 
 
-class Turn(PositionalRecord):
+class Turn(Record, kw_only=False):
     """A change of direction between samples `first` and `last`, on the spot or in an arc.
 
     Attributes:
@@ -233,7 +233,7 @@ class Turn(PositionalRecord):
     length_m: float
 
 
-class Segments(PositionalRecord):
+class Segments(Record, kw_only=False):
     """Runs and the turns around them.
 
     Attributes:

@@ -44,6 +44,9 @@ FORBIDDEN_NOTE = "forbidden"
 THREAD_NOTE = "thread_exception"
 """Names the exception that ended a thread."""
 
+CAUGHT_NOTE = "caught"
+"""Names an error of the script's own text that something has caught."""
+
 ANSWER_NOTE = "service_answer"
 """Holds the script's answer to a call of the assignment."""
 
@@ -138,12 +141,18 @@ def merge(episode: EpisodeResult, jail: JailReport, distro: Distro = "humble") -
 
 
 def _shown_notes(episode: EpisodeResult) -> Iterator[Note]:
-    """Yield the notes that a report may show. A thread that fails after Ctrl+C, as at home, is no mistake."""
-    interrupted = False
+    """Yield the notes that a report may show.
+
+    A thread that fails after Ctrl+C, as at home, is no mistake; what was caught matters if nothing else failed.
+    """
+    exit_frame, interrupted = episode.exit, False
+    failed = exit_frame is not None and exit_frame.reason == EXCEPTION and not exit_frame.after_interrupt
+    failed = failed or any(note.code == THREAD_NOTE for note in episode.notes)
     for note in episode.notes:
         interrupted = interrupted or note.code == INTERRUPTED_NOTE
-        failed_late = interrupted and note.code == "thread_exception"
-        if note.code not in {INTERRUPTED_NOTE, LISTENER_NOTE} and not failed_late:
+        failed_late = interrupted and note.code == THREAD_NOTE
+        told_otherwise = failed and note.code == CAUGHT_NOTE
+        if note.code not in {INTERRUPTED_NOTE, LISTENER_NOTE} and not failed_late and not told_otherwise:
             yield note
 
 

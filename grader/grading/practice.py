@@ -13,7 +13,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.grading import GradingJob, GradingResult, RunProgress, TellingGrader
+from grader.contracts.grading import GradingJob, GradingResult, RunProgress
+from grader.grading.slot import Slot
 
 _GLANCE_S = 0.05  # between two looks at whether a submission still waits
 _PATIENCE_S = 2.0  # an idle slot claims a submission within milliseconds
@@ -52,7 +53,7 @@ class PracticeRuns:
     def __init__(
         self,
         most: int,
-        make_grader: Callable[[], TellingGrader],
+        make_grader: Callable[[], Slot],
         submissions_wait: Callable[[], bool],
         *,
         idle_s: float = _IDLE_S,
@@ -67,7 +68,7 @@ class PracticeRuns:
         self._lock = threading.Lock()
         self._under_way: list[PracticeRun] = []  # in the order in which they came
         self._threads: list[threading.Thread] = []
-        self._graders: set[TellingGrader] = set()
+        self._graders: set[Slot] = set()
         self._stopping = threading.Event()
 
     @property
@@ -141,7 +142,7 @@ class PracticeRuns:
 
     def _work(self) -> None:
         """Take runs one by one, with a grader that is made for the first and closed after `idle_s` without any."""
-        grader: TellingGrader | None = None
+        grader: Slot | None = None
         while True:
             run = None  # do not keep the last run alive while waiting for the next one
             with suppress(queue.Empty):
@@ -158,18 +159,18 @@ class PracticeRuns:
             elif self._stopping.is_set():
                 return
 
-    def _opened(self) -> TellingGrader:
+    def _opened(self) -> Slot:
         grader = self._make_grader()
         with self._lock:
             self._graders.add(grader)
         return grader
 
-    def _closed(self, grader: TellingGrader) -> None:
+    def _closed(self, grader: Slot) -> None:
         with self._lock:
             self._graders.discard(grader)
         grader.close()
 
-    def _do(self, run: PracticeRun, grader: TellingGrader) -> None:
+    def _do(self, run: PracticeRun, grader: Slot) -> None:
         def tell(progress: RunProgress) -> None:
             run.progress = progress
 

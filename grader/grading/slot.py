@@ -318,7 +318,7 @@ def result_message(result: GradingResult) -> tuple[dict[str, Any], list[bytes]]:
         "measurements": result.measurements,
         "requests": result.requests,
     }
-    return message, [result.report_bytes(), *result.trajectories.values()]
+    return message, [result.report.canonical_bytes(), *result.trajectories.values()]
 
 
 def _request(job: GradingJob, *, tells: bool = False) -> dict[str, Any]:

@@ -173,8 +173,9 @@ class Clocks:
         starved = now_ns - self._progress[0] > bounds.STARVED_NS
         left_ns = self._wall_grant_ns + host_ns - elapsed_ns
         enough = bounds.ENOUGH_SILENT_CPU if self.was_quiet(RunEnd.CPU_LIMIT) else bounds.ENOUGH_CPU
-        if left_ns > 0 and self._used_ns(cpu_ns) > enough * self._limits.cpu_s * 1e9:
-            spent = f"{self._used_ns(cpu_ns) / 1e9:.0f} s of CPU time"
+        enough_s = enough * self._limits.cpu_s
+        if left_ns > 0 and self._used_ns(cpu_ns) > enough_s * 1e9:
+            spent = f"{enough_s:g} s of CPU time"  # not what was used, which differs from time to time
             return Ending(RunEnd.CPU_LIMIT, f"no end after {spent}, for which a busy host took long")
         if left_ns > 0 and not starved and elapsed_ns < self._longest_ns:
             self._wall_deadline_ns = now_ns + min(max(left_ns, TICK_NS), bounds.STARVED_NS // 2)

@@ -1,4 +1,4 @@
-"""The service's side of a live car: its process, and the clients that wait for what it sends."""
+"""The service's side of a live car: its process, and the frames that wait until its clients read them."""
 
 import asyncio
 import contextlib
@@ -22,7 +22,7 @@ GONE: Final = 1001
 
 START_S: Final = 20.0
 MOST_UNREAD: Final = 256
-"""Frames other than messages of topics that may wait for a client."""
+"""So many frames that belong to no topic may wait for a client."""
 
 _ENVIRONMENT: Final = ("PATH", "HOME", "LANG", "TMPDIR", "PYTHONPATH", "VIRTUAL_ENV")
 _THREADS: Final = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
@@ -46,8 +46,8 @@ class LiveClient:
         self.closed = 0
         self.reason = ""
         self._car = car
-        self._waiting: deque[tuple[int, bytes]] = deque()
-        self._counts: dict[int, int] = {}
+        self._waiting: deque[tuple[int, bytes]] = deque()  # slot and frame
+        self._counts: dict[int, int] = {}  # of the waiting ones, by slot; slot 0: they belong to no topic
         self._news = asyncio.Event()
 
     def send(self, text: bytes) -> None:
@@ -68,11 +68,11 @@ class LiveClient:
         return text
 
     def leave(self) -> None:
-        """The connection is over."""
+        """Note that the connection has ended."""
         self._car.leave(self)
 
     def take(self, parcel: Parcel) -> None:
-        """Keep a frame until the client reads it; of a topic, the newest ones only."""
+        """Keep a frame until the client reads it. Of a topic's frames only the newest `depth` are kept."""
         slot = parcel.slot
         if slot and self._counts.get(slot, 0) >= parcel.depth:
             oldest = next(index for index, (kept, _) in enumerate(self._waiting) if kept == slot)
@@ -86,7 +86,7 @@ class LiveClient:
         self._news.set()
 
     def end(self, status: int, reason: str) -> None:
-        """Let the connection be closed."""
+        """Have the connection closed. If the car is gone, the client still gets what waits for it."""
         if not self.closed:
             self.closed, self.reason = status, reason
         if status != GONE:
@@ -142,7 +142,7 @@ class LiveCar:
         finally:
             theirs.close()
         reader, self._writer = await asyncio.open_connection(sock=ours)
-        if self._ended:
+        if self._ended:  # by a call of `end` in the meantime
             self.end()
         try:
             await asyncio.wait_for(reader.readexactly(HEAD.size), START_S)
@@ -169,7 +169,7 @@ class LiveCar:
                 self.on_empty()
 
     def tell(self, parcel: Parcel) -> None:
-        """Send something to the process; one that no longer reads is ended."""
+        """Send a message to the process; end a process that no longer reads."""
         if self._writer is None:
             return
         self._writer.write(pack(parcel))
@@ -203,7 +203,7 @@ class LiveCar:
 
 
 def new_key() -> str:
-    """Return what opens one car: 128 bits that nobody can guess."""
+    """Return a key that opens one car: 128 random bits."""
     return secrets.token_urlsafe(16)
 
 
@@ -222,7 +222,7 @@ def _spawn(descriptor: int) -> int:
 
 
 def _kill(pid: int) -> None:
-    """End a process of ours, and take note of its end."""
+    """Kill a process that this one started, and reap it."""
     with contextlib.suppress(ProcessLookupError, ChildProcessError):
         os.kill(pid, signal.SIGKILL)
         os.waitpid(pid, 0)

@@ -87,7 +87,7 @@ class _Reader:
     def _named(self, name: str) -> float:
         owner, _, own = name.rpartition(".")
         assigned = self._script.assigned(own) if owner in ("", "self", self._script.node_class) else None
-        written = assigned.value if assigned else self._script.given_to(own) if not owner else None
+        written = assigned.value if assigned else self._script.argument_for(own) if not owner else None
         known = self._script.known_values
         if own not in known:
             known[own] = None  # a name that leads back to itself has no value

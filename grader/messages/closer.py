@@ -170,7 +170,9 @@ def none_in_init(error: StudentError, written: str, script: ScriptText) -> Close
         return None
     name = used[1]
     empty = script.lines_with(rf"\bself\.{name} ?(:[^=]*)?= ?None\b")
-    heard = [one.name for one in script.callbacks("subscription") if name in script.given_in(one.name)]
+    heard = [
+        one.name for one in script.callbacks("subscription") if name in script.attributes_set_in(one.name)
+    ]
     return ("none_in_init", {"name": name, "callback": heard[0]}) if empty and heard else None
 
 
@@ -186,7 +188,7 @@ def none_before_spin(error: StudentError, written: str, script: ScriptText) -> C
         for name in re.findall(r"\bself\.(\w+)\.\w+", written)
         if script.lines_with(rf"\bself\.{name} ?= ?None\b")
     ]
-    kept = [name for name in used if any(name in script.given_in(one) for one in heard)]
+    kept = [name for name in used if any(name in script.attributes_set_in(one) for one in heard)]
     return ("none_before_spin", {"name": kept[0]}) if kept else None
 
 
@@ -319,7 +321,7 @@ def too_early(error: StudentError, written: str, script: ScriptText) -> Closer:
     early = [n for n in calls if given and n < given[0] and script.function_around(n) == "__init__"]
     if found is None or not early or around == "__init__":
         return None
-    if script.hands_over(early[0], around):
+    if script.calls_its_callback(early[0], around):
         return called_here(error, written, script)
     return "called_too_early", {"name": found[1], "given": given[0], "called": early[0], "method": around}
 
@@ -398,7 +400,7 @@ def handler_order(error: StudentError, written: str, script: ScriptText) -> Clos
 def called_on_class(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Recognise a method that is called on the class by its name, outside of the class: no object is given."""
     found = re.match(r"(\w+)\.(\w+)\(\) missing ", error.message)
-    node = script.object_at(error.line or 0)
+    node = script.node_name_at(error.line or 0)
     if found is None or node == "self" or not script.class_line(found[1]):
         return None
     if f"{found[1]}.{found[2]}(" not in written or found[2] == "main":
@@ -418,7 +420,7 @@ def class_for_self(error: StudentError, written: str, script: ScriptText) -> Clo
         return "function_inside", {"name": "main", "begins": made.line}
     used = script.lines_with(rf"\b{found[1]}\.{found[2]}\b")
     line = error.line if error.line in used else next(iter(used), None)
-    if line is None or script.object_at(line) != "self":
+    if line is None or script.node_name_at(line) != "self":
         return None
     return "class_for_self", {"line": line, "name": found[2], "owner": found[1]}
 
@@ -441,7 +443,7 @@ def message_replaced(error: StudentError, written: str, script: ScriptText) -> C
     if field is None or base is None:
         return None
     heard = [one.name for one in script.callbacks("subscription")]
-    keeping = [one for one in heard if base[2] in script.given_in(one)]
+    keeping = [one for one in heard if base[2] in script.attributes_set_in(one)]
     for function in keeping if base[1] else [script.function_around(error.line or 0)]:
         made = script.definition(function)
         inside = range(0) if made is None else script.span(made.line)

@@ -127,6 +127,10 @@ _SIGNS: Final = (
     ),
     (r"AssertionError: The '(?P<field>\w+)' field must be a set or sequence", "list_in_field"),
     (
+        r"AssertionError: The 'result' field must be a sub message of type '(?P<owner>\w+)_Result'",
+        "no_result",
+    ),
+    (
         r"AssertionError: The '(?P<field>\w+)' field must be a sub message of type '(?P<owner>\w+)'",
         "message_in_field",
     ),
@@ -463,7 +467,7 @@ def _comma(error: StudentError, script: ScriptText) -> Closer:
 
 def _text(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at text in a computation: it may be a parameter's default."""
-    lines = script.numbers_as_text
+    lines = script.quoted_numbers
     if not lines and "multiply sequence" in error.message and not script.lines_with(r"\binput\(|\bargv\b"):
         return "sequence_times_number", {}
     return ("parameter_text", {"line": lines[0]}) if lines else None
@@ -546,7 +550,7 @@ def _parameters(error: StudentError, script: ScriptText) -> Closer:
     found = re.match(r"(?:\w+\.)?(\w+)\(\) ", error.message)
     name = "" if found is None else found[1]
     made = script.definition(name)
-    if made is not None and script.hands_over(error.line or 0, name):
+    if made is not None and script.calls_its_callback(error.line or 0, name):
         return "callback_called", {}
     if is_of_node(error.message.rpartition("()")[0].rpartition(".")[0], name, script):
         return "name_taken", {"name": name}

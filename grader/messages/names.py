@@ -176,7 +176,7 @@ def suggested(error: StudentError) -> str | None:
 
 def _of_ros_1(used: str, name: str, line: int, script: ScriptText) -> Closer:
     """Say what ROS 2 has instead, with the node as it is called on that line."""
-    instead = _OF_ROS_1.get(name, "rclpy").replace("node.", f"{script.object_at(line)}.")
+    instead = _OF_ROS_1.get(name, "rclpy").replace("node.", f"{script.node_name_at(line)}.")
     if script.lines_with(r"\brclpy\.init\("):
         instead = instead.removeprefix("rclpy.init(); ")
     return "ros_1_habit", {"name": used, "instead": instead}
@@ -237,7 +237,7 @@ def unknown_name(error: StudentError, script: ScriptText) -> Closer:
     name, line, written = found[1], error.line or 0, script_line(error)
     if re.search(rf"({_NAMING})\([ \t]*{name}[ \t]*[,)]", written) or _is_text(name, written, script):
         return "name_without_quotes", {"name": name}
-    node = script.object_at(line)
+    node = script.node_name_at(line)
     made = script.definition(name)
     if made is not None and made.takes_self:
         called = re.search(rf"\b{name}[ \t]*\(", written) is not None
@@ -261,7 +261,7 @@ def unknown_name(error: StudentError, script: ScriptText) -> Closer:
 
 def _of_node(name: str, call: str, line: int, script: ScriptText) -> Closer:
     """Say that a method belongs to the object, and what that is called on the line."""
-    node = script.object_at(line)
+    node = script.node_name_at(line)
     code = "missing_self" if node == "self" else "missing_object"
     return code, {"name": name, "call": call, "object": node}
 
@@ -290,7 +290,7 @@ def _nearest_own(name: str, line: int, script: ScriptText, otherwise: Closer) ->
     text = "".join(script.lines[line - 1 : line])
     if script.publisher and re.search(rf"(?<![\w.]){name}\.publish\(", text):
         return "misspelt", {"suggestion": script.publisher}
-    if (message := script.message_beside(line)) is not None:
+    if (message := script.twist_name_at(line)) is not None:
         sent = script.lines_with(rf"\.publish\( ?{re.escape(message)} ?\)")
         around = {script.function_around(at) for at in sent}  # where it is sent, another one is missing
         if script.function_around(line) not in around and re.search(
@@ -346,7 +346,7 @@ def _of_module(error: StudentError, script: ScriptText) -> Closer:
     if error.message == "type object 'Time' has no attribute 'now'":
         return "ros_1_habit", {
             "name": "Time.now()",
-            "instead": f"{script.object_at(error.line or 0)}.get_clock().now()",
+            "instead": f"{script.node_name_at(error.line or 0)}.get_clock().now()",
         }
     found = re.match(r"module '(\w+)' has no attribute '(\w+)'", error.message)
     if found is None:
@@ -371,7 +371,7 @@ def _of_object(owner: str, name: str, error: StudentError, script: ScriptText) -
     if name in ("spin", "spin_once") and is_node:
         return "spin_of_rclpy", {"name": name}
     if is_node and name in _NODE_OF_ROS_1:
-        node = script.object_at(error.line or 0)
+        node = script.node_name_at(error.line or 0)
         return "ros_1_habit", {"name": f"{node}.{name}", "instead": f"{node}.{_NODE_OF_ROS_1[name]}"}
     if owner in ("Duration", "Time") and name in _DURATION_OF_ROS_1:
         return "ros_1_habit", {"name": f".{name}", "instead": _DURATION_OF_ROS_1[name]}
@@ -447,7 +447,7 @@ def _local(name: str, given: int, script: ScriptText) -> Closer:
     used = {script.function_around(n) for n in script.lines_with(rf"\bself\.{re.escape(name)}\b")}
     if used == {script.function_around(given)}:
         return "not_of_self", {"name": name, "given": given, "call": ""}
-    node = script.object_at(given)
+    node = script.node_name_at(given)
     made = node == "self" or any(n < given for n in script.lines_with(rf"\b{node} ?=(?!=)"))
     return ("local_only", {"name": name, "given": given, "object": node}) if made else None
 
@@ -473,12 +473,17 @@ def unknown_module(error: StudentError, script: ScriptText) -> Closer:
     return ("misspelt", {"suggestion": near[0]}) if known else None
 
 
+def _is_of(known: str, name: str) -> bool:
+    """Whether `known` can be meant: the module `time` is not by std_msgs' `Time`, which ROS 1 had."""
+    return known == name or IMPORTS[known].startswith("from ")
+
+
 def _imported_name(error: StudentError) -> Closer:
     found = re.match(r"cannot import name '(\w+)' from '([\w.]+)'", error.message)
     if found is None:
         return None
     name, module = found.groups()
-    near = [known for known in IMPORTS if known.lower() == name.lower()]
+    near = [known for known in IMPORTS if known.lower() == name.lower() and _is_of(known, name)]
     near = near or difflib.get_close_matches(name, _NAMES_BY_MODULE.get(module, ()), 1, 0.75)
     return ("import_statement", {"statement": IMPORTS[near[0]]}) if near else None
 

@@ -12,7 +12,7 @@ from functools import cache
 from typing import Final, TypeGuard
 
 from grader.contracts.notation import written
-from grader.contracts.record import PositionalRecord
+from grader.contracts.record import Record
 from grader.contracts.rubric import RubricItem, Unit
 from grader.contracts.text import Language, Text
 from grader.messages import sentence
@@ -35,7 +35,7 @@ _FOREIGN: Final = (
 )
 
 
-class _UnitKind(PositionalRecord):
+class _UnitKind(Record, kw_only=False):
     """How numbers of one unit are shown and read.
 
     Attributes:
@@ -162,7 +162,7 @@ def _digits(value: float, decimals: int) -> str:
     return "0" if text == "-0" else text
 
 
-class SpokenQuantity(PositionalRecord):
+class SpokenQuantity(Record, kw_only=False):
     """A number in a text.
 
     Attributes:

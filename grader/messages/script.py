@@ -1,4 +1,4 @@
-"""What the text of a script shows, for the words of a hint. It is searched, never parsed or run.
+"""What the text of a script shows, for the words of a hint. The text is searched, never parsed or run.
 
 The trusted side must not give a student's text to Python's parser (deep nesting ends the process), so these are
 patterns over lines from which strings and comments are blanked out.
@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Final, NamedTuple
 
-_PROSE: Final = re.compile(
+_STRING_OR_COMMENT: Final = re.compile(
     r'"""(?:\\.|[^\\])*?"""|\'\'\'(?:\\.|[^\\])*?\'\'\'|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|#[^\n]*',
     re.DOTALL,
 )
@@ -21,22 +21,20 @@ _LONGEST_LINE: Final = 500
 _LONGEST_SCRIPT: Final = 1_000
 _MOST_CHARACTERS: Final = 50_000
 _ASSIGNED: Final = re.compile(r"[ \t]*(?:self\.|cls\.)?(\w+) ?(?::[^=]*)?=(?!=)(.*)$")
-_BOUND: Final = re.compile(
+_OTHER_BINDING: Final = re.compile(
     r"\b(?:for|as|global|nonlocal) ([\w, ]+?)(?: in\b|:|$)|\bdef \w+ ?\((.*)|"
     r"(?<![\w.])([\w.]+(?: ?, ?[\w.]+)*) ?(?:[-+*/|&^%]|//|\*\*)?=(?!=)"
 )
 """Where a name gets a value other than by a plain assignment: loops, parameters, ``+=``."""
 _EQUALS: Final = re.compile(r"(?<![=!<>])=(?!=)")
 _TAB: Final = 8
-_ENDS: Final = re.compile(
+_CLEANS_UP: Final = re.compile(
     r"(\w+\.)*(destroy_\w+|shutdown|try_shutdown|info|print|exit|join)\(|(except|finally|else|pass|return|raise)\b"
 )
 """Statements that stand behind `rclpy.spin()` in right scripts, too, and do no work."""
 
-
-_HIDES: Final = re.compile(r"\bexcept ?:|\b((Base)?Exception|AssertionError|TypeError)\b")
+_BROAD: Final = re.compile(r"\bexcept ?:|\b((Base)?Exception|AssertionError|TypeError)\b")
 """An ``except`` that catches what a wrong value in a message raises."""
-
 
 _MOST_CALLS: Final = 12
 
@@ -48,7 +46,7 @@ LONGEST_NAME: Final = 60
 
 
 class Definition(NamedTuple):
-    """A ``def``: where, how far in, and whether its first parameter is ``self``."""
+    """A ``def``: its line and indentation, and whether its first parameter is ``self``."""
 
     line: int
     indent: int
@@ -56,7 +54,10 @@ class Definition(NamedTuple):
 
 
 class Callback(NamedTuple):
-    """A function that a timer, subscription or service calls: where that is created, its name, where it begins."""
+    """A function that a timer, subscription or service calls.
+
+    `created` is the line that creates the timer, `begins` the line of the function's ``def``.
+    """
 
     created: int
     name: str
@@ -71,7 +72,7 @@ class Mention(NamedTuple):
 
 
 class Assigned(NamedTuple):
-    """The only assignment of a name, with or without ``self.``: where, and the expression on its right."""
+    """The only assignment of a name, with or without ``self.``: its line, and the expression on its right."""
 
     line: int
     name: str
@@ -99,7 +100,7 @@ class ScriptText:
         """
         if not self.is_short:
             return []
-        code = _PROSE.sub(_blank, self._source.replace("\r\n", "\n"))
+        code = _STRING_OR_COMMENT.sub(_blank, self._source.replace("\r\n", "\n"))
         return [_BLANKS.sub(" ", line)[:_LONGEST_LINE] for line in code.split("\n")]
 
     @property
@@ -144,10 +145,11 @@ class ScriptText:
         """Return the only assignment of that name; None when there is none, or more than one."""
         return self._assigned.get(name)
 
-    def given_to(self, name: str) -> str | None:
-        """Return what all calls give for the parameter `name` of the only function that has one of that name.
+    def argument_for(self, name: str) -> str | None:
+        """Return the argument that every call gives for the parameter `name`.
 
-        None if it differs, or if the name is assigned anywhere.
+        None if calls give different ones, if several functions have a parameter of that name, or if the name is
+        assigned anywhere.
         """
         made = self._parameters.get(name)
         if made is None or self.lines_with(rf"(?<![\w.]){re.escape(name)} ?([-+*/]|//)?=(?!=)"):
@@ -182,7 +184,7 @@ class ScriptText:
                 known = whole[1] in found
                 found[whole[1]] = None if known else Assigned(number, whole[1], whole[2].strip())
                 continue
-            for names in _BOUND.findall(line):
+            for names in _OTHER_BINDING.findall(line):
                 found.update(dict.fromkeys(re.findall(r"\w+", " ".join(names))))
         return found
 
@@ -204,7 +206,7 @@ class ScriptText:
         ]
 
     def functions_called_back(self, *kinds: str) -> list[Callback]:
-        """Return the same, each function once: a hostile script may create a timer on every line."""
+        """Return `callbacks`, each function once: a hostile script may create a timer on every line."""
         found: dict[str, Callback] = {}
         for callback in self.callbacks(*kinds):
             found.setdefault(callback.name, callback)
@@ -224,15 +226,15 @@ class ScriptText:
         heads = (head for _, head in self.outwards(number) if re.match(r"[ \t]*def\b", head))
         return re.search(r"\([ \t]*self\b", next(heads, "")) is not None
 
-    def object_at(self, number: int) -> str:
-        """Return what the node is called on a line: ``self`` in a method, else the variable that keeps it."""
+    def node_name_at(self, number: int) -> str:
+        """Return the name of the node on a line: ``self`` in a method, else the variable that holds the node."""
         if any(re.match(r"[ \t]*def \w+ ?\( ?self\b", head) for _, head in self.outwards(number)):
             return "self"
         made = rf"^[ \t]*(\w+) ?= ?(?:{self.node_class}|(?:rclpy\.)?create_node|Node)\("
         return next((found[1] for _, found in self.matches(made)), "node")
 
-    def hands_over(self, number: int, name: str) -> bool:
-        """Whether the given line calls a function among the arguments of one that wants a callback."""
+    def calls_its_callback(self, number: int, name: str) -> bool:
+        """Whether the given line calls `name` where a callback is wanted: ``create_timer(0.1, self.tick())``."""
         call = " ".join(self.lines[max(number - 5, 0) : number])
         wanting = list(re.finditer(r"\bcreate_(timer|subscription|service)\(", call))
         given = re.compile(rf"\b{re.escape(name)}\([ \t]*\)")
@@ -252,14 +254,14 @@ class ScriptText:
         return self._source.replace("\r\n", "\n").split("\n")
 
     @property
-    def numbers_as_text(self) -> list[int]:
+    def quoted_numbers(self) -> list[int]:
         """The lines that declare a parameter whose default is a number in quotes."""
         default = re.compile(r"declare_parameter\( ?(\"[^\"]*\"|'[^']*') ?, ?[\"'] ?-?\d*\.?\d+ ?[\"']")
         declared = self.lines_with(r'\bdeclare_parameter\( ?"" ?, ?""')
         return [number for number in declared if default.search(_BLANKS.sub(" ", self.written(number)))]
 
     def calls(self, name: str) -> bool:
-        """Whether the script calls a function by this name, or hands it over."""
+        """Whether the script calls a function of this name, or passes it on, as to ``create_timer``."""
         known = self._called.get(name)
         if known is None:
             known = self._called[name] = bool(self.lines_with(rf"(?<!\bdef )(?<!\w){re.escape(name)}\b"))
@@ -319,16 +321,16 @@ class ScriptText:
         return [one[1] for one in found if one is not None]
 
     def is_behind(self, number: int, first: int) -> bool:
-        """Whether a line may run after the line `first` above it: it is in no other branch of an ``if``."""
-        others = dict(self.heads_of(number)).keys() - dict(self.outwards(number)).keys()
+        """Whether a line may run after the line `first` above it, that is, not in another branch of its ``if``."""
+        others = dict(self.heads_around(number)).keys() - dict(self.outwards(number)).keys()
         return others.isdisjoint(dict(self.outwards(first)))
 
-    def conditions_of(self, number: int) -> list[str]:
-        """Return the heads of the blocks around a line, up to its function; of an ``else`` also its ``if``."""
-        return [head for _, head in self.heads_of(number)]
+    def conditions_around(self, number: int) -> list[str]:
+        """Return the heads of the blocks around a line in its function; with an ``else`` also its ``if``."""
+        return [head for _, head in self.heads_around(number)]
 
-    def heads_of(self, number: int) -> Iterator[tuple[int, str]]:
-        """Yield what `conditions_of` returns, each with its line."""
+    def heads_around(self, number: int) -> Iterator[tuple[int, str]]:
+        """Yield the heads that `conditions_around` returns, each with its line number."""
         for at, head in itertools.islice(self.outwards(number), 1, None):
             if re.match(r"[ \t]*(def|class)\b", head):
                 return
@@ -374,7 +376,7 @@ class ScriptText:
         return self._runs[number]
 
     def spins(self, number: int) -> bool:
-        """Whether the block that begins on the given line calls the executor, itself or in a function it calls."""
+        """Whether the block that begins on a line spins, itself or in a function that it calls."""
         return any("spin" in line for begins in self.reached_from([number]) for line in self.block(begins))
 
     def works_after(self, number: int) -> bool:
@@ -386,7 +388,7 @@ class ScriptText:
             if not line.strip():
                 continue
             if _indent(line) > indent:
-                continue  # inside a block that is judged by its head, or the rest of a call
+                continue  # inside a block, whose head was looked at, or the rest of a call
             if re.match(r"[ \t]*(def|class|if __name__)\b", line):
                 if self.function_around(number) or line.startswith("if"):
                     return False
@@ -394,7 +396,7 @@ class ScriptText:
             indent = _indent(line)
             if line.strip() == f"{self.function_around(number)}()":
                 continue
-            if not _ENDS.match(line.strip()) and re.search(r"\w\(|^\s*(for|while)\b", line):
+            if not _CLEANS_UP.match(line.strip()) and re.search(r"\w\(|^\s*(for|while)\b", line):
                 return True
         return False
 
@@ -405,8 +407,8 @@ class ScriptText:
         return next(names, "")
 
     @property
-    def uncalled(self) -> Mention | None:
-        """The first line that names a function of the script, or of ROS, by itself, without calling it."""
+    def named_only(self) -> Mention | None:
+        """The first line that only names a function, of the script or of ROS, without the brackets of a call."""
         for number in self.lines_with(r"^[ \t]*(\w+\.)*\w+$"):
             written = self.lines[number - 1].strip()
             before, behind = (
@@ -420,21 +422,21 @@ class ScriptText:
         return None
 
     @property
-    def swallowed(self) -> int | None:
-        """The line of the first ``except`` that passes over an error without a word."""
+    def silent_except(self) -> int | None:
+        """The line of the first ``except`` that hides an error: it neither tells of it nor raises it."""
         return self._hiding(r"pass$|continue$")
 
     @property
-    def caught(self) -> int | None:
-        """The line of the first ``except`` that passes over an error, or only prints or logs it."""
+    def lenient_except(self) -> int | None:
+        """The line of the first ``except`` that hides an error, or only prints or logs it."""
         return self._hiding(r"pass$|continue$|print\(|.*\bget_logger\(\)\.\w+\(")
 
     def _hiding(self, body: str) -> int | None:
-        """Return the line of the first ``except`` for any error that begins with a statement like `body`."""
+        """Return the line of the first ``except`` for any error whose first statement matches `body`."""
         for number in self.lines_with(r"^[ \t]*except\b[^:]*:"):
             rest = self.lines[number - 1].partition(":")[2].strip()
             behind = rest or "".join(self.lines[number : number + 1]).strip()
-            hides = re.match(body, behind) and _HIDES.search(self.lines[number - 1])
+            hides = re.match(body, behind) and _BROAD.search(self.lines[number - 1])
             if hides and not self._only_cleans_up(number):
                 return number
         return None
@@ -447,15 +449,15 @@ class ScriptText:
         body = self.body(tried) if tried is not None else []
         return bool(body) and all(re.search(r"\b(\w*shutdown|destroy_\w+|close)\(", text) for _, text in body)
 
-    def message_beside(self, number: int) -> str | None:
-        """Return the only variable that the function around a line makes a Twist of, if there is one above."""
+    def twist_name_at(self, number: int) -> str | None:
+        """Return the variable to which the function around a line assigned its only Twist, above that line."""
         around = self.function_around(number)
         twists = self.matches(r"^[ \t]*([\w.]+) ?= ?Twist\(")
         made = {found[1] for at, found in twists if at <= number and self.function_around(at) == around}
         return made.pop() if len(made) == 1 else None
 
-    def given_in(self, name: str) -> set[str]:
-        """Return the attributes of ``self`` that the function of that name assigns."""
+    def attributes_set_in(self, name: str) -> set[str]:
+        """Return the attributes of ``self`` that the function `name` assigns."""
         made = self.definition(name)
         body = "\n".join(self.block(made.line)) if made is not None else ""
         return set(re.findall(r"\bself\.(\w+) ?(?::[^=\n]*)?=(?!=)", body))

@@ -36,7 +36,7 @@ _REQUEST_S = (0.005, 0.02, 0.05, 0.1, 0.25, 1, 5)
 
 
 class Metrics:
-    """The measurements of one process, in a registry of its own. Implements `GradingObserver`.
+    """The measurements of one process, in a registry of its own.
 
     Args:
         state: reads the rows; called once per scrape. None: only what this process counts.
@@ -92,7 +92,7 @@ class Metrics:
         self._streams = Gauge("grader_event_streams", "Streams of events that are open.", registry=registry)
 
     def graded(self, verdict: GradeStatus, grading_s: float, waited_s: float | None) -> None:
-        """Count a grading that was stored."""
+        """Count a grading that was stored, `grading_s` after its claim and `waited_s` after it was queued."""
         self._gradings.labels(verdict.value).inc()
         self._grading_s.observe(grading_s)
         if waited_s is not None:

@@ -9,12 +9,10 @@ from importlib.util import find_spec
 
 from grader.catalog import Catalog, set_root
 from grader.catalog.cache import AssignmentMemory
-from grader.catalog.misfits import refusals
 from grader.catalog.refreshed import RefreshedAssignments
 from grader.checks import problems
-from grader.contracts.assignment import Assignment
-from grader.contracts.errors import AssignmentError, SandboxError, SettingsError
-from grader.contracts.grading import AssignmentSource, Preflight, SandboxState
+from grader.contracts.errors import SandboxError, SettingsError
+from grader.contracts.grading import Preflight, SandboxState
 from grader.grading.practice import PracticeRuns
 from grader.grading.preflight import NoPreflight, SandboxPreflight
 from grader.grading.slot import Slot, SlotConfig
@@ -99,8 +97,8 @@ def _practice(database: Database, settings: Settings, clock: Clock) -> PracticeR
 
 def _grading(database: Database, settings: Settings, services: Services) -> AbstractContextManager[Worker]:
     """Return the service's own worker."""
-    parts = _parts(database, settings, services.assignments, services.clock)
-    return _working(settings, replace(parts, doorbell=services.doorbell, observer=services.metrics))
+    parts = _parts(database, settings, services.assignments, services.clock, services.metrics)
+    return _working(settings, replace(parts, doorbell=services.doorbell))
 
 
 @contextmanager
@@ -113,11 +111,11 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
     with ExitStack() as stack:
         database = stack.enter_context(_store(settings, "grader worker"))
         clock = stack.enter_context(clock_of(database))
-        parts = _parts(database, settings, assignments_of(settings, database, clock), clock)
-        metrics = Metrics(Measures(database, parts.workers, clock, settings.silent_s).state)
+        metrics = Metrics(Measures(database, Workers(database, clock), clock, settings.silent_s).state)
         if settings.metrics_port is not None:
             stack.enter_context(exported(metrics, settings.metrics_port, settings.host))
-        yield stack.enter_context(_working(settings, replace(parts, observer=metrics)))
+        parts = _parts(database, settings, assignments_of(settings, database, clock), clock, metrics)
+        yield stack.enter_context(_working(settings, parts))
 
 
 def _providers(settings: Settings, clock: Clock) -> Providers:
@@ -129,33 +127,8 @@ def _providers(settings: Settings, clock: Clock) -> Providers:
 def assignments_of(settings: Settings, database: Database, clock: Clock) -> CourseAssignments:
     """Return the assignments that come with the grader, the operator's, and those of single courses."""
     folders = (None, *(set_root(str(one)) or one for one in settings.assignment_folders))
-    shared = RefreshedAssignments([_Fitting(Catalog(one, AssignmentMemory())) for one in folders])
+    shared = RefreshedAssignments([Catalog(one, AssignmentMemory()) for one in folders], problems)
     return CourseAssignments(shared, OwnAssignments(database, clock))
-
-
-class _Fitting:
-    """A folder of assignments where one that does not fit its check is wrong, as the commands say it is."""
-
-    def __init__(self, catalog: Catalog) -> None:
-        self._catalog = catalog
-        self._known: dict[str, tuple[Assignment, Assignment | AssignmentError]] = {}
-
-    def each(self) -> Iterator[tuple[str, Assignment | AssignmentError]]:
-        for id_, one in self._catalog.each():
-            yield id_, one if isinstance(one, AssignmentError) else self._fitting(id_, one)
-
-    def starter(self, assignment_id: str) -> bytes:
-        return self._catalog.starter(assignment_id)
-
-    def given_code(self) -> tuple[bytes, ...]:
-        return self._catalog.given_code()
-
-    def _fitting(self, id_: str, assignment: Assignment) -> Assignment | AssignmentError:
-        known = self._known.get(id_)
-        if known is None or known[0] is not assignment:
-            found = [(self._catalog.place(id_, field), told) for field, told in problems(assignment)]
-            known = self._known[id_] = assignment, refusals(found) if found else assignment
-        return known[1]
 
 
 @contextmanager
@@ -188,7 +161,7 @@ def _working(settings: Settings, parts: WorkerParts) -> Iterator[Worker]:
 
 
 def _parts(
-    database: Database, settings: Settings, assignments: AssignmentSource, clock: Clock
+    database: Database, settings: Settings, assignments: CourseAssignments, clock: Clock, metrics: Metrics
 ) -> WorkerParts:
     return WorkerParts(
         queue=Queue(database, clock, _retries(settings)),
@@ -198,6 +171,7 @@ def _parts(
         probe=_probe,
         doorbell=Doorbell(),
         clock=clock,
+        metrics=metrics,
         uploads=Uploads(own=OwnAssignments(database, clock), make_grader=lambda: Slot(_BEHIND)),
         work=None if database.is_sqlite else _permits(database, settings, clock),
     )

@@ -354,6 +354,7 @@ class TurtleWorld(SimulatedWorld):
             return {"name": ""}
         if name == GRADED:
             self._jump(self._present[GRADED], pose, revive=True)
+            self._feeds.pen = Pen(cleared_at=self.turtle.pose)
         else:
             self._appear(name, pose, t_ns)
         return {"name": name}

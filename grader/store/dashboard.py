@@ -17,9 +17,9 @@ from sqlalchemy import ColumnElement, Select, and_, case, func, select
 from sqlmodel import Session, SQLModel, col
 
 from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount, StudentProgress
-from grader.contracts.judgement import ItemScore, settled
+from grader.contracts.judgement import settled
 from grader.contracts.report import GradeStatus
-from grader.contracts.rubric import ItemStatus
+from grader.contracts.rubric import ItemScore, ItemStatus
 from grader.contracts.submission import Judgement, SubmissionState
 from grader.store.courses import in_class
 from grader.store.database import Database

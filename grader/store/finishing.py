@@ -51,13 +51,14 @@ class FinishedRows:
     Attributes:
         changes: to the row of the submission.
         grading: its own row. details: rows that belong to that.
-        assignment: the row of the assignment, where that may not be stored yet.
+        assignment: the row of the assignment. knows_assignment: whether that is known to be stored already.
     """
 
     changes: Values
     grading: Values
     details: Details
-    assignment: Values | None
+    assignment: Values
+    knows_assignment: bool = False
 
 
 def finish_at_once(
@@ -96,7 +97,7 @@ class _Shape(NamedTuple):
 def _values(rows: FinishedRows) -> tuple[Values, _Shape]:
     """Return the values of a statement that claims nothing, and its shape."""
     values = _prefixed("s", rows.changes) | _prefixed("g", rows.grading)
-    if rows.assignment is not None:
+    if not rows.knows_assignment:
         values |= _prefixed("a", rows.assignment)
     listed: list[TableClause] = []
     trajectories = 0
@@ -108,9 +109,13 @@ def _values(rows: FinishedRows) -> tuple[Values, _Shape]:
         else:
             listed.append(statement.table)
             values[statement.table.name] = each
-    adds_assignment = rows.assignment is not None
     shape = _Shape(
-        tuple(rows.changes), tuple(rows.grading), tuple(listed), trajectories, adds_assignment, claims=False
+        tuple(rows.changes),
+        tuple(rows.grading),
+        tuple(listed),
+        trajectories,
+        adds_assignment=not rows.knows_assignment,
+        claims=False,
     )
     return values, shape
 

@@ -1,4 +1,4 @@
-"""Finished gradings: written as rows, read back as reports.
+"""Finished gradings, as rows to be stored.
 
 Rows are plain values by column, inserted by statements of tables: making an object of each and keeping account of
 it would cost more than the database takes to store it.
@@ -11,24 +11,18 @@ from collections.abc import Sequence
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import Connection, Insert, Select, insert, select
-from sqlmodel import Session, col
+from sqlalchemy import Connection, Insert, insert
 
 from grader.contracts.assignment import Assignment, Distro
 from grader.contracts.grading import GradingResult
-from grader.contracts.record import canonical, from_json, to_plain
-from grader.contracts.report import Measurements
-from grader.contracts.submission import Claim, StoredReport
-from grader.store.database import StorePart
-from grader.store.judgements import judgements_of
+from grader.contracts.record import canonical, to_plain
+from grader.contracts.submission import Claim
 from grader.store.tables import (
     GZIP_LEVEL,
     GradedItemRow,
     GradedMistakeRow,
     GradingRow,
-    SubmissionRow,
     TrajectoryRow,
-    as_contract,
     table_of,
 )
 
@@ -43,7 +37,7 @@ Details = Sequence[tuple[Insert, list[Values]]]
 
 
 def grading_values(
-    claim: Claim, result: GradingResult, finished_at: datetime, assignment_sha256: str | None = None
+    claim: Claim, result: GradingResult, finished_at: datetime, assignment_sha256: str
 ) -> Values:
     """Return the row of the grading itself."""
     report = result.report
@@ -129,93 +123,3 @@ def _trajectories(result: GradingResult) -> list[Values]:
         }
         for position, (case_id, content) in enumerate(result.trajectories.items())
     ]
-
-
-def standing_grading(submission_id: str) -> Select[GradingRow]:
-    """Select the grading that counts for a submission: one row, or none before it is graded."""
-    return (
-        select(GradingRow)
-        .join(
-            SubmissionRow,
-            (col(SubmissionRow.id) == col(GradingRow.submission_id))
-            & (col(SubmissionRow.graded_attempt) == col(GradingRow.attempt)),
-        )
-        .where(col(SubmissionRow.id) == submission_id)
-    )
-
-
-def stored_report(session: Session, row: GradingRow, judged: str) -> StoredReport:
-    """Return the report of a grading with its cases, and what people judged of the submission `judged`."""
-    return as_contract(
-        row,
-        StoredReport,
-        content=row.report,
-        sha256=row.report_sha256,
-        cases=_cases(session, row),
-        judgements=judgements_of(session, [judged]),
-    )
-
-
-def _cases(session: Session, grading: GradingRow) -> dict[str, str]:
-    statement = (
-        select(col(TrajectoryRow.case_id), col(TrajectoryRow.sha256))
-        .where(
-            col(TrajectoryRow.submission_id) == grading.submission_id,
-            col(TrajectoryRow.attempt) == grading.attempt,
-        )
-        .order_by(col(TrajectoryRow.position))
-    )
-    return {row[0]: row[1] for row in session.execute(statement)}
-
-
-class PastGradings(StorePart):
-    """Reads gradings one by one; safe to share between threads."""
-
-    def get(self, submission_id: str, attempt: int) -> StoredReport | None:
-        """Return the grading that `attempt` made of a submission, or None."""
-        with self._database.reading() as session:
-            row = session.get(GradingRow, (submission_id, attempt))
-            return None if row is None else stored_report(session, row, submission_id)
-
-    def around(self, regrade_id: str, submission_id: str) -> tuple[StoredReport | None, StoredReport | None]:
-        """Return a submission's grading before a re-grade and the one the re-grade made.
-
-        While the re-grade is open the latter is its trial's; once applied, the one that was taken over; None
-        when there is none (not made yet, failed, or discarded). Judgements by people are the submission's.
-        """
-        with self._database.reading() as session:
-            applied = session.execute(
-                _of(submission_id).where(col(GradingRow.regrade) == regrade_id)
-            ).scalar_one_or_none()
-            if applied is not None:
-                earlier = _of(submission_id).where(col(GradingRow.attempt) < applied.attempt)
-                if applied.replaced is not None:  # gradings of older versions do not say
-                    earlier = earlier.where(col(GradingRow.attempt) == applied.replaced)
-                before = _newest(session, earlier, submission_id)
-                return before, stored_report(session, applied, submission_id)
-            trial = (
-                select(GradingRow)
-                .join(SubmissionRow, col(SubmissionRow.id) == col(GradingRow.submission_id))
-                .where(
-                    col(SubmissionRow.regrade) == regrade_id,
-                    col(SubmissionRow.original) == submission_id,
-                    col(SubmissionRow.graded_attempt) == col(GradingRow.attempt),
-                )
-            )
-            before = _newest(session, standing_grading(submission_id), submission_id)
-            return before, _newest(session, trial, submission_id)
-
-    def measurements(self, stored: StoredReport) -> Measurements | None:
-        """Return the measurements of a grading, which its report does not contain; None if it is not stored."""
-        row = self._get(GradingRow, (stored.submission_id, stored.attempt))
-        return None if row is None else from_json(Measurements, row.measurements)
-
-
-def _of(submission_id: str) -> Select[GradingRow]:
-    return select(GradingRow).where(col(GradingRow.submission_id) == submission_id)
-
-
-def _newest(session: Session, statement: Select[GradingRow], judged: str) -> StoredReport | None:
-    newest = statement.order_by(col(GradingRow.attempt).desc()).limit(1)
-    row = session.execute(newest).scalar_one_or_none()
-    return None if row is None else stored_report(session, row, judged)

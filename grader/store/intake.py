@@ -330,17 +330,14 @@ def _same_as_latest(session: Session, upload: NewSubmission, known: _Known, dige
     return latest.id
 
 
-def _graded_as(session: Session, submission_id: str, attempt: int) -> tuple[int, Distro] | None:
+def _graded_as(session: Session, submission_id: str, attempt: int) -> tuple[int, Distro]:
     """Return the version of the assignment, and the release of ROS 2, that a grading was made by."""
-    row = session.execute(
+    version, graded = session.execute(
         select(col(GradingRow.assignment_version), col(GradedAssignmentRow.content))
-        .outerjoin(GradedAssignmentRow, col(GradedAssignmentRow.sha256) == col(GradingRow.assignment_sha256))
+        .join(GradedAssignmentRow, col(GradedAssignmentRow.sha256) == col(GradingRow.assignment_sha256))
         .where(col(GradingRow.submission_id) == submission_id, col(GradingRow.attempt) == attempt)
-    ).first()
-    if row is None:
-        return None
-    version, kept = row
-    return version, DEFAULT_DISTRO if kept is None else from_json(Assignment, kept).release
+    ).one()
+    return version, from_json(Assignment, graded).release
 
 
 def _turn(session: Session, upload: NewSubmission, known: _Known, now: datetime) -> datetime:

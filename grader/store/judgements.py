@@ -15,10 +15,10 @@ from sqlmodel import Session, col
 
 from grader.contracts.errors import JudgementError
 from grader.contracts.identity import Seen
-from grader.contracts.judgement import composed, standing, to_judge
+from grader.contracts.judgement import composed, standing
 from grader.contracts.notation import written
 from grader.contracts.report import GradeReport, report_from
-from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.rubric import ItemStatus, RubricItem, to_judge
 from grader.contracts.submission import Judgement
 from grader.store import appeals
 from grader.store.audit import Signature, record

@@ -10,7 +10,7 @@ import os
 import socket
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from typing import Any
 
 from sqlalchemy import event, func, select, text
@@ -74,16 +74,14 @@ def alone(database: Database) -> Iterator[None]:
             _take(session, database.name)
             yield
         return
-    with ExitStack() as stack:
-        for kind in ("open", "lock"):  # the second is `grader.store.workers.presence`
-            descriptor = stack.enter_context(_lock_file(f"{database.name}.{kind}"))
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise OccupiedError(
-                    f"a service works with {database.name}: stop it first",
-                    f"有服务正在使用 {database.name}：请先停止它",
-                ) from None
+    with _lock_file(f"{database.name}.open") as descriptor:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise OccupiedError(
+                f"a service works with {database.name}: stop it first",
+                f"有服务正在使用 {database.name}：请先停止它",
+            ) from None
         yield
 
 

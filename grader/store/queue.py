@@ -18,7 +18,7 @@ from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingResult
-from grader.contracts.judgement import to_judge
+from grader.contracts.rubric import to_judge
 from grader.contracts.submission import Claim, QueueState, SubmissionState
 from grader.store.claiming import DUE, change, claim_of, claim_values, due_early, instants, resume, take
 from grader.store.clock import LONGEST_PAUSE, Clock, ahead, longer_pause
@@ -125,7 +125,7 @@ class Queue:
                     held.add(claim)
         return held
 
-    def finish(self, claim: Claim, result: GradingResult, assignment: Assignment | None = None) -> bool:
+    def finish(self, claim: Claim, result: GradingResult, assignment: Assignment) -> bool:
         """Store `result` as the grading of `claim`; False when the claim is no longer valid.
 
         `assignment` is kept as it was graded. The row and everything that belongs to the grading change in
@@ -321,12 +321,12 @@ class Queue:
         self,
         claim: Claim,
         result: GradingResult,
-        assignment: Assignment | None,
+        assignment: Assignment,
         claimant: _Claimant | None,
     ) -> Finished:
         now = self._clock()
-        graded = None if assignment is None else self._assignments.of(assignment)
-        grading = grading_values(claim, result, now, None if graded is None else graded["sha256"])
+        graded = self._assignments.of(assignment)
+        grading = grading_values(claim, result, now, graded["sha256"])
         rows = FinishedRows(_outcome(claim, result, grading), grading, detail_values(grading, result), graded)
         if not self._database.is_sqlite:
             finished = self._finish_at_once(claim, rows, claimant)
@@ -341,13 +341,13 @@ class Queue:
             known, graded = _stored_assignments(connection), rows.assignment
             current = change(connection, claim, rows.changes)
             if current:
-                if graded is not None and graded["sha256"] not in known:
+                if graded["sha256"] not in known:
                     add_once(connection, GradedAssignmentRow, **graded)
                 insert_grading(connection, rows.grading, rows.details)
             stored = current or _stored_already(connection, rows.grading)
             answer_lost = stored and not current
             following = None if claimant is None else self._claim_next(session, claimant, answer_lost)
-        if current and graded is not None:
+        if current:
             known.add(graded["sha256"])
         return Finished(stored, following)
 
@@ -358,13 +358,11 @@ class Queue:
             next_claim = claim_values(claimant.worker, self._clock(), self.lease_s, claimant.in_turn)
         with self._database.at_once() as connection:
             known, graded = _stored_assignments(connection), rows.assignment
-            if graded is not None and graded["sha256"] in known:
-                rows = replace(rows, assignment=None)
+            rows = replace(rows, knows_assignment=graded["sha256"] in known)
             row = finish_at_once(connection, self._database.announcer, claim, rows, next_claim)
         if row is None:
             return Finished(stored=False)
-        if graded is not None:
-            known.add(graded["sha256"])
+        known.add(graded["sha256"])
         if claimant is None:
             return Finished(stored=True)
         if row.id is not None:

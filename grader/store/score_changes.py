@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from sqlalchemy import select
 from sqlmodel import Session, col
 
-from grader.contracts.judgement import ItemScore, settled, standing, total
+from grader.contracts.judgement import settled, standing
 from grader.contracts.regrade import ItemChange, ScoreChange
-from grader.contracts.rubric import ItemStatus
+from grader.contracts.rubric import ItemScore, ItemStatus, total
 from grader.contracts.submission import Judgement
 from grader.store.database import in_lots
 from grader.store.judgements import judgements_of

@@ -1,11 +1,11 @@
 """Submissions and their gradings: adding uploads, and reading what became of them."""
 
-from sqlalchemy import func, select
+from sqlalchemy import Select, func, select
 from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.record import from_json
-from grader.contracts.report import GradeStatus
+from grader.contracts.report import GradeStatus, Measurements
 from grader.contracts.rules import Attempt, Refusal
 from grader.contracts.submission import (
     NewSubmission,
@@ -17,15 +17,22 @@ from grader.contracts.submission import (
 from grader.store.audit import Signature, record
 from grader.store.clock import TimedPart
 from grader.store.courses import in_class
-from grader.store.gradings import standing_grading, stored_report
 from grader.store.intake import attempts_of, refusal_of, take_in
-from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow, TrajectoryRow, as_contract
+from grader.store.judgements import judgements_of
+from grader.store.tables import (
+    GradedAssignmentRow,
+    GradingRow,
+    SourceRow,
+    SubmissionRow,
+    TrajectoryRow,
+    as_contract,
+)
 
 _OPEN_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
 
 
 class Submissions(TimedPart):
-    """Uploads and what became of them; safe to share between threads."""
+    """Uploads, and what became of them: their gradings one by one. Safe to share between threads."""
 
     def add(self, upload: NewSubmission) -> Submission:
         """Store an upload and queue it, in one transaction: once this returns, it is not lost.
@@ -86,13 +93,15 @@ class Submissions(TimedPart):
     def report(self, submission_id: str) -> StoredReport | None:
         """Return the latest grading of a submission, or None when there is none yet."""
         with self._database.reading() as session:
-            return _report(session, submission_id)
+            return _latest_report(session, submission_id)
 
     def with_report(self, submission_id: str) -> tuple[Submission, StoredReport | None] | None:
         """Return a submission and its latest grading as they are at one instant, or None, as `get` does."""
         with self._database.reading() as session:
             row = _handed_in(session, submission_id)
-            return None if row is None else (_submission(row), _report(session, submission_id))
+            if row is None:
+                return None
+            return _submission(row), _latest_report(session, submission_id)
 
     def trajectory(self, report: StoredReport, case_id: str) -> bytes | None:
         """Return the trajectory of one case as gzip of its JSON, or None."""
@@ -100,13 +109,51 @@ class Submissions(TimedPart):
             row = session.get(TrajectoryRow, (report.submission_id, report.attempt, case_id))
             return None if row is None else row.content
 
-    def graded_assignment(self, report: StoredReport) -> Assignment | None:
-        """Return the assignment as it was when `report` was made; None when that was not kept."""
-        if report.assignment_sha256 is None:
-            return None
+    def graded_assignment(self, report: StoredReport) -> Assignment:
+        """Return the assignment as it was when `report` was made."""
         with self._database.reading() as session:
-            row = session.get(GradedAssignmentRow, report.assignment_sha256)
-            return None if row is None else from_json(Assignment, row.content)
+            row = session.get_one(GradedAssignmentRow, report.assignment_sha256)
+            return from_json(Assignment, row.content)
+
+    def grading(self, submission_id: str, attempt: int) -> StoredReport | None:
+        """Return the grading that `attempt` made of a submission, or None."""
+        with self._database.reading() as session:
+            row = session.get(GradingRow, (submission_id, attempt))
+            return None if row is None else _stored_report(session, row, submission_id)
+
+    def around_regrade(
+        self, regrade_id: str, submission_id: str
+    ) -> tuple[StoredReport | None, StoredReport | None]:
+        """Return a submission's grading before a re-grade and the one the re-grade made.
+
+        While the re-grade is open the latter is its trial's; once applied, the one that was taken over; None
+        when there is none (not made yet, failed, or discarded). Judgements by people are the submission's.
+        """
+        with self._database.reading() as session:
+            of_submission = select(GradingRow).where(col(GradingRow.submission_id) == submission_id)
+            of_regrade = of_submission.where(col(GradingRow.regrade) == regrade_id)
+            applied = session.execute(of_regrade).scalar_one_or_none()
+            if applied is not None:
+                # where it replaced none, this selects none
+                replaced = of_submission.where(col(GradingRow.attempt) == applied.replaced)
+                before = _report_of(session, replaced, submission_id)
+                return before, _stored_report(session, applied, submission_id)
+            trial = (
+                select(GradingRow)
+                .join(SubmissionRow, col(SubmissionRow.id) == col(GradingRow.submission_id))
+                .where(
+                    col(SubmissionRow.regrade) == regrade_id,
+                    col(SubmissionRow.original) == submission_id,
+                    col(SubmissionRow.graded_attempt) == col(GradingRow.attempt),
+                )
+            )
+            before = _latest_report(session, submission_id)
+            return before, _report_of(session, trial, submission_id)
+
+    def measurements(self, stored: StoredReport) -> Measurements | None:
+        """Return the measurements of a grading, which its report does not contain; None if it is not stored."""
+        row = self._get(GradingRow, (stored.submission_id, stored.attempt))
+        return None if row is None else from_json(Measurements, row.measurements)
 
     def of_student(
         self, student: str, assignment: str | None = None, course: str | None = None
@@ -202,9 +249,44 @@ def _handed_in(session: Session, submission_id: str) -> SubmissionRow | None:
     return None if row is None or row.regrade is not None else row
 
 
-def _report(session: Session, submission_id: str) -> StoredReport | None:
-    row = session.execute(standing_grading(submission_id)).scalar_one_or_none()
-    return None if row is None else stored_report(session, row, submission_id)
+def _latest_report(session: Session, submission_id: str) -> StoredReport | None:
+    """Return the grading that counts for a submission; None before it is graded."""
+    row = SubmissionRow
+    standing = (col(row.id) == col(GradingRow.submission_id)) & (
+        col(row.graded_attempt) == col(GradingRow.attempt)
+    )
+    grading = select(GradingRow).join(row, standing).where(col(row.id) == submission_id)
+    return _report_of(session, grading, submission_id)
+
+
+def _stored_report(session: Session, row: GradingRow, judged: str) -> StoredReport:
+    """Return the report of a grading with its cases, and what people judged of the submission `judged`."""
+    return as_contract(
+        row,
+        StoredReport,
+        content=row.report,
+        sha256=row.report_sha256,
+        cases=_cases(session, row),
+        judgements=judgements_of(session, [judged]),
+    )
+
+
+def _report_of(session: Session, grading: Select[GradingRow], judged: str) -> StoredReport | None:
+    """Return as `_stored_report` does the one grading that a query selects; None if it selects none."""
+    row = session.execute(grading).scalar_one_or_none()
+    return None if row is None else _stored_report(session, row, judged)
+
+
+def _cases(session: Session, grading: GradingRow) -> dict[str, str]:
+    statement = (
+        select(col(TrajectoryRow.case_id), col(TrajectoryRow.sha256))
+        .where(
+            col(TrajectoryRow.submission_id) == grading.submission_id,
+            col(TrajectoryRow.attempt) == grading.attempt,
+        )
+        .order_by(col(TrajectoryRow.position))
+    )
+    return {row[0]: row[1] for row in session.execute(statement)}
 
 
 def _submission(row: SubmissionRow) -> Submission:

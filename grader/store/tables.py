@@ -1,4 +1,7 @@
-"""The tables. Changing one needs a migration in `grader.store.migrations.versions` (a test compares them)."""
+"""The tables. A new database gets them as they stand here.
+
+Changing one needs a migration in `grader.store.migrations.versions`; a test compares what both lead to.
+"""
 
 import gzip
 import re
@@ -326,9 +329,7 @@ class GradingRow(_Row, table=True):
     report_sha256: str = Field(max_length=SHA256_LENGTH)
     report: bytes = Field(sa_column=Column(CompressedBytes(), nullable=False))
     measurements: str = Field(sa_column=text_column())
-    assignment_sha256: str | None = Field(
-        default=None, foreign_key="graded_assignment.sha256", max_length=SHA256_LENGTH
-    )
+    assignment_sha256: str = Field(foreign_key="graded_assignment.sha256", max_length=SHA256_LENGTH)
     regrade: str | None = Field(default=None, foreign_key="regrade.id", max_length=16)
     replaced: int | None = None
 

@@ -6,13 +6,13 @@ from sqlalchemy import and_, select
 from sqlmodel import Session, col
 
 from grader.contracts.errors import RegradeError
-from grader.contracts.regrade import RegradeState, ScoreChange
+from grader.contracts.regrade import ScoreChange
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import SubmissionState
 from grader.store.database import in_lots
 from grader.store.judgements import settle
 from grader.store.score_changes import StandingScores, item_scores, judgements_by, score_change
-from grader.store.tables import GradingRow, RegradeRow, SubmissionRow
+from grader.store.tables import GradingRow, SubmissionRow
 
 
 def undo(session: Session, regrade_id: str) -> list[ScoreChange]:
@@ -44,27 +44,11 @@ def undo(session: Session, regrade_id: str) -> list[ScoreChange]:
 
 
 def _made(session: Session, regrade_id: str) -> dict[str, tuple[int, int | None]]:
-    """Return by submission the number of a re-grade's grading, and of the one that stood before.
-
-    Gradings of older versions do not say what they replaced: it was the one before them that still counts.
-    """
+    """Return by submission the number of a re-grade's grading, and of the one that stood before, if any did."""
     grading = GradingRow
     told = (col(grading.submission_id), col(grading.attempt), col(grading.replaced))
     of_regrade = select(*told).where(col(grading.regrade) == regrade_id)
-    found = {row[0]: (row[1], row[2]) for row in session.execute(of_regrade)}
-    unsaid = [id_ for id_, (_, replaced) in found.items() if replaced is None]
-    for part in in_lots(unsaid):
-        undone = col(RegradeRow.state) == RegradeState.UNDONE.value
-        numbers = (
-            select(col(grading.submission_id), col(grading.attempt))
-            .outerjoin(RegradeRow, and_(col(RegradeRow.id) == col(grading.regrade), undone))
-            .where(col(grading.submission_id).in_(part), col(RegradeRow.id).is_(None))
-        )
-        for id_, attempt in session.execute(numbers):
-            own, before = found[id_]
-            if attempt < own:
-                found[id_] = (own, max(attempt, before or attempt))
-    return found
+    return {row[0]: (row[1], row[2]) for row in session.execute(of_regrade)}
 
 
 def _held(session: Session, regrade_id: str) -> Sequence[SubmissionRow]:

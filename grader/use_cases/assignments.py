@@ -53,7 +53,7 @@ def is_own(services: Services, course: str | None, assignment_id: str) -> bool:
     if course is None:
         return False
     try:
-        services.assignments.get(assignment_id)
+        services.assignments.of(None).get(assignment_id)
     except UnknownAssignmentError:
         return True
     return False
@@ -80,8 +80,9 @@ def require_published(
 
 def _is_draft_to(services: Services, caller: Caller, assignment_id: str) -> bool:
     """Whether the caller is a student from whom a draft is hidden, its name as well."""
-    rules = services.rules.of(caller.course).of(assignment_id)
-    return caller.role is Role.STUDENT and rules.shown is Shown.DRAFT
+    if caller.role is not Role.STUDENT:
+        return False
+    return services.rules.of(caller.course).of(assignment_id).shown is Shown.DRAFT
 
 
 def visible_assignment(services: Services, caller: Caller, assignment_id: str) -> Assignment:

@@ -2,10 +2,9 @@
 
 from dataclasses import dataclass
 
-from grader.contracts.comment import LONGEST_COMMENT, Comment
+from grader.contracts.comment import LONGEST_COMMENT, Comment, is_comment
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role
-from grader.contracts.judgement import is_comment
 from grader.contracts.submission import Submission
 from grader.contracts.text import Text
 from grader.contracts.upload import lines_of
@@ -13,7 +12,7 @@ from grader.formats.packages.bundle import text_of
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import visible_submission
 
-_TEXT = Text(
+_WRONG_TEXT = Text(
     zh=f"评论要有内容，最多 {LONGEST_COMMENT} 个字符，不能有控制字符。",
     en=f"A comment has 1 to {LONGEST_COMMENT} characters and no control characters.",
 )
@@ -39,11 +38,11 @@ def comments(services: Services, caller: Caller, submission_id: str) -> tuple[Co
     return services.comments.of(visible_submission(services, caller, submission_id).id)
 
 
-def look(services: Services, caller: Caller, submission: Submission) -> tuple[Comment, ...]:
+def read_comments(services: Services, caller: Caller, submission: Submission) -> tuple[Comment, ...]:
     """Return the comments on a submission, and note that the caller, who may see it, has seen them."""
     found = services.comments.of(submission.id)
     is_student = caller.role is Role.STUDENT
-    if any(one.by_student is not is_student and not one.seen for one in found):
+    if any(comment.by_student is not is_student and not comment.seen for comment in found):
         services.comments.seen(submission.id, services.clock(), by_student=is_student)
     return found
 
@@ -60,7 +59,7 @@ def add_comment(
     submission = visible_submission(services, caller, submission_id)
     if caller.course is None or caller.person is None:
         raise RefusedError("no_course")
-    text = checked_text(text, LONGEST_COMMENT, _TEXT)
+    text = checked_text(text, LONGEST_COMMENT, _WRONG_TEXT)
     if line is not None:
         last = len(lines_of(text_of(services.submissions.source(submission.id) or b"")))
         if not 1 <= line <= last:
@@ -73,20 +72,20 @@ def add_comment(
     return added
 
 
-def checked_text(text: str, longest: int, otherwise: Text, field: str = "text") -> str:
+def checked_text(text: str, longest: int, refusal: Text, field: str = "text") -> str:
     """Return what somebody wrote, without the empty lines around it.
 
     Raises:
-        RefusedError: `otherwise`: it is empty or longer, or has control characters.
+        RefusedError: it is empty or longer than `longest`, or has control characters; `refusal` says so.
     """
     text = text.replace("\r\n", "\n").strip()
     if not text or not is_comment(text, longest):
-        raise RefusedError("invalid_request", otherwise, field=field)
+        raise RefusedError("invalid_request", refusal, field=field)
     return text
 
 
 def unread(services: Services, caller: Caller) -> Unread | None:
-    """Return what was written to the caller, or to the staff that the caller is of; None when all was seen."""
+    """Return what the other side wrote and the caller's side has not seen; None if it has seen everything."""
     if caller.course is None or caller.person is None:
         return None
     if caller.is_staff:
@@ -96,9 +95,9 @@ def unread(services: Services, caller: Caller) -> Unread | None:
     return Unread(count=sum(found.values()), first=next(iter(found))) if found else None
 
 
-def author_names(services: Services, found: tuple[Comment, ...], course: str | None) -> dict[str, str]:
-    """Return by id how the authors of comments are called."""
+def author_names(services: Services, comments: tuple[Comment, ...], course: str | None) -> dict[str, str]:
+    """Return the names of the authors of comments, by id."""
     if course is None:
         return {}
-    members = {one.by: services.courses.member(course, one.by) for one in found}
+    members = {one.by: services.courses.member(course, one.by) for one in comments}
     return {id_: id_ if member is None else member.name or id_ for id_, member in members.items()}

@@ -31,7 +31,7 @@ _TAKEN = Text(
 
 
 class CourseAssignments:
-    """Every course's assignments, and by `of` those of one course; thread-safe.
+    """The assignments of each course; thread-safe.
 
     What is uploaded to a course is read again when the last look is half a second old. An upload
     that this version of the grader cannot use disables only itself: `troubles` of its course names it.
@@ -51,7 +51,7 @@ class CourseAssignments:
         self._known: dict[tuple[str, str], tuple[Mark, Assignment | Text]] = {}
 
     def of(self, course: str | None) -> AssignmentSource:
-        """Return the assignments of one course."""
+        """Return the assignments of a course; None: those that every course has."""
         if course is None:
             return self._shared
         with self._lock:
@@ -63,26 +63,6 @@ class CourseAssignments:
         """Look for uploads at the next question."""
         with self._lock:
             self._read_at_s = None
-
-    def all(self) -> tuple[Assignment, ...]:
-        """Return those of every course, in the order of the checklist."""
-        return self._shared.all()
-
-    def get(self, assignment_id: str) -> Assignment:
-        """Return one of every course's, or raise UnknownAssignmentError."""
-        return self._shared.get(assignment_id)
-
-    def troubles(self) -> Mapping[str, Text]:
-        """Return by id what is wrong with those of every course."""
-        return self._shared.troubles()
-
-    def starter(self, assignment_id: str) -> bytes:
-        """Return what students of one of every course's begin with."""
-        return self._shared.starter(assignment_id)
-
-    def given_code(self) -> tuple[bytes, ...]:
-        """Return the scripts that every student of every course can read."""
-        return self._shared.given_code()
 
     def _refresh(self) -> None:
         now_s = self._monotonic_s()
@@ -119,12 +99,6 @@ class _OfCourse:
     stored: OwnAssignments
     course: str
     uploaded: Mapping[str, Assignment | Text]
-
-    def of(self, course: str | None) -> "_OfCourse":
-        return self
-
-    def look_again(self) -> None:
-        """Do nothing: it is asked for anew each time."""
 
     def all(self) -> tuple[Assignment, ...]:
         shared = self.shared.all()

@@ -142,7 +142,7 @@ class Watching:
         self.limits = limits
         self._standings = standings
         self.estimates = estimates
-        self.doorbell = doorbell
+        self._doorbell = doorbell
         self._lock = threading.Lock()
         self._watches: dict[SubjectWatch, tuple[str, ...]] = {}
         self._taken: Counter[str] = Counter()  # by owner and by address
@@ -180,7 +180,7 @@ class Watching:
     def end(self) -> None:
         """End all streams and refuse new ones; returns at once."""
         self._closing.set()
-        self.doorbell.ring()
+        self._doorbell.ring()
         with self._lock:
             for watch in self._watches:
                 watch.end()
@@ -217,7 +217,7 @@ class Watching:
     def _run(self) -> None:
         looks = 0
         while True:
-            heard = self.doorbell.heard()
+            heard = self._doorbell.heard()
             with self._lock:
                 if not self._watches or self._closing.is_set():
                     self._thread = None
@@ -226,7 +226,7 @@ class Watching:
             with_classes = looks % _CLASS_EVERY == 0
             self._notify([one for one in watches if with_classes or one.subject[0] != "class"])
             looks += 1
-            self.doorbell.wait(heard, self.limits.poll_s)
+            self._doorbell.wait(heard, self.limits.poll_s)
             self._closing.wait(_PAUSE_S)
 
     def _notify(self, watches: list[SubjectWatch]) -> None:

@@ -11,7 +11,7 @@ from grader.contracts.notice import MailWishes, NewWebhook, Notice, NoticeKind, 
 from grader.contracts.text import Text
 from grader.messages import on_page, say
 from grader.outside.notices import NotSentError
-from grader.outside.notices.bots import is_address, shape
+from grader.outside.notices.bots import example_address, is_address
 from grader.outside.notices.mail import Letter
 from grader.use_cases.callers import taught_course
 from grader.use_cases.notice_writing import count_as_told
@@ -76,8 +76,8 @@ def set_webhook(services: Services, caller: Caller, new: NewWebhook) -> None:
     """
     course = taught_course(caller)
     if len(new.address) > _LONGEST_ADDRESS or not is_address(new.vendor, new.address):
-        shaped = shape(new.vendor)
-        detail = Text(zh=f"地址应当像 {shaped}。", en=f"The address must look like {shaped}.")
+        example = example_address(new.vendor)
+        detail = Text(zh=f"地址应当像 {example}。", en=f"The address must look like {example}.")
         raise RefusedError("invalid_webhook", detail, field="address")
     printable = len(new.secret) <= _LONGEST_SECRET and new.secret.isprintable()
     if not printable or (new.secret and new.vendor is Vendor.WECOM):

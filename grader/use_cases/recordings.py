@@ -17,7 +17,6 @@ from grader.contracts.scoring import Run
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
 from grader.contracts.trajectory import decode_trajectory
-from grader.use_cases.assignments import require_published
 from grader.use_cases.pictures import PlotSpec
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import graded, shown_assignment
@@ -147,10 +146,8 @@ def measured_figure(
 def _drawable(
     services: Services, caller: Caller, submission_id: str, case: str | None
 ) -> tuple[Assignment, StoredReport, Recording, str]:
-    submission, report = graded(services, caller, submission_id)
-    kept = services.submissions.graded_assignment(report)
-    known = kept or require_published(services, caller, submission.assignment)
-    assignment = shown_assignment(services, caller, known)
+    _, report = graded(services, caller, submission_id)
+    assignment = shown_assignment(services, caller, services.submissions.graded_assignment(report))
     recording = _recorded(services, report, case)
     if report.judgements:  # the picture shows the score, which people have a part in
         whole = judged(report)

@@ -100,7 +100,7 @@ def both_gradings(
     """
     regrade = regrade_of(services, caller, regrade_id)
     submission, _ = found(services, caller, submission_id)
-    before, after = services.past_gradings.around(regrade.id, submission.id)
+    before, after = services.submissions.around_regrade(regrade.id, submission.id)
     if before is None or after is None:
         raise RefusedError("not_graded_yet")
     return regrade, submission, before, after
@@ -125,7 +125,7 @@ def past_grading(services: Services, caller: Caller, submission_id: str, attempt
     """
     require_staff(caller)
     visible_submission(services, caller, submission_id)
-    stored = services.past_gradings.get(submission_id, attempt)
+    stored = services.submissions.grading(submission_id, attempt)
     if stored is None:
         raise RefusedError("submission_not_found")
     return stored

@@ -1,11 +1,10 @@
 """What use cases work with, made by the composition root."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Self
 
-from grader.contracts.grading import AssignmentSource, Preflight
+from grader.contracts.grading import Preflight
 from grader.contracts.identity import Caller
 from grader.contracts.submission import QueueState, WorkerState
 from grader.grading.practice import PracticeRuns
@@ -26,7 +25,6 @@ from grader.store.course_life import CourseLife
 from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
-from grader.store.gradings import PastGradings
 from grader.store.identities import Identities
 from grader.store.judgements import Judgements
 from grader.store.notices import Notices
@@ -44,21 +42,10 @@ from grader.store.work import Doorbell
 from grader.store.workers import Workers
 from grader.use_cases.callers import Allowances, Callers
 from grader.use_cases.comparing import Comparer
+from grader.use_cases.course_assignments import CourseAssignments
 from grader.use_cases.following import Estimates, Watching, WatchLimits
 from grader.use_cases.pictures import PlotCache
 from grader.use_cases.space import SpaceCounter
-
-_STORES: Mapping[str, Callable[[Database], Any]] = {
-    "past_gradings": PastGradings,
-    "regrades": Regrades,
-    "judgements": Judgements,
-    "comments": Comments,
-    "appeals": Appeals,
-    "dashboard": Dashboard,
-    "rules": StoredRules,
-    "audit": AuditLog,
-}
-"""Parts that need nothing but the database, by their names in `Services`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,7 +75,7 @@ class Services:
 
     settings: Settings
     clock: Clock
-    assignments: AssignmentSource
+    assignments: CourseAssignments
     preflight: Preflight
 
     # who asks, and how often
@@ -104,7 +91,6 @@ class Services:
     submissions: Submissions
     queue: Queue
     workers: Workers
-    past_gradings: PastGradings
     regrades: Regrades
     judgements: Judgements
     comments: Comments
@@ -122,8 +108,9 @@ class Services:
     notices: Notices
     audit: AuditLog
 
-    # kept in this process: drawn plots, compared scripts, counted room, streams of events with their estimates,
-    # measurements, live cars, which belong to its event loop, practice runs
+    # kept in this process: what wakes those who wait for work or news, drawn plots, compared scripts, counted
+    # room, streams of events with their estimates, measurements, live cars (of its event loop), practice runs
+    doorbell: Doorbell
     plots: PlotCache
     comparer: Comparer
     space: SpaceCounter
@@ -131,11 +118,6 @@ class Services:
     metrics: Metrics
     live: LiveCars
     practice: PracticeRuns
-
-    @property
-    def doorbell(self) -> Doorbell:
-        """What wakes whoever waits for work or for news."""
-        return self.watching.doorbell
 
     def signature(self, caller: Caller) -> Signature:
         """Return when and by whom a change is made, for the audit log: now, by `caller`."""
@@ -153,7 +135,7 @@ class Services:
         clock: Clock,
         *,
         retries: Retries,
-        assignments: AssignmentSource,
+        assignments: CourseAssignments,
         preflight: Preflight,
         plots: PlotCache,
         callers: Callers,
@@ -163,7 +145,8 @@ class Services:
     ) -> Self:
         """Return the services that work on `database`, whose tables are up to date."""
         queue, workers = Queue(database, clock, retries), Workers(database, clock)
-        watching = _watching(database, settings, Estimates(queue, workers, clock, settings.silent_s))
+        doorbell, estimates = Doorbell(), Estimates(queue, workers, clock, settings.silent_s)
+        watching = Watching(Standings(database), estimates, doorbell, _watch_limits(settings))
         return cls(
             settings=settings,
             clock=clock,
@@ -171,13 +154,12 @@ class Services:
             preflight=preflight,
             callers=callers,
             providers=providers,
-            launches=Launches(lambda: clock().timestamp(), private=providers.private_platforms),
             **outside_channels(settings, clock, providers, Platforms(database, clock)),
             allowances=Allowances.of(settings, clock),
             queue=queue,
             workers=workers,
-            **{name: store(database) for name, store in _STORES.items()},
-            **_with_clock(database, clock),
+            **_stores(database, clock),
+            doorbell=doorbell,
             plots=plots,
             comparer=Comparer(Scripts(database)),
             space=SpaceCounter(CourseLife(database, clock).space, clock),
@@ -188,9 +170,16 @@ class Services:
         )
 
 
-def _with_clock(database: Database, clock: Clock) -> dict[str, Any]:
+def _stores(database: Database, clock: Clock) -> dict[str, Any]:
     return {
         "submissions": Submissions(database, clock),
+        "regrades": Regrades(database),
+        "judgements": Judgements(database),
+        "comments": Comments(database),
+        "appeals": Appeals(database),
+        "dashboard": Dashboard(database),
+        "rules": StoredRules(database),
+        "audit": AuditLog(database),
         "costs": Costs(database, clock),
         "own_assignments": OwnAssignments(database, clock),
         "courses": Courses(database, clock),
@@ -218,17 +207,17 @@ def outside_channels(
 
     private = providers.private_platforms
     return {
+        "launches": Launches(clock_s, private=private),
         "platform_channel": PlatformChannel(signer, clock_s, private=private),
         "bots": BotChannel(clock_s, private=private),
         "mail": MailChannel.of(settings),
     }
 
 
-def _watching(database: Database, settings: Settings, estimates: Estimates) -> Watching:
-    limits = WatchLimits(
+def _watch_limits(settings: Settings) -> WatchLimits:
+    return WatchLimits(
         most=settings.max_streams, most_each=settings.streams_per_person, poll_s=settings.poll_s
     )
-    return Watching(Standings(database), estimates, Doorbell(), limits)
 
 
 def _metrics(measures: Measures, watching: Watching) -> Metrics:

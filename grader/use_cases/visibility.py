@@ -15,10 +15,10 @@ from typing import Any
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role
-from grader.contracts.judgement import judged, to_judge
+from grader.contracts.judgement import judged
 from grader.contracts.record import canonical
 from grader.contracts.report import GradeReport, GradeStatus, report_from
-from grader.contracts.rubric import ItemStatus, summed
+from grader.contracts.rubric import ItemStatus, summed, to_judge
 from grader.contracts.rules import is_hidden
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import LANGUAGES, Text

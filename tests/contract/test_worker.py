@@ -6,6 +6,7 @@ import pytest
 
 from grader.contracts.grading import SandboxState
 from grader.contracts.submission import SubmissionState
+from grader.operation.metrics import Metrics
 from grader.service.worker import Worker, WorkerConfig, WorkerParts
 from grader.store.permits.loop import PermitLoop
 from grader.store.work import Doorbell
@@ -33,6 +34,7 @@ class Bench:
             probe=lambda: self.sandbox,
             doorbell=Doorbell(),
             clock=clock,
+            metrics=Metrics(),
             work=PermitLoop(self.permits.database, clock, poll_s=0.01),
         )
         return Worker(parts, WorkerConfig(slots=1, heartbeat_s=0.05, drain_s=drain_s))

@@ -47,7 +47,7 @@ class Engine:
 
     def finish(self, claim: Claim) -> bool:
         job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment())
-        return self.queue.finish(claim, grade(job))
+        return self.queue.finish(claim, grade(job), job.assignment)
 
     def finish_and_claim(self, claim: Claim) -> tuple[bool, Claim | None]:
         graded = assignment()

@@ -5,8 +5,8 @@ import hashlib
 from grader.checks import evaluate_text
 from grader.contracts.assignment import BY_PERSON, Assignment, ItemSpec
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.contracts.judgement import score_of, total
 from grader.contracts.report import GradeReport, status_of
+from grader.contracts.rubric import score_of, total
 from grader.contracts.text import Text
 from tests.fakes.grading import MEASUREMENTS
 

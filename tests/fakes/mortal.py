@@ -35,6 +35,7 @@ def worker_of(services: Services, config: WorkerConfig) -> Worker:
         probe=lambda: SandboxState(ready=True, isolation="fake"),
         doorbell=services.doorbell,
         clock=services.clock,
+        metrics=services.metrics,
     )
     return Worker(parts, config)
 

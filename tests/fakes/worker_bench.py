@@ -2,6 +2,7 @@
 
 from grader.contracts.grading import GradingJob, GradingResult, SandboxState
 from grader.contracts.submission import Claim, NewSubmission, Submission
+from grader.operation.metrics import Metrics
 from grader.service.worker import SandboxHealth, WorkerParts, WorkerSlot
 from grader.store.database import Database
 from grader.store.queue import Queue, Retries
@@ -34,6 +35,7 @@ class Bench:
             probe=lambda: self.probed[-1],
             doorbell=self.doorbell,
             clock=self.clock,
+            metrics=Metrics(),
         )
 
     def slot(self) -> WorkerSlot:

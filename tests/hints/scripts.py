@@ -308,7 +308,7 @@ SCRIPTS = (
     _script("exit passed over", "square", "never_called", ("    node.move_square()\n", "    try:\n        rclpy.spin(node)\n    except SystemExit:\n        pass\n")),
     _script("arguments that nobody gives", "square", "no_arguments", ("    node.move_square()\n", "    import argparse\n    parser = argparse.ArgumentParser()\n    parser.add_argument('side')\n    parser.parse_args()\n")),
     _script("thread called", "square", "thread_called", ("    node.move_square()\n", "    threading.Thread(target=rclpy.spin(node)).start()\n    node.move_square()\n"), ("import time\n", "import time, threading\n"), words="target=rclpy.spin, args="),
-    _script("error hidden", "straight", "hidden_int", ("        msg.linear.x = 1.0 ", "        try:\n            msg.linear.x = 1\n            self.cmd_vel_pub.publish(msg)\n        except:\n            pass\n        return\n        msg.linear.x = 1.0 "), words="except"),
+    _script("error hidden", "straight", "error_caught", ("        msg.linear.x = 1.0 ", "        try:\n            msg.linear.x = 1\n            self.cmd_vel_pub.publish(msg)\n        except:\n            pass\n        return\n        msg.linear.x = 1.0 "), words="except"),
     _script("compared for assigned", "straight", "compares_for_assigns", ("msg.linear.x = 1.0", "msg.linear.x == 1.0"), words="=="),
     _script("stopped at once", "straight", "stopped_at_once", ("publish(msg)\n", "publish(msg)\n        self.cmd_vel_pub.publish(Twist())\n")),
     _script("negative duration", "square", "negative_time", ("self.SIDE_LENGTH / self.SPEED", "-2.0"), ("1.5708 / self", "-1.57 / self")),

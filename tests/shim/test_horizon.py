@@ -132,6 +132,24 @@ def test_a_thread_that_outlives_main_runs_until_the_horizon(run_bare: RunScript)
     )
     assert run.stdout in ("49\n", "50\n")
     assert (run.exit["reason"], run.exit["after_interrupt"], run.exit["t_ns"]) == (0, 1, 5 * S)
+    ignored, *rest = run.stderr.splitlines()
+    assert ignored.startswith("Exception ignored in: <module 'threading' from ")
+    assert rest == ["KeyboardInterrupt: "]
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        "import threading, time; threading.Thread(target=time.sleep, args=[99]).start()",
+        "import concurrent.futures, time; concurrent.futures.ThreadPoolExecutor().submit(time.sleep, 99)",
+    ],
+)
+def test_what_ended_main_before_ctrl_c_is_no_failure_of_the_clean_up(run_bare: RunScript, start: str) -> None:
+    """A thread that spins keeps the process, as at home, while the main thread has failed long ago."""
+    run = run_bare(f"{start}\n\ntime.sleep(1)\n1 / 0\n", horizon_s=5)
+    end = run.exit
+    assert (end["reason"], end["after_interrupt"], end["type"], end["line"]) == (1, 0, "ZeroDivisionError", 4)
+    assert (end["code"], end["t_ns"]) == (1, 5 * S)
 
 
 def test_a_stall_names_each_thread_its_line_and_its_call(run_bare: RunScript) -> None:

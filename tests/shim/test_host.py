@@ -87,3 +87,15 @@ def test_a_full_screen_program_finds_no_terminal(run_bare: RunScript) -> None:
     pytest.importorskip("_curses")
     run = run_bare("import curses\ncurses.wrapper(print)\n")
     assert (run.exit["type"], run.exit["message"]) == ("error", "setupterm: could not find terminal")
+
+
+def test_no_recursion_is_deeper_than_the_stack_at_home(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import sys\nsys.setrecursionlimit(10**9)\ndeep = 0\n"
+        "def fall():\n    global deep\n    deep += 1\n    fall()\n"
+        "try: fall()\nexcept RecursionError: print(29_000 < deep < 30_000)\n"
+        "for limit in 0, 2**40, '9':\n"
+        "    try: sys.setrecursionlimit(limit)\n"
+        "    except Exception as error: print(type(error).__name__)\n"
+    )
+    assert run.stdout.splitlines() == ["True", "ValueError", "OverflowError", "TypeError"]

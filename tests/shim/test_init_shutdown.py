@@ -53,6 +53,23 @@ def test_misuse_raises_upstreams_errors(run_script):
     ]
 
 
+@pytest.mark.parametrize(
+    ("args", "text"),
+    [
+        (
+            "'turtle'",
+            "__init__(): incompatible constructor arguments. The following argument types are supported:\n"
+            "    1. rclpy._rclpy_pybind11.Context(arg0: list, arg1: int)\n\n"
+            "Invoked with: 'turtle', 18446744073709551615",
+        ),
+        ("['drive', 2]", "bad argument type for built-in operation"),
+    ],
+)
+def test_arguments_are_a_list_of_texts(run_script, args, text):
+    run = run_script(f"import rclpy\nrclpy.init(args={args})")
+    assert run.exit["text"].endswith(f"\nTypeError: {text}\n")
+
+
 def test_what_students_look_for_in_vain_does_not_exist(run_script):
     source = """
         import rclpy

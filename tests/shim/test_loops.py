@@ -3,6 +3,7 @@
 import builtins
 import dis
 import importlib.util
+import sys
 import traceback
 from pathlib import Path
 from typing import Any
@@ -55,6 +56,25 @@ def test_each_turn_of_a_loop_that_may_never_end_is_counted(
 ) -> None:
     run(source)
     assert len(turns) == expected
+
+
+@pytest.mark.parametrize(
+    ("catch", "told"),
+    [
+        ("except:", [ZeroDivisionError]),
+        ("except Exception as e:", [ZeroDivisionError]),
+        ("except BaseException:", [ZeroDivisionError]),
+        ("except ZeroDivisionError:", []),
+        ("except (Exception, ValueError):", []),
+    ],
+)
+def test_an_except_for_any_error_tells_it(
+    monkeypatch: pytest.MonkeyPatch, catch: str, told: list[type[BaseException]]
+) -> None:
+    seen: list[type[BaseException] | None] = []
+    monkeypatch.setattr(builtins, loops.CAUGHT, lambda: seen.append(sys.exc_info()[0]), raising=False)
+    names = run(f"try:\n    1 / 0\n{catch}\n    done = 1\n")
+    assert (seen, names["done"]) == (told, 1)
 
 
 def test_line_numbers_stay(turns: list[int]) -> None:

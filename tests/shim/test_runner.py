@@ -400,3 +400,31 @@ def test_what_the_sandbox_would_refuse_is_refused_alike_everywhere(
     run = run_bare(f"import os, pathlib, socket, subprocess\n{call}\n")
     assert (run.exit["type"], run.exit["message"], run.exit["line"]) == ("PermissionError", error, 2)
     assert [code for code, _ in run.notes] == ["forbidden"]
+
+
+UNDEFINED = ("caught", "line 3: NameError: name 'oops' is not defined")
+
+
+@pytest.mark.parametrize(
+    ("rest", "told"),
+    [
+        ("try: go()\nexcept: pass\ntry: gone()\nexcept Exception: pass\n", [UNDEFINED]),
+        ("try: go()\nexcept NameError: pass\n", []),
+        ("try: 1 / 0\nexcept Exception: pass\n", []),
+        ("try: None.x\nexcept Exception: pass\n", []),
+        ("class Late(TypeError): pass\ntry: raise Late\nexcept Exception: pass\n", []),
+        ("try: time.sleep(99)\nexcept KeyboardInterrupt:\n    try: go()\n    except Exception: pass\n", []),
+        ("try: go()\nfinally: time.sleep(99)\n", [UNDEFINED]),
+        ("from concurrent.futures import ThreadPoolExecutor as P\nP().submit(go)\n", [UNDEFINED]),
+        (
+            "import asyncio\nasync def run(): go()\nasync def main():\n"
+            "    asyncio.create_task(run())\n    await asyncio.sleep(1)\nasyncio.run(main())\n",
+            [UNDEFINED],
+        ),
+    ],
+)
+def test_an_error_of_the_text_that_is_caught_is_told_once(
+    run_bare: RunScript, rest: str, told: list[tuple[str, str]]
+) -> None:
+    run = run_bare("import time\ndef go():\n    oops\n" + rest, horizon_s=5)
+    assert [note for note in run.notes if note[0] == "caught"] == told

@@ -66,6 +66,19 @@ def test_ctrl_c_cancels_the_main_task(run_bare: RunScript) -> None:
     assert (run.exit["reason"], run.exit["after_interrupt"]) == (0, 1)
 
 
+@pytest.mark.parametrize(("distro", "ok"), [("humble", "False"), ("jazzy", "True")])
+def test_only_from_python_3_11_on_asyncio_takes_ctrl_c_from_rclpy(
+    run_script: RunScript, distro: str, ok: str
+) -> None:
+    run = run_script(
+        "import asyncio, rclpy\nrclpy.init()\n"
+        "try: asyncio.run(asyncio.sleep(9))\nexcept KeyboardInterrupt: print(rclpy.ok())\n",
+        horizon_s=5,
+        distro=distro,
+    )
+    assert lines(run) == [ok]
+
+
 def test_a_loop_signal_handler_is_called(run_bare: RunScript) -> None:
     run = run_bare(
         CLOCK + "import signal\nasync def main():\n    stop = asyncio.Event()\n"

@@ -161,7 +161,6 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (frozenset(("publish_not_reached",)), flow.lambda_names),
     (_WAITS, flow.waits_for_two),
     (_KEPT_BUSY, flow.loop_for_spin),
-    (frozenset(("error_hidden",)), numbers.hidden_int),
 )
 """Mistakes, each with a function that looks for a cause of them; the first cause that is found counts."""
 

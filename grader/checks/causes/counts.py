@@ -21,7 +21,7 @@ def counted_each_tick(name: str, script: ScriptText) -> bool:
     """Whether a name is raised by 1 at each tick: not only when another count has come somewhere, as sides are."""
     others = "|".join(re.escape(other) for other in script.counters - {name})
     for line in script.lines_with(rf"(?<![\w.]){_raising(name)}\s*$"):
-        conditions = [script.lines[line - 1].rpartition(":")[0], *script.conditions_of(line)]
+        conditions = [script.lines[line - 1].rpartition(":")[0], *script.conditions_around(line)]
         if any(re.search(_MEASURED, head) for head in conditions):
             continue
         if any(re.search(r"[<>]", head) and not re.search(itself(name), head) for head in conditions):
@@ -70,7 +70,7 @@ def count_kept(seen: Searched) -> Mistake | None:
         return None
     for line, found in list(seen.script.matches(r"^[ \t]+while ([^\W\d]\w*) ?<=? ?[\w.]+ ?:"))[:_MOST_COUNTS]:
         given = seen.script.lines_with(rf"{itself(found[1])} ?=(?!=)(?! ?{found[1]} ?\+)")
-        heads = [head for head in seen.script.heads_of(line) if re.match(r"[ \t]*(for|while)\b", head[1])]
+        heads = [head for head in seen.script.heads_around(line) if re.match(r"[ \t]*(for|while)\b", head[1])]
         if heads and found[1] in seen.script.counters and given and max(given) < heads[-1][0]:
             return mistake("count_kept", name=found[1])
     for timer in seen.script.callbacks("timer")[:1]:

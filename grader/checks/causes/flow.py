@@ -43,7 +43,7 @@ _MOST_STATES: Final = 20  # each that is asked for is compared with all of them
 def deaf_loop(seen: Searched) -> Mistake | None:
     """Find a loop that waits for what a subscription's callback keeps, in which nothing spins."""
     heard = [callback.name for callback in seen.script.callbacks("subscription")]
-    kept = {name for one in heard for name in seen.script.given_in(one)}
+    kept = {name for one in heard for name in seen.script.attributes_set_in(one)}
     others = [callback.name for callback in seen.script.callbacks("timer")] + heard
     if not kept or seen.script.lines_with(r"\bThread\(|Executor\("):
         return None
@@ -258,7 +258,7 @@ def log_behind_spin(seen: Searched) -> Mistake | None:
 
 def uncalled(seen: Searched) -> Mistake | None:
     """Find a function that is named and not called; where no motion came, one that is called nowhere else."""
-    named = seen.script.uncalled
+    named = seen.script.named_only
     loud = {"log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on"}
     name = "" if named is None else re.escape(named.name.rpartition(".")[2])
     called = seen.script.lines_with(rf"(?<!def )\b{name}\(") if name else []
@@ -287,7 +287,7 @@ def no_publish(seen: Searched) -> Mistake | None:
         return None
     first = timers[0]
     last, _ = (seen.script.body(first.begins) or [(first.begins, "")])[-1]
-    call = f"{seen.script.publisher or 'self.pub'}.publish({seen.script.message_beside(last) or 'msg'})"
+    call = f"{seen.script.publisher or 'self.pub'}.publish({seen.script.twist_name_at(last) or 'msg'})"
     return mistake("no_publish", name=first.name, begins=first.begins, call=call)
 
 

@@ -194,12 +194,3 @@ def _becomes_rate(before: str, after: str, script: ScriptText) -> bool:
         return False
     name = re.escape(assigned[1])
     return bool(script.lines_with(rf"angular\.z *=[^#(]*(?<![\w.]){name}(?![\w.(])"))
-
-
-def hidden_int(seen: Searched) -> Mistake | None:
-    """Find a whole number that was given to a float's field, if an ``except`` hides the error."""
-    lines = seen.script.lines_with(r"\.(linear|angular)\.[xyz] ?= ?-?\d+$")
-    if not lines or (hidden := seen.script.swallowed) is None:
-        return None
-    written = seen.script.lines[lines[0] - 1].strip()
-    return mistake("hidden_int", line=lines[0], hidden=hidden, written=written, right=f"{written}.0")

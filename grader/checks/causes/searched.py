@@ -39,7 +39,7 @@ class Searched(NamedTuple):
 
 def is_repeated(line: int, script: ScriptText) -> bool:
     """Whether a line stands in a loop of its function."""
-    return any(re.match(r"[ \t]*(for|while)\b", head) for head in script.conditions_of(line))
+    return any(re.match(r"[ \t]*(for|while)\b", head) for head in script.conditions_around(line))
 
 
 def sets(name: str, line: int, script: ScriptText) -> bool:

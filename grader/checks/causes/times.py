@@ -1,5 +1,6 @@
 """Times that are measured, waited for or passed wrongly."""
 
+import itertools
 import math
 import re
 from typing import Final
@@ -11,21 +12,21 @@ from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
-_PAUSE_S: Final = 0.3
+_PAUSE_S: Final = 0.3  # a shorter sleep before a motion changes nothing that is seen
 _MOST_CLOCKS: Final = 50  # each is looked for in all lines
-_SHOWN: Final = r"(?:\btime\.time\(\)|\bnow\(\))"
-_TO_SECONDS: Final = 0.99e9
+_TIME_OF_DAY: Final = r"(?:\btime\.time\(\)|\bnow\(\))"
+_TO_SECONDS: Final = 0.99e9  # what divides nanoseconds by less does not make seconds of them
 _FEW_SECONDS: Final = 60.0
-_TIMES_OR_NAME: Final = r"[\w.]+(?: ?\* ?(?:1e\d+|1\d{3,12}))?"
+_VALUE_OR_NAME: Final = r"[\w.]+(?: ?\* ?(?:1e\d+|1\d{3,12}))?"
 _FEW_NS: Final = 1e6  # a millisecond: what is compared with less is meant as seconds
 _TO_NS: Final = r"(?i)\b1e9|10 ?\*\* ?9|1_?000_?000_?000|nanosec|\bns\b"
 _NAME: Final = r"(?<![\w.])[\w.]{1,60}"
 _DRIVE_TIME: Final = r"(?i)(?:move|drive|straight|side|forward|line)\w*time"
 _TURN_TIME: Final = r"(?i)(?:turn|rotate|spin)\w*time"
 _LONG_PAUSE_S: Final = 5.0
-_HELD_S: Final = 0.1
-_BESIDE_DEG: Final = 3.0
-_MARGIN_S: Final = 2.0
+_HELD_S: Final = 0.1  # a command that acts for less is followed at once by the next one
+_BESIDE_DEG: Final = 3.0  # so far the excess of a corner may be from what a held turn explains
+_MARGIN_S: Final = 2.0  # between the end of a timer and that of the run
 
 
 def clock_before_sleep(seen: Searched) -> Mistake | None:
@@ -56,22 +57,31 @@ def _loops_on(seen: Searched, name: str, after: int) -> bool:
 
 def start_once(seen: Searched) -> Mistake | None:
     """Find a start time that only ``__init__`` or the module sets, though several motions are measured from it."""
-    for line, found in list(seen.script.matches(rf"^(?:[ \t]*(self\.)|)(\w+) ?= ?.*{CLOCK}"))[:_MOST_CLOCKS]:
+    clocks = seen.script.matches(rf"^(?:[ \t]*(self\.)|)(\w+) ?= ?.*{CLOCK}")
+    for line, found in itertools.islice(clocks, _MOST_CLOCKS):
         owner, name = found[1] or "", found[2]
-        once = not owner or seen.script.assigned(name) is not None
-        timed_loops = [
-            at
-            for at in seen.script.lines_with(rf"\bwhile\b.*{itself(owner + name)}")
-            if not _guards(seen.script.lines[at - 1])
-            and (owner or (not _assigns(name, at, seen.script) and _runs_again(at, seen.script)))
-        ]
-        around = "__init__" if owner else ""
-        here = once and seen.script.function_around(line) == around
-        if here and (
-            len(timed_loops) > bool(owner) or (owner and _counts_motions(owner + name, seen.script))
-        ):
+        if seen.script.function_around(line) != ("__init__" if owner else ""):
+            continue
+        if owner and seen.script.assigned(name) is None:  # it is set elsewhere, too
+            continue
+        timed = _loops_timed_from(owner, name, seen.script)
+        several = len(timed) > 1 or _counts_motions(owner + name, seen.script) if owner else bool(timed)
+        if several:
             return mistake("start_once", line=line, name=owner + name, again=found.string.strip())
     return None
+
+
+def _loops_timed_from(owner: str, name: str, script: ScriptText) -> list[int]:
+    """Return the ``while`` loops that end some time after a start time, which is kept in ``self.`` or a global.
+
+    Of a global, only those that run several times, in a function that does not set a variable of that name.
+    """
+    return [
+        at
+        for at in script.lines_with(rf"\bwhile\b.*{itself(owner + name)}")
+        if not _has_another_condition(script.lines[at - 1])
+        and (owner or (not _assigns(name, at, script) and _runs_again(at, script)))
+    ]
 
 
 def _counts_motions(start: str, script: ScriptText) -> bool:
@@ -82,7 +92,7 @@ def _counts_motions(start: str, script: ScriptText) -> bool:
         return False
     passed = {found[1] for _, found in script.matches(rf"^[ \t]*([\w.]+) ?=(?!=).*- ?{itself(start)}")}
     compared = r"[ \t]*(?:if|elif) ([\w.]+) ?[<>]=? ?([\w.]+) ?:$"
-    heads = [re.match(compared, head) for head in script.conditions_of(raised[0])]
+    heads = [re.match(compared, head) for head in script.conditions_around(raised[0])]
     limits = [found[2] for found in heads if found is not None and found[1] in passed]
     branch = "\n".join(script.block(script.owner_of(raised[0]) or 0))
     if len(limits) != 1 or re.search(r"\.(linear|angular)\.", branch):
@@ -96,8 +106,8 @@ def _assigns(name: str, at: int, script: ScriptText) -> bool:
     return made is None or any(re.match(rf"[ \t]*{name} ?=(?!=)", text) for text in script.block(made.line))
 
 
-def _guards(condition: str) -> bool:
-    """Whether a condition has another one beside the time: that may be a limit of the whole run."""
+def _has_another_condition(condition: str) -> bool:
+    """Whether a condition asks for more than the time: then the time may be a limit of the whole run."""
     alone = re.sub(r"\brclpy\.ok\( ?\)( and\b)?|\band rclpy\.ok\( ?\)", "", condition)
     return len(re.findall(CLOCK, condition)) > 1 or re.search(r"\band\b", alone) is not None
 
@@ -110,16 +120,18 @@ def _runs_again(at: int, script: ScriptText) -> bool:
 
 def since_1970(seen: Searched) -> Mistake | None:
     """Find the time of day compared with a few seconds, in a script that never subtracts a start time from it."""
-    for line, found in seen.script.matches(rf"^[ \t]*((?:self\.)?\w+) ?=(?!=)[^-]*?{_SHOWN}[^-]*$"):
+    for line, found in seen.script.matches(rf"^[ \t]*((?:self\.)?\w+) ?=(?!=)[^-]*?{_TIME_OF_DAY}[^-]*$"):
         name, name_alone = found[1], itself(found[1])
-        few = seen.script.lines_with(rf"\b(if|elif|while)\b.*{name_alone} ?<=? ?\d{{1,6}}(\.\d+)?(?![\w.])")
-        if few and not seen.script.lines_with(rf"- ?{name_alone}|{name_alone} ?-"):
-            return mistake("since_1970", line=line, name=name, compared=few[0])
+        compared = seen.script.lines_with(
+            rf"\b(if|elif|while)\b.*{name_alone} ?<=? ?\d{{1,6}}(\.\d+)?(?![\w.])"
+        )
+        if compared and not seen.script.lines_with(rf"- ?{name_alone}|{name_alone} ?-"):
+            return mistake("since_1970", line=line, name=name, compared=compared[0])
     return None
 
 
 def waits_for_past(seen: Searched) -> Mistake | None:
-    """Find a loop that runs while *more* time than wanted has passed, so it ends before it begins."""
+    """Find a loop whose condition asks for *more* time than wanted to have passed: it ends before it begins."""
     passed = rf"\bwhile\b.*{CLOCK}\)* ?- ?[\w.]+\)*(\.nanoseconds)?( ?/ ?1e9)? ?>=? ?[\w.]"
     for line in seen.script.lines_with(passed):
         if any("publish(" in text for text in seen.script.block(line)):
@@ -137,7 +149,7 @@ def waits_for_past(seen: Searched) -> Mistake | None:
 def nanoseconds_unit(seen: Searched) -> Mistake | None:
     """Find nanoseconds that are compared with seconds, or with seconds times something else than 1e9."""
     for line, found in seen.script.matches(
-        rf"\.nanoseconds(?: ?- ?[\w.]+)?\)* ?[<>]=? ?({_TIMES_OR_NAME})\)* ?:"
+        rf"\.nanoseconds(?: ?- ?[\w.]+)?\)* ?[<>]=? ?({_VALUE_OR_NAME})\)* ?:"
     ):
         name, factor = found[1].partition("*")[0].strip(), found[1].partition("*")[2].strip()
         value = value_of(found[1], seen.script)
@@ -169,28 +181,30 @@ def start_kept(seen: Searched) -> Mistake | None:
     """Find a branch that ends a motion at a time and keeps its start time, which another branch takes anew."""
     for timer in seen.script.callbacks("timer")[:1]:
         block = seen.script.block(timer.begins)
-        kept, anew = [], dict[str, str]()
+        keeping, renewals = [], dict[str, str]()  # branches without a new start time; new start times by name
         for line, text in enumerate(block, start=timer.begins):
             ends = re.match(r"[ \t]*(?:if|elif) [^:]*>=? ?[\w.]+( ?[/*] ?[\w.]+)? ?:$", text)
             inside = "\n".join(seen.script.block(line)[1:]) if ends is not None else ""
             taken = re.search(rf"^[ \t]*(self\.\w+) ?= ?[\w.()]*{CLOCK}.*$", inside, re.MULTILINE)
             if taken is not None:
-                anew[taken[1]] = taken[0].strip()
+                renewals[taken[1]] = taken[0].strip()
             elif re.search(r"^[ \t]*self\.\w+ ?=(?!=)", inside, re.MULTILINE):
-                kept.append((line, text))
-        name, renewal = anew.popitem() if len(anew) == 1 else ("", "")
-        late = [
+                keeping.append((line, text))
+        if len(renewals) != 1:
+            continue
+        ((name, renewal),) = renewals.items()
+        wrong = [
             line
-            for line, text in kept
-            if name and _passed(text, name, block) and not sets(name, line, seen.script)
+            for line, text in keeping
+            if _compares_time_since(name, text, block) and not sets(name, line, seen.script)
         ]
-        if len(late) == 1:
-            return mistake("start_kept", line=late[0], name=name, again=renewal)
+        if len(wrong) == 1:
+            return mistake("start_kept", line=wrong[0], name=name, again=renewal)
     return None
 
 
-def _passed(condition: str, start: str, block: list[str]) -> bool:
-    """Whether a condition compares the time since `start`, itself or by a variable of the function."""
+def _compares_time_since(start: str, condition: str, block: list[str]) -> bool:
+    """Whether a condition compares the time since `start`, computed there or kept in a variable of the block."""
     names = re.findall(r"[\w.]+", condition.partition(">")[0])
     passed = rf"- ?{itself(start)}"
     return bool(re.search(passed, condition)) or any(
@@ -220,7 +234,7 @@ def _is_compared(name: str, block: str) -> bool:
 
 
 def _is_seconds(value: float | None, name: str, script: ScriptText) -> bool:
-    """Whether a name has few, or no line that could make nanoseconds of it."""
+    """Whether a name holds seconds: its value is small, or no line could have made nanoseconds of it."""
     if value is not None:
         return 0.0 < value < _FEW_NS
     made = script.lines_with(rf"{itself(name)} ?=(?!=)|^(?!.*\b(?:def|while|if)\b).*\w\(.")
@@ -238,7 +252,7 @@ def start_anew(seen: Searched) -> Mistake | None:
 
 
 def reversed_time(seen: Searched) -> Mistake | None:
-    """Find a loop on the start time less the present time, which is negative and stays below every limit."""
+    """Find a loop that subtracts the present time from the start time: the result is below any limit."""
     for line, found in seen.script.matches(rf"\bwhile\b.*?({_NAME}) ?- ?({CLOCK})\)*(?:\.nanoseconds)? ?<"):
         taken = seen.script.lines_with(rf"^[ \t]*{re.escape(found[1])} ?= ?[\w.()]*{CLOCK}$")
         if taken:
@@ -247,7 +261,7 @@ def reversed_time(seen: Searched) -> Mistake | None:
 
 
 def publish_behind_loop(seen: Searched) -> Mistake | None:
-    """Find a loop that only lets the time of a motion pass, and a publish behind it that belongs into it."""
+    """Find a loop that only waits for the time of a motion, and behind it a publish that belongs into the loop."""
     for loop in seen.script.lines_with(rf"^[ \t]*while\b.*{CLOCK}"):
         body = seen.script.body(loop)
         only_waits = bool(body) and all(re.match(r"(time\.)?sleep\(|pass$", text) for _, text in body)
@@ -259,7 +273,7 @@ def publish_behind_loop(seen: Searched) -> Mistake | None:
 
 
 def wrong_time(seen: Searched) -> Mistake | None:
-    """Find a turn that is passed the time of the drive; and whether the drive is passed that of the turn."""
+    """Find a turn that is given the time of the drive; perhaps the drive is given that of the turn, too."""
     turned = _given(seen.script, r"(?i)turn|rotate|spin|zhuan", _DRIVE_TIME)
     driven = _given(seen.script, r"(?i)move|drive|straight|forward|go|zou", _TURN_TIME)
     assigned = (re.match(r"[ \t]*((?:self\.)?\w+) ?=(?!=)", text) for text in seen.script.lines)
@@ -297,15 +311,15 @@ def sleeps_on(seen: Searched) -> Mistake | None:
 
 
 def no_stop_between(seen: Searched) -> Mistake | None:
-    """Recognise turns that go on after their loop, because a pause comes and no stop."""
+    """Recognise turns that go on after their loop, because a pause follows it and no stop."""
     commands = seen.run.trajectory.commands
-    lasts = [(one, (until - one.t_ns) / 1e9) for one, until in with_ends(seen.run.trajectory)]
+    lasting = [(one, (until - one.t_ns) / 1e9) for one, until in with_ends(seen.run.trajectory)]
     held = [
         (one, lasted_s)
-        for (one, lasted_s), after in zip(lasts, [*commands[1:], None], strict=True)
+        for (one, lasted_s), after in zip(lasting, [*commands[1:], None], strict=True)
         if one.w_radps and not one.v_mps and (after is None or after.v_mps) and lasted_s >= _HELD_S
     ]
-    usual_s = sorted(lasted_s for _, lasted_s in lasts)[len(lasts) // 2] if lasts else 0.0
+    usual_s = sorted(lasted_s for _, lasted_s in lasting)[len(lasting) // 2] if lasting else 0.0
     if len(held) < 2 or seen.corner_deg is None:
         return None
     corner_deg, wanted_deg = seen.corner_deg

@@ -14,7 +14,7 @@ import zlib
 from collections.abc import Callable, Collection, Mapping, Sequence
 from enum import StrEnum, auto
 
-from grader.contracts.record import PositionalRecord, Record
+from grader.contracts.record import Record
 
 MIB = 1024 * 1024
 _UTF8_NAME = 0x800
@@ -99,7 +99,7 @@ class ZipBounds(Record):
 BOUNDS = ZipBounds()
 
 
-class ZipEntry(PositionalRecord):
+class ZipEntry(Record, kw_only=False):
     """An entry of an archive's directory: its path, with ``/``, and whether it is an ordinary file."""
 
     path: str

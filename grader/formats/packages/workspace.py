@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from grader.contracts.assignment import WantedPackage
-from grader.contracts.record import PositionalRecord, Record, field
+from grader.contracts.record import Record, field
 from grader.formats.packages.bundle import MANIFEST, SETUP, files_of, package_folders
 from grader.formats.packages.setup_file import SetupFile
 
@@ -26,7 +26,7 @@ _BASE: Final = "$base/"
 _DEPENDS: Final = ("depend", "exec_depend", "build_depend", "run_depend", "build_export_depend")
 
 
-class Executable(PositionalRecord):
+class Executable(Record, kw_only=False):
     """A console script: ``ros2 run PACKAGE NAME`` calls `function` of `module`."""
 
     package: str

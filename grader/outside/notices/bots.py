@@ -2,8 +2,8 @@
 
 Feishu's key is the time in seconds, a newline and the secret; it signs an empty text, in the body. DingTalk's key
 is the secret; it signs the time in milliseconds, a newline and the secret, in the address. Both are HMAC-SHA256 in
-Base64, good for an hour. WeCom's key stands in the address. All three answer status 200, with a code, to what they
-do not take.
+Base64, good for an hour. WeCom's key stands in the address. All three answer what they refuse with
+status 200 and an error code.
 """
 
 import base64
@@ -48,7 +48,9 @@ _FAILURES: dict[tuple[Vendor, int], Failure] = {
 """Vendors' error codes that somebody can act on, each with its meaning."""
 
 
-class _Said(msgspec.Struct, frozen=True):
+class _Answer(msgspec.Struct, frozen=True):
+    """What a bot answers: Feishu's has ``code``, or ``StatusCode``; the others have ``errcode``."""
+
     code: int | None = None
     errcode: int | None = None
     old_code: int | None = msgspec.field(default=None, name="StatusCode")
@@ -57,7 +59,7 @@ class _Said(msgspec.Struct, frozen=True):
     old_msg: str = msgspec.field(default="", name="StatusMessage")
 
 
-def shape(vendor: Vendor) -> str:
+def example_address(vendor: Vendor) -> str:
     """Return what addresses of such webhooks look like, for people."""
     hosts = {
         Vendor.FEISHU: "open.feishu.cn",
@@ -86,7 +88,7 @@ class BotChannel:
     """Sends messages to group chats. Safe to share between threads.
 
     Args:
-        clock_s: the time, which signatures have.
+        clock_s: the time, which is part of signatures.
         private: whether webhooks may be in a private network.
     """
 
@@ -98,7 +100,7 @@ class BotChannel:
         """Send a message.
 
         Raises:
-            NotSentError: the bot does not answer, or does not take it.
+            NotSentError: the bot does not answer, or refuses the message.
         """
         address, body = _signed(webhook, _bounded(text), self._clock_s())
         content = msgspec.json.encode(body)
@@ -109,11 +111,11 @@ class BotChannel:
             )
         except UnreachableError as error:
             raise NotSentError("unreachable", str(error)) from None
-        _require_taken(webhook.vendor, status, answer)
+        _require_accepted(webhook.vendor, status, answer)
 
 
 def _signed(webhook: NewWebhook, text: str, now_s: float) -> tuple[str, dict[str, Any]]:
-    """Return where a message is sent, and what."""
+    """Return the address that a message is sent to, and the body that is sent."""
     if webhook.vendor is Vendor.FEISHU:
         body: dict[str, Any] = {"msg_type": "text", "content": {"text": text}}
         if webhook.secret:
@@ -140,17 +142,18 @@ def _bounded(text: str) -> str:
     return encoded[: MOST_BYTES - 3].decode(errors="ignore") + "…"
 
 
-def _require_taken(vendor: Vendor, status: int, answer: bytes) -> None:
+def _require_accepted(vendor: Vendor, status: int, content: bytes) -> None:
     try:
-        said = decoded(answer, _Said)
+        answer = decoded(content, _Answer)
     except ValueError:
-        said = _Said()
-    codes = (said.code, said.errcode, said.old_code)
+        answer = _Answer()
+    codes = (answer.code, answer.errcode, answer.old_code)
     code = next((one for one in codes if one is not None), None)
     if code == 0 and status == 200:
         return
-    words = said.msg or said.errmsg or said.old_msg
-    detail = f"{status}, {code}: {''.join(one for one in words if one.isprintable())}"[:_LONGEST_DETAIL]
+    message = answer.msg or answer.errmsg or answer.old_msg
+    printable = "".join(character for character in message if character.isprintable())
+    detail = f"{status}, {code}: {printable}"[:_LONGEST_DETAIL]
     if status == _TOO_MANY_REQUESTS:
         raise NotSentError("too_often", detail)
     if code is None:

@@ -7,7 +7,7 @@ from fastapi import APIRouter, Query, status
 from pydantic import Field
 
 from grader.contracts.appeal import LONGEST_TEXT, Appeal, AppealState
-from grader.contracts.judgement import COMMENT_PATTERN
+from grader.contracts.comment import COMMENT_PATTERN
 from grader.contracts.text import Language
 from grader.service.requests.dependencies import (
     SIGHT,

@@ -6,8 +6,7 @@ from typing import Annotated
 from fastapi import APIRouter, status
 from pydantic import Field
 
-from grader.contracts.comment import LONGEST_COMMENT
-from grader.contracts.judgement import COMMENT_PATTERN
+from grader.contracts.comment import COMMENT_PATTERN, LONGEST_COMMENT
 from grader.service.requests.dependencies import ErrandDep, SubmissionId
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View

@@ -83,7 +83,7 @@ def read(services: ServicesDep, response: Response) -> Health:
         queue=QueueView.of(health.queue),
         oldest_queued_at=health.queue.oldest_queued_at,
         workers=worker_views(health.workers),
-        broken_assignments=sorted(services.assignments.troubles()),
+        broken_assignments=sorted(services.assignments.of(None).troubles()),
     )
 
 

@@ -6,9 +6,9 @@ from typing import Annotated
 from fastapi import APIRouter, Header, Path, Query, Response
 from pydantic import Field
 
-from grader.contracts.comment import LONGEST_COMMENT
+from grader.contracts.comment import COMMENT_PATTERN, LONGEST_COMMENT
 from grader.contracts.errors import RefusedError
-from grader.contracts.judgement import COMMENT_PATTERN, JudgedItem
+from grader.contracts.judgement import JudgedItem
 from grader.contracts.text import Language
 from grader.service.requests.dependencies import (
     SIGHT,

@@ -9,10 +9,10 @@ from fastapi import APIRouter, Depends, Form, Query, Response
 from fastapi.responses import RedirectResponse
 from pydantic import BaseModel, Field
 
-from grader.contracts.comment import LONGEST_COMMENT
+from grader.contracts.comment import LONGEST_COMMENT, is_comment
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen
-from grader.contracts.judgement import JudgedItem, is_comment
+from grader.contracts.judgement import JudgedItem
 from grader.contracts.notation import decimal, written
 from grader.service.web import access
 from grader.service.web.access import PageErrand, StaffDep, SubmissionId, require_staff

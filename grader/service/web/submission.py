@@ -263,7 +263,7 @@ def _beside(errand: PageErrand, submission: Submission) -> dict[str, Any]:
 
 def _comments(errand: PageErrand, submission: Submission) -> dict[str, Any]:
     """Return the comments by line, those about the whole under None, and what their authors are called."""
-    found = commenting.look(errand.services, errand.caller, submission)
+    found = commenting.read_comments(errand.services, errand.caller, submission)
     by_line: dict[int | None, list[Comment]] = {}
     for one in found:
         by_line.setdefault(one.line, []).append(one)
@@ -306,7 +306,7 @@ def _cut_output(services: Services, stored: StoredReport) -> dict[str, tuple[Str
 
     How much that is depends on the moment, so it is no part of the report.
     """
-    measured = services.past_gradings.measurements(stored)
+    measured = services.submissions.measurements(stored)
     cut = () if measured is None else measured.cut_output
     return {one.case: (stream_text(one.stdout), stream_text(one.stderr)) for one in cut}
 

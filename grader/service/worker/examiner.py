@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 from grader.catalog.refreshed import same_version
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError, GraderError, InfrastructureError, UnknownAssignmentError
-from grader.contracts.grading import AssignmentSource, SupervisedGrader
 from grader.contracts.own_assignment import Examined, Misfit, ScriptVerdict
 from grader.contracts.record import from_json, to_plain
 from grader.contracts.text import EMPTY, Text
@@ -25,7 +24,9 @@ from grader.grading.examination import misfits as misfits_with_check
 from grader.grading.examination.reading import Reading, misfits_of, own_scripts
 from grader.grading.examination.reference import traced, wants_reference
 from grader.grading.examination.zipped import unpacked
+from grader.grading.slot import Slot
 from grader.store.own_assignments import OwnAssignments, OwnClaim
+from grader.use_cases.course_assignments import CourseAssignments
 
 _log = logging.getLogger(__name__)
 _LOOK_S = 2.0
@@ -48,7 +49,7 @@ class Uploads:
     """
 
     own: OwnAssignments
-    make_grader: Callable[[], SupervisedGrader]
+    make_grader: Callable[[], Slot]
     patience_s: float = 20.0
 
 
@@ -62,7 +63,7 @@ class Examiner:
     def __init__(
         self,
         uploads: Uploads,
-        assignments: AssignmentSource,
+        assignments: CourseAssignments,
         *,
         ready: Callable[[], bool],
         students_wait: Callable[[], bool],
@@ -80,7 +81,7 @@ class Examiner:
         self._ready = ready
         self._students_wait = students_wait
         self._stopping = threading.Event()
-        self._grader: SupervisedGrader | None = None
+        self._grader: Slot | None = None
         self._thread = threading.Thread(target=self._work, name="grader-examiner", daemon=True)
 
     def start(self) -> None:
@@ -125,7 +126,7 @@ class Examiner:
             if not busy:
                 self._stopping.wait(_LOOK_S)
 
-    def _examine(self, claim: OwnClaim, grader: SupervisedGrader) -> None:
+    def _examine(self, claim: OwnClaim, grader: Slot) -> None:
         files, reading = unpacked(claim.content), from_json(Reading, claim.reading)
         assert reading.assignment is not None
         try:
@@ -142,7 +143,7 @@ class Examiner:
         self._finish(claim, Examined(verdicts=verdicts), ready=fine, reading=changed)
 
     def _recorded(
-        self, claim: OwnClaim, assignment: Assignment, files: dict[str, bytes], grader: SupervisedGrader
+        self, claim: OwnClaim, assignment: Assignment, files: dict[str, bytes], grader: Slot
     ) -> Assignment:
         """Return an assignment with what its solution drives, where it wants that."""
         if not wants_reference(assignment) or assignment.path is None:

@@ -107,8 +107,8 @@ class Heart:
         if mended.requeued or mended.given_up:
             level = logging.ERROR if mended.given_up else logging.WARNING
             _log.log(level, "%d lost gradings queued again, %d given up", mended.requeued, mended.given_up)
-            self._parts.observer.retried(mended.requeued)
-            self._parts.observer.given_up(mended.given_up)
+            self._parts.metrics.retried(mended.requeued)
+            self._parts.metrics.given_up(mended.given_up)
             self._parts.doorbell.ring()
 
     def _state(self, busy: int) -> WorkerState:

@@ -8,27 +8,27 @@ import logging
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import timedelta
 from itertools import repeat
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import GraderError, InfrastructureError, NoRoomError, SandboxUnavailableError
 from grader.contracts.grading import (
-    AssignmentSource,
     GradingJob,
     GradingResult,
     SandboxState,
-    SupervisedGrader,
 )
 from grader.contracts.submission import Claim, SubmissionState
-from grader.contracts.telemetry import GradingObserver, Unobserved
+from grader.grading.slot import Slot
 from grader.operation.context import about
+from grader.operation.metrics import Metrics
 from grader.service.worker.examiner import Uploads
 from grader.store.clock import Clock
 from grader.store.queue import Finished, Queue
 from grader.store.work import Doorbell, WorkSource
 from grader.store.workers import Workers
+from grader.use_cases.course_assignments import CourseAssignments
 
 _log = logging.getLogger(__name__)
 _STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, *repeat(4.0, 150))
@@ -49,19 +49,19 @@ class WorkerParts:
     Attributes:
         make_grader: returns a new grader; called once per slot.
         probe: tries the sandbox of this host; called before work is taken, and again while it is not ready.
-        observer: observes how gradings went.
+        metrics: count how gradings went.
         work: tells the slots when to look for work; by default the doorbell and a look every `poll_s`.
         uploads: assignments whose scripts are to be run; by default that is left to other workers.
     """
 
     queue: Queue
     workers: Workers
-    assignments: AssignmentSource
-    make_grader: Callable[[], SupervisedGrader]
+    assignments: CourseAssignments
+    make_grader: Callable[[], Slot]
     probe: Callable[[], SandboxState]
     doorbell: Doorbell
     clock: Clock
-    observer: GradingObserver = field(default_factory=Unobserved)
+    metrics: Metrics
     work: WorkSource | None = None
     uploads: Uploads | None = None
 
@@ -216,14 +216,14 @@ class WorkerSlot:
                 result.report.status if finished.stored else "dropped: fenced off",
             )
             if finished.stored:
-                self._report_to_observer(claim, result, time.monotonic() - begun_s)
+                self._count(claim, result, time.monotonic() - begun_s)
             return finished.following
         return None
 
-    def _report_to_observer(self, claim: Claim, result: GradingResult, grading_s: float) -> None:
+    def _count(self, claim: Claim, result: GradingResult, grading_s: float) -> None:
         now, since = self._parts.clock(), claim.queued_at
         waited_s = None if since is None else max((now - since).total_seconds(), 0.0)
-        self._parts.observer.graded(result.report.status, grading_s, waited_s)
+        self._parts.metrics.graded(result.report.status, grading_s, waited_s)
 
     def _store(self, claim: Claim, result: GradingResult, assignment: Assignment, until_s: float) -> Finished:
         """Store `result`; return whether it was taken, and what was claimed next unless the slot should pause."""
@@ -268,9 +268,9 @@ class WorkerSlot:
             return
         state = self._parts.queue.fail(claim, f"{type(error).__name__}: {error}", had_run=had_run)
         if state is SubmissionState.INFRASTRUCTURE_ERROR:
-            self._parts.observer.given_up()
+            self._parts.metrics.given_up()
         elif state is not None:
-            self._parts.observer.retried()
+            self._parts.metrics.retried()
         # None: by now another slot has claimed the submission
         ends = {None: logging.INFO, SubmissionState.INFRASTRUCTURE_ERROR: logging.ERROR}
         level = ends.get(state, logging.WARNING)

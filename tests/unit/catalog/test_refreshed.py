@@ -6,6 +6,7 @@ import pytest
 
 from grader.catalog import Catalog
 from grader.catalog.refreshed import RefreshedAssignments
+from grader.checks import problems
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 from grader.contracts.text import Text
@@ -27,7 +28,7 @@ class Editor:
         yield from self.saved.items()
 
     def refreshed(self, *others: "Editor") -> RefreshedAssignments:
-        return RefreshedAssignments((self, *others), lambda: self.now_s)
+        return RefreshedAssignments((self, *others), lambda _: (), lambda: self.now_s)
 
 
 def test_assignments_are_read_once_in_a_while() -> None:
@@ -109,7 +110,7 @@ def test_an_id_belongs_to_the_first_folder_that_has_it() -> None:
 
 def test_a_folder_that_is_not_there_stops_the_start(tmp_path: Path) -> None:
     with pytest.raises(AssignmentError, match="not a folder"):
-        RefreshedAssignments([Catalog(tmp_path / "none")])
+        RefreshedAssignments([Catalog(tmp_path / "none")], problems)
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "assignment.yaml").write_text("id: [")
-    assert list(RefreshedAssignments([Catalog(tmp_path)]).troubles()) == ["broken"]
+    assert list(RefreshedAssignments([Catalog(tmp_path)], problems).troubles()) == ["broken"]

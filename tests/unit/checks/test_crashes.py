@@ -154,6 +154,16 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
             "import_statement",
             ("'twist' from 'geometry_msgs.msg'",),
         ),
+        (
+            error("AssertionError", "The 'result' field must be a sub message of type 'Move_Result'"),
+            "no_result",
+            ("Move.Result()",),
+        ),
+        (
+            error("ImportError", "cannot import name 'Time' from 'std_msgs.msg' (/opt/ros/a.py)"),
+            "missing_module",
+            ("'Time' from 'std_msgs.msg'",),
+        ),
         (error("IndexError", "list index out of range"), "index_range", ("0",)),
         (
             error("IndexError", "list index out of range", "    main(sys.argv)", "    x = sys.argv[1]"),

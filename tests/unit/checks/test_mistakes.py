@@ -178,6 +178,7 @@ def test_one_teleport_or_a_reset_among_commands_is_no_mistake() -> None:
     [
         (Note(code="thread_exception", text="Thread-1, line 9: boom"), {}, "thread_crashed"),
         (Note(code="forbidden", text="os.system: ros2"), {}, "forbidden"),
+        (Note(code="caught", text="line 9: NameError: x"), {"endpoints": (publisher(),)}, "error_caught"),
         (
             Note(code="incompatible_qos", text="/turtle1/cmd_vel"),
             {"endpoints": (publisher(),)},
@@ -190,9 +191,12 @@ def test_notes(note: Note, changes: dict[str, object], code: str) -> None:
     assert scoring.mistakes[0] == code
 
 
-def test_what_ended_a_thread_is_explained_as_well() -> None:
-    text = "Thread-1 (go), line 9: AssertionError: The 'x' field must be of type 'float'"
-    hint = silent(notes=(Note(code="thread_exception", text=text),)).hint
+@pytest.mark.parametrize(
+    ("code", "place"), [("thread_exception", "Thread-1 (go), line 9"), ("caught", "line 9")]
+)
+def test_what_ended_a_thread_or_was_caught_is_explained_as_well(code: str, place: str) -> None:
+    text = f"{place}: AssertionError: The 'x' field must be of type 'float'"
+    hint = silent(notes=(Note(code=code, text=text),)).hint
     assert text in hint.zh
     assert "第 9 行：字段 x 必须是浮点数" in hint.zh
     assert ". Line 9: the field x must be a float" in hint.en

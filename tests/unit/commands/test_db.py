@@ -17,7 +17,6 @@ from grader.store.clock import utc_now
 from grader.store.database import Database
 from grader.store.occupancy import in_use
 from grader.store.submissions import Submissions
-from grader.store.workers import presence
 from tests.conftest import on_sqlite
 from tests.fakes.grading import FakePreflight
 from tests.fakes.postgres import PostgresServer
@@ -130,7 +129,7 @@ def test_a_backup_does_not_take_the_place_of_the_database(database: Database, db
 def test_under_a_running_service_nothing_is_restored(database: Database, db, tmp_path: Path) -> None:
     add(database, "a")
     db("backup", tmp_path / "backup.db")
-    with presence(f"sqlite:///{tmp_path / 'grader.db'}", lambda: None):
+    with in_use(database):
         assert "stop it first" in db("restore", tmp_path / "backup.db", status=2)
     assert count(tmp_path / "grader.db") == 1
 

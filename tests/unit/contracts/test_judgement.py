@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from grader.contracts.grading import GradingJob
-from grader.contracts.judgement import ItemScore, composed, settled, standing
+from grader.contracts.judgement import composed, settled, standing
 from grader.contracts.report import GradeStatus
-from grader.contracts.rubric import ItemStatus
+from grader.contracts.rubric import ItemScore, ItemStatus
 from grader.contracts.submission import Judgement
 from grader.contracts.text import EMPTY, Text
 from tests.fakes.clock import START

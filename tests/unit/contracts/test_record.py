@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import pytest
 
-from grader.contracts.record import PositionalRecord, Record, field, from_json, from_plain, to_plain
+from grader.contracts.record import Record, field, from_json, from_plain, to_plain
 
 
 class Point(Record):
@@ -99,7 +99,7 @@ def test_it_can_be_copied() -> None:
     assert pickle.loads(pickle.dumps(Plain(name="a"))) == Plain(name="a")
 
 
-class Pair(PositionalRecord):
+class Pair(Record, kw_only=False):
     """Takes its arguments in order, too."""
 
     first: int

@@ -344,6 +344,18 @@ def test_only_what_a_clock_ended_is_tried_once_more() -> None:
     assert not ended_by_the_clock(EPISODE, replace(JAIL, end=RunEnd.STALLED))
 
 
+def test_what_was_caught_is_told_unless_something_else_failed() -> None:
+    caught = Note(code="caught", text="line 4: NameError: name 'x' is not defined")
+    failed = Note(
+        code="thread_exception", text="Thread-1 (drive), line 9: ZeroDivisionError: division by zero"
+    )
+    late = ended(EXCEPTION, after_interrupt=True)
+    for exit_frame, told in ((ended(FINISHED), True), (late, True), (ended(EXCEPTION), False)):
+        found = merge(replace(EPISODE, exit=exit_frame, notes=(caught,)), JAIL)
+        assert (caught in found.notes) is told
+    assert merge(replace(EPISODE, exit=ended(FINISHED), notes=(caught, failed)), JAIL).notes == (failed,)
+
+
 def test_a_thread_that_fails_after_ctrl_c_is_not_told() -> None:
     failed = Note(code="thread_exception", text="Thread-1 (drive), line 8: RCLError: Failed to publish")
     early = replace(failed, text="Thread-2 (drive), line 9: ZeroDivisionError: division by zero")

@@ -25,7 +25,7 @@ def test_a_script_longer_than_a_beginner_writes_is_not_searched(source: str) -> 
     script = ScriptText(source)
     assert script.has_code
     assert script.lines == []
-    assert script.uncalled is None
+    assert script.named_only is None
     assert script.defined_twice is None
 
 
@@ -38,26 +38,26 @@ def test_lines_that_the_script_does_not_have_may_be_asked_for(number: int) -> No
     assert script.block(number) == []
     assert script.body(number) == []
     assert script.written(number) == ""
-    assert script.conditions_of(number) == []
-    assert not list(script.heads_of(number))
+    assert script.conditions_around(number) == []
+    assert not list(script.heads_around(number))
     assert list(script.outwards(number)) == []
-    assert script.message_beside(number) is None
+    assert script.twist_name_at(number) is None
     assert not script.in_method(number)
     assert not script.is_decorated(number)
     assert not script.works_after(number)
-    assert not script.hands_over(number, "g")
+    assert not script.calls_its_callback(number, "g")
 
 
 def test_only_a_function_called_in_the_arguments_is_handed_over_wrongly() -> None:
     called = ScriptText("self.create_timer(\n    0.1,\n    self.tick())\nself.go()")
-    assert called.hands_over(3, "tick")
-    assert not called.hands_over(4, "go")
-    assert not ScriptText("self.create_timer(0.1, self.tick)\nself.go()").hands_over(2, "go")
+    assert called.calls_its_callback(3, "tick")
+    assert not called.calls_its_callback(4, "go")
+    assert not ScriptText("self.create_timer(0.1, self.tick)\nself.go()").calls_its_callback(2, "go")
 
 
 def test_a_parameter_whose_default_is_meant_as_text_is_none_of_the_numbers() -> None:
     script = ScriptText("n.declare_parameter('name', 'red')\nn.declare_parameter('side', \"2.0\")")
-    assert script.numbers_as_text == [2]
+    assert script.quoted_numbers == [2]
 
 
 def test_a_definition_is_no_call() -> None:

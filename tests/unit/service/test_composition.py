@@ -63,10 +63,10 @@ def test_own_assignments_live_in_a_folder_of_their_own(database_url: str, tmp_pa
             spec.write_text(spec.read_text().replace("sides: 4", "sides: 4, colour: [1, 2]"))
     own = settings(database_url, assignments=str(tmp_path))
     with composition.running(own, FakePreflight()) as services:
-        ids = {one.id for one in services.assignments.all()}
+        ids = {one.id for one in services.assignments.of(None).all()}
         assert {"square", "mine"} <= ids
         assert "broken" not in ids
-        (trouble,) = services.assignments.troubles().values()
+        (trouble,) = services.assignments.of(None).troubles().values()
     assert "options.colour: the check 'polygon' has only the options" in trouble.en
 
 

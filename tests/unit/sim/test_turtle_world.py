@@ -153,6 +153,27 @@ def test_the_colour_sensor_sees_background_and_then_the_line(car: BulletCar) -> 
     assert colors[-1] == {"r": 255, "g": 1, "b": 2}
 
 
+def test_a_turtle_that_is_spawned_again_has_a_new_pen_on_blank_ground(car: BulletCar) -> None:
+    student = Student()
+
+    def story() -> Script:
+        yield from student.subscribe("/turtle1/color_sensor", "turtlesim/msg/Color")
+        yield from student.call("/turtle1/set_pen", r=255, g=1, b=2, width=3, off=0)
+        yield from student.drive(1.0)
+        yield from student.wait(SECOND)
+        yield from student.call("/kill", name="turtle1")
+        yield from student.call("/spawn", x=3.0, y=3.0, name="turtle1")
+        yield from student.wait(2 * SECOND)
+        colors.append(student.messages("/turtle1/color_sensor", "turtlesim/msg/Color")[-1][1])
+        yield from student.drive(1.0)
+        yield from student.wait(3 * SECOND)
+
+    colors: list[dict[str, int]] = []
+    run(car, student, story())
+    colors.append(student.messages("/turtle1/color_sensor", "turtlesim/msg/Color")[-1][1])
+    assert colors == [{"r": 255, "g": 255, "b": 255}, {"r": 179, "g": 184, "b": 255}]
+
+
 def test_odometry_does_not_see_a_teleport(car: BulletCar) -> None:
     student = Student()
 

@@ -171,7 +171,7 @@ def test_a_claim_ends_in_one_way_only(
     claim = queue.claim("w")
     clock.advance(16)
     acts = (
-        lambda: queue.finish(claim, result_of(claim)),
+        lambda: queue.finish(claim, result_of(claim), assignment()),
         lambda: queue.fail(claim, "no") is not None,
         lambda: queue.reconcile().requeued > 0,
         lambda: queue.hand_back(claim),
@@ -197,7 +197,7 @@ def test_one_of_many_regrades_is_opened_and_decided_once(
 ) -> None:
     added = submissions.add(new())
     claim = queue.claim("w")
-    queue.finish(claim, result_of(claim))
+    queue.finish(claim, result_of(claim), assignment())
     regrades, signed = Regrades(database), Signature(clock(), None, "wang")
     opened = at_once(lambda _: regrades.open(Wanted(assignment="square", which="all"), signed))
     (regrade,) = (one for one in opened if not isinstance(one, Exception))
@@ -206,7 +206,7 @@ def test_one_of_many_regrades_is_opened_and_decided_once(
 
     def decide_or_finish(number: int) -> object:
         if number == 0:
-            return queue.finish(trial, result_of(trial))
+            return queue.finish(trial, result_of(trial), assignment())
         return regrades.discard(regrade.id, signed, "no")
 
     decided = at_once(decide_or_finish)

@@ -6,11 +6,9 @@ from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
 
 import pytest
-from alembic.autogenerate import compare_metadata
-from alembic.migration import MigrationContext
 from sqlalchemy import event, func, inspect, select
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
-from sqlmodel import Session, SQLModel
+from sqlmodel import Session
 
 from grader.contracts.errors import SettingsError
 from grader.contracts.identity import Role, RosterEntry
@@ -108,16 +106,6 @@ def test_postgresql_is_set_up_as_the_store_assumes(postgres_database: Database) 
         assert shown(session, "transaction_read_only") == "on"
     with postgres_database.writing() as session:
         assert shown(session, "transaction_read_only") == "off"
-
-
-def test_migrations_make_the_tables_the_code_expects(database: Database) -> None:
-    options = {"include_name": lambda name, kind, _: kind != "table" or name in SQLModel.metadata.tables}
-    with database.engine.begin() as connection:
-        context = MigrationContext.configure(connection, opts=options)
-        difference = compare_metadata(context, SQLModel.metadata)
-        surplus = set(inspect(connection).get_table_names()) - set(SQLModel.metadata.tables)
-    assert difference == []
-    assert {name for name in surplus if not name.startswith("procrastinate_")} == {"alembic_version"}
 
 
 def schema_of(database: Database) -> str:

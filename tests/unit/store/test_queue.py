@@ -84,12 +84,12 @@ def test_whose_gradings_took_long_lately_goes_behind_others(
     submissions.add(upload("a"))
     claim = claimed(queue)
     clock.advance(30)
-    queue.finish(claim, result_of(claim))
+    queue.finish(claim, result_of(claim), assignment())
     costly, other = hand_in_again()
     claims = [claimed(queue) for _ in range(2)]
     assert [claim.submission_id for claim in claims] == [other, costly]
     for claim in claims:
-        queue.finish(claim, result_of(claim))
+        queue.finish(claim, result_of(claim), assignment())
     clock.advance(3600)
     ids = hand_in_again()
     assert [claimed(queue).submission_id for _ in ids] == ids
@@ -101,7 +101,7 @@ def test_a_slow_host_puts_nobody_back_by_more_than_ten_minutes(
     submissions.add(upload("a"))
     claim = claimed(queue)
     clock.advance(400)
-    queue.finish(claim, result_of(claim))
+    queue.finish(claim, result_of(claim), assignment())
     back = submissions.add(upload("a", GOOD + b"good")).id
     clock.advance(601)
     other = submissions.add(upload("b")).id
@@ -115,7 +115,7 @@ def test_who_costs_the_service_most_is_told(
         submissions.add(upload(student))
         claim = claimed(queue)
         clock.advance(seconds)
-        queue.finish(claim, result_of(claim))
+        queue.finish(claim, result_of(claim), assignment())
     clock.advance(3_590)  # the first was graded more than an hour ago
     for source in (b"1", b"2"):
         submissions.add(upload("a", GOOD + source))
@@ -150,7 +150,7 @@ def test_the_pace_is_measured(queue: Queue, submissions: Submissions, clock: Fak
         submissions.add(upload())
         claim = claimed(queue)
         clock.advance(seconds)
-        queue.finish(claim, result_of(claim))
+        queue.finish(claim, result_of(claim), assignment())
     assert queue.mean_duration_s() == 2.0
 
 
@@ -200,7 +200,7 @@ def test_a_result_is_stored_with_the_row(queue: Queue, submissions: Submissions,
     added = submissions.add(upload())
     claim = claimed(queue)
     result = result_of(claim)
-    assert queue.finish(claim, result)
+    assert queue.finish(claim, result, assignment())
     row = submissions.get(added.id)
     assert (row.state, row.score, row.max_score) == (SubmissionState.GRADED, 10.0, 10.0)
     report = submissions.report(added.id)
@@ -236,13 +236,13 @@ def test_a_late_worker_is_fenced_off(queue: Queue, submissions: Submissions, clo
     assert queue.reconcile().requeued == 1
     second = claimed(queue, "second")
     assert second.attempt == late.attempt + 1
-    assert not queue.finish(late, result_of(late))
+    assert not queue.finish(late, result_of(late), assignment())
     assert queue.fail(late, "too late") is None
     assert not queue.hand_back(late)
     assert queue.renew([late, second]) == {second}
     assert queue.renew([late]) == set()
     assert submissions.get(added.id).state is SubmissionState.RUNNING
-    assert queue.finish(second, result_of(second))
+    assert queue.finish(second, result_of(second), assignment())
     assert submissions.get(added.id).graded_attempt == 2
 
 
@@ -251,15 +251,15 @@ def test_a_result_whose_commit_was_not_answered_is_known_when_it_comes_again(
 ) -> None:
     submissions.add(upload())
     claim = claimed(queue)
-    assert queue.finish(claim, result_of(claim))
+    assert queue.finish(claim, result_of(claim), assignment())
     clock.advance(1)
-    assert queue.finish(claim, result_of(claim))
+    assert queue.finish(claim, result_of(claim), assignment())
     with database.reading() as session:
         assert len(session.exec(select(GradingRow)).all()) == 1
     another = replace(result_of(claim).report, grader_version="another")
-    assert not queue.finish(claim, replace(result_of(claim), report=another))
-    assert not queue.finish(replace(claim, worker="another"), result_of(claim))
-    assert not queue.finish(replace(claim, attempt=2), result_of(claim))
+    assert not queue.finish(claim, replace(result_of(claim), report=another), assignment())
+    assert not queue.finish(replace(claim, worker="another"), result_of(claim), assignment())
+    assert not queue.finish(replace(claim, attempt=2), result_of(claim), assignment())
 
 
 def test_a_result_keeps_every_row_and_brings_the_next_claim(
@@ -307,10 +307,10 @@ def test_a_claim_is_its_workers_alone(queue: Queue, submissions: Submissions, da
         session.execute(text("UPDATE submission SET state = 'queued', attempt = 0, tries = 0, worker = ''"))
     claim = claimed(queue, "another")
     assert (claim.submission_id, claim.attempt) == (lost.submission_id, lost.attempt)
-    assert not queue.finish(lost, result_of(lost))
+    assert not queue.finish(lost, result_of(lost), assignment())
     assert not queue.hand_back(lost)
     assert queue.renew([lost, claim]) == {claim}
-    assert queue.finish(claim, result_of(claim))
+    assert queue.finish(claim, result_of(claim), assignment())
     assert submissions.get(added.id).state is SubmissionState.GRADED
 
 
@@ -443,11 +443,11 @@ def test_after_a_crash_of_everything_nothing_waits_for_its_lease(
 def test_a_second_grading_keeps_the_first(queue: Queue, submissions: Submissions, database: Database) -> None:
     added = submissions.add(upload())
     first = claimed(queue)
-    assert queue.finish(first, result_of(first))
+    assert queue.finish(first, result_of(first), assignment())
     with database.writing() as session:
         session.connection().exec_driver_sql("UPDATE submission SET state = 'queued', tries = 0")
     second = claimed(queue)
-    assert queue.finish(second, result_of(second))
+    assert queue.finish(second, result_of(second), assignment())
     assert submissions.report(added.id).attempt == 2
     with database.reading() as session:
         assert len({row.report_sha256 for row in session.exec(select(GradingRow))}) == 1
@@ -462,7 +462,7 @@ def test_a_result_that_cannot_be_stored_leaves_the_claim(
     with database.writing() as session:
         session.connection().exec_driver_sql("ALTER TABLE trajectory RENAME TO elsewhere")
     with pytest.raises(Exception, match="trajectory"):
-        queue.finish(claim, result_of(claim))
+        queue.finish(claim, result_of(claim), assignment())
     assert submissions.get(added.id).state is SubmissionState.RUNNING
     assert submissions.report(added.id) is None
 

@@ -16,6 +16,7 @@ from grader.store.queue import Queue
 from grader.store.regrades import Regrades
 from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
+from tests.fakes.grading import assignment
 from tests.unit.store.test_concurrency import result_of
 
 GRADING_S = 2.0
@@ -24,7 +25,7 @@ GRADING_S = 2.0
 def work(queue: Queue, clock: FakeClock) -> None:
     while (claim := queue.claim("w")) is not None:
         clock.advance(GRADING_S)
-        assert queue.finish(claim, result_of(claim))
+        assert queue.finish(claim, result_of(claim), assignment())
 
 
 def graded(submissions: Submissions, queue: Queue, clock: FakeClock, number: int) -> list[str]:

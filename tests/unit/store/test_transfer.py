@@ -112,7 +112,8 @@ def fill(database: Database) -> str:
     )
     submissions.add(essay)
     claim = queue.claim("w")
-    queue.finish(claim, grade_essay(GradingJob(file_name="a.txt", source=ANSWER, assignment=question())))
+    essay_job = GradingJob(file_name="a.txt", source=ANSWER, assignment=question())
+    queue.finish(claim, grade_essay(essay_job), question())
     Judgements(database).judge_all(
         claim.submission_id, [(Given(item="timer", points=0.1, comment="好"), None)], signed
     )

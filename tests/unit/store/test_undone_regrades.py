@@ -4,18 +4,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import pytest
-from alembic import command
-from alembic.config import Config
 
 from grader.contracts.errors import RegradeError
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Seen
 from grader.contracts.regrade import Regrade, Wanted, Which
 from grader.contracts.submission import NewSubmission, Submission
-from grader.store import schema
 from grader.store.audit import Signature
 from grader.store.database import Database
-from grader.store.gradings import PastGradings
 from grader.store.judgements import Given, Judgements
 from grader.store.queue import Queue
 from grader.store.regrades import Regrades
@@ -112,7 +108,7 @@ def test_only_what_stands_can_be_undone(world: World, database: Database) -> Non
     world.undo(second)
     assert world.now.score == 10.0
     third = world.regrade(b"bad")
-    before, after = PastGradings(database).around(third.id, world.id)
+    before, after = Submissions(database, FakeClock()).around_regrade(third.id, world.id)
     assert before is not None
     assert after is not None
     assert (before.attempt, after.attempt) == (2, 4)
@@ -155,33 +151,3 @@ def test_what_the_service_failed_to_grade_has_no_grading_again(
     again = submissions.get(failed)
     assert again is not None
     assert (again.state, again.graded_attempt) == ("infrastructure_error", None)
-
-
-def test_an_older_database_learns_the_state(blank_url: str) -> None:
-    """The table is made anew on SQLite, while other rows refer to its rows."""
-    database = Database(blank_url)
-    with database.writing() as session:
-        config = Config()
-        config.set_main_option("script_location", str(schema._MIGRATIONS))
-        config.attributes["connection"] = session.connection()
-        command.upgrade(config, "0008")
-        for statement in (
-            "INSERT INTO regrade VALUES ('r1', NULL, 'square', 'applied', '{}', '2026-03-02 08:00:00', 'wang',"
-            " NULL, '', '', '')",
-            "INSERT INTO source VALUES ('x', '')",
-            "INSERT INTO submission (id, student, assignment, file_name, source_sha256, size_bytes, state,"
-            " priority, received_at, queued_at, turn_at, not_before, worker, attempt, tries, trouble, regrade)"
-            " VALUES ('s', '', 'square', 'a', 'x', 0, 'queued', 0, '2026-03-02 08:00:00', '2026-03-02 08:00:00',"
-            " '2026-03-02 08:00:00', '2026-03-02 08:00:00', '', 0, 0, '', 'r1')",
-        ):
-            session.connection().exec_driver_sql(statement)
-    schema.migrate(database)
-    with database.writing() as session:
-        connection = session.connection()
-        connection.exec_driver_sql("UPDATE regrade SET state = 'undone', undone_by = 'wang'")
-        assert connection.exec_driver_sql("SELECT regrade FROM submission").scalar_one() == "r1"
-    with pytest.raises(Exception, match=r"(?i)foreign key"), database.writing() as session:
-        session.connection().exec_driver_sql("DELETE FROM regrade")
-    with pytest.raises(Exception, match="regrade_state"), database.writing() as session:
-        session.connection().exec_driver_sql("UPDATE regrade SET state = 'gone'")
-    database.close()

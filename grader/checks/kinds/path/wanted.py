@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from grader.contracts.assignment import PathPiece, WantedPath
-from grader.contracts.record import PositionalRecord
+from grader.contracts.record import Record
 from grader.geometry.matching import Floats, Points
 
 # Points of a whole path: they resolve a tenth of its smallest usual piece. Matching them takes milliseconds,
@@ -24,7 +24,7 @@ _MIN_ARC_STEPS = 8
 _CIRCLE_DEG = 360.0
 
 
-class Stretch(PositionalRecord):
+class Stretch(Record, kw_only=False):
     """A piece that is driven along: a line, an arc or a trace.
 
     Attributes:

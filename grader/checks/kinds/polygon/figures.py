@@ -13,7 +13,7 @@ from grader.checks.drive import Drive, drive_of
 from grader.checks.measure import Option
 from grader.checks.scoring import band_error
 from grader.contracts.assignment import Assignment
-from grader.contracts.record import PositionalRecord
+from grader.contracts.record import Record
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
 from grader.geometry.figure import PolygonFigure, measure_polygon
@@ -38,7 +38,7 @@ LIKE_DEG = 1.0  # a last turn that is worse than the worst corner by no more tha
 NO_TURN_SHARE = 0.5
 
 
-class WantedPolygon(PositionalRecord):
+class WantedPolygon(Record, kw_only=False):
     """A polygon with equal corners.
 
     Attributes:

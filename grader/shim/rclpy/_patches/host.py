@@ -23,6 +23,9 @@ PYTHON = "/usr/bin/python3"
 TERMINAL = (80, 24)
 RESIDENT_KIB = 50_000
 """About what an interpreter with rclpy takes."""
+DEEPEST = 30_000
+"""Calls within calls that an interpreter of Humble survives at most, whatever limit was set: its stack is 8 MiB.
+Python 3.11 needs no stack for them and would go on until the memory is used up, which no two runs do alike."""
 NO_DISPLAY = "no display name and no $DISPLAY environment variable"
 _ENVIRONMENT = {
     name.encode(): value.encode()
@@ -37,6 +40,7 @@ UNAME = os.uname_result(("Linux", HOST, "5.15.0-91-generic", "#101-Ubuntu SMP", 
 _entropy = _random.Random(0)
 _kill = os.kill
 _get_terminal_size = os.get_terminal_size
+_set_recursion_limit = sys.setrecursionlimit
 
 
 def set_environment() -> None:
@@ -131,6 +135,11 @@ def kill(pid: int, number: int, /) -> None:
         signal.raise_signal(number)
 
 
+def setrecursionlimit(limit: int, /) -> None:
+    """Set the limit, at most to what a stack holds."""
+    _set_recursion_limit(DEEPEST if isinstance(limit, int) and DEEPEST < limit < 2**31 else limit)
+
+
 REPLACED: dict[str, object] = {
     "urandom": urandom,
     "getrandom": getrandom,
@@ -151,6 +160,8 @@ REPLACED: dict[str, object] = {
     "kill": kill,
 }
 """What replaces the functions of `os`, by name."""
+
+REPLACED_SYS: dict[str, object] = {"setrecursionlimit": setrecursionlimit}
 
 
 def patch_random(random: ModuleType) -> None:

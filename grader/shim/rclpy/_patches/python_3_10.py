@@ -61,7 +61,7 @@ def _change_dataclasses(dataclasses: Any) -> None:
 
 
 def _change_asyncio(asyncio: Any) -> None:
-    """Let `asyncio.wait` take coroutines, with a warning."""
+    """Let `asyncio.wait` take coroutines, with a warning, and `asyncio.run` set no handler of SIGINT."""
     wait = asyncio.wait
 
     async def wait_for_any(fs: Iterable[Any], **options: Any) -> Any:
@@ -80,6 +80,18 @@ def _change_asyncio(asyncio: Any) -> None:
 
     wait_for_any.__name__ = wait_for_any.__qualname__ = "wait"
     asyncio.wait = asyncio.tasks.wait = wait_for_any
+    asyncio.runners.signal = _NoHandler(asyncio.runners.signal)
+
+
+class _NoHandler:
+    """What `asyncio.run` takes for `signal`: it leaves Ctrl+C to rclpy, whose handler ends the contexts."""
+
+    def __init__(self, signal: Any) -> None:
+        self.SIGINT = signal.SIGINT
+        self.default_int_handler = signal.default_int_handler
+
+    def getsignal(self, _number: int) -> None:
+        """Tell of a handler that no Python code has set."""
 
 
 _CHANGES = {"asyncio": _change_asyncio, "dataclasses": _change_dataclasses, "enum": _change_enum}

@@ -24,8 +24,8 @@ _start_os_thread = _thread.start_new_thread
 _os_ident = _thread.get_ident
 _count_os_threads = _thread._count
 _pause = time.sleep  # in real time
-# The host may have no thread to spare for some milliseconds, because of a script beside this one. One that has
-# many threads itself has met its own limit.
+# The host may have no thread to spare for some milliseconds, because of another script: then starting one is tried
+# again. A script that has more than a few threads has reached its own limit.
 _FEW_THREADS = 32
 _TRIES = 20
 _PAUSE_S = 0.02
@@ -103,7 +103,7 @@ def start(
     from rclpy._link import link
 
     if link.note_once("threads"):
-        link.flush()  # the sooner it is known, the longer they are kept on one core
+        link.flush()  # its threads are kept on one core from now on
     work = (thread, [(function, args, kwargs)])
     for _ in range(_TRIES):
         try:
@@ -222,6 +222,8 @@ def end_main_thread(threading: ModuleType) -> None:
 
 
 def _charged(question: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    """Return a method that charges virtual time, then does what `question` does: a loop that asks must end."""
+
     def ask(self: Any) -> bool:
         kernel.charge()
         return question(self)
@@ -249,7 +251,7 @@ def excepthook(args: Any, /) -> None:
 
 
 def patch_queue(queue: ModuleType) -> None:
-    """Take the Python version of SimpleQueue, which is built from the replaced locks."""
+    """Use the SimpleQueue that is written in Python, which is built from the replaced locks."""
     module: Any = queue
     module.SimpleQueue = module._PySimpleQueue
     native: Any = sys.modules.get("_queue")
@@ -267,7 +269,32 @@ def patch_logging(logging: ModuleType) -> None:
             handler.createLock()
 
 
+def patch_event_loop(base_events: ModuleType) -> None:
+    """Tell errors of tasks that nobody awaits."""
+    from rclpy._patches.tracebacks import tell_caught
+
+    module: Any = base_events
+    loop = module.BaseEventLoop
+    handle = loop.call_exception_handler
+
+    def call_exception_handler(self: Any, context: dict[str, Any]) -> None:
+        tell_caught(context.get("exception"))
+        handle(self, context)
+
+    loop.call_exception_handler = call_exception_handler
+
+
 def patch_futures_thread(thread: ModuleType) -> None:
-    """Renew the lock that guards the start and end of all pools."""
+    """Renew the lock that guards the start and end of all pools, and tell errors that a future keeps."""
+    from rclpy._patches.tracebacks import tell_caught
+
     module: Any = thread
     module._global_shutdown_lock = Lock()
+    future = module._base.Future
+    keep = future.set_exception
+
+    def set_exception(self: Any, exception: BaseException | None) -> None:
+        tell_caught(exception)
+        keep(self, exception)
+
+    future.set_exception = set_exception

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sys
 
-from rclpy._kernel import Kernel, Thread
+from rclpy._kernel import Kernel, Thread, kernel
+from rclpy._link import link
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -19,6 +20,9 @@ _print_by_python = sys.__excepthook__
 _LONGEST_MESSAGE = 1 << 16
 """Characters of a message that is sent or quoted: more than any place has room for. Printed ones are not cut."""
 
+_LONGEST_NOTE = 1_000
+_OF_TEXT = (AssertionError, AttributeError, NameError, TypeError, UnboundLocalError)
+
 _BARE_MODULES = ("builtins", "__main__")
 """Modules whose exceptions are named without the module."""
 
@@ -29,6 +33,7 @@ class Script:
     Attributes:
         files: of a package all modules, by the names that tracebacks show; else nothing.
         aborted: what ends it where code in C would abort the process; never raised.
+        told_caught: whether an error that was caught has been told.
     """
 
     def __init__(self) -> None:
@@ -36,6 +41,7 @@ class Script:
         self.source = b""
         self.files: dict[str, bytes] = {}
         self.aborted: BaseException | None = None
+        self.told_caught = False
 
     def owns(self, file_name: str | None) -> bool:
         """Whether code of this file is the student's."""
@@ -92,6 +98,19 @@ def line_of(error: BaseException) -> int:
             line = traceback.tb_lineno or 0
         traceback = traceback.tb_next
     return line
+
+
+def tell_caught(error: BaseException | None, *, now: bool = True) -> None:
+    """Note, once, an error of the script's own text that does not end it, because something has caught it.
+
+    Of other errors, of what is not there yet (None), and of the clean-up after Ctrl+C nothing is told: they may be
+    meant to be caught. `now` says that it has just happened.
+    """
+    if script.told_caught or type(error) not in _OF_TEXT or (now and kernel.interrupted):
+        return  # at once: a loop may come here a million times
+    if error is not None and "'NoneType'" not in message_of(error) and (line := line_of(error)) != 0:
+        script.told_caught = True
+        link.note("caught", f"line {line}: {one_line(error)[:_LONGEST_NOTE]}")
 
 
 def message_of(error: BaseException) -> str:

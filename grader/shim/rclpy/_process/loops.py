@@ -2,8 +2,9 @@
 
 A loop that neither blocks nor asks anything (``while not done: pass``) would keep the processor for ever,
 since threads switch only in the kernel. Each turn of a `while` loop, and of a `for` loop over one of `ENDLESS`,
-therefore begins with a call of `CHECKPOINT`, placed on the line of the loop's head; nothing else of the program
-changes. Other `for` loops end by themselves and go without: computing takes no virtual time.
+therefore begins with a call of `CHECKPOINT`, placed on the line of the loop's head. Other `for` loops end by
+themselves and go without: computing takes no virtual time. An ``except`` for any error begins with a call of
+`CAUGHT`, so that a report can tell what was hidden there. Nothing else of the program changes.
 """
 
 from __future__ import annotations
@@ -16,12 +17,14 @@ if TYPE_CHECKING:
     from typing import Any
 
 CHECKPOINT = "__while_checkpoint__"
-"""Name of the function called; the runner puts it among the builtins."""
+CAUGHT = "__tell_caught__"
+"""Names of the functions called; the runner puts them among the builtins."""
 
 ENDLESS = frozenset({"count", "cycle", "repeat", "iter"})
 """Functions (of itertools, and the builtin) by whose names a `for` loop that may never end is known."""
 
-_WORDS = (b"while", *(name.encode() for name in sorted(ENDLESS)))
+_ANY_ERROR = frozenset({"BaseException", "Exception"})
+_WORDS = (b"while", b"except:", b"Exception", *(name.encode() for name in sorted(ENDLESS)))
 _BODIES = ("body", "orelse", "finalbody", "handlers", "cases")
 
 
@@ -47,7 +50,7 @@ def _compile(source: bytes | _ast.Module, file_name: str) -> CodeType:
 
 
 def _mark(tree: _ast.AST) -> None:
-    """Insert a checkpoint into every loop below `tree` that may never end; only statements can hold one."""
+    """Insert the calls into every loop below `tree` that may never end, and every ``except`` for any error."""
     waiting = [tree]
     while waiting:
         node = waiting.pop()
@@ -56,9 +59,11 @@ def _mark(tree: _ast.AST) -> None:
             if isinstance(children, list):
                 waiting.extend(children)
         if isinstance(node, _ast.While):
-            node.body.insert(0, _checkpoint(node.test))
+            node.body.insert(0, _call(CHECKPOINT, node.test))
         elif isinstance(node, _ast.For) and _is_endless(node.iter):
-            node.body.insert(0, _checkpoint(node.iter))
+            node.body.insert(0, _call(CHECKPOINT, node.iter))
+        elif isinstance(node, _ast.ExceptHandler) and _takes_any(node.type):
+            node.body.insert(0, _call(CAUGHT, node))
 
 
 def _is_endless(iterable: _ast.expr) -> bool:
@@ -69,8 +74,12 @@ def _is_endless(iterable: _ast.expr) -> bool:
     return name in ENDLESS
 
 
-def _checkpoint(head: _ast.expr) -> _ast.Expr:
-    name = _ast.Name(CHECKPOINT, _ast.Load())
+def _takes_any(kind: _ast.expr | None) -> bool:
+    return kind is None or getattr(kind, "id", "") in _ANY_ERROR
+
+
+def _call(function: str, head: Any) -> _ast.Expr:
+    name = _ast.Name(function, _ast.Load())
     call = _ast.Call(name, [], [])
     statement = _ast.Expr(call)
     for node in (name, call, statement):

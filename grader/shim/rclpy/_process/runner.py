@@ -11,7 +11,7 @@ import gc
 import io
 import os
 import sys
-from types import CodeType, ModuleType
+from types import CodeType, ModuleType, SimpleNamespace
 
 from rclpy import _distro, _wire
 from rclpy._interfaces import importer  # the interface packages can be imported from now on
@@ -46,12 +46,13 @@ class Ending:
         self.message = ""
         self.line = 0
         self.text = ""
-        self.crashed_early = False  # one of several programs, while others went on to the horizon
+        self.crashed_early = False  # before Ctrl+C, though threads or other programs went on to it
 
     def set_error(self, error: BaseException, reason: int = _wire.RAISED) -> None:
         """Take over an exception that ended the script."""
         self.reason = reason
         self.code = 1
+        self.crashed_early = not kernel.interrupted
         self.type = type(error).__name__
         self.message = tracebacks.message_of(error)
         self.line = tracebacks.line_of(error)
@@ -136,6 +137,7 @@ def _get_ready() -> None:
     output.open_streams()
     _add_site_builtins()
     setattr(builtins, loops.CHECKPOINT, kernel.checkpoint)
+    setattr(builtins, loops.CAUGHT, lambda: tracebacks.tell_caught(sys.exc_info()[1]))
 
 
 def _prepare(start: dict[str, Any], source: bytes) -> ModuleType:
@@ -250,7 +252,6 @@ def _run_program(step: Any) -> int:
     own = Ending()
     _guard(step, own)
     if ending.reason == _wire.FINISHED and (own.reason != _wire.FINISHED or not ending.code):
-        own.crashed_early = own.reason != _wire.FINISHED and not kernel.interrupted
         vars(ending).update(vars(own))
     return int(own.code or own.reason != _wire.FINISHED)
 
@@ -275,6 +276,7 @@ def _guard(step: Any, end: Ending = ending) -> None:
     except KeyboardInterrupt as error:
         if kernel.interrupted:
             end.code = 130  # the horizon's Ctrl+C: printed as at home, but no error of the script
+            tracebacks.tell_caught(error.__context__, now=False)  # one that a `finally` has held up
             _print(error)
         else:
             _fail(error, end)
@@ -314,10 +316,15 @@ def _join_threads() -> None:
 
     end_main_thread(threading)
     if not kernel.interrupted:
-        for call in reversed(threading._threading_atexits):
-            call()
-        kernel.main_ended = True
-        kernel.wait(_only_daemons, None, "the end of the program waits for the other threads")
+        try:
+            for call in reversed(threading._threading_atexits):
+                call()
+            kernel.main_ended = True
+            kernel.wait(_only_daemons, None, "the end of the program waits for the other threads")
+        except BaseException as error:  # Ctrl+C, or what the script's handler of it raises
+            told: Any = SimpleNamespace(err_msg=None, object=threading)
+            told.exc_type, told.exc_value, told.exc_traceback = type(error), error, error.__traceback__
+            sys.unraisablehook(told)
 
 
 def _only_daemons() -> bool:

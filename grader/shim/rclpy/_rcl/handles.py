@@ -97,6 +97,12 @@ class ContextHandle(Handle):
         super().__init__()
         from rclpy._rcl.ros_args import parse_ros_args
 
+        if not isinstance(args, list):
+            raise TypeError(
+                "__init__(): incompatible constructor arguments. The following argument types are supported:\n"
+                "    1. rclpy._rclpy_pybind11.Context(arg0: list, arg1: int)\n\n"
+                f"Invoked with: {args!r}, {domain_id or 2**64 - 1}"
+            )
         self.ros_args: RosArgs = parse_ros_args(args, reject_unknown=True)
         self.domain_id = domain_id
         self.valid = True

@@ -60,9 +60,11 @@ def parse_ros_args(args: Sequence[str], *, reject_unknown: bool, of_node: bool =
     Raises:
         UnknownROSArgsError: an argument is not a ROS argument.
         RCLInvalidROSArgsError: a node's argument cannot be parsed; RCLError for a context's.
-        UnicodeEncodeError: an argument is not valid UTF-8.
+        TypeError: an argument is no text. UnicodeEncodeError: it is not valid UTF-8.
     """
     for arg in args:
+        if not isinstance(arg, str):
+            raise TypeError("bad argument type for built-in operation")
         arg.encode()
     if not any(arg == "--ros-args" or ":=" in arg for arg in args):
         parsed = RosArgs()

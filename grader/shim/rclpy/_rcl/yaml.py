@@ -28,7 +28,7 @@ _NUMBERED = {"x": 2, "u": 4, "U": 8}
 
 
 class YamlError(ValueError):
-    """The text is not YAML, or of its part that is not supported."""
+    """The text is not YAML, or uses a part of YAML that is not supported."""
 
 
 class YamlEvent:
@@ -135,7 +135,7 @@ class _Reader:
             self._at += 1
 
     def _begins_pair(self) -> bool:
-        """Whether a key stands here, with its colon, on one line."""
+        """Whether a key and its colon stand here, on one line."""
         start, line = self._at, self._line()
         try:
             self._scalar(len(self._text), in_flow=False)
@@ -166,11 +166,13 @@ class _Reader:
         yield YamlEvent(MAPPING_END, self._line())
 
     def _value(self, column: int, *, of_key: bool = False) -> Iterator[YamlEvent]:
-        """Yield what follows a colon or dash of a block at `column`, and go to the next line of content."""
+        """Yield the value after a colon or dash of a block at `column`, and go to the next line of content."""
         line = self._line()
         self._skip()
         same_line = self._line() == line
-        listed = of_key and self._next() == "-" and self._ends_word(1)
+        listed = (
+            of_key and self._next() == "-" and self._ends_word(1)
+        )  # a key's list may be as far in as the key
         if not self._next() or (
             not same_line and (self._column() < column + (not listed) or self._marks_document())
         ):
@@ -183,7 +185,7 @@ class _Reader:
 
     def _end_line(self, column: int) -> None:
         """Go from the end of a value of a block at `column` to the next line of content."""
-        if self._indentation().strip():  # a block has gone there itself
+        if self._indentation().strip():  # else the value was a block, which has gone to the next line itself
             self._skip(" \t")
             if self._next() not in ("", "\n"):
                 raise YamlError("something stands after a value")
@@ -248,14 +250,14 @@ class _Reader:
         return YamlEvent(SCALAR, line, words)
 
     def _blank_lines(self) -> str:
-        """Go past blanks and return what they mean within a scalar: a space, or the empty lines among them."""
+        """Skip blanks and return what they stand for in a scalar: a space, or a line feed for each empty line."""
         start = self._at
         while self._next() and self._next() in _BLANK:
             self._at += 1
         return "\n" * (self._text.count("\n", start, self._at) - 1) or " "
 
     def _fold(self, indent: int, line: int, in_flow: bool) -> str:
-        """Go to the next line of a plain scalar and return what stands for the break; empty if there is none."""
+        """Go to the next line of a plain scalar and return what stands for the break; empty if it ends here."""
         start = self._at
         fold = self._blank_lines()
         first = self._next()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from enum import Enum
 
 from rclpy._interfaces.own import GoalInfo, GoalStatus
+from rclpy._patches.tracebacks import tell_caught
 from rclpy._rcl.errors import RCLError as RCLError
 from rclpy.action._native import ActionServerHandle, GoalHandleCore, uuid_bytes, uuid_text
 from rclpy.action._native import GoalEvent as GoalEvent
@@ -248,6 +249,7 @@ class ActionServer(Waitable):
             import traceback
 
             result = self._action_type.Result()
+            tell_caught(error)
             logger.error(f"Error raised in execute callback: {error}")
             traceback.print_exc()
         if goal_handle.is_active:

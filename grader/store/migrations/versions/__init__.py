@@ -1,1 +1,1 @@
-"""One module per version, in order."""
+"""One module per version, in order. New tables are made from `grader.store.tables`, not by these."""

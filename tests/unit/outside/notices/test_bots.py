@@ -7,7 +7,7 @@ import pytest
 
 from grader.contracts.notice import NewWebhook, Outlet, Vendor
 from grader.outside.notices import NotSentError
-from grader.outside.notices.bots import MOST_BYTES, BotChannel, is_address, shape
+from grader.outside.notices.bots import MOST_BYTES, BotChannel, example_address, is_address
 from tests.fakes.bots import KEY, SECRET, FakeBots, bots
 
 NOW_S = 1_772_438_400.25
@@ -152,9 +152,9 @@ def test_a_long_message_is_cut_between_characters(channel: BotChannel, group: Fa
 
 @pytest.mark.parametrize("vendor", Vendor)
 def test_an_address_looks_as_the_vendor_has_it(vendor: Vendor) -> None:
-    good = shape(vendor).replace("…", "abc-1")
+    good = example_address(vendor).replace("…", "abc-1")
     assert is_address(vendor, good)
-    others = [shape(one).replace("…", "abc-1") for one in Vendor if one is not vendor]
+    others = [example_address(one).replace("…", "abc-1") for one in Vendor if one is not vendor]
     wrong = [
         *others,
         good.replace("https:", "http:"),

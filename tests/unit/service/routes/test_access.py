@@ -11,7 +11,7 @@ import pytest
 from grader.contracts.identity import ANYBODY, Role, RosterEntry
 from grader.contracts.notice import Vendor
 from grader.contracts.platform import NewPlatform
-from grader.outside.notices.bots import shape
+from grader.outside.notices.bots import example_address
 from grader.use_cases.services import Services
 from tests.fakes.clock import FakeClock
 from tests.fakes.places import all_taken
@@ -240,7 +240,7 @@ def send(
     if path.endswith("/course"):
         body = {"json": {"distro": "humble"}}
     if path.endswith("/webhooks/class") and method == "put":
-        body = {"json": {"vendor": "wecom", "address": shape(Vendor.WECOM).replace("…", "x")}}
+        body = {"json": {"vendor": "wecom", "address": example_address(Vendor.WECOM).replace("…", "x")}}
     if path.endswith("/course/platforms") and method == "post":
         body = {"json": dict.fromkeys(NewPlatform.__dataclass_fields__, "https://moodle.example")}
     if path.endswith("/notices/mail"):

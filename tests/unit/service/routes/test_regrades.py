@@ -219,7 +219,7 @@ def test_a_worker_late_with_a_discarded_trial_changes_nothing(
     claim = services.queue.claim("w")
     post(f"{url}/discard", reason="x")
     job = GradingJob(file_name="a.py", source=claim.source, assignment=services.assignments.get("square"))
-    assert not services.queue.finish(claim, grade(job))
+    assert not services.queue.finish(claim, grade(job), job.assignment)
 
 
 def test_one_at_a_time(klass: dict[str, str], post: Post, client: httpx.Client, school: Any) -> None:

@@ -102,7 +102,9 @@ def test_an_estimate_comes_from_what_was_measured(
     claim = services.queue.claim("w")
     clock.advance(4)
     services.queue.finish(
-        claim, grade(GradingJob(file_name="a.py", source=claim.source, assignment=assignment()))
+        claim,
+        grade(GradingJob(file_name="a.py", source=claim.source, assignment=assignment())),
+        assignment(),
     )
     services.workers.report(worker(clock))  # two slots
     urls = []

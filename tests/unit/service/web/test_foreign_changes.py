@@ -26,7 +26,7 @@ from grader.contracts.notice import NewWebhook, Outlet, Vendor
 from grader.contracts.platform import NewPlatform
 from grader.contracts.regrade import Wanted
 from grader.contracts.rules import Extension, Rules
-from grader.outside.notices.bots import shape
+from grader.outside.notices.bots import example_address
 from grader.service.web.access import SESSION_COOKIE
 from grader.service.web.forms import COOKIE, FIELD
 from grader.store.appeals import Asked
@@ -46,7 +46,7 @@ CALLERS = ("nobody", "bound", "classmate", "outsider", "stranger")
 HOME = {"bound": "ros", "classmate": "ros", "outsider": "other", "stranger": "other"}
 WALK = {"assignment_id": "walk"}
 DISCARD = "POST /class/regrades/{regrade_id}"
-BOT = shape(Vendor.WECOM).replace("…", "x")
+BOT = example_address(Vendor.WECOM).replace("…", "x")
 SCRIPT = {"file": ("square.py", b"x = 1\n")}
 LIST = {"file": ("class.csv", b"id,name,section\nli,Nobody,2\n")}
 SHEET = {"file": ("s.csv", b"id,points\nli,\n")}

@@ -12,6 +12,7 @@ from grader.contracts.submission import SubmissionState
 from grader.service.worker import SandboxHealth
 from grader.service.worker.heart import Heart
 from grader.service.worker.slots import WorkerSlot
+from tests.fakes.grading import assignment
 from tests.fakes.waiting import PATIENCE_S
 from tests.fakes.worker_bench import READY, Bench
 
@@ -160,7 +161,7 @@ def test_what_takes_no_longer_than_others_lately_goes_on_in_the_slot_that_is_kep
         earlier = bench.queue.claim("w/1")
         assert earlier is not None
         bench.clock.advance(beats * BEAT_S)
-        assert bench.queue.finish(earlier, bench.result(earlier))
+        assert bench.queue.finish(earlier, bench.result(earlier), assignment())
     bench.upload()
     kept = WorkerSlot("w/0", bench.parts, SandboxHealth(lambda: READY), reserved=True)
     kept._sandbox.try_out()

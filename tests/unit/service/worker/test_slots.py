@@ -17,7 +17,7 @@ from grader.service.worker import SandboxHealth
 from grader.store.audit import AuditLog, Signature
 from grader.store.courses import Courses
 from grader.store.queue import Queue, Retries
-from tests.fakes.grading import FakeGrader, grade
+from tests.fakes.grading import FakeGrader, assignment, grade
 from tests.fakes.waiting import PATIENCE_S
 from tests.fakes.worker_bench import Bench
 
@@ -89,7 +89,7 @@ def test_a_slot_is_kept_for_those_whose_turn_it_is(bench: Bench) -> None:
     second = bench.queue.claim("w/1")  # any other slot takes it at once
     assert second is not None
     for claim in (first, second):
-        assert bench.queue.finish(claim, bench.result(claim))
+        assert bench.queue.finish(claim, bench.result(claim), assignment())
     third = kept()  # those took no time
     assert third is not None
     assert {first.submission_id, second.submission_id, third.submission_id} == set(ids)
@@ -102,7 +102,7 @@ def test_a_slot_is_kept_from_whose_gradings_take_long(bench: Bench) -> None:
     first = kept()
     assert first is not None
     bench.clock.advance(6.0)
-    assert bench.queue.finish(first, bench.result(first))
+    assert bench.queue.finish(first, bench.result(first), assignment())
     assert kept() is None
     bench.upload(b"good", student="s2")
     other = kept()
@@ -207,7 +207,7 @@ def test_a_crashed_grading_process_is_one_retry(bench: Bench) -> None:
 
 
 class Told:
-    """Writes down what an observer is told."""
+    """Writes down what is counted."""
 
     def __init__(self) -> None:
         self.gradings: list[tuple[GradeStatus, float | None]] = []
@@ -224,9 +224,9 @@ class Told:
         self.lost += submissions
 
 
-def test_an_observer_is_told_how_gradings_went(bench: Bench) -> None:
+def test_how_gradings_went_is_counted(bench: Bench) -> None:
     told = Told()
-    bench.parts = replace(bench.parts, observer=told)
+    bench.parts = replace(bench.parts, metrics=told)
     bench.grader.faults = [InfrastructureError("died")] * 3
     slot = bench.slot()
     bench.upload(assignment="straight")
@@ -344,7 +344,7 @@ def test_a_report_whose_storing_was_not_answered_is_counted_once(bench: Bench) -
             return stored
 
     queue = Unanswered(bench.database, bench.clock, Retries())
-    bench.parts = replace(bench.parts, queue=queue, observer=told)
+    bench.parts = replace(bench.parts, queue=queue, metrics=told)
     bench.upload()
     assert bench.slot().step()
     assert (len(told.gradings), told.retries) == (1, 0)
