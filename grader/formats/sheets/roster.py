@@ -140,7 +140,7 @@ def _left_out(table: ListedTable, row_of: dict[str, tuple[int, str]]) -> list[Sk
     """Return the headers of other sheets that have people who are not on this one, such as one sheet a class."""
     found = []
     for other in table.others:
-        start, columns = _header(other)
+        start, columns = _found_header(other)
         cells = [row.cells[columns["id"] : columns["id"] + 1] for row in other.rows[start:]]
         ids = [unicodedata.normalize("NFKC", one).strip() for one, *_ in filter(None, cells)]
         missing = [one for one in ids if is_person_id(one) and folded_id(one) not in row_of]
@@ -157,15 +157,20 @@ def _left_out(table: ListedTable, row_of: dict[str, tuple[int, str]]) -> list[Sk
 
 def _header(table: ListedTable) -> tuple[int, dict[str, int]]:
     """Return the index of the first row below the header, and where each column is."""
-    for index, row in enumerate(table.rows[:HEADER_ROWS]):
-        columns = _columns(row.cells)
-        if columns:
-            _check_once(row, columns)
-            return index + 1, columns
-    raise CourseError(
-        "no column of ids beside one of names: one of the first rows must name the columns, such as id,name,role",
-        "找不到列名：前几行里要有一行写着列名，至少有“学号”和“姓名”两列，例如 学号,姓名,角色",
-    )
+    start, columns = _found_header(table)
+    if not columns:
+        raise CourseError(
+            "no column of ids beside one of names: one of the first rows must name the columns, such as "
+            "id,name,role",
+            "找不到列名：前几行里要有一行写着列名，至少有“学号”和“姓名”两列，例如 学号,姓名,角色",
+        )
+    _check_once(table.rows[start - 1], columns)
+    return start, columns
+
+
+def _found_header(table: ListedTable) -> tuple[int, dict[str, int]]:
+    found = ((index, _columns(row.cells)) for index, row in enumerate(table.rows[:HEADER_ROWS], 1))
+    return next(((start, columns) for start, columns in found if columns), (0, {}))
 
 
 def _columns(cells: Sequence[str]) -> dict[str, int]:

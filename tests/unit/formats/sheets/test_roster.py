@@ -149,7 +149,7 @@ def test_the_first_visible_sheet_with_both_columns_counts() -> None:
 
 def test_people_on_another_sheet_are_told() -> None:
     """Teachers have one sheet for each class; half of the course would be missing."""
-    other = [("学号", "姓名"), ("9", "x"), LI, ("合计", ""), ("８", "y")]
+    other = [("学号", "姓名", "姓名"), ("9", "x"), LI, ("合计", ""), ("８", "y")]
     roster = read_roster(workbook(PLAIN, [("学号", "成绩"), ("7", "1")], other))
     assert [one.id for one in roster.entries] == [LI[0], HAN[0]]
     (skipped,) = roster.skipped
