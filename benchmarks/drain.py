@@ -39,9 +39,8 @@ from grader.service.composition import GRADING_NICENESS
 from grader.store.clock import Clock, clock_of
 from grader.store.courses import Courses
 from grader.store.database import Database
-from grader.store.intake import take_in
+from grader.store.intake import Intake, take_in
 from grader.store.schema import migrate
-from grader.store.submissions import Submissions
 from grader.store.tables import SubmissionRow
 
 _COURSE = "ros2-load"
@@ -104,7 +103,7 @@ class Drain:
         self._clock = clock
         self._service = service
         self._server = server
-        self._submissions = Submissions(database, clock)
+        self._intake = Intake(database)
 
     def run(self, uploads: Sequence[Upload]) -> Round:
         """Queue `uploads` at one instant and wait until they are graded."""
@@ -145,7 +144,7 @@ class Drain:
             time.sleep(max(0.0, begun + number * every_s - time.perf_counter()))
             upload = self.new(one)
             started = time.perf_counter()
-            self._submissions.accept(upload)
+            self._intake.accept(upload, self._clock())
             times.append(time.perf_counter() - started)
         return times
 

@@ -103,6 +103,9 @@ def _write(session: Session, upload: Upload, result: GradingResult, digests: Map
         assignment=row.assignment,
         file_name=row.file_name,
         source=content,
+        queued_at=now,
+        course=row.course,
+        distro=None,
     )
     grading = grading_values(claim, result, now, digests[row.assignment])
     row.report_sha256 = grading["report_sha256"]

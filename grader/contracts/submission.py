@@ -29,7 +29,6 @@ class NewSubmission:
     Attributes:
         source: kept byte for byte.
         course: None while there are no courses.
-        received_at: instant of the upload; None: now.
         key: under which the client sends the same upload again if it got no answer.
         assignment_version: the published version; when given, the same bytes again are recognised.
         distro: release of ROS 2 that the assignment names; None: the course's.
@@ -43,7 +42,6 @@ class NewSubmission:
     file_name: str
     source: bytes
     course: str | None = None
-    received_at: datetime | None = None
     key: str | None = None
     assignment_version: int | None = None
     distro: Distro | None = None
@@ -122,9 +120,9 @@ class Claim:
     assignment: str
     file_name: str
     source: bytes
-    queued_at: datetime | None = None
-    course: str | None = None
-    distro: Distro | None = None
+    queued_at: datetime
+    course: str | None
+    distro: Distro | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

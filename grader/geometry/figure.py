@@ -10,6 +10,7 @@ All tolerances are shares of the path's own size or angles, so that small and la
 import itertools
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,6 +20,8 @@ from grader.geometry.path import (
     FULL_TURN_RAD,
     MIN_TURN_RAD,
     SETTLING_SHARE,
+    STILL_M,
+    STILL_RAD,
     Path,
     Segments,
     Straight,
@@ -50,6 +53,10 @@ ALIKE_RAD = math.radians(15.0)
 LAP_TOLERANCE = 0.9
 
 REPEAT_TOLERANCE = 0.15  # by how much a side of a later lap may differ: on a slipping car laps drift apart
+# Of the difference between their sides: so near to its start begins a larger or smaller lap. In a
+# spiral, whose laps grow without a corner in common, that is about 0.7.
+MOVED_SHARE = 0.3
+
 # A turn between two laps that is off by more was no attempt at the corner: the next lap lies elsewhere, and the
 # first is judged. Up to here the corner costs less than that does.
 APART_RAD = math.radians(9.0)
@@ -62,6 +69,9 @@ BENT_RAD, ROUND_RAD = math.radians(10.0), math.radians(30.0)
 # Of a side from corner to corner: with less than the first driven straight it counts as less than one side, with
 # the second as none, because the figure is nearly a circle.
 LEVEL_SHARE, ROUND_SHARE = 0.45, 0.27
+# How much the distance driven in a turn counts against the angle, to find its middle. More would move the middle
+# of an arc that is driven unevenly; any less decides where the angle does not change.
+CUT_OFF_COUNTS = 0.02
 MAX_APPROACH_STRAIGHTS = 3  # to one of its sides, perhaps round something, and along that to a corner
 
 
@@ -205,15 +215,28 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
     first, count = (None if plain else _closed(path, segments, corners, lengths, sides)) or (0, lap)
     if first + count == total:
         return _Extent(first, count)
-    retraced = _retraced(path, segments, first, count, cut_short=cut_short)
-    repeated = retraced or _repeats(lengths[first:], corners[first:], count, cut_short=cut_short)
+    found = _followed(path, segments, corners, _Extent(first, count), cut_short=cut_short)
     meant = total == sides or _one_too_many(lengths[first:], corners[first:])
-    if meant and not repeated and not cut_short:
+    if meant and not (found.repeated or found.apart) and not cut_short:
         return _Extent(first, total - first)
+    return found
+
+
+def _followed(
+    path: Path, segments: Segments, corners: list[float], lap: _Extent, *, cut_short: bool
+) -> _Extent:
+    """Say of a lap how what follows relates to it."""
+    first, count = lap.first, lap.count
+    lengths = [chord(path, *span(path, segments, i)) for i in range(first, len(segments.straights))]
+    retraced = _retraced(path, segments, first, count, cut_short=cut_short)
+    repeated = (
+        retraced
+        or _repeats(lengths, corners[first:], count, cut_short=cut_short)
+        or _resized(path, segments, corners, lap, cut_short=cut_short)
+    )
     apart = repeated and not retraced and _turned_between(corners[first : first + count])
-    return _Extent(
-        first,
-        count,
+    return replace(
+        lap,
         retraced=retraced,
         repeated=repeated and not apart,
         overrun=not repeated or apart,
@@ -229,7 +252,7 @@ def _lap(path: Path, segments: Segments, corners: list[float], sides: int, *, cu
     """
     total = len(segments.straights)
     lap = _comes_round(corners) or total
-    if lap == sides or not 2 < sides <= total or not _alike(corners[:sides]):
+    if lap == sides or not 2 < sides <= total or not alike(corners[:sides]):
         return lap
     mean = abs(sum(map(bare, corners[: sides - 1]))) / (sides - 1)
     if abs(sides * mean - FULL_TURN_RAD) > LAP_TOLERANCE * mean:
@@ -277,10 +300,28 @@ def _retraced(path: Path, segments: Segments, first: int, count: int, *, cut_sho
     )
 
 
+def _resized(path: Path, segments: Segments, corners: list[float], lap: _Extent, *, cut_short: bool) -> bool:
+    """Whether whole laps follow that begin where the first one did, and are larger or smaller as a whole."""
+    spans = [span(path, segments, i) for i in range(lap.first, len(segments.straights))]
+    if len(spans) < 2 * lap.count or (len(spans) % lap.count and not cut_short):
+        return False
+    sides = [chord(path, *one) for one in spans]
+    for start in range(lap.count, len(spans), lap.count):
+        later = sides[start : start + lap.count]
+        shares = [one / other for one, other in zip(later, sides, strict=False)]
+        moved_m = chord(path, spans[0][0], spans[start][0])
+        if moved_m > MOVED_SHARE * abs(later[0] - sides[0]):
+            return False
+        done = start + lap.count <= len(spans) - cut_short
+        if done and max(shares) > (1.0 + REPEAT_TOLERANCE) * min(shares):
+            return False
+    return _turns_alike(corners[lap.first :], lap.count)
+
+
 def _turned_between(lap: list[float]) -> bool:
     """Whether the corner from a lap to the next is far off the others, which make the figure without it."""
     inner = [bare(corner) for corner in lap[:-1]]
-    if _comes_round(inner) != len(lap) or not _alike(inner):
+    if _comes_round(inner) != len(lap) or not alike(inner):
         return False
     return abs(math.remainder(lap[-1] - sum(inner) / len(inner), FULL_TURN_RAD)) > APART_RAD
 
@@ -289,7 +330,7 @@ def _one_too_many(lengths: list[float], corners: list[float]) -> bool:
     """Whether the last side continues a complete figure as its own sides do: one repetition too many in a loop."""
     count = len(lengths) - 1
     same = abs(lengths[-1] - lengths[0]) <= SAME_SHARE * lengths[0]
-    return same and _comes_round(corners) == count and _alike(corners)
+    return same and _comes_round(corners) == count and alike(corners)
 
 
 def _comes_round(corners: list[float]) -> int | None:
@@ -307,7 +348,8 @@ def _comes_round(corners: list[float]) -> int | None:
     return None
 
 
-def _alike(corners: list[float]) -> bool:
+def alike(corners: Sequence[float]) -> bool:
+    """Whether corners are about equal, whole turns aside."""
     less = [bare(corner) for corner in corners]
     return max(less) - min(less) <= ALIKE_RAD
 
@@ -324,7 +366,7 @@ def _closed(
     least = least_nearly = math.inf
     for first in range(min(MAX_APPROACH_STRAIGHTS + 1, len(lengths))):
         count = _comes_round(corners[first:])
-        if count is None or count < 3 or not _alike(corners[first : first + count - 1]):
+        if count is None or count < 3 or not alike(corners[first : first + count - 1]):
             continue
         start, end = span(path, segments, first)[0], span(path, segments, first + count - 1)[1]
         gap = chord(path, start, end) / sum(lengths[first : first + count])
@@ -342,7 +384,7 @@ def _approached_halves(
     for first in range(1, min(MAX_APPROACH_STRAIGHTS + 1, len(lengths))):
         rest_m, inner = lengths[first:], corners[first:]
         lap = _comes_round(inner)
-        if lap is None or not _halves(rest_m, inner, lap) or not _alike(inner):
+        if lap is None or not _halves(rest_m, inner, lap) or not alike(inner):
             continue
         ends = span(path, segments, first)[0], span(path, segments, len(lengths) - 1)[1]
         if chord(path, *ends) <= CLOSED_SHARE * sum(rest_m):
@@ -422,7 +464,7 @@ def _shaping(corners: list[float], extent: _Extent, *, turned: bool) -> tuple[li
 
 def _further(inner: list[float], last: float) -> bool:
     """Whether the last turn goes the way of the corners, which are alike, and clearly further."""
-    if not inner or not _alike(inner):
+    if not inner or not alike(inner):
         return False
     mean = sum(map(bare, inner)) / len(inner)
     return last * mean > 0.0 and abs(last) > abs(mean) + ALIKE_RAD
@@ -544,9 +586,14 @@ def chord(path: Path, start: int, stop: int) -> float:
 
 
 def half_turned(path: Path, turn: Turn) -> int:
-    """Return the sample at which half of the turn is done: where the corner of a rounded turn is measured from."""
-    travel = path.travel_rad[turn.first : turn.last + 1]
-    return turn.first + int(np.argmin(np.abs(travel - (travel[0] + travel[-1]) / 2.0)))
+    """Return the sample at which half of the turn is done: where the corner of a rounded turn is measured from.
+
+    Where the car drives straight on then, because it cuts the corner off, that is in the middle of this straight.
+    """
+    travel, along = path.travel_rad[turn.first : turn.last + 1], path.along_m[turn.first : turn.last + 1]
+    turned = np.abs(travel - (travel[0] + travel[-1]) / 2.0) / max(abs(turn.angle_rad), STILL_RAD)
+    driven = np.abs(along - (along[0] + along[-1]) / 2.0) / max(abs(turn.length_m), STILL_M)
+    return turn.first + int(np.argmin(turned + CUT_OFF_COUNTS * driven))
 
 
 def _last_vertex(path: Path, turn: Turn) -> int:

@@ -52,6 +52,7 @@ MIN_STRAIGHT_SHARE = 0.06
 # must be. Who steers in steps of 0.1 s at 0.5 m/s and 3 rad/s swings by 17 degrees, and is 1 cm off its line.
 STRIP_SHARE, MIN_STRIP_SHARE = 0.015, 0.12
 
+BOX_STEP_DEG = 5.0  # a box that stands askew by half of it is 3 % larger
 MIN_SWINGS = 4  # an S has two
 MOST_ASIDE_RAD = math.radians(60.0)
 MIN_EXTENT_M = 0.02  # keeps the tolerances of a car that turned on the spot from shrinking to its noise
@@ -70,7 +71,7 @@ class Path:
         along_m: (n,) distance travelled since the start. It falls only within a correction: a way back that
             is small against the extent of the whole path.
         signed_m: (n,) distance along the car's own axis, falling while it backs up.
-        extent_m: diagonal of the box around the path.
+        extent_m: diagonal of the smallest box around the path, however it lies.
     """
 
     x_m: Floats
@@ -96,10 +97,18 @@ def driven_path(x_m: Floats, y_m: Floats, heading_rad: Floats, jumps: Sequence[i
     middle = (heading_rad[1:] + heading_rad[:-1]) / 2.0
     # Projected on the heading, measuring noise cancels from sample to sample; a sum of lengths would grow.
     signed_m = np.concatenate(([0.0], np.cumsum(dx * np.cos(middle) + dy * np.sin(middle))))
-    extent_m = math.hypot(float(np.ptp(x_m)), float(np.ptp(y_m)))
+    extent_m = _extent_m(x_m, y_m, float(heading_rad[0]))
     turning = _turning_points(signed_m, _reversal_m(extent_m))
     along_m, travel_rad = _unfold(signed_m, heading_rad, turning)
     return Path(x_m, y_m, heading_rad, travel_rad, along_m, signed_m, extent_m)
+
+
+def _extent_m(x_m: Floats, y_m: Floats, heading_rad: float) -> float:
+    """Return the diagonal of the smallest box around a path, of those at multiples of 5° to its start."""
+    angles = heading_rad + np.radians(np.arange(0.0, 90.0, BOX_STEP_DEG))
+    cos, sin = np.cos(angles)[:, None], np.sin(angles)[:, None]
+    width_m, depth_m = np.ptp(cos * x_m + sin * y_m, axis=1), np.ptp(cos * y_m - sin * x_m, axis=1)
+    return float(np.min(np.hypot(width_m, depth_m)))
 
 
 def without_overshoots(path: Path) -> Path:
@@ -261,11 +270,11 @@ def segment(path: Path) -> Segments:
     extent_m = max(path.extent_m, MIN_EXTENT_M)
     path = _steadied(path, extent_m)
     across, up = path.along_m / (DISTANCE_TOLERANCE_SHARE * extent_m), path.travel_rad / HEADING_TOLERANCE_RAD
-    corners = _without_wobble(path, _simplify(across, up))
+    corners = _without_wobble(path, simplified(across, up))
     for piece in _classify(path, corners, extent_m):
         if not piece.straight:  # half the tolerance tells a side that bends at one end from an arc
             part = slice(piece.first, piece.last + 1)
-            corners += [piece.first + i for i in _simplify(across[part], 2.0 * up[part])[1:-1]]
+            corners += [piece.first + i for i in simplified(across[part], 2.0 * up[part])[1:-1]]
     return _assemble(path, _join(path, _classify(path, sorted(corners), extent_m)))
 
 
@@ -277,7 +286,7 @@ def _steadied(path: Path, extent_m: float) -> Path:
     """
     tolerance_m = STRIP_SHARE * extent_m
     travel_rad = path.travel_rad
-    for first, last in itertools.pairwise(_simplify(path.x_m / tolerance_m, path.y_m / tolerance_m)):
+    for first, last in itertools.pairwise(simplified(path.x_m / tolerance_m, path.y_m / tolerance_m)):
         dx, dy = float(path.x_m[last] - path.x_m[first]), float(path.y_m[last] - path.y_m[first])
         along, travel = path.along_m[first : last + 1], path.travel_rad[first : last + 1]
         inner = travel[(along > along[0] + tolerance_m) & (along < along[-1] - tolerance_m)]
@@ -293,7 +302,7 @@ def _steadied(path: Path, extent_m: float) -> Path:
     return replace(path, travel_rad=travel_rad)
 
 
-def _simplify(across: Floats, up: Floats) -> list[int]:
+def simplified(across: Floats, up: Floats) -> list[int]:
     """Return the sorted indices kept by Ramer-Douglas-Peucker with tolerance 1: both axes are in tolerances."""
     last = len(across) - 1
     kept, stack = {0, last}, [(0, last)]
@@ -409,7 +418,7 @@ def _without_detours(path: Path, piece: _Piece) -> tuple[Floats, float]:
     return travel, spun_rad
 
 
-def _driven_m(path: Path, first: int, last: int) -> float:
+def driven_m(path: Path, first: int, last: int) -> float:
     """Return the distance driven between two samples, forwards and backwards, without small swings to a stop."""
     signed_m = path.signed_m[first : last + 1]
     turning = _turning_points(signed_m, max(SETTLING_SHARE * path.extent_m, MIN_REVERSAL_M))
@@ -424,7 +433,7 @@ def _assemble(path: Path, pieces: list[_Piece]) -> Segments:
         length_m = float(path.along_m[piece.last] - path.along_m[piece.first])
         if piece.straight:
             direction_rad, bend_rad, spun_rad = _line(path, piece)
-            strayed_m = sum(_driven_m(path, *detour) for detour in piece.detours)
+            strayed_m = sum(driven_m(path, *detour) for detour in piece.detours)
             straights.append(
                 Straight(piece.first, piece.last, direction_rad, bend_rad, length_m, strayed_m, spun_rad)
             )

@@ -1,19 +1,25 @@
 """The log: one record a line on stderr, as text for people or as JSON for machines.
 
+Fields say which request, upload or grading a line belongs to. They are bound once, where the work begins, and
+stand on every line that is written until it ends, also by code that knows nothing of them.
+
 No record can forge another: in JSON everything beyond printable ASCII is an escape, in text a message's control
 characters are, and the lines of a traceback are indented behind a bar.
 """
 
 import logging
 import sys
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
+from contextvars import ContextVar
 from datetime import UTC, datetime
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
-from pythonjsonlogger.json import JsonFormatter
-
-from grader.operation.context import FIELDS, current
-from grader.operation.settings import LogFormat, LogLevel
+from grader.contracts.submission import Claim
 from grader.render.escape import visible, visible_line
+
+if TYPE_CHECKING:
+    from grader.operation.settings import LogFormat, LogLevel
 
 _CHATTY = (
     "alembic",
@@ -27,11 +33,61 @@ _CHATTY = (
 )
 """Libraries whose `info` is about themselves, not about the service."""
 
+_FIELDS = (
+    "request_id", "submission", "attempt", "assignment", "worker",
+    "method", "route", "status", "duration_ms", "code", "instance",
+)  # fmt: skip
+"""Names of the fields, in the order in which lines show them."""
+
+Field = str | int | float
+_bound: ContextVar[dict[str, Field] | None] = ContextVar("grader_log_fields", default=None)
+
 _NEXT_LINE = "\n    | "
 _OWN_ATTRIBUTES = (*vars(logging.makeLogRecord({})), "asctime", "message")
 
 
-def configure(log_format: LogFormat, level: LogLevel) -> None:
+def begin(**fields: Field) -> None:
+    """Bind these fields, and no earlier ones, for the rest of the current task or thread."""
+    _bound.set(fields)
+
+
+@contextmanager
+def bound(**fields: Field) -> Iterator[None]:
+    """Add `fields` to every line that is written inside the context."""
+    token = _bound.set({**(_bound.get() or {}), **fields})
+    try:
+        yield
+    finally:
+        _bound.reset(token)
+
+
+def about(claim: Claim) -> AbstractContextManager[None]:
+    """Add the fields of a claim to every line that is written inside the context."""
+    return bound(
+        submission=claim.submission_id,
+        attempt=claim.attempt,
+        assignment=claim.assignment,
+        worker=claim.worker,
+    )
+
+
+def note(**fields: Field) -> None:
+    """Add fields to the unit of work under way, now that they are known; outside of one, do nothing.
+
+    This changes the bound mapping itself. An endpoint runs in a thread with a copy of its request's context, which
+    shares the mapping, so the request's own log line gets these fields, too.
+    """
+    known = _bound.get()
+    if known is not None:
+        known.update(fields)
+
+
+def current() -> Mapping[str, Field]:
+    """Return the fields of the unit of work under way."""
+    return _bound.get() or {}
+
+
+def configure(log_format: "LogFormat", level: "LogLevel") -> None:
     """Send every log record of this process, of libraries too, to stderr in one format."""
     root = logging.getLogger()
     root.handlers = [handler(log_format, sys.stderr)]
@@ -41,7 +97,7 @@ def configure(log_format: LogFormat, level: LogLevel) -> None:
         logging.getLogger(name).setLevel(logging.DEBUG if level == "debug" else logging.WARNING)
 
 
-def handler(log_format: LogFormat, stream: TextIO) -> logging.Handler:
+def handler(log_format: "LogFormat", stream: TextIO) -> logging.Handler:
     """Return a handler that writes records with their context to `stream`."""
     made = logging.StreamHandler(stream)
     made.addFilter(_InContext())
@@ -66,7 +122,7 @@ class _TextFormatter(logging.Formatter):
         known = record.__dict__
         fields = "".join(
             f" {name}={visible_line(str(known[name]))}"
-            for name in FIELDS
+            for name in _FIELDS
             if known.get(name) not in (None, "")
         )
         line = f"{at} {record.levelname:<7} {record.name}: {visible_line(record.getMessage())}{fields}"
@@ -80,6 +136,8 @@ def _indented(text: str) -> str:
 
 
 def _json() -> logging.Formatter:
+    from pythonjsonlogger.json import JsonFormatter  # text does without it
+
     return JsonFormatter(
         "%(levelname)s %(name)s %(message)s",
         timestamp="time",

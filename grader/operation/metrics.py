@@ -91,12 +91,11 @@ class Metrics:
         )
         self._streams = Gauge("grader_event_streams", "Streams of events that are open.", registry=registry)
 
-    def graded(self, verdict: GradeStatus, grading_s: float, waited_s: float | None) -> None:
+    def graded(self, verdict: GradeStatus, grading_s: float, waited_s: float) -> None:
         """Count a grading that was stored, `grading_s` after its claim and `waited_s` after it was queued."""
         self._gradings.labels(verdict.value).inc()
         self._grading_s.observe(grading_s)
-        if waited_s is not None:
-            self._waited_s.observe(waited_s)
+        self._waited_s.observe(waited_s)
 
     def retried(self, tries: int = 1) -> None:
         """Count tries that failed and are made again."""

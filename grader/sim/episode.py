@@ -83,7 +83,6 @@ class EpisodeSpec(Record):
         source: the student's file. file_name: its name, for tracebacks.
         package: START's field for a package; `source` then holds its files one after the other. None: a script.
         args: of the command line, without the file. stdin: text for `input()`.
-        epoch_ns: wall clock the script reads at virtual time 0.
         calls: requests the assignment sends to the script's services.
         agent: tool calls that a chat agent sends.
         interfaces: what the script can import besides ROS's own.
@@ -98,7 +97,6 @@ class EpisodeSpec(Record):
     file_name: str
     args: tuple[str, ...] = ()
     stdin: str = ""
-    epoch_ns: int = EPOCH_NS
     calls: tuple[ServiceCall, ...] = ()
     agent: tuple[AgentStep, ...] = ()
     interfaces: tuple[InterfaceDefinition, ...] = ()
@@ -161,7 +159,7 @@ class Episode:
             self._world = RobotWorld(robot(), self._recorder, spec.world, spec.horizon_ns)
         else:
             turtle = Turtle(car, self._recorder, spec.world, spec.horizon_ns)
-            self._world = TurtleWorld(turtle, spec.world, spec.epoch_ns, spec.distro)
+            self._world = TurtleWorld(turtle, spec.world, EPOCH_NS, spec.distro)
         self._world.on_change = self._reconnect
         self._graph = ScriptGraph()
         self._journal = Journal()
@@ -220,7 +218,7 @@ class Episode:
             "args": list(spec.args),
             "stdin": spec.stdin,
             "horizon_ns": spec.horizon_ns,
-            "epoch_ns": spec.epoch_ns,
+            "epoch_ns": EPOCH_NS,
             "seed": self._script_seed(),
             "distro": spec.distro,
             "output_bytes": spec.output_bytes,
@@ -535,7 +533,7 @@ def _agent(spec: EpisodeSpec, world: SimulatedWorld, graph: ScriptGraph) -> "Age
 
     if not isinstance(world, TurtleWorld):
         raise AssignmentError("an agent drives turtlesim's car only")
-    return Agent(spec.agent, world, graph, spec.interfaces, spec.epoch_ns)
+    return Agent(spec.agent, world, graph, spec.interfaces, EPOCH_NS)
 
 
 def _seen_in(received: ReceivedCommands, trajectory: Trajectory) -> Iterator[str]:

@@ -23,8 +23,8 @@ from grader.contracts.identity import (
     unknown_members,
 )
 from grader.store.audit import Signature, record
-from grader.store.clock import Clock, TimedPart
-from grader.store.database import Database, one_at_a_time
+from grader.store.clock import TimedPart
+from grader.store.database import one_at_a_time
 from grader.store.tables import (
     OF_MEMBERS,
     CourseRow,
@@ -61,14 +61,9 @@ class RosterChange:
 class Courses(TimedPart):
     """Courses and their members; safe to share between threads."""
 
-    def __init__(self, database: Database, clock: Clock) -> None:
-        super().__init__(database, clock)
-        self._exist = False
-
     def exist(self) -> bool:
-        """Whether there is a course at all. Courses are never deleted, so a yes is remembered."""
-        self._exist = self._exist or self._finds(select(col(CourseRow.id)))
-        return self._exist
+        """Whether there is a course at all. Courses are never deleted."""
+        return self._finds(select(col(CourseRow.id)))
 
     def create(
         self, course_id: str, title: str, time_zone: str, actor: str, distro: Distro = DEFAULT_DISTRO

@@ -18,6 +18,7 @@ from sqlalchemy import (
     and_,
     bindparam,
     delete,
+    func,
     insert,
     or_,
     select,
@@ -32,8 +33,9 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.record import from_json
 from grader.contracts.report import GradeStatus
 from grader.contracts.rules import Attempt, Extension, Refusal, Rules
-from grader.contracts.submission import NewSubmission, SubmissionState
-from grader.store.database import add_once, one_at_a_time
+from grader.contracts.submission import NewSubmission, Submission, SubmissionState
+from grader.store.audit import Signature, record
+from grader.store.database import StorePart, add_once, one_at_a_time
 from grader.store.own_assignments import still_used
 from grader.store.rules import ABOUT, ABOUT_FROM, OF_COURSE, rules_about
 from grader.store.tables import (
@@ -43,6 +45,7 @@ from grader.store.tables import (
     SubmissionRow,
     UploadKeyRow,
     UtcDateTime,
+    submission_of,
     table_of,
 )
 from grader.store.work import Announcer, announcement_of
@@ -55,6 +58,7 @@ _MOST_LATELY = 100
 an upload costs the same after any number of others."""
 _KEY_LIFE = timedelta(days=7)
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+_OPEN_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
 _SMALLEST_STEP = timedelta(microseconds=1)
 _UUID_VERSION_7 = 0x7 << 76
 _UUID_VARIANT = 0b10 << 62
@@ -151,6 +155,52 @@ _IN_COURSE, _WITHOUT_COURSE = _question(_OF_COURSE), _question(_OF_NO_COURSE)
 _COSTLY_IN_COURSE, _COSTLY_WITHOUT_COURSE = _costly_of(_OF_COURSE), _costly_of(_OF_NO_COURSE)
 
 
+class Intake(StorePart):
+    """Takes uploads in; safe to share between threads."""
+
+    def accept(self, upload: NewSubmission, received_at: datetime) -> tuple[Submission, bool]:
+        """Store an upload and queue it, in one transaction: once this returns, it is not lost.
+
+        A student's uploads that arrive at the same moment are counted one after the other. What the student sent
+        before is not stored again: an upload under the same key or, when `upload.assignment_version` is given, one
+        with the bytes of the student's latest submission.
+
+        Returns:
+            The submission, and whether it is an earlier one.
+
+        Raises:
+            RefusedError: as `take_in`.
+        """
+        with self._database.writing() as session:
+            row, repeated = take_in(session, upload, received_at, self._database.announcer)
+            if upload.by is not None and not repeated:
+                _record_handed_in(session, upload.by, row)
+            return submission_of(row), repeated
+
+    def refusal(self, upload: NewSubmission, received_at: datetime) -> Refusal | None:
+        """Return why the rules refuse an upload, or None. Its content is not looked at."""
+        if not upload.ruled:
+            return None
+        with self._database.reading() as session:
+            known = _known(session, upload.student, upload.assignment, upload.course)
+            return _refusal(session, upload, known, received_at)
+
+    def attempts(self, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
+        """Return a student's submissions to an assignment as the rules see them, in order of arrival."""
+        # SQLAlchemy writes IS NULL for None.
+        own = select(*_EARLIER).where(
+            _row.course == course, _row.student == student, _row.assignment == assignment
+        )
+        return as_attempts(self._rows(own.order_by(_row.received_at, _row.id)))
+
+    def open_count(self, student: str, course: str | None) -> int:
+        """Count a student's submissions that are not graded yet."""
+        is_open = _row.state.in_(_OPEN_STATES)
+        own = select(func.count()).where(is_open, _row.student == student, _row.course == course)
+        with self._database.reading() as session:
+            return int(session.execute(own).scalar_one())
+
+
 def take_in(
     session: Session, upload: NewSubmission, now: datetime, announcer: Announcer
 ) -> tuple[SubmissionRow, bool]:
@@ -200,21 +250,6 @@ def _require_accepted(session: Session, upload: NewSubmission, known: _Known, no
         raise refused.error()
 
 
-def refusal_of(session: Session, upload: NewSubmission, received_at: datetime) -> Refusal | None:
-    """Return why the rules do not accept an upload, or None."""
-    known = _known(session, upload.student, upload.assignment, upload.course)
-    return _refusal(session, upload, known, received_at)
-
-
-def attempts_of(session: Session, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
-    """Return a student's submissions to an assignment as the rules see them, in order of arrival."""
-    # SQLAlchemy writes IS NULL for None.
-    own = select(*_EARLIER).where(
-        _row.course == course, _row.student == student, _row.assignment == assignment
-    )
-    return as_attempts(session.connection().execute(own.order_by(_row.received_at, _row.id)).all())
-
-
 def as_attempts(submissions: Iterable[Any]) -> tuple[Attempt, ...]:
     """Return rows of submissions as the rules see them.
 
@@ -230,6 +265,12 @@ def as_attempts(submissions: Iterable[Any]) -> tuple[Attempt, ...]:
         )
         for one in submissions
     )
+
+
+def _record_handed_in(session: Session, by: str, row: SubmissionRow) -> None:
+    signed = Signature(row.received_at, row.course, by)
+    what = {"student": row.student, "assignment": row.assignment, "sha256": row.source_sha256}
+    record(session, signed, "submission.hand_in", f"submission {row.id}", after=what)
 
 
 def new_id(now: datetime) -> str:

@@ -1,23 +1,18 @@
-"""Submissions and their gradings: adding uploads, and reading what became of them."""
+"""Submissions and their gradings, as they are read one by one or in lists."""
 
-from sqlalchemy import Select, func, select
+from sqlalchemy import Select, select
 from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.record import from_json
-from grader.contracts.report import GradeStatus, Measurements
-from grader.contracts.rules import Attempt, Refusal
+from grader.contracts.report import Measurements
 from grader.contracts.submission import (
-    NewSubmission,
     StoredReport,
     Submission,
     SubmissionFilter,
-    SubmissionState,
 )
-from grader.store.audit import Signature, record
-from grader.store.clock import TimedPart
 from grader.store.courses import in_class
-from grader.store.intake import attempts_of, refusal_of, take_in
+from grader.store.database import StorePart
 from grader.store.judgements import judgements_of
 from grader.store.tables import (
     GradedAssignmentRow,
@@ -26,59 +21,18 @@ from grader.store.tables import (
     SubmissionRow,
     TrajectoryRow,
     as_contract,
+    submission_of,
 )
 
-_OPEN_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
 
-
-class Submissions(TimedPart):
-    """Uploads, and what became of them: their gradings one by one. Safe to share between threads."""
-
-    def add(self, upload: NewSubmission) -> Submission:
-        """Store an upload and queue it, in one transaction: once this returns, it is not lost.
-
-        Raises:
-            RefusedError: the rules of the assignment do not accept it. A student's uploads that arrive at the
-                same moment are counted one after the other.
-        """
-        return self.accept(upload)[0]
-
-    def accept(self, upload: NewSubmission) -> tuple[Submission, bool]:
-        """Store an upload as `add` does, unless the student sent the same before; then nothing is stored.
-
-        The same is an upload under the same key or, when `upload.assignment_version` is given, one with the
-        bytes of the student's latest submission.
-
-        Returns:
-            The submission, and whether it is an earlier one.
-
-        Raises:
-            RefusedError: as `add`; or ``key_reused``, the key belongs to another upload.
-        """
-        with self._database.writing() as session:
-            now = upload.received_at or self._clock()
-            row, repeated = take_in(session, upload, now, self._database.announcer)
-            if upload.by is not None and not repeated:
-                _record_handed_in(session, upload.by, row)
-            return _submission(row), repeated
-
-    def refusal(self, upload: NewSubmission) -> Refusal | None:
-        """Return why the rules refuse an upload, or None. Its content is not looked at."""
-        if not upload.ruled:
-            return None
-        with self._database.reading() as session:
-            return refusal_of(session, upload, upload.received_at or self._clock())
-
-    def attempts(self, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
-        """Return a student's submissions to an assignment as the rules see them, in order of arrival."""
-        with self._database.reading() as session:
-            return attempts_of(session, student, assignment, course)
+class Submissions(StorePart):
+    """Reads what was handed in and how it was graded; safe to share between threads."""
 
     def get(self, submission_id: str) -> Submission | None:
         """Return one submission, or None. Trials of a re-grade are not found here, only through the re-grade."""
         with self._database.reading() as session:
             row = _handed_in(session, submission_id)
-            return None if row is None else _submission(row)
+            return None if row is None else submission_of(row)
 
     def source(self, submission_id: str) -> bytes | None:
         """Return the uploaded bytes, or None when there is no such submission."""
@@ -101,7 +55,7 @@ class Submissions(TimedPart):
             row = _handed_in(session, submission_id)
             if row is None:
                 return None
-            return _submission(row), _latest_report(session, submission_id)
+            return submission_of(row), _latest_report(session, submission_id)
 
     def trajectory(self, report: StoredReport, case_id: str) -> bytes | None:
         """Return the trajectory of one case as gzip of its JSON, or None."""
@@ -164,7 +118,7 @@ class Submissions(TimedPart):
         if assignment is not None:
             statement = statement.where(col(SubmissionRow.assignment) == assignment)
         newest_first = statement.order_by(col(SubmissionRow.received_at).desc(), col(SubmissionRow.id).desc())
-        return tuple(_submission(row) for row in self._scalars(newest_first))
+        return tuple(submission_of(row) for row in self._scalars(newest_first))
 
     def of_class(
         self,
@@ -191,7 +145,7 @@ class Submissions(TimedPart):
             statement = statement.where(col(SubmissionRow.id) > wanted.after)
         with self._database.reading() as session:
             rows = session.execute(statement.order_by(col(SubmissionRow.id)).limit(limit)).scalars()
-            return tuple(_submission(row) for row in rows)
+            return tuple(submission_of(row) for row in rows)
 
     def in_order(self, course: str, after: str | None, limit: int) -> tuple[Submission, ...]:
         """Return at most `limit` submissions of a course, of everybody, stored after the one of the id `after`."""
@@ -201,7 +155,7 @@ class Submissions(TimedPart):
             statement = statement.where(col(row.id) > after)
         with self._database.reading() as session:
             rows = session.execute(statement.order_by(col(row.id)).limit(limit)).scalars()
-            return tuple(_submission(one) for one in rows)
+            return tuple(submission_of(one) for one in rows)
 
     def neighbour(
         self, submission: Submission, students: frozenset[str] | None = None, *, after: bool
@@ -221,27 +175,7 @@ class Submissions(TimedPart):
         )
         with self._database.reading() as session:
             row = session.execute(nearest).scalar_one_or_none()
-            return None if row is None else _submission(row)
-
-    def open_count(self, student: str, course: str | None) -> int:
-        """Count a student's submissions that are not graded yet."""
-        statement = (
-            select(func.count())
-            .select_from(SubmissionRow)
-            .where(
-                col(SubmissionRow.state).in_(_OPEN_STATES),
-                col(SubmissionRow.student) == student,
-                col(SubmissionRow.course) == course,
-            )
-        )
-        with self._database.reading() as session:
-            return int(session.execute(statement).scalar_one())
-
-
-def _record_handed_in(session: Session, by: str, row: SubmissionRow) -> None:
-    signed = Signature(row.received_at, row.course, by)
-    what = {"student": row.student, "assignment": row.assignment, "sha256": row.source_sha256}
-    record(session, signed, "submission.hand_in", f"submission {row.id}", after=what)
+            return None if row is None else submission_of(row)
 
 
 def _handed_in(session: Session, submission_id: str) -> SubmissionRow | None:
@@ -287,13 +221,3 @@ def _cases(session: Session, grading: GradingRow) -> dict[str, str]:
         .order_by(col(TrajectoryRow.position))
     )
     return {row[0]: row[1] for row in session.execute(statement)}
-
-
-def _submission(row: SubmissionRow) -> Submission:
-    return as_contract(
-        row,
-        Submission,
-        sha256=row.source_sha256,
-        state=SubmissionState(row.state),
-        verdict=None if row.verdict is None else GradeStatus(row.verdict),
-    )

@@ -118,7 +118,7 @@ def in_course(services: Services, caller: Caller) -> tuple[Assignment, ...]:
 def terms_of(services: Services, caller: Caller, assignment_id: str) -> Terms:
     """Return the rules of an assignment as they hold for the caller; without courses, the default ones."""
     person = caller.person
-    attempts = () if person is None else services.submissions.attempts(person, assignment_id, caller.course)
+    attempts = () if person is None else services.intake.attempts(person, assignment_id, caller.course)
     return _terms(services.rules.of(caller.course), caller, assignment_id, attempts, services.clock())
 
 

@@ -45,13 +45,19 @@ class Callers:
 
     def __init__(self, courses: Courses, tokens: Tokens, instructor_token: str) -> None:
         self._courses = courses
+        self._have_courses = False
         self._tokens = tokens
         self._digest = _digest(instructor_token)
         self._operator_session = hmac.new(instructor_token.encode(), b"session", "sha256").hexdigest()
 
+    def _is_open(self) -> bool:
+        """Whether nobody is asked who they are. That ends for good with the first course."""
+        self._have_courses = self._have_courses or self._courses.exist()
+        return not self._have_courses
+
     def identify(self, token: str | None) -> Caller | None:
         """Return who shows `token` (None: shows nothing); None for those who may not come in."""
-        if self._courses.exist():
+        if not self._is_open():
             return None if token is None else self._tokens.caller(token)
         if token is None:
             return ANYBODY
@@ -60,7 +66,7 @@ class Callers:
 
     def open_session(self, token: str) -> str | None:
         """Return what a browser that shows `token` keeps in its place; None for those who may not come in."""
-        if self._courses.exist():
+        if not self._is_open():
             return self._tokens.open_session(token)
         return None if self.identify(token) is None else self._operator_session
 
@@ -68,7 +74,7 @@ class Callers:
         """Return whose browser keeps `session` (None: it keeps nothing); None for those who may not come in."""
         if session is None:
             return self.identify(None)
-        if self._courses.exist():
+        if not self._is_open():
             return self._tokens.session_caller(session)
         known = hmac.compare_digest(session.encode(errors="replace"), self._operator_session.encode())
         return OPERATOR if known else None

@@ -15,7 +15,7 @@ from grader.contracts.upload import check_name, check_source, decoded
 from grader.formats.packages.bundle import bundled, files_of
 from grader.messages.exceptions import meaning
 from grader.messages.script import ScriptText
-from grader.operation.context import note
+from grader.operation.logs import note
 from grader.render.escape import visible_line
 from grader.use_cases.assignments import is_own, require_published
 from grader.use_cases.services import Services
@@ -64,13 +64,13 @@ def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submiss
         assignment=upload.assignment,
         file_name=upload.file_name,
         source=upload.content,
-        received_at=upload.arrived_at,
         key=upload.key,
         ruled=caller.role is Role.STUDENT,
         by=None if student == caller.person or caller.course is None else caller.signature,
     )
     with services.allowances.uploads_at_once.one_more(owner):
-        submission, repeated = services.submissions.accept(_checked(services, caller, new, owner))
+        checked = _checked(services, caller, new, owner, upload.arrived_at)
+        submission, repeated = services.intake.accept(checked, upload.arrived_at)
     note(
         submission=submission.id,
         assignment=submission.assignment,
@@ -80,14 +80,16 @@ def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submiss
     return submission, repeated
 
 
-def _checked(services: Services, caller: Caller, new: NewSubmission, owner: str) -> NewSubmission:
+def _checked(
+    services: Services, caller: Caller, new: NewSubmission, owner: str, arrived_at: datetime
+) -> NewSubmission:
     """Return `new` as it is stored: for a published assignment, its name and content checked."""
     published = require_published(services, caller, new.assignment, "unknown_assignment", field="assignment")
-    if new.key is None and (refusal := services.submissions.refusal(new)) is not None:
+    if new.key is None and (refusal := services.intake.refusal(new, arrived_at)) is not None:
         raise refusal.error()  # one with a key may be an upload that was accepted before
     name = _checked_name(new.file_name, published.input)
     source = _checked_content(services, owner, new.source, name, published.input)
-    if services.submissions.open_count(new.student, new.course) >= services.settings.max_open_submissions:
+    if services.intake.open_count(new.student, new.course) >= services.settings.max_open_submissions:
         raise RefusedError("too_many_open", retry_after_s=_RETRY_AFTER_S, field="student")
     return replace(
         new,

@@ -22,7 +22,7 @@ from grader.contracts.scoring import Run
 from grader.contracts.trajectory import decode_trajectory
 from grader.contracts.upload import check_name, check_source
 from grader.grading.practice import PracticeRun
-from grader.operation.context import note
+from grader.operation.logs import note
 from grader.use_cases.assignments import visible_assignment
 from grader.use_cases.callers import name_of
 from grader.use_cases.handing_in import shown_name

@@ -26,6 +26,7 @@ from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.identities import Identities
+from grader.store.intake import Intake
 from grader.store.judgements import Judgements
 from grader.store.notices import Notices
 from grader.store.own_assignments import OwnAssignments
@@ -88,6 +89,7 @@ class Services:
     mail: MailChannel | None
 
     # the database, by subject
+    intake: Intake
     submissions: Submissions
     queue: Queue
     workers: Workers
@@ -172,7 +174,8 @@ class Services:
 
 def _stores(database: Database, clock: Clock) -> dict[str, Any]:
     return {
-        "submissions": Submissions(database, clock),
+        "intake": Intake(database),
+        "submissions": Submissions(database),
         "regrades": Regrades(database),
         "judgements": Judgements(database),
         "comments": Comments(database),

@@ -22,7 +22,7 @@ from grader.contracts.rubric import ItemStatus, summed, to_judge
 from grader.contracts.rules import is_hidden
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import LANGUAGES, Text
-from grader.operation.context import note
+from grader.operation.logs import note
 from grader.use_cases.services import Services
 
 _RETRY_AFTER_S = 5

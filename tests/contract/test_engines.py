@@ -170,7 +170,7 @@ def test_an_upload_that_is_rolled_back_brings_no_work(
     def fail(*_: object) -> None:
         raise InfrastructureError("power cut")
 
-    monkeypatch.setattr("grader.store.submissions._submission", fail)
+    monkeypatch.setattr("grader.store.intake.submission_of", fail)
     with pytest.raises(InfrastructureError):
         engine.upload()
     assert engine.graded_in_order() == []

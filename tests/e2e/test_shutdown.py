@@ -11,8 +11,8 @@ from grader.contracts.submission import SubmissionState
 from grader.store.clock import utc_now
 from grader.store.database import Database
 from grader.store.occupancy import alone
-from grader.store.submissions import Submissions
 from tests.fakes.prepared import Forked, Prepared
+from tests.fakes.submissions import Submissions
 
 TOKEN = "3q9fKx72LmVb0pTzQQ"
 PATIENCE_S = 120.0  # only ever waited for in full when the test fails

@@ -12,10 +12,10 @@ from grader.store.database import Database
 from grader.store.permits.loop import PermitLoop
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
-from grader.store.submissions import Submissions
 from grader.store.work import Doorbell, PolledWork, WorkSource
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import assignment, grade
+from tests.fakes.submissions import Submissions
 from tests.fakes.waiting import wait_until
 
 RETRIES = Retries(lease_s=15.0, max_tries=3, backoff_s=2.0)

@@ -6,11 +6,11 @@ from grader.operation.metrics import Metrics
 from grader.service.worker import SandboxHealth, WorkerParts, WorkerSlot
 from grader.store.database import Database
 from grader.store.queue import Queue, Retries
-from grader.store.submissions import Submissions
 from grader.store.work import Doorbell
 from grader.store.workers import Workers
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import FakeAssignments, FakeGrader, grade
+from tests.fakes.submissions import Submissions
 
 READY = SandboxState(ready=True, isolation="strict")
 

@@ -24,7 +24,7 @@ from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchLabel, SketchSide
 from grader.contracts.scoring import Run
-from grader.contracts.text import Text
+from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Floats, Trajectory
 from grader.messages import say
 from grader.messages.quantity import number
@@ -42,6 +42,10 @@ MIN_MOTION_M = 0.05  # a shorter way was not meant as driving
 _CREPT_M = 0.001  # but may be what became of a drive
 _LEAST_SIGN_CHANGES = 4  # of the speed: a script that changes it this often does not do so on purpose
 SPOT_RADIUS_M = 0.1  # an arc tighter than this is a turn on the spot
+STILL_M = 1e-6  # within a step
+# In the shipped rubrics that leaves a third of the points for heading and distance: the line is right, but
+# their briefs ask for no turn.
+MOST_ON_THE_SPOT_DEG = 30.0
 
 
 def examine(assignment: Assignment, run: Run) -> Findings:
@@ -69,14 +73,42 @@ def _motion(drive: Drive, *, backward: bool) -> dict[str, Measure]:
     advance_m = -ahead_m if backward else ahead_m
     net_m = float(advance_m[-1])
     facing_m = float(np.sum(np.diff(advance_m)[_keeps_facing(drive)]))
-    headings = np.degrees(drive.path.heading_rad - drive.path.heading_rad[0])
-    turned = float(headings[int(np.argmax(np.abs(headings)))])
     return {
         "advance_m": Measure(min(net_m, facing_m)),  # what was driven after turning round does not count
         "lateral_pct": Measure(100.0 * float(np.max(np.abs(left_m))) / net_m) if net_m > 0.0 else UNMEASURED,
-        "turned_deg": Measure(abs(turned)),
+        "turned_deg": _turned(drive),
         "way_back_m": Measure(float(np.max(np.maximum.accumulate(advance_m) - advance_m))),
     }
+
+
+def _turned(drive: Drive) -> Measure:
+    """Return how far the car was turned from its initial heading while it drove.
+
+    A turn on the spot draws nothing, so it counts as `MOST_ON_THE_SPOT_DEG` at most.
+    """
+    heading_rad, on_the_spot = drive.path.heading_rad, _on_the_spot(drive)
+    middle_rad = (heading_rad[1:] + heading_rad[:-1]) / 2.0 - heading_rad[0]
+    aside_rad = np.where(
+        on_the_spot, 0.0, np.angle(np.exp(1j * middle_rad))
+    )  # without whole turns on the spot
+    driven_rad = np.cumsum(np.where(on_the_spot, 0.0, np.diff(heading_rad)))
+    driving_deg = math.degrees(float(np.max(np.abs((aside_rad, driven_rad)), initial=0.0)))
+    largest_deg = math.degrees(_largest_rad(drive))
+    turned_deg = max(driving_deg, min(largest_deg, MOST_ON_THE_SPOT_DEG))
+    noted = _turns_on_the_spot(drive) and largest_deg > turned_deg + 1.0
+    spot = say("motion.on_the_spot", turned=number(largest_deg, "deg")) if noted else EMPTY
+    return Measure(turned_deg, {"spot": spot})
+
+
+def _largest_rad(drive: Drive) -> float:
+    return float(np.max(np.abs(drive.path.heading_rad - drive.path.heading_rad[0])))
+
+
+def _on_the_spot(drive: Drive) -> Bools:
+    """Return for each of the (n - 1) steps whether the car stood, or turned about a point next to itself."""
+    driven_m, turned_rad = np.abs(np.diff(drive.path.signed_m)), np.abs(np.diff(drive.path.heading_rad))
+    still: Bools = (driven_m < SPOT_RADIUS_M * turned_rad) | (driven_m < STILL_M)
+    return still
 
 
 def _keeps_facing(drive: Drive) -> Bools:
@@ -155,7 +187,7 @@ def motion_mistakes(
         run, assignment.world, turns=(), drives=() if drove_enough else ("advance_m",)
     )
     if "turned_deg" in lost:
-        yield _turning(drive, values)
+        yield _turning(drive)
     held = commanded_at_end(run)
     slow = drive.cut_short or (held is not None and held.v_mps != 0.0)
     if "way_back_m" in lost and values["advance_m"] > -MIN_MOTION_M:
@@ -176,24 +208,21 @@ def _right_speed(drive: Drive, *, backward: bool) -> bool:
     return float(drive.path.signed_m[-1]) * (-1.0 if backward else 1.0) > MIN_MOTION_M
 
 
-def _turning(drive: Drive, values: Mapping[str, float]) -> Mistake:
-    travelled_m = float(drive.path.along_m[-1])
-    turned = number(values["turned_deg"], "deg")
+def _turning(drive: Drive) -> Mistake:
+    travelled_m, turned_rad = float(drive.path.along_m[-1]), _largest_rad(drive)
+    turned = number(math.degrees(turned_rad), "deg")
     spoilt = ("turned_deg", "lateral_pct", "way_back_m", "advance_m")
     if travelled_m < MIN_MOTION_M:
         return mistake("only_turned", turned=turned)
-    if _on_the_spot(drive):
+    if _turns_on_the_spot(drive):
         return mistake("turned_too", spoilt, turned=turned)
-    radius_m = travelled_m / math.radians(values["turned_deg"])
-    return mistake("curved", spoilt, turned=turned, radius=number(radius_m, "m"))
+    return mistake("curved", spoilt, turned=turned, radius=number(travelled_m / turned_rad, "m"))
 
 
-def _on_the_spot(drive: Drive) -> bool:
+def _turns_on_the_spot(drive: Drive) -> bool:
     """Whether most of the turning was done on the spot rather than in an arc."""
     turned_rad = np.abs(np.diff(drive.path.heading_rad))
-    driven_m = np.abs(np.diff(drive.path.along_m))
-    on_the_spot_rad = float(np.sum(turned_rad[driven_m < SPOT_RADIUS_M * turned_rad]))
-    return on_the_spot_rad > 0.5 * float(np.sum(turned_rad))
+    return float(np.sum(turned_rad[_on_the_spot(drive)])) > 0.5 * float(np.sum(turned_rad))
 
 
 CHECK = Check(

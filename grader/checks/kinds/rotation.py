@@ -63,15 +63,15 @@ def _rotation(path: Path) -> dict[str, Measure]:
 def _in_one_place(path: Path) -> float:
     """Return the largest turn of any part of the path that stayed in one place.
 
-    A part that strayed further counts as one full turn at most, divided by the square of its largest distance in
-    units of `PLACE_M`. Otherwise laps of a wide circle, or corners far apart, would sum up to a turn on the spot.
+    A part that strayed further counts as one full turn at most, divided by its largest distance in units of
+    `PLACE_M`. Otherwise laps of a wide circle, or corners far apart, would sum up to a turn on the spot.
     """
     largest = 0.0
     for first in range(0, len(path), 1 + len(path) // MAX_STARTS):
         turned = np.abs(path.heading_rad[first:] - path.heading_rad[first])
         strayed = np.hypot(path.x_m[first:] - path.x_m[first], path.y_m[first:] - path.y_m[first])
         places = np.maximum.accumulate(strayed) / PLACE_M
-        counted = np.where(places <= 1.0, turned, np.minimum(turned, math.tau) / np.maximum(places, 1.0) ** 2)
+        counted = np.where(places <= 1.0, turned, np.minimum(turned, math.tau) / np.maximum(places, 1.0))
         largest = max(largest, float(np.max(counted)))
     return largest
 

@@ -24,7 +24,7 @@ from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.validation_words import SENT_TWICE
-from grader.operation import context
+from grader.operation import logs
 from grader.operation.metrics import Metrics
 from grader.service.requests.dependencies import PEER, parameters
 from grader.use_cases.handing_in import most_upload_bytes, too_large
@@ -323,7 +323,7 @@ class Observed:
         request_id = _request_id(Headers(scope=scope))
         scope.setdefault("state", {})["request_id"] = request_id
         # not ended here: each request has its own task, and what the server logs after a failure is about it, too
-        context.begin(request_id=request_id)
+        logs.begin(request_id=request_id)
 
         def note() -> None:
             nonlocal noted
@@ -368,7 +368,7 @@ def _note(scope: Scope, status: int, duration_s: float) -> None:
     metrics: Metrics = scope["app"].state.services.metrics
     metrics.requested(method, route, status, duration_s)
     if isinstance(scope.get("route"), UploadRoute):
-        metrics.uploaded(str(context.current().get("code", _NOWHERE)))
+        metrics.uploaded(str(logs.current().get("code", _NOWHERE)))
     level = logging.DEBUG if route in _OFTEN_ASKED else logging.INFO
     fields = {"method": method, "route": route, "status": status, "duration_ms": round(duration_s * 1000, 1)}
     _log.log(level, "answered", extra=fields)

@@ -23,7 +23,7 @@ from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.text import Language, Text
 from grader.contracts.validation_words import said
 from grader.messages import say
-from grader.operation import context
+from grader.operation import logs
 from grader.render.escape import visible, visible_line
 from grader.service.requests.dependencies import LanguageDep, language_of
 from grader.service.routes.views import View
@@ -330,7 +330,7 @@ def _answer(
         fix=kind.fix.get(language),
         **members,
     )
-    context.note(code=code, instance=problem.instance)
+    logs.note(code=code, instance=problem.instance)
     own = {"Content-Language": language, "Cache-Control": "no-store"}
     if request_id is not None:  # the handler of bugs runs outside the middleware that adds this header
         own["X-Request-ID"] = request_id

@@ -7,7 +7,7 @@ from fastapi.responses import JSONResponse
 
 from grader.contracts.errors import RefusedError
 from grader.messages import on_page
-from grader.operation.context import note
+from grader.operation.logs import note
 from grader.service.routes.live import address_of
 from grader.service.web.access import COSTLY, DRAWN, KnownDep
 from grader.service.web.errors import form_problem

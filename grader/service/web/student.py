@@ -11,7 +11,7 @@ from grader.contracts.assignment import SUFFIXES, Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.text import Language
 from grader.messages import on_page, quantity
-from grader.operation.context import note
+from grader.operation.logs import note
 from grader.render.audit_lines import Teller
 from grader.service.requests.middleware import UploadRoute, arrival_of
 from grader.service.web import access

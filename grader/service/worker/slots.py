@@ -21,7 +21,7 @@ from grader.contracts.grading import (
 )
 from grader.contracts.submission import Claim, SubmissionState
 from grader.grading.slot import Slot
-from grader.operation.context import about
+from grader.operation.logs import about
 from grader.operation.metrics import Metrics
 from grader.service.worker.examiner import Uploads
 from grader.store.clock import Clock
@@ -221,8 +221,9 @@ class WorkerSlot:
         return None
 
     def _count(self, claim: Claim, result: GradingResult, grading_s: float) -> None:
-        now, since = self._parts.clock(), claim.queued_at
-        waited_s = None if since is None else max((now - since).total_seconds(), 0.0)
+        waited_s = max(
+            (self._parts.clock() - claim.queued_at).total_seconds(), 0.0
+        )  # a clock may be set back
         self._parts.metrics.graded(result.report.status, grading_s, waited_s)
 
     def _store(self, claim: Claim, result: GradingResult, assignment: Assignment, until_s: float) -> Finished:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from grader.contracts.errors import InfrastructureError
-from grader.operation.context import bound
+from grader.operation.logs import bound
 from grader.service.worker.examiner import Examiner
 from grader.service.worker.heart import Heart
 from grader.service.worker.slots import SandboxHealth, WorkerParts, WorkerSlot

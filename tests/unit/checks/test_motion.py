@@ -149,9 +149,28 @@ def test_whoever_drives_the_wrong_way_is_told_so_before_a_turn() -> None:
 
 def test_a_turn_on_the_spot_is_not_called_a_curve() -> None:
     scoring = graded("straight", drive([(2.0, 1.0, 0.0), (1.5, 0.0, 1.0)]))
-    assert score(scoring) == 35
+    assert score(scoring) == 55.56  # the line is right: a third of heading and distance
+    assert item(scoring, "heading").measured == 30
+    assert "85.9°" in item(scoring, "heading").message.en
     assert scoring.mistakes == ("turned_too",)
     assert "85.9°" in scoring.hint.zh
+
+
+def test_a_turn_while_driving_is_told_in_full() -> None:
+    heading = item(graded("straight", drive([(7.0, 1.0, 1.0)])), "heading")
+    assert heading.measured == pytest.approx(math.degrees(7.0), abs=1.0)
+    assert "on the spot" not in heading.message.en
+
+
+@pytest.mark.parametrize("turned_deg", [90, 360, -120])
+def test_turns_on_the_spot_cost_the_same_wherever_the_line_is_right(turned_deg: float) -> None:
+    rate = math.copysign(1.0, turned_deg)
+    turn, ahead = (abs(math.radians(turned_deg)), 0.0, rate), (1.0, 1.0, 0.0)
+    back = (turn[0], 0.0, -rate)
+    for legs in ([turn, back, ahead], [ahead, turn], [ahead, turn, back, ahead]):
+        assert score(graded("straight", drive(legs))) == 55.56
+    aside = score(graded("straight", drive([ahead, turn, (0.3, 1.0, 0.0), back, ahead])))
+    assert aside == 55.56 if turned_deg == 360 else aside < 50
 
 
 def test_sketch() -> None:

@@ -72,6 +72,61 @@ def test_start_heading_mirror_image_and_direction_cost_nothing(
     assert score(graded(name, drive(way, heading_deg=heading_deg, start_m=(x, y)))) == 100
 
 
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.5, 0.9])
+@pytest.mark.parametrize("side", [0, 1, 2])
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_closed_path_may_begin_within_a_line(share: float, side: int, sense: float) -> None:
+    lines = [2.0, 2.0, 2.0 * math.sqrt(2.0)]
+    turns = [90.0, 135.0, 135.0]
+    order = [(side + i) % 3 for i in range(3)]
+    lap = [piece for i in order for piece in (("line", lines[i]), ("turn", turns[i]))]
+    begun, ends = ("line", (1.0 - share) * lines[side]), ("line", share * lines[side])
+    once = legs([begun, *lap[1:], ends], sense=sense)
+    assert score(graded("right_triangle", drive(once, heading_deg=30.0))) == 100
+    assert score(graded("right_triangle", drive([(1.0, 0.0, 1.0), *once, (1.0, 0.0, 1.0)]))) == 100
+    for_ever = drive(legs([begun, *lap[1:], *lap * 4], sense=sense), horizon_s=40.0)
+    assert score(graded("right_triangle", for_ever, RunStatus.INTERRUPTED)) >= 95  # 100 with whole laps
+    shown = sketch(assignment("right_triangle"), run_of(drive(once)))
+    assert [corner.ok for corner in shown.corners] == [True, True]
+
+
+@pytest.mark.parametrize("between", ["turn", "line"])
+def test_what_is_driven_between_two_circles_costs_the_more_the_larger_it_is(between: str) -> None:
+    points = []
+    for share in (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0):
+        extra = (between, share * (90.0 if between == "turn" else 1.5))
+        scoring = graded("figure_eight", drive(legs([EIGHT[0], extra, EIGHT[1]] if share else EIGHT)))
+        points.append(score(scoring))
+    assert points[:2] == [100, 100]
+    assert points == sorted(points, reverse=True)
+    assert points[-1] < 80
+    assert item(scoring, "touch").earned == 0
+    assert item(scoring, "radius").earned == 25
+
+
+def test_an_approach_to_a_closed_path_costs_the_way_back_only() -> None:
+    points = []
+    for length_m in (0.0, 0.2, 0.3, 0.5, 0.7, 1.0, 2.0):
+        approach = [("line", length_m), ("turn", 50.0)] if length_m else []
+        scoring = graded("right_triangle", drive(legs([*approach, *TRIANGLE, ("turn", 135.0)])))
+        points.append(score(scoring))
+    assert points[0] == 100
+    assert min(points) == points[-1] == 90
+    assert scoring.mistakes == ("approach",)
+    square = legs([("line", 2.0), ("turn", 90.0)] * 4)
+    assert score(graded("right_triangle", drive(square))) < 30
+
+
+def test_who_ends_beside_the_beginning_within_a_line_has_a_gap() -> None:
+    points = []
+    for beyond_m in (0.0, 0.2, 0.4, 0.6, 0.8):
+        way = [("line", 1.0), *TRIANGLE[1:], ("turn", 135.0), ("line", 1.0 + beyond_m)]
+        points.append(score(graded("right_triangle", drive(legs(way)))))
+    assert points[0] == 100
+    assert points == sorted(points, reverse=True)
+    assert 50 < points[-1] < 75
+
+
 @pytest.mark.sweep(1)
 @pytest.mark.parametrize("scale", [0.4, 0.8, 1.7])
 def test_another_size_costs_nothing_where_the_size_is_free(scale: float) -> None:

@@ -154,7 +154,17 @@ def test_a_car_that_slips_is_not_told_to_stop_turning() -> None:
     bent = drive([(2.0, 1.0, 0.25), (math.pi / 2 - 0.5, 0.0, 1.0)] * 4)
     commands = tuple(each._replace(w_radps=0.0) if each.v_mps else each for each in bent.commands)
     assert graded("square", bent).mistakes[0] == "kept_turning"
-    assert graded("square", replace(bent, commands=commands)).mistakes[0] == "slipped"
+    task, run = assignment("square"), run_of(replace(bent, commands=commands))
+    rough = replace(task, world=replace(task.world, profile="rough"))
+    assert evaluate(rough, [run]).mistakes[0] == "slipped"
+
+
+@pytest.mark.parametrize("cut_m", [0.15, 0.3])
+def test_corners_cut_off_are_told_as_such(cut_m: float) -> None:
+    half = (math.pi / 4, 0.0, 1.0)
+    cut = graded("square", drive([(1.7, 1.0, 0.0), half, (cut_m, 1.0, 0.0), half] * 4))
+    assert cut.mistakes == ("crooked",)
+    assert 85 < score(cut) < 100
 
 
 def test_a_corner_within_a_wider_band_is_no_mistake() -> None:

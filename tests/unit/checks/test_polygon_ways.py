@@ -110,7 +110,17 @@ def test_the_further_a_car_drives_past_the_end_of_its_sides_and_back_the_more_it
     assert earned == sorted(earned, reverse=True)
     assert earned[1] == 100
     assert scoring.mistakes[0] == "overshot"
-    assert max(one - other for one, other in itertools.pairwise(earned)) < 25
+    assert max(one - other for one, other in itertools.pairwise(earned)) < 27
+
+
+@pytest.mark.parametrize("turned_deg", [20.0, 33.0, 45.0, 145.0])
+@pytest.mark.parametrize("bend_deg", [28.0, 34.0, 38.0])
+def test_who_turns_first_has_as_much_for_bent_sides(turned_deg: float, bend_deg: float) -> None:
+    bent = [(2.0, 1.0, math.radians(bend_deg) / 2.0), (math.radians(90.0 - bend_deg), 0.0, 1.0)] * 4
+    turned = [(math.radians(turned_deg), 0.0, 1.0), *bent]
+    assert score(graded("square", drive(turned))) == pytest.approx(
+        score(graded("square", drive(bent))), abs=2
+    )
 
 
 def homing(sides: int, side_m: float, off_deg: float, near_m: float) -> list[Leg]:

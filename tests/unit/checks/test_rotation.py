@@ -1,5 +1,6 @@
 """The check on turning in place."""
 
+import itertools
 import math
 import random
 from dataclasses import replace
@@ -67,7 +68,7 @@ def test_too_slow_a_turn() -> None:
 
 def test_a_circle_is_no_turn_on_the_spot() -> None:
     scoring = graded("spin", drive([(FULL_S, 1.0, 1.0)]))
-    assert item(scoring, "turn").measured == pytest.approx(11.5, abs=0.1)  # within 0.2 m
+    assert item(scoring, "turn").measured == pytest.approx(36, abs=0.1)  # a tenth: up to 2 m away
     assert item(scoring, "turn").hint == scoring.hint
     assert score(scoring) == 10
     assert scoring.mistakes == ("circling",)
@@ -127,9 +128,19 @@ def test_sketch() -> None:
     assert shown.labels == ()
 
 
+def test_the_wider_a_circle_the_less_it_is_a_turn_on_the_spot() -> None:
+    radii = [i / 50 for i in range(1, 40)]
+    points = [score(graded("spin", drive([(FULL_S, radius, 1.0)]))) for radius in radii]
+    steps = [before - after for before, after in itertools.pairwise(points)]
+    assert points[0] == 100
+    assert points[-1] == 10
+    assert min(steps) >= 0
+    assert max(steps) < 20
+
+
 def test_sketch_of_a_circle() -> None:
     shown = sketch(assignment("spin"), run_of(drive([(FULL_S, 1.0, -1.0)])))
-    assert shown.corners[0].angle_deg == pytest.approx(-11.5, abs=0.1)
+    assert shown.corners[0].angle_deg == pytest.approx(-36, abs=0.1)
     assert shown.labels[0].text.en == "2 m aside"
 
 

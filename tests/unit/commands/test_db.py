@@ -16,10 +16,10 @@ from grader.service import composition
 from grader.store.clock import utc_now
 from grader.store.database import Database
 from grader.store.occupancy import in_use
-from grader.store.submissions import Submissions
 from tests.conftest import on_sqlite
 from tests.fakes.grading import FakePreflight
 from tests.fakes.postgres import PostgresServer
+from tests.fakes.submissions import Submissions
 from tests.fakes.waiting import wait_until
 
 

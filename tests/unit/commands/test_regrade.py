@@ -14,9 +14,9 @@ from grader.store.database import Database
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.schema import migrate
-from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import FakeAssignments, grade_next
+from tests.fakes.submissions import Submissions
 
 
 def test_a_regrade_is_listed_and_undone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,13 +5,14 @@ import threading
 import unicodedata
 from collections.abc import Iterator
 from contextvars import copy_context
+from datetime import UTC, datetime
 
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
 from grader.contracts.submission import Claim
-from grader.operation import context, logs
+from grader.operation import logs
 from grader.operation.settings import LogFormat
 
 FORGED = "done\r\n2026-01-01T00:00:00+00:00 INFO forged\x1b[2J\u202e\u2028{}"
@@ -32,9 +33,9 @@ def written(log: logging.Logger, log_format: LogFormat) -> io.StringIO:
 
 def test_every_line_of_a_unit_of_work_says_what_it_is_about(log: logging.Logger) -> None:
     stream = written(log, "json")
-    with context.bound(submission="s-1", attempt=2):
+    with logs.bound(submission="s-1", attempt=2):
         log.info("begun")
-        with context.bound(worker="w/0"):
+        with logs.bound(worker="w/0"):
             log.warning("the report could not be stored yet")
         log.info("done")
     log.info("idle")
@@ -52,8 +53,8 @@ def test_every_line_of_a_unit_of_work_says_what_it_is_about(log: logging.Logger)
 
 def test_what_a_thread_of_the_request_finds_out_is_on_the_requests_line(log: logging.Logger) -> None:
     stream = written(log, "text")
-    with context.bound(request_id="r1"):
-        thread = threading.Thread(target=copy_context().run, args=(lambda: context.note(submission="s-1"),))
+    with logs.bound(request_id="r1"):
+        thread = threading.Thread(target=copy_context().run, args=(lambda: logs.note(submission="s-1"),))
         thread.start()
         thread.join()
         log.info("answered", extra={"status": 202})
@@ -70,15 +71,18 @@ def test_every_line_of_a_grading_names_it(log: logging.Logger) -> None:
         assignment="square",
         file_name="a.py",
         source=b"",
+        queued_at=datetime.now(UTC),
+        course=None,
+        distro=None,
     )
-    with context.about(claim):
+    with logs.about(claim):
         log.warning("try 1: the grading process died")
     assert stream.getvalue().endswith(" submission=s-1 attempt=2 assignment=square worker=w/0\n")
 
 
 def test_outside_of_a_unit_of_work_nothing_is_noted() -> None:
-    context.note(submission="s-1")
-    assert dict(context.current()) == {}
+    logs.note(submission="s-1")
+    assert dict(logs.current()) == {}
 
 
 @pytest.mark.parametrize("log_format", ["text", "json"])

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from grader.contracts.assignment import ServiceCall, StartPose, World
+from grader.contracts.assignment import EPOCH_NS, ServiceCall, StartPose, World
 from grader.contracts.errors import AssignmentError
 from grader.sim.bullet import BulletCar
 from grader.sim.cdr import encode
@@ -214,8 +214,9 @@ def test_odometry_starts_at_zero_and_stamps_wall_clock(car: BulletCar) -> None:
         yield jail.ended(SECOND // 2)
 
     world = World(walls=False, start=StartPose(x_m=3.0, y_m=2.0, heading_deg=90.0), odometry=True)
-    play(car, script(), world=world, epoch_ns=100 * SECOND)
-    assert seen[-1]["header"] == {"stamp": {"sec": 100, "nanosec": 400 * MS}, "frame_id": "odom"}
+    play(car, script(), world=world)
+    sec, nanosec = divmod(EPOCH_NS + 400 * MS, SECOND)
+    assert seen[-1]["header"] == {"stamp": {"sec": sec, "nanosec": nanosec}, "frame_id": "odom"}
     assert seen[-1]["child_frame_id"] == "base_link"
     position = seen[-1]["pose"]["pose"]["position"]
     assert position["x"] == pytest.approx(0.4)

@@ -6,8 +6,8 @@ import pytest
 
 from grader.store.database import Database
 from grader.store.queue import Queue, Retries
-from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
+from tests.fakes.submissions import Submissions
 
 RETRIES = Retries(lease_s=15.0, max_tries=3, backoff_s=2.0)
 

@@ -12,8 +12,8 @@ from grader.contracts.errors import SettingsError
 from grader.contracts.submission import NewSubmission
 from grader.store.backups import copy_file, restore_file
 from grader.store.database import Database
-from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
+from tests.fakes.submissions import Submissions
 
 
 def add(database: Database, student: str) -> None:

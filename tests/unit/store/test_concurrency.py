@@ -35,9 +35,9 @@ from grader.store.platforms import Platforms
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
-from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import assignment, grade
+from tests.fakes.submissions import Submissions
 
 THREADS = 8
 Done = TypeVar("Done")

@@ -10,9 +10,9 @@ from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.store import database as store_database
 from grader.store.database import Database
 from grader.store.permits import loop
-from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
 from tests.fakes.postgres import PostgresServer
+from tests.fakes.submissions import Submissions
 
 
 @pytest.mark.parametrize(

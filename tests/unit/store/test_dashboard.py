@@ -17,9 +17,9 @@ from grader.store.database import Database
 from grader.store.queue import Queue
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
-from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import FakeAssignments, finish, grade_next
+from tests.fakes.submissions import Submissions
 
 
 class Class:

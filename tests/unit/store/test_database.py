@@ -18,10 +18,10 @@ from grader.store.database import Database, checkpoint, checkpoints
 from grader.store.intake import new_id
 from grader.store.queue import Queue, Retries
 from grader.store.schema import migrate
-from grader.store.submissions import Submissions
 from grader.store.tables import CourseRow
 from grader.store.workers import Workers, presence
 from tests.fakes.clock import START, FakeClock
+from tests.fakes.submissions import Submissions
 from tests.fakes.waiting import wait_until
 
 

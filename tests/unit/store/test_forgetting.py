@@ -27,12 +27,12 @@ from grader.store.judgements import Given, Judgements
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
-from grader.store.submissions import Submissions
 from grader.store.tables import PlainText
 from grader.store.tokens import Tokens
 from tests.fakes.clock import FakeClock
 from tests.fakes.essays import ANSWER, grade_essay, question
 from tests.fakes.grading import assignment, grade
+from tests.fakes.submissions import Submissions
 
 TRACES = ("20260123", "李雷", "李磊", "lilei@example.edu", "secret_of_lilei", "20260123_square.py")
 OTHERS = ("20260124", "韩梅梅", "hers_alone")

@@ -10,9 +10,9 @@ from grader.store.audit import Signature
 from grader.store.database import Database
 from grader.store.judgements import Given, Judgements, Neighbours, WaitingFor
 from grader.store.queue import Queue
-from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
 from tests.fakes.essays import ANSWER, grade_essay, question
+from tests.fakes.submissions import Submissions
 
 TIMER = WaitingFor(assignment="essay", item="timer")
 

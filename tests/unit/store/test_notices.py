@@ -14,9 +14,9 @@ from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.notices import PATIENCE, Notices
 from grader.store.queue import Queue
-from grader.store.submissions import Submissions
 from tests.fakes.clock import START, FakeClock
 from tests.fakes.grading import assignment, grade
+from tests.fakes.submissions import Submissions
 
 SIGNED = Signature(START, "ros", "wang")
 HOOK = NewWebhook(outlet=Outlet.CLASS, vendor=Vendor.WECOM, address="https://a.example/x?key=k")

@@ -15,7 +15,6 @@ from grader.contracts.submission import Claim, NewSubmission, SubmissionState
 from grader.store.costs import Costs
 from grader.store.database import Database
 from grader.store.queue import Queue, Retries
-from grader.store.submissions import Submissions
 from grader.store.tables import (
     GradedAssignmentRow,
     GradedItemRow,
@@ -26,6 +25,7 @@ from grader.store.tables import (
 )
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import assignment, grade
+from tests.fakes.submissions import Submissions
 
 GOOD = b"good good\n"
 

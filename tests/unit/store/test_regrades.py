@@ -14,9 +14,9 @@ from grader.store.audit import Signature
 from grader.store.database import Database
 from grader.store.queue import Queue
 from grader.store.regrades import Regrades
-from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import assignment
+from tests.fakes.submissions import Submissions
 from tests.unit.store.test_concurrency import result_of
 
 GRADING_S = 2.0

@@ -6,10 +6,10 @@ from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.queue import Queue
 from grader.store.standings import Measures, Standings
-from grader.store.submissions import Submissions
 from grader.store.workers import Workers
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import FakeAssignments, grade_next
+from tests.fakes.submissions import Submissions
 
 
 def upload(submissions: Submissions, clock: FakeClock, student: str, course: str | None = None) -> str:

@@ -37,13 +37,13 @@ from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
 from grader.store.schema import migrate
-from grader.store.submissions import Submissions
 from grader.store.tokens import Tokens
 from grader.store.transfer import contents, transfer
 from grader.store.workers import Workers
 from tests.fakes.clock import FakeClock
 from tests.fakes.essays import ANSWER, grade_essay, question
 from tests.fakes.grading import assignment, grade
+from tests.fakes.submissions import Submissions
 
 
 def fill(database: Database) -> str:

@@ -15,9 +15,9 @@ from grader.store.database import Database
 from grader.store.judgements import Given, Judgements
 from grader.store.queue import Queue
 from grader.store.regrades import Regrades
-from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import assignment, grade
+from tests.fakes.submissions import Submissions
 
 STRICTER = replace(assignment(), version=4)
 

@@ -15,10 +15,10 @@ from grader.checks.kinds.path.driven import (
     corners_deg,
     driven_stretches,
     end_ns,
-    figure_in,
+    looked_at,
 )
 from grader.checks.kinds.path.mistakes import name_of, named_corner, path_mistakes
-from grader.checks.kinds.path.wanted import track_of
+from grader.checks.kinds.path.wanted import go_on, track_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind
 from grader.checks.mistakes import driving_mistakes
 from grader.checks.scoring import fits
@@ -38,6 +38,7 @@ MEASURES = {
     "length_error_pct": MeasureKind("%"),
     "radius_error_pct": MeasureKind("%"),
     "round_pct": MeasureKind("%"),
+    "touch_pct": MeasureKind("%"),
     "gap_pct": MeasureKind("%"),
     "settled": MeasureKind(form="flag"),
 }
@@ -57,6 +58,10 @@ _NO_LINES = Text(
     zh="路径里没有 line 或 goto：删掉这一项", en="the path has no line or goto; remove this item"
 )
 _NO_ARCS = Text(zh="路径里没有 arc：删掉这一项", en="the path has no arc; remove this item")
+_NO_TOUCH = Text(
+    zh="路径里没有一段弧接着另一段弧：删掉这一项",
+    en="the path has no arc that goes on as another one; remove this item",
+)
 _NO_CORNERS = Text(zh="路径里没有转角：删掉这一项", en="the path has no corner; remove this item")
 
 
@@ -65,7 +70,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     drive = drive_of(run)
     if drive is None or assignment.path is None:
         return Findings(mistakes=driving_mistakes(run, ()))
-    figure = figure_in(drive, assignment.path, assignment.world.start)
+    drive, figure = looked_at(drive, assignment.path, assignment.world.start)
     measures = {"distance_m": Measure(float(np.max(drive.path.along_m))), "settled": _settled(drive, figure)}
     stretches = [] if figure is None else driven_stretches(figure, drive)
     if figure is not None:
@@ -91,6 +96,7 @@ def _of_the_whole(figure: Figure, on_m: float) -> dict[str, Measure]:
     away, nearest = max(figure.apart_m, figure.strayed_m), figure.distances_m
     mean = float(np.mean(nearest))
     gap = abs((figure.driven[-1] - figure.driven[0]) - (figure.wanted[-1] - figure.wanted[0]))
+    gap = max(float(gap), figure.approach_m)  # the car ends where the path begins, not where it set out
     after = say("path.drove_on", length=number(on_m, "m")) if on_m > 0.0 else EMPTY
     if size <= 0.0 or length <= 0.0:
         return {}
@@ -99,8 +105,8 @@ def _of_the_whole(figure: Figure, on_m: float) -> dict[str, Measure]:
         "mean_off_pct": Measure(100.0 * mean / size, {"away": number(mean, "m"), "size": number(size, "m")}),
         "covered_pct": Measure(100.0 * figure.covered_share),
         "gap_pct": Measure(
-            100.0 * max(float(gap), on_m) / length,
-            {"gap": number(float(gap), "m"), "length": number(length, "m"), "after": after},
+            100.0 * max(gap, on_m) / length,
+            {"gap": number(gap, "m"), "length": number(length, "m"), "after": after},
         ),
     }
 
@@ -117,6 +123,7 @@ def _of_the_pieces(figure: Figure, stretches: list[DrivenStretch]) -> dict[str, 
     if arcs:
         taken["radius_error_pct"] = _worst(arcs, lambda one: (one.radius_m, scale * one.wanted.radius_m))
         taken["round_pct"] = _roundness(arcs)
+        taken["touch_pct"] = _touch(stretches)
     return taken
 
 
@@ -151,12 +158,30 @@ def _roundness(arcs: Sequence[DrivenStretch]) -> Measure:
     return Measure(max(shares), details)
 
 
+def _touch(stretches: Sequence[DrivenStretch]) -> Measure:
+    """Return how far the centres of two arcs that touch are from where they should be, for the worst two."""
+    found = []
+    for before, after in itertools.pairwise(stretches):
+        if not go_on(before.wanted, after.wanted):
+            continue
+        radii_m = before.radius_m, after.radius_m
+        same_way = before.wanted.angle_deg * after.wanted.angle_deg > 0.0
+        wanted_m = abs(radii_m[0] - radii_m[1]) if same_way else sum(radii_m)
+        driven_m = abs(after.centre - before.centre)
+        found.append((100.0 * abs(driven_m - wanted_m) / sum(radii_m), driven_m, wanted_m, before, after))
+    if not found or any(math.isnan(one[0]) for one in found):
+        return UNMEASURED
+    error, driven_m, wanted_m, before, after = max(found, key=lambda one: one[0])
+    names = {"first": name_of(before.wanted), "second": name_of(after.wanted)}
+    return Measure(error, {**names, "driven": number(driven_m, "m"), "wanted": number(wanted_m, "m")})
+
+
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     """Return the wanted path where it fits best, and the driven pieces with their lengths, corners and radii."""
     drive = drive_of(run)
     figure = None
     if drive is not None and assignment.path is not None:
-        figure = figure_in(drive, assignment.path, assignment.world.start)
+        drive, figure = looked_at(drive, assignment.path, assignment.world.start)
     if drive is None or figure is None:
         return FigureSketch()
     stretches, scale = driven_stretches(figure, drive), figure.placed.scale
@@ -214,6 +239,7 @@ def _consult(assignment: Assignment) -> Iterable[Misfit]:
         (("length_error_pct",), "line" in kinds, _NO_LINES),
         (("radius_error_pct", "round_pct"), "arc" in kinds, _NO_ARCS),
         (("corner_error_deg",), track.has_corners, _NO_CORNERS),
+        (("touch_pct",), any(map(go_on, track.stretches, track.stretches[1:])), _NO_TOUCH),
     )
 
 

@@ -24,7 +24,7 @@ from grader.checks.kinds.path.wanted import (
 from grader.checks.mistakes import with_ends
 from grader.contracts.assignment import StartPose, WantedPath
 from grader.contracts.trajectory import Trajectory
-from grader.geometry.figure import half_turned
+from grader.geometry.figure import MAX_APPROACH_STRAIGHTS, chord, half_turned
 from grader.geometry.matching import (
     Floats,
     Points,
@@ -35,8 +35,10 @@ from grader.geometry.matching import (
     matched_each,
     resampled,
 )
-from grader.geometry.path import Path, median, segment
+from grader.geometry.path import Path, Straight, driven_path, median, segment
 
+APPROACHED_SHARE = 0.02  # of the size: nearer to the wanted path, a drive has no approach
+SEAM_SHARE = 0.2  # of the way: a car that ends further from where it began within a line has not come back
 LEAST_M = 0.05  # a shorter drive is not a path
 LAPS_TRIED = 8  # ends of the first lap that are tried: where the car came back to its start
 LAP_SHARE = 0.6  # of the wanted length: a car that was back sooner had not driven a lap
@@ -125,6 +127,7 @@ class Figure:
         repeated: what follows is the same figure again. overrun: something else follows.
         strayed_m: how far what follows an open path leads away from it.
         on_m: how far what follows goes straight on from the last piece.
+        approach_m: how far from where the car set out the path begins, after straights that are no part of it.
     """
 
     track: Track
@@ -140,6 +143,7 @@ class Figure:
     overrun: bool = False
     strayed_m: float = 0.0
     on_m: float = 0.0
+    approach_m: float = 0.0
 
     @property
     def size_m(self) -> float:
@@ -185,6 +189,82 @@ class _Allowed:
             product = float(np.vdot(ahead, driven - offset).real)
             turned *= max(product, 0.0) / float(np.vdot(ahead, ahead).real)
         return Similarity(turned, offset, mirrored)
+
+
+def from_a_corner(drive: Drive, wanted: WantedPath) -> Drive:
+    """Return the drive of a closed path that began within a line as if it had begun at the end of that line.
+
+    What was driven up to there follows at its end, moved to where the car came to rest. It is left out where
+    Ctrl+C ended one of several laps.
+    """
+    ways, straights = tracks(wanted), segment(drive.path).straights
+    if not (ways and ways[0].is_closed and wanted.any_start and wanted.any_direction and len(straights) > 2):
+        return drive
+    lines = len(ways[0].stretches)
+    if drive.cut_short and len(straights) > lines:
+        over = straights[lines].length_m > straights[0].length_m
+        return (
+            _rest_of(drive, straights[0].last) if over and _goes_on(straights[lines], straights[0]) else drive
+        )
+    path, first, last = drive.path, straights[0].first, straights[-1].last
+    away_m = chord(path, first, last)
+    came_m = chord(path, straights[-1].first, first)  # by so much the last line led towards the start
+    back = away_m <= SEAM_SHARE * float(path.along_m[last]) and away_m < came_m
+    if not (back and _goes_on(straights[-1], straights[0])):
+        return drive
+    return _turned_round(drive, first, straights[0].last, last)
+
+
+def looked_at(drive: Drive, wanted: WantedPath, start: StartPose) -> tuple[Drive, Figure | None]:
+    """Return the part of a drive that is looked at, as if it began at a corner, and the wanted path laid on it.
+
+    Straights before a closed path that may lie anywhere are an approach, where the rest is that path.
+    """
+    whole = from_a_corner(drive, wanted)
+    figure = figure_in(whole, wanted, start)
+    ways, straights = tracks(wanted), segment(drive.path).straights
+    may_be_approached = bool(ways) and ways[0].is_closed and wanted.any_start
+    if figure is None or figure.residual <= APPROACHED_SHARE or not may_be_approached:
+        return whole, figure
+    for before in straights[:MAX_APPROACH_STRAIGHTS]:
+        rest = from_a_corner(_rest_of(drive, before.last), wanted)
+        found = figure_in(rest, wanted, start)
+        if (
+            found is not None
+            and found.residual <= min(COVERED_SHARE, figure.residual / 2.0)
+            and not found.begun
+        ):
+            return rest, replace(found, approach_m=chord(drive.path, 0, before.last))
+    return whole, figure
+
+
+def _goes_on(later: Straight, first: Straight) -> bool:
+    """Whether a later straight leads the way that the first one does."""
+    turned_rad = math.remainder(first.direction_rad - later.direction_rad - later.spun_rad, math.tau)
+    return abs(turned_rad) < MIN_CORNER_RAD
+
+
+def _rest_of(drive: Drive, begin: int) -> Drive:
+    path = drive.path
+    rest = driven_path(path.x_m[begin:], path.y_m[begin:], path.heading_rad[begin:])
+    return replace(drive, path=rest, t_ns=drive.t_ns[begin:])
+
+
+def _turned_round(drive: Drive, first: int, corner: int, last: int) -> Drive:
+    """Return the drive from a corner to its end, and from where its beginning would go on there to the corner."""
+    path, rest, begun = drive.path, slice(corner, last + 1), slice(first, corner + 1)
+
+    def joined(values: Floats, step: float) -> Floats:
+        return np.concatenate((values[rest], values[begun] + step))
+
+    whole_rad = math.tau * round(float(path.heading_rad[last] - path.heading_rad[first]) / math.tau)
+    round_again = driven_path(
+        joined(path.x_m, float(path.x_m[last] - path.x_m[first])),
+        joined(path.y_m, float(path.y_m[last] - path.y_m[first])),
+        joined(path.heading_rad, whole_rad),
+    )
+    ended_ns = np.full(corner + 1 - first, drive.t_ns[last])
+    return replace(drive, path=round_again, t_ns=np.concatenate((drive.t_ns[rest], ended_ns)))
 
 
 def figure_in(drive: Drive, wanted: WantedPath, start: StartPose) -> Figure | None:

@@ -63,6 +63,7 @@ _SHAPE_MEASURES = (
     "length_error_pct",
     "radius_error_pct",
     "round_pct",
+    "touch_pct",
     "gap_pct",
 )
 _WHOLE_MEASURES = ("off_pct", "mean_off_pct", "covered_pct", "gap_pct")
@@ -398,7 +399,9 @@ def _by_error(stretches: list[DrivenStretch], kind: str, scale: float) -> list[D
 
 
 def _ending(seen: _Seen) -> Iterator[Mistake]:
-    """Say what was driven after the path."""
+    """Say what was driven before and after the path."""
+    if seen.figure.approach_m > 0.0:
+        yield mistake("approach", ("gap_pct",), distance=number(seen.figure.approach_m, "m"))
     if seen.figure.repeated:
         return
     publisher = ScriptText(seen.run.source).publisher_name

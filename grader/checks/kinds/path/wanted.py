@@ -101,6 +101,11 @@ def corner_rad(before: Stretch, after: Stretch) -> float:
     return math.remainder(after.begins_rad - before.ends_rad, math.tau)
 
 
+def go_on(before: Stretch, after: Stretch) -> bool:
+    """Whether one arc goes on as another one, without a corner: their circles touch there."""
+    return before.kind == after.kind == "arc" and abs(corner_rad(before, after)) < MIN_CORNER_RAD
+
+
 def sampled(points: Points) -> Points:
     """Return `SAMPLES` points along a line of points at equal distances."""
     along: Floats = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(points)))))

@@ -16,7 +16,8 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.record import Record
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
-from grader.geometry.figure import PolygonFigure, measure_polygon
+from grader.geometry.coarse import TOLERANCES, coarsely_segmented
+from grader.geometry.figure import NEARLY_CLOSED_SHARE, PolygonFigure, alike, chord, measure_polygon
 from grader.geometry.path import Segments, bare, median, segment, without_overshoots
 
 FULL_TURN_DEG = 360.0
@@ -27,6 +28,9 @@ UNFINISHED_SHARE = 0.8  # a last side below this was not driven to its end: then
 EQUAL_RATIO = 1.2  # of the longest to the shortest side: halfway to the rectangle of 3 m by 2 m
 ALIKE_RATIO = 1.02  # up to here they are equal
 OBLONG_RATIO = 1.5  # from here on a rectangle is nothing of a square
+
+# Of the longest side: with a shorter one, a figure may be another one whose corners are cut off.
+OTHER_SIDES = 0.5
 
 # Opposite sides that differ by more belong to no rectangle with a short side.
 ALIKE_PCT = 12.0
@@ -133,6 +137,38 @@ class DrivenPolygon:
         """Whether another figure than the wanted one was driven, rather than that one badly."""
         return self.otherness(wanted) >= 0.5
 
+    def has_sides(self, wanted: WantedPolygon) -> bool:
+        """Whether it has as many sides as are wanted, or is clearly another figure with sides that are alike."""
+        if self.figure is None:
+            return False
+        sides = self.figure.sides_m
+        if len(sides) == wanted.sides:
+            return max(self.figure.bows) < 1.0
+        return self.is_other(wanted) and min(sides) > OTHER_SIDES * max(sides)
+
+    @property
+    def is_approached(self) -> bool:
+        """Whether something was driven before the figure, which may be a part of its first side."""
+        return self.figure is not None and self.figure.approach_m > 0.0
+
+    @property
+    def roughness(self) -> float:
+        """How far sides are from straight and equal ones, corners from equal ones, and whether more follows."""
+        figure = self.figure
+        if figure is None:
+            return math.inf
+        uneven = 1.0 - min(figure.sides_m) / max(figure.sides_m)
+        bent = max(figure.bows) + sum(figure.bows)
+        return uneven + bent + math.radians(float(np.ptp(self.corners_deg))) + figure.overrun
+
+    def is_on_the_whole(self, wanted: WantedPolygon) -> bool:
+        """Whether it is a figure of as many sides as are wanted and of equal corners that closes, if roughly."""
+        figure = self.figure
+        if figure is None or len(figure.sides_m) != wanted.sides or min(figure.bows) >= 1.0:
+            return False
+        gap_m = chord(self.drive.path, figure.vertices[0], figure.vertices[-1])
+        return alike(figure.corners_rad) and gap_m <= NEARLY_CLOSED_SHARE * figure.perimeter_m
+
     def otherness(self, wanted: WantedPolygon) -> float:
         """Return from 0 to 1 how far a complete figure with equal corners was driven that is not the wanted one.
 
@@ -221,7 +257,22 @@ def driven_polygon(assignment: Assignment, wanted: WantedPolygon, run: Run) -> D
     if drive is None:
         return None
     drive = replace(drive, path=without_overshoots(drive.path))
-    segments = segment(drive.path)
+    fine = _polygon_of(assignment, wanted, drive, segment(drive.path))
+    has_sides = fine.has_sides(wanted)
+    if (has_sides and not fine.is_approached) or drive.path.extent_m <= 0.0:
+        return fine
+    looks = (
+        coarsely_segmented(drive.path, tolerance, crossing=crossing)
+        for tolerance, crossing in itertools.product(TOLERANCES, (False, True))
+    )
+    found = [_polygon_of(assignment, wanted, drive, look) for look in looks if look is not None]
+    whole = [fine] * has_sides + [one for one in found if one.is_on_the_whole(wanted)]
+    return min(whole, key=lambda one: one.roughness, default=fine)
+
+
+def _polygon_of(
+    assignment: Assignment, wanted: WantedPolygon, drive: Drive, segments: Segments
+) -> DrivenPolygon:
     figure = measure_polygon(drive.path, segments, sides=wanted.sides, cut_short=drive.cut_short)
     if figure is None:
         return DrivenPolygon(drive, segments, None, np.empty(0), np.empty(0))

@@ -424,11 +424,14 @@ def _is_beyond_slip(seen: _Seen, figure: PolygonFigure) -> bool:
 
 
 def _arcs(seen: _Seen, figure: PolygonFigure) -> Mistake:
-    """Say how much was driven in arcs, either because that was commanded or because the car slips."""
+    """Say how much was no straight side: arcs that were commanded, a car that slips, or turns within sides."""
     if _is_astray(figure):
         return _astray(seen, figure)
-    code = "arcs" if any(map(is_arc, moves_of(seen.run.trajectory))) else "slipped"
-    spoilt = _SHAPE if figure.curved_share > MOSTLY_ROUND_SHARE else ("curved_pct", *_LENGTHS, "gap_pct")
+    code = "crooked" if seen.rigid else "slipped"
+    if any(map(is_arc, moves_of(seen.run.trajectory))):
+        code = "arcs"
+    all_of_it = figure.curved_share > MOSTLY_ROUND_SHARE or max(figure.bows) > 0.0
+    spoilt = _SHAPE if all_of_it else ("curved_pct", *_LENGTHS, "gap_pct")
     return mistake(code, spoilt, share=number(100.0 * figure.curved_share, "%"))
 
 

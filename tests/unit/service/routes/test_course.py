@@ -115,13 +115,13 @@ def test_an_upload_of_somebody_who_was_just_removed_is_not_stored(
     services: Services, school: School, upload: Callable[..., httpx.Response], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Between finding out who asks and storing the file somebody else may remove them."""
-    accept = services.submissions.accept
+    accept = services.intake.accept
 
-    def late(new: Any) -> Any:
+    def late(*given: Any) -> Any:
         services.courses.remove("ros", ["li"], "wang")
-        return accept(new)
+        return accept(*given)
 
-    monkeypatch.setattr(services.submissions, "accept", late)
+    monkeypatch.setattr(services.intake, "accept", late)
     refused = upload(student="", headers=school.as_("li"))
     assert (refused.status_code, refused.json()["code"]) == (422, "unknown_student")
     assert services.submissions.of_student("li", course="ros") == ()

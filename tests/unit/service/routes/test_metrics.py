@@ -106,12 +106,12 @@ def test_queue_and_workers_are_read_from_the_rows(
 
 def test_gradings_of_this_process_are_counted(client: httpx.Client, services: Services) -> None:
     services.metrics.graded(GradeStatus.GRADED, 0.7, 3.0)
-    services.metrics.graded(GradeStatus.CRASHED, 0.3, None)
+    services.metrics.graded(GradeStatus.CRASHED, 0.3, 1.0)
     services.metrics.retried()
     services.metrics.given_up(2)
     assert measured(client, "grader_gradings_total") == {'verdict="graded"': 1, 'verdict="crashed"': 1}
     assert measured(client, "grader_grading_seconds_sum") == {"": 1.0}
-    assert measured(client, "grader_time_to_grade_seconds_count") == {"": 1}
+    assert measured(client, "grader_time_to_grade_seconds_count") == {"": 2}
     assert measured(client, "grader_retries_total") == {"": 1}
     assert measured(client, "grader_given_up_total") == {"": 2}
     (build,) = measured(client, "grader_build_info")

@@ -86,7 +86,7 @@ def test_nothing_changes_until_it_is_applied(
     work(services, grade)
     assert {one: client.get(one + "/report", headers=school.as_("ta")).content for one in before} == before
     assert client.get("/api/v1/dashboard", headers=school.as_("ta")).json()["students"] == dashboard
-    assert services.submissions.open_count("li", "ros") == 0
+    assert services.intake.open_count("li", "ros") == 0
     discarded = post(f"{url}/discard", reason="a mistake").json()
     assert (discarded["state"], discarded["gain"]) == ("discarded", 1)
     assert {one: client.get(one + "/report", headers=school.as_("ta")).content for one in before} == before
