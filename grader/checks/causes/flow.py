@@ -36,6 +36,9 @@ _STATE: Final = r"\b\w*(?:state|status|mode|phase|stage)\w*"
 _NAMED: Final = r"(?<![\w.])((?:self\.)?\w*(?:state|status|mode|phase|stage)\w*)"
 _STATE_SET: Final = re.compile(_NAMED + r" *= *[\"'](\w{1,40})[\"']")
 _STATE_ASKED: Final = re.compile(_NAMED + r" *== *[\"'](\w{1,40})[\"']")
+_RATES: Final = r"w|wz|omega|ang|angular(?:_\w+)?|turn\w*|rot\w*"
+_SPEEDS: Final = r"v|vx|lin|linear(?:_\w+)?|speed|vel|velocity"
+"""What functions call the turn rate and the speed that they are given."""
 _NEAR: Final = 0.8
 _MOST_STATES: Final = 20  # each that is asked for is compared with all of them
 
@@ -60,6 +63,18 @@ def _read_in(condition: str, script: ScriptText) -> list[str]:
     called = (script.definition(name) for name in re.findall(r"\bself\.(\w+)\(", condition))
     blocks = ("\n".join(script.block(made.line)) for made in called if made is not None)
     return names + [name for block in blocks for name in re.findall(r"\bself\.(\w+)", block)]
+
+
+def speeds_exchanged(seen: Searched) -> Mistake | None:
+    """Find a function that puts the turn rate it is given into ``linear.x``, and the speed into ``angular.z``."""
+    given = seen.script.matches(rf"\.linear\.x ?= ?(?:float\( ?)?({_RATES}) ?\)?$")
+    for line, found in itertools.islice(given, _MOST_DEAD):
+        made = seen.script.definition(seen.script.function_around(line))
+        inside = seen.script.span(made.line) if made is not None else range(0)
+        for at, other in seen.script.matches(rf"\.angular\.z ?= ?(?:float\( ?)?({_SPEEDS}) ?\)?$"):
+            if at in inside:
+                return mistake("speeds_exchanged", line=line, rate=found[1], speed=other[1], other=at)
+    return None
 
 
 def other_axis(seen: Searched) -> Mistake | None:
@@ -141,6 +156,41 @@ def branch_without_publish(seen: Searched) -> Mistake | None:
             later = [at for at in script.lines_with(r"\.publish\(|\w\(.*\b" + filled[1]) if at > line]
             if script.lines_with(r"\.publish\(") and not any(script.is_behind(at, line) for at in later):
                 return mistake("branch_without_publish", line=line, callback=timer.name, field=field)
+    return None
+
+
+def never_sent(seen: Searched) -> Mistake | None:
+    """Find a function that fills a message of its own and neither publishes it nor hands it on."""
+    script = seen.script
+    fields = {"no_turns": r"angular\.z", "no_drive": r"linear\.x"}.get(
+        seen.mistake.code, r"linear\.x|angular\.z"
+    )
+    filled = script.matches(rf"^[ \t]+(\w+)\.({fields}) ?{NOT_ZERO}")
+    for line, found in itertools.islice(filled, _MOST_DEAD):
+        made = script.definition(function := script.function_around(line))
+        block = script.block(made.line) if made is not None and script.calls(function) else []
+        own = any(re.match(rf"[ \t]*{found[1]} ?= ?Twist\(", text) for text in block)
+        if own and not any(
+            re.search(rf"[(,=\[] ?{found[1]} ?[),\]]|\b(return|yield) {found[1]}\b|= ?{found[1]}$", text)
+            for text in block
+        ):
+            call = f"{script.publisher_name}.publish({found[1]})"
+            return mistake("never_sent", line=line, field=found[2], function=function, call=call)
+    return None
+
+
+def timer_repeats(seen: Searched) -> Mistake | None:
+    """Find a timer that a callback creates for one time, and that nothing in its own callback cancels."""
+    script = seen.script
+    timers = script.callbacks("timer")[:_MOST_DEAD]
+    reached = script.reached_from(timer.begins for timer in timers)
+    for timer in timers:
+        maker = script.definition(script.function_around(timer.created))
+        if maker is None or maker.line not in reached:
+            continue
+        runs = (text for at in script.reached_from([timer.begins]) for text in script.block(at))
+        if not any(re.search(r"\b(cancel|destroy_timer)\(", text) for text in runs):
+            return mistake("timer_repeats", line=timer.created, callback=timer.name)
     return None
 
 
@@ -259,7 +309,7 @@ def log_behind_spin(seen: Searched) -> Mistake | None:
 def uncalled(seen: Searched) -> Mistake | None:
     """Find a function that is named and not called; where no motion came, one that is called nowhere else."""
     named = seen.script.named_only
-    loud = {"log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on"}
+    loud = {"log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on", "turn_missing"}
     name = "" if named is None else re.escape(named.name.rpartition(".")[2])
     called = seen.script.lines_with(rf"(?<!def )\b{name}\(") if name else []
     return None if called and seen.mistake.code not in loud else not_called(seen.run)
@@ -491,7 +541,7 @@ def compared_only(seen: Searched) -> Mistake | None:
         before = "".join(seen.script.lines[line - 2 : line - 1]).rstrip()
         if before.endswith(("(", "[", ",", "\\", "=", "and", "or", "not")):
             continue  # the rest of a longer expression
-        if found[1] in asked:
+        if found[1] in asked or re.search(r"\.(linear|angular)\.[xyz]$", found[1]):
             right = seen.script.written(line).partition("#")[0].strip().replace("==", "=", 1)
             return mistake("compares_for_assigns", line=line, right=right)
     return None

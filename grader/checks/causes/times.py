@@ -17,7 +17,11 @@ _MOST_CLOCKS: Final = 50  # each is looked for in all lines
 _TIME_OF_DAY: Final = r"(?:\btime\.time\(\)|\bnow\(\))"
 _TO_SECONDS: Final = 0.99e9  # what divides nanoseconds by less does not make seconds of them
 _FEW_SECONDS: Final = 60.0
-_VALUE_OR_NAME: Final = r"[\w.]+(?: ?\* ?(?:1e\d+|1\d{3,12}))?"
+_VALUE_OR_NAME: Final = r"[\w.]+(?: ?\* ?(?:\d{1,3}e\d+|1\d{3,12}))?"
+_WHOLE_SECONDS: Final = (
+    r"to_msg\(\)\.sec\b(?!.*\bnanosec\b)|seconds_nanoseconds\(\)\[0\]|\bint\( ?time\.time\(\) ?\)|"
+    r"\.nanoseconds\)* ?// ?(?:int\( ?)?(?:1e9|10 ?\*\* ?9|1_?000_?000_?000)"
+)
 _FEW_NS: Final = 1e6  # a millisecond: what is compared with less is meant as seconds
 _TO_NS: Final = r"(?i)\b1e9|10 ?\*\* ?9|1_?000_?000_?000|nanosec|\bns\b"
 _NAME: Final = r"(?<![\w.])[\w.]{1,60}"
@@ -91,7 +95,7 @@ def _counts_motions(start: str, script: ScriptText) -> bool:
     if not around or around not in {one.name for one in script.callbacks("timer")}:
         return False
     passed = {found[1] for _, found in script.matches(rf"^[ \t]*([\w.]+) ?=(?!=).*- ?{itself(start)}")}
-    compared = r"[ \t]*(?:if|elif) ([\w.]+) ?[<>]=? ?([\w.]+) ?:$"
+    compared = r"[ \t]*(?:if|elif) ([\w.]+) ?[<>]=? ?(?:Duration\( ?seconds ?= ?)?([\w.]+) ?\)? ?:$"
     heads = [re.match(compared, head) for head in script.conditions_around(raised[0])]
     limits = [found[2] for found in heads if found is not None and found[1] in passed]
     branch = "\n".join(script.block(script.owner_of(raised[0]) or 0))
@@ -242,11 +246,14 @@ def _is_seconds(value: float | None, name: str, script: ScriptText) -> bool:
 
 
 def start_anew(seen: Searched) -> Mistake | None:
-    """Find a loop that takes its own start time anew in each round, so that no time ever passes."""
-    for loop in seen.script.lines_with(rf"^[ \t]*while\b.*{CLOCK}"):
+    """Find a loop that takes its own start, or end, anew in each round, so that the end never comes."""
+    for loop in seen.script.lines_with(rf"^[ \t]*while\b.*({CLOCK}|<)"):
         for line, text in seen.script.body(loop):
-            taken = re.match(rf"([\w.]+) ?= ?[\w.()]*{CLOCK}\S*$", text)
-            if taken and re.search(rf"- ?{itself(taken[1])}", seen.script.lines[loop - 1]):
+            taken = re.match(rf"([\w.]+) ?= ?[\w.()]*{CLOCK}\S*( ?\+ ?[\w.]+)?$", text)
+            if taken is None:
+                continue
+            compared = rf"\) ?<=? ?{itself(taken[1])}" if taken[2] else rf"- ?{itself(taken[1])}"
+            if re.search(compared, seen.script.lines[loop - 1]):
                 return mistake("start_anew", line=line, name=taken[1], loop=loop)
     return None
 
@@ -270,6 +277,50 @@ def publish_behind_loop(seen: Searched) -> Mistake | None:
         if only_waits and re.match(r"[ \t]*[\w.]+\.publish\( ?\w+ ?\)$", text):
             return mistake("publish_behind_loop", line=behind, loop=loop)
     return None
+
+
+def sleep_behind_loop(seen: Searched) -> Mistake | None:
+    """Find a loop that publishes a motion again and again at one moment, and the pause that stands behind it."""
+    for loop in seen.script.lines_with(r"^[ \t]*for\b.*\brange\("):
+        block = seen.script.block(loop)
+        behind = loop + len(block)
+        slept = re.match(r"[ \t]*(?:time\.)?sleep\((.+)\)$", "".join(seen.script.lines[behind - 1 : behind]))
+        if slept is None or seen.script.owner_of(behind) != seen.script.owner_of(loop):
+            continue
+        if (value_of(slept[1], seen.script) or 0.0) > _PAUSE_S:
+            continue  # the motion may be meant to last for that pause
+        body = "\n".join(block[1:])
+        if re.search(r"\.publish\( ?(?!Twist\(|\w*stop)", body) and not re.search(r"sleep\(|spin", body):
+            return mistake("sleep_behind_loop", line=behind, loop=loop)
+    return None
+
+
+def added_again(seen: Searched) -> Mistake | None:
+    """Find a sum to which each round, or tick, adds the whole time since a start that stays as it was."""
+    script = seen.script
+    ticks = {one.begins for one in script.functions_called_back("timer")}
+    added = script.matches(
+        rf"^[ \t]*([\w.]{{1,60}}) ?\+= ?([^-]*?({CLOCK}|{_NAME}) ?- ?({_NAME})[ .*/)\w]*)$"
+    )
+    for line, found in itertools.islice(added, _MOST_CLOCKS):
+        around = [at for at, head in script.outwards(line) if at in ticks or re.match(r"[ \t]*while\b", head)]
+        text = "\n".join(script.block(around[0])) if around else ""
+        if not re.search(rf"\b(if|while)\b.*{itself(found[1])} ?[<>]", text):
+            continue
+        start, taken = itself(found[4]), rf"^[ \t]*{itself(found[3])} ?=(?!=).*{CLOCK}"
+        begun = script.lines_with(rf"^[ \t]*{start} ?=(?!=).*{CLOCK}")
+        is_now = re.fullmatch(CLOCK, found[3]) or re.search(taken, text, re.MULTILINE)
+        if begun and is_now and not re.search(rf"^[ \t]*{start} ?=(?!=)", text, re.MULTILINE):
+            values = {"name": found[1], "start": found[4], "right": f"{found[1]} = {found[2]}"}
+            return mistake("added_again", line=line, **values)
+    return None
+
+
+def whole_seconds(seen: Searched) -> Mistake | None:
+    """Find a time of which only the whole seconds are kept or compared."""
+    used = rf"\b(?:while|if|elif)\b.*(?:{_WHOLE_SECONDS})|^[ \t]*[\w.]+ ?=(?!=).*(?:{_WHOLE_SECONDS})"
+    lines = seen.script.lines_with(used)
+    return mistake("whole_seconds", line=lines[0]) if lines else None
 
 
 def wrong_time(seen: Searched) -> Mistake | None:

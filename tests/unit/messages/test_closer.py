@@ -190,7 +190,7 @@ HEARD = car(init="self.create_subscription(Pose, '/p', self.go, 10)", go="{line}
         ("AttributeError", "'Car' object has no attribute 'v'", car(go="self.v").replace("    car = ", "    v = 1\n    car = "), 7, "unknown_attribute", "'v'"),
         ("AttributeError", "'Car' object has no attribute 'create_subscriber'", car(), 7, "misspelt", "'create_subscription'"),
         ("AttributeError", "'Car' object has no attribute 'get_time'", car(), 7, "misspelt", "get_clock().now()"),
-        ("AttributeError", "'Publisher' object has no attribute 'send'", car(), 7, "unknown_in_library", "'send'"),
+        ("AttributeError", "'Publisher' object has no attribute 'send'", car(), 7, "publish_left_out", "'send'"),
         ("AttributeError", "module 'geometry_msgs' has no attribute 'msg'", car(), 7, "import_statement", "import geometry_msgs.msg"),
         ("AttributeError", "'Twist' object has no attribute 'x'", HEARD.format(line="t = Twist(); t.x").replace("; ", "\n        "), 8, "message_replaced", "Line 7"),
         ("AttributeError", "'Twist' object has no attribute 'x'", HEARD.format(line="t = Twist(); self.p = t").replace("; ", "\n        ") + "car.f(self.p.x)\n", 12, "message_replaced", "Line 7"),
