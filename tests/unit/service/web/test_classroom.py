@@ -91,7 +91,8 @@ def test_a_single_attempt_has_nothing_to_compare(instructor: Browser, school: di
 
 
 def test_unknown_students_are_told(instructor: Browser) -> None:
-    assert instructor.get("/class/students/nobody").status_code == 404
+    unknown = instructor.get("/class/students/nobody?lang=en")
+    assert (unknown.status_code, "no such member" in unknown.text) == (404, True)
 
 
 def test_two_attempts_stand_side_by_side(instructor: Browser, school: dict[str, str]) -> None:
