@@ -124,8 +124,10 @@ def _reason(note: str, run: Run) -> Text | None:
         return None
     line = int(found[1] or 0) or None
     written = run.source.splitlines()[line - 1 : line] if line else []
-    traceback = "".join(f'  File "script", line {line}\n    {text.strip()}\n' for text in written)
-    error = StudentError(type=found[2], message=found[3] or "", line=line, traceback=traceback)
+    message = (found[3] or "").partition(". Did you mean: ")[0]
+    behind = f"{found[2]}: {found[3]}\n"
+    traceback = "".join(f'  File "script", line {line}\n    {text.strip()}\n{behind}' for text in written)
+    error = StudentError(type=found[2], message=message, line=line, traceback=traceback)
     code, reason = meaning(error, "crashed", ScriptText(run.source))
     return None if code == "crashed" else reason
 

@@ -298,9 +298,9 @@ def _nearest_own(name: str, line: int, script: ScriptText, otherwise: Closer) ->
         return otherwise
     if not script.is_short or len(name) > LONGEST_NAME:
         return otherwise
-    if name == "publish" and script.publisher is not None:
-        return "publish_left_out", {"publisher": script.publisher}
     text = "".join(script.lines[line - 1 : line])
+    if name == "publish" and script.publisher and not re.search(r"\bpublish\(([^()]*,| ?-?\d)", text):
+        return "publish_left_out", {"publisher": script.publisher}
     if script.publisher and re.search(rf"(?<![\w.]){name}\.publish\(", text):
         return "misspelt", {"suggestion": script.publisher}
     if (message := script.twist_name_at(line)) is not None:

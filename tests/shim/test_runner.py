@@ -411,6 +411,15 @@ UNDEFINED = ("caught", "line 3: NameError: name 'oops' is not defined")
         ("try: go()\nexcept: pass\ntry: gone()\nexcept Exception: pass\n", [UNDEFINED]),
         ("try: go()\nexcept NameError: pass\n", []),
         ("try: 1 / 0\nexcept Exception: pass\n", []),
+        (
+            "try: time.sleepp\nexcept Exception: pass\n",
+            [
+                (
+                    "caught",
+                    "line 4: AttributeError: module 'time' has no attribute 'sleepp'. Did you mean: 'sleep'?",
+                )
+            ],
+        ),
         ("try: None.x\nexcept Exception: pass\n", []),
         ("try: raise TypeError\nexcept Exception: pass\ntry: go()\nexcept Exception: pass\n", [UNDEFINED]),
         ("def hear():\n    global pose, at\n    pose = 1\ntry: pose\nexcept Exception: pass\n", []),

@@ -82,7 +82,7 @@ _LEFT_OUT: Final = (
     | _COUNT
     | _STUCK
     | {"no_final_stop", "never_stops", "drove_on", "turned_on", "turn_missing", "never_finished"}
-    | {"too_short", "turn_too_short", "turns_too_far", "place_missed"}
+    | {"too_short", "turn_too_short", "turns_too_far"}
 )
 """Mistakes that may come of lines that did not run."""
 _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (

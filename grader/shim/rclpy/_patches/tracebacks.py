@@ -123,7 +123,7 @@ def tell_caught(error: BaseException | None, *, now: bool = True) -> None:
         script.meant.add(line)
     else:
         script.told_caught = True
-        link.note("caught", f"line {line}: {one_line(error)[:_LONGEST_NOTE]}")
+        link.note("caught", f"line {line}: {one_line(error)[:_LONGEST_NOTE]}{_suggestion(error)}")
 
 
 def _is_meant(error: BaseException, written: list[str]) -> bool:
