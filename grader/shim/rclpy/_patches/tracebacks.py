@@ -103,14 +103,29 @@ def line_of(error: BaseException) -> int:
 def tell_caught(error: BaseException | None, *, now: bool = True) -> None:
     """Note, once, an error of the script's own text that does not end it, because something has caught it.
 
-    Of other errors, of what is not there yet (None), and of the clean-up after Ctrl+C nothing is told: they may be
-    meant to be caught. `now` says that it has just happened.
+    Of other errors, of what the script raises itself, of what is not there yet (None), and of the clean-up after
+    Ctrl+C nothing is told: they may be meant to be caught. `now` says that it has just happened.
     """
     if script.told_caught or type(error) not in _OF_TEXT or (now and kernel.interrupted):
         return  # at once: a loop may come here a million times
-    if error is not None and "'NoneType'" not in message_of(error) and (line := line_of(error)) != 0:
+    if error is None or _is_raised(error) or "'NoneType'" in message_of(error):
+        return
+    if (line := line_of(error)) != 0:
         script.told_caught = True
         link.note("caught", f"line {line}: {one_line(error)[:_LONGEST_NOTE]}")
+
+
+def _is_raised(error: BaseException) -> bool:
+    """Whether the error comes from a statement ``raise`` or ``assert`` of the script's own."""
+    from opcode import opmap
+
+    innermost: TracebackType | None = error.__traceback__
+    while innermost is not None and innermost.tb_next is not None:
+        innermost = innermost.tb_next
+    if innermost is None:
+        return False
+    code = innermost.tb_frame.f_code
+    return script.owns(code.co_filename) and code.co_code[innermost.tb_lasti] == opmap["RAISE_VARARGS"]
 
 
 def message_of(error: BaseException) -> str:
