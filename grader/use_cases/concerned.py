@@ -60,7 +60,7 @@ def concerned(
         raise RefusedError("assignment_not_found")
     if concern.item is not None:
         _check_item(concern.item, assignment, own.values())
-    _check_codes(concern)
+    _check_codes(concern, own.values())
     roster = {one.id: one for one in members(services, caller, Role.STUDENT)}
     fits = _fits(concern)
     found = [
@@ -79,9 +79,11 @@ def _check_item(item: str, assignment: Assignment | None, cells: Iterable[Counte
         raise RefusedError("invalid_request", detail, field="item", allowed=known)
 
 
-def _check_codes(concern: Concern) -> None:
+def _check_codes(concern: Concern, cells: Iterable[CountedCell]) -> None:
     statuses = [one.value for one in (*SubmissionState, *GradeStatus)]
-    if concern.mistake is not None and template("en", f"mistake.{concern.mistake}") is None:
+    made = {one for cell in cells for one in cell.mistakes}  # also what an earlier version recognised
+    mistake = concern.mistake
+    if mistake is not None and mistake not in made and template("en", f"mistake.{mistake}") is None:
         detail = Text(zh="没有这种错误。", en="There is no such mistake.")
         raise RefusedError("invalid_request", detail, field="mistake")
     if concern.status is not None and concern.status not in statuses:

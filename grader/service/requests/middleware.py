@@ -132,7 +132,8 @@ class HeldToTheEnd:
 class Unchanged:
     """ASGI middleware that answers 304 where the client has what it asks for (RFC 9110, section 13.1.2).
 
-    The dashboard looks by itself, because its tag is known before its content is made.
+    The dashboard looks by itself, because its tag is known before its content is made. What nobody may keep is
+    always sent: its tag is that of what may be changed, and more stands beside it.
     """
 
     def __init__(self, app: ASGIApp) -> None:
@@ -148,7 +149,7 @@ class Unchanged:
             nonlocal is_held
             if message["type"] == "http.response.start" and message["status"] == HTTPStatus.OK:
                 headers = MutableHeaders(scope=message)
-                is_held = _names(held or "", headers.get("etag", ""))
+                is_held = not _is_kept_by_nobody(headers) and _names(held or "", headers.get("etag", ""))
                 if is_held:
                     message["status"] = HTTPStatus.NOT_MODIFIED.value
                     for name in _OF_A_BODY:
@@ -344,6 +345,10 @@ class Observed:
             await self._app(scope, receive, send_with_id)
         finally:
             note()
+
+
+def _is_kept_by_nobody(headers: Headers) -> bool:
+    return "no-store" in headers.get("cache-control", "")
 
 
 def _names(if_none_match: str, etag: str) -> bool:

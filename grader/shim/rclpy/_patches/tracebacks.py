@@ -93,45 +93,39 @@ def line_of(error: BaseException) -> int:
     """Return the line of the innermost frame of the student's file; 0 when there is none."""
     if isinstance(error, SyntaxError) and script.owns(error.filename):
         return error.lineno or 0
-    return _place_of(error)[1]
-
-
-def _place_of(error: BaseException) -> tuple[str, int]:
-    """Return file and line of the innermost frame of the student's file; 0 when there is none."""
-    place = "", 0
+    line = 0
     traceback: TracebackType | None = error.__traceback__
     while traceback is not None:
-        file_name = traceback.tb_frame.f_code.co_filename
-        if script.owns(file_name):
-            place = file_name, traceback.tb_lineno or 0
+        if script.owns(traceback.tb_frame.f_code.co_filename):
+            line = traceback.tb_lineno or 0
         traceback = traceback.tb_next
-    return place
+    return line
 
 
 def tell_caught(error: BaseException | None, *, now: bool = True) -> None:
     """Note, once, an error of the script's own text that does not end it, because something has caught it.
 
-    Of other errors, of what is not there yet, and of the clean-up after Ctrl+C nothing is told: they may be meant
-    to be caught. `now` says that it has just happened.
+    Of other errors, of what the script raises itself, of what is not there yet, and of the clean-up after Ctrl+C
+    nothing is told: they may be meant to be caught. `now` says that it has just happened.
     """
     if script.told_caught or error is None or type(error) not in _OF_TEXT or (now and kernel.interrupted):
         return  # at once: a loop may come here a million times
-    file_name, line = _place_of(error)
+    line = line_of(error)
     if line == 0 or line in script.meant:
         return
-    if _is_meant(error, script.lines(file_name)[line - 1 : line]):
+    if _is_raised(error) or _is_awaited(error):
         script.meant.add(line)
     else:
         script.told_caught = True
         link.note("caught", f"line {line}: {one_line(error)[:_LONGEST_NOTE]}{_suggestion(error)}")
 
 
-def _is_meant(error: BaseException, written: list[str]) -> bool:
-    """Whether a script may count on an error of a line: that raises it, or uses what comes with the first message.
+def _is_awaited(error: BaseException) -> bool:
+    """Whether an error may be of what comes with the first message.
 
     Such is None, an attribute that some line gives a value, or a name that a function does as ``global``.
     """
-    if "'NoneType'" in message_of(error) or {"raise", "assert"} & set(" ".join(written).split()):
+    if "'NoneType'" in message_of(error):
         return True
     name = getattr(error, "name", None)
     if type(name) is not str:
@@ -147,6 +141,19 @@ def _gives(name: str, text: str, kind: type[BaseException]) -> bool:
     before, sign, value = text.partition("=")
     _, dot, behind = before.rpartition(f".{name}")
     return bool(sign and dot) and value[:1] != "=" and behind.strip()[:1] in ("", ",", ":")
+
+
+def _is_raised(error: BaseException) -> bool:
+    """Whether the error comes from a statement ``raise`` or ``assert`` of the script's own."""
+    from opcode import opmap
+
+    innermost: TracebackType | None = error.__traceback__
+    while innermost is not None and innermost.tb_next is not None:
+        innermost = innermost.tb_next
+    if innermost is None:
+        return False
+    code = innermost.tb_frame.f_code
+    return script.owns(code.co_filename) and code.co_code[innermost.tb_lasti] == opmap["RAISE_VARARGS"]
 
 
 def message_of(error: BaseException) -> str:
