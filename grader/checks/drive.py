@@ -1,6 +1,8 @@
-"""What the checks on motion share: the driven path, the part of it that counts, and how it ended."""
+"""What the checks on motion share: what was commanded, the driven path, the part that counts, and how it ended."""
 
+import itertools
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -95,6 +97,46 @@ def is_arc(command: Command) -> bool:
 def moves_of(trajectory: Trajectory) -> tuple[Command, ...]:
     """Return the commands that ask for a motion; a script that steers by the pose sends as many others."""
     return tuple(filter(is_motion, trajectory.commands))
+
+
+@lru_cache(maxsize=1)  # as `moves_of`
+def with_ends(trajectory: Trajectory) -> tuple[tuple[Command, int], ...]:
+    """Return each command with the time at which it ended: at the next command, or when turtlesim dropped it."""
+    commands = trajectory.commands
+    dropped_ns = [command.t_ns + COMMAND_LIFE_NS for command in commands]
+    next_ns = [*(command.t_ns for command in commands[1:]), *dropped_ns[-1:]]
+    return tuple(zip(commands, map(min, next_ns, dropped_ns), strict=True))
+
+
+@lru_cache(maxsize=1)  # as `moves_of`
+def motions_of(trajectory: Trajectory) -> tuple[tuple[Command, int], ...]:
+    """Return each motion, a row of equal commands without a pause: its first command, and how long it lasted."""
+    motions: list[tuple[Command, int]] = []
+    begun: Command | None = None
+    ended_ns = 0
+    for command, until_ns in with_ends(trajectory):
+        if begun is not None and (command[1:] != begun[1:] or command.t_ns != ended_ns):
+            motions.append((begun, ended_ns - begun.t_ns))
+            begun = None
+        if is_motion(command):
+            begun, ended_ns = begun or command, until_ns
+    if begun is not None:
+        motions.append((begun, ended_ns - begun.t_ns))
+    return tuple(motions)
+
+
+def times_begun(flags: Iterable[bool]) -> int:
+    """Return how often a row of flags becomes true, as motions do with a stop between one and the next."""
+    return sum(now and not before for before, now in itertools.pairwise([False, *flags]))
+
+
+def share_backwards(run: Run) -> float:
+    """Return the share of the commanded way that was driven backwards; 0 where none was."""
+    ways_m = [
+        command.v_mps * (until_ns - command.t_ns) / 1e9 for command, until_ns in with_ends(run.trajectory)
+    ]
+    whole_m = math.fsum(map(abs, ways_m))
+    return -math.fsum(way for way in ways_m if way < 0.0) / whole_m if whole_m else 0.0
 
 
 def coasts(run: Run, drive: Drive, excess: float, *, turning: bool = False) -> bool:

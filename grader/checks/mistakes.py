@@ -9,19 +9,18 @@ import itertools
 import math
 import re
 from collections.abc import Iterable, Iterator
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from grader.checks.drive import is_drive, is_motion, moves_of
+from grader.checks.drive import is_drive, is_motion, moves_of, times_begun, with_ends
 from grader.checks.listening import waits_in_vain
 from grader.checks.measure import Measure, Mistake, mistake
 from grader.contracts.assignment import ROBOT_TOPICS, World
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, StudentError
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
-from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Floats, Trajectory
+from grader.contracts.trajectory import COMMAND_LIFE_NS, Floats, Trajectory
 from grader.messages import join, say
 from grader.messages.details import explained
 from grader.messages.exceptions import meaning
@@ -730,11 +729,6 @@ def _other_message(script: ScriptText, filled: int, publishes: list[int]) -> Mis
     return mistake("other_message", line=publishes[0], published=name, filled=other, given=filled)
 
 
-def times_begun(flags: Iterable[bool]) -> int:
-    """Return how often a row of flags becomes true, as motions do with a stop between one and the next."""
-    return sum(now and not before for before, now in itertools.pairwise([False, *flags]))
-
-
 def _longest_motion_ns(trajectory: Trajectory) -> int:
     """Return the longest time for which motions were commanded without a stop; the first that is not too brief."""
     longest_ns, begun_ns = 0, None
@@ -749,45 +743,9 @@ def _longest_motion_ns(trajectory: Trajectory) -> int:
     return longest_ns if trajectory.commands else COMMAND_LIFE_NS
 
 
-@lru_cache(maxsize=1)  # as `moves_of`
-def with_ends(trajectory: Trajectory) -> tuple[tuple[Command, int], ...]:
-    """Return each command with the time at which it ended: at the next command, or when turtlesim dropped it."""
-    nexts = [command.t_ns for command in trajectory.commands[1:]]
-    return tuple(
-        (command, min(next_ns, command.t_ns + COMMAND_LIFE_NS))
-        for command, next_ns in zip(trajectory.commands, [*nexts, _FOR_EVER_NS], strict=False)
-    )
-
-
 def steers(run: Run) -> bool:
     """Whether the script computes or compares with the heading that it hears."""
     return run.outcome.hears and bool(ScriptText(run.source).lines_with(_BY_HEADING))
-
-
-def share_backwards(run: Run) -> float:
-    """Return the share of the commanded way that was driven backwards; 0 where none was."""
-    ways_m = [
-        command.v_mps * (until_ns - command.t_ns) / 1e9 for command, until_ns in with_ends(run.trajectory)
-    ]
-    whole_m = math.fsum(map(abs, ways_m))
-    return -math.fsum(way for way in ways_m if way < 0.0) / whole_m if whole_m else 0.0
-
-
-@lru_cache(maxsize=1)  # as `moves_of`
-def motions_of(trajectory: Trajectory) -> tuple[tuple[Command, int], ...]:
-    """Return each motion, a row of equal commands without a pause: its first command, and how long it lasted."""
-    motions: list[tuple[Command, int]] = []
-    begun: Command | None = None
-    ended_ns = 0
-    for command, until_ns in with_ends(trajectory):
-        if begun is not None and (command[1:] != begun[1:] or command.t_ns != ended_ns):
-            motions.append((begun, ended_ns - begun.t_ns))
-            begun = None
-        if is_motion(command):
-            begun, ended_ns = begun or command, until_ns
-    if begun is not None:
-        motions.append((begun, ended_ns - begun.t_ns))
-    return tuple(motions)
 
 
 def _names(publishers: Iterable[Endpoint]) -> str:

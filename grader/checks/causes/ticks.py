@@ -8,8 +8,8 @@ from typing import Final, NamedTuple
 
 from grader.checks.causes.counts import counted_each_tick
 from grader.checks.causes.searched import LOGS, Searched, itself, sets
+from grader.checks.drive import motions_of
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import motions_of
 from grader.contracts.outcome import RunStatus
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number

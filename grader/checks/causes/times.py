@@ -6,8 +6,9 @@ import re
 from typing import Final
 
 from grader.checks.causes.searched import CLOCK, Searched, is_repeated, itself, sets
+from grader.checks.drive import motions_of, with_ends
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import motions_of, sleep_at_end, sleeps_too_long, with_ends
+from grader.checks.mistakes import sleep_at_end, sleeps_too_long
 from grader.contracts.scoring import Run
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.checks.drive import Drive, is_arc, is_motion
+from grader.checks.drive import Drive, is_arc, is_motion, with_ends
 from grader.checks.kinds.path.wanted import (
     MIN_CORNER_RAD,
     SAMPLES,
@@ -21,7 +21,6 @@ from grader.checks.kinds.path.wanted import (
     size_m,
     tracks,
 )
-from grader.checks.mistakes import with_ends
 from grader.contracts.assignment import StartPose, WantedPath
 from grader.contracts.trajectory import Trajectory
 from grader.geometry.figure import MAX_APPROACH_STRAIGHTS, chord, half_turned

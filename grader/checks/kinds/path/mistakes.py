@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grader.checks.drive import Drive, coasts, is_drive
+from grader.checks.drive import Drive, coasts, is_drive, motions_of, share_backwards, with_ends
 from grader.checks.kinds.path.driven import (
     UNFINISHED_SHARE,
     CommandedArc,
@@ -24,14 +24,7 @@ from grader.checks.kinds.path.driven import (
 )
 from grader.checks.kinds.path.wanted import MIN_CORNER_RAD, Stretch, corner_rad, track_of, tracks
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import (
-    command_mistakes,
-    motions_of,
-    no_final_stop,
-    only_turned,
-    share_backwards,
-    with_ends,
-)
+from grader.checks.mistakes import command_mistakes, no_final_stop, only_turned
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment, WantedPath
 from grader.contracts.outcome import RunStatus

@@ -5,10 +5,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from grader.checks.drive import Drive
+from grader.checks.drive import Drive, share_backwards
 from grader.checks.kinds.places.visits import Visit, Way, entered
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import command_mistakes, loop_in_callback, only_turned, share_backwards, swings
+from grader.checks.mistakes import command_mistakes, loop_in_callback, only_turned, swings
 from grader.checks.scoring import fits
 from grader.checks.surroundings import name_of
 from grader.contracts.assignment import Assignment, outside_m

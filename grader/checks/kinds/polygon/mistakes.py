@@ -15,7 +15,11 @@ from grader.checks.drive import (
     is_drive,
     is_motion,
     is_turn,
+    motions_of,
     moves_of,
+    share_backwards,
+    times_begun,
+    with_ends,
 )
 from grader.checks.kinds.polygon.figures import FULL_TURN_DEG, SAME_DEG, DrivenPolygon, WantedPolygon
 from grader.checks.measure import Mistake, mistake
@@ -25,15 +29,11 @@ from grader.checks.mistakes import (
     command_mistakes,
     defined_twice,
     loop_in_callback,
-    motions_of,
     no_final_stop,
     noted,
     only_turned,
-    share_backwards,
     steers,
     swings,
-    times_begun,
-    with_ends,
 )
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment

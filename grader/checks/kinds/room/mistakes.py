@@ -3,10 +3,10 @@
 import itertools
 from collections.abc import Iterator, Mapping
 
-from grader.checks.drive import Drive, is_motion
+from grader.checks.drive import Drive, is_motion, share_backwards
 from grader.checks.kinds.room.way import WallFollowing
 from grader.checks.measure import UNMEASURED, Measure, Mistake, mistake
-from grader.checks.mistakes import only_turned, robot_mistakes, share_backwards
+from grader.checks.mistakes import only_turned, robot_mistakes
 from grader.checks.scoring import fits
 from grader.checks.surroundings import name_of
 from grader.contracts.assignment import Assignment
