@@ -306,6 +306,8 @@ def _resized(path: Path, segments: Segments, corners: list[float], lap: _Extent,
     if len(spans) < 2 * lap.count or (len(spans) % lap.count and not cut_short):
         return False
     sides = [chord(path, *one) for one in spans]
+    if min(sides[: lap.count]) <= 0.0:  # there and back
+        return False
     for start in range(lap.count, len(spans), lap.count):
         later = sides[start : start + lap.count]
         shares = [one / other for one, other in zip(later, sides, strict=False)]
