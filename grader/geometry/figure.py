@@ -592,6 +592,8 @@ def half_turned(path: Path, turn: Turn) -> int:
 
     Where the car drives straight on then, because it cuts the corner off, that is in the middle of this straight.
     """
+    if turn.first == turn.last:
+        return turn.first
     travel, along = path.travel_rad[turn.first : turn.last + 1], path.along_m[turn.first : turn.last + 1]
     turned = np.abs(travel - (travel[0] + travel[-1]) / 2.0) / max(abs(turn.angle_rad), STILL_RAD)
     driven = np.abs(along - (along[0] + along[-1]) / 2.0) / max(abs(turn.length_m), STILL_M)

@@ -16,7 +16,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.record import Record
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
-from grader.geometry.coarse import TOLERANCES, coarsely_segmented
+from grader.geometry.coarse import coarse_looks
 from grader.geometry.figure import NEARLY_CLOSED_SHARE, PolygonFigure, alike, chord, measure_polygon
 from grader.geometry.path import Segments, bare, median, segment, without_overshoots
 
@@ -266,11 +266,7 @@ def driven_polygon(assignment: Assignment, wanted: WantedPolygon, run: Run) -> D
     fine = _polygon_of(assignment, wanted, drive, segment(drive.path))
     if fine.is_plain(wanted) or drive.path.extent_m <= 0.0:
         return fine
-    looks = (
-        coarsely_segmented(drive.path, tolerance, crossing=crossing)
-        for tolerance, crossing in itertools.product(TOLERANCES, (False, True))
-    )
-    found = [_polygon_of(assignment, wanted, drive, look) for look in looks if look is not None]
+    found = [_polygon_of(assignment, wanted, drive, look) for look in coarse_looks(drive.path)]
     whole = [fine] * fine.has_sides(wanted) + [one for one in found if one.is_on_the_whole(wanted)]
     return min(whole, key=lambda one: one.roughness, default=fine)
 
