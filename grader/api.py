@@ -22,6 +22,7 @@ from grader.service.requests.middleware import (
     KnownPeer,
     Observed,
     SafeHeaders,
+    Unchanged,
 )
 from grader.service.routes import (
     appeals,
@@ -117,6 +118,7 @@ def create_app(open_services: ServicesOpener | None = None) -> FastAPI:
         title=documentation.TITLE, version=__version__, docs_url=None, redoc_url=None, lifespan=lifespan
     )
     app.add_middleware(BoundedBodies)
+    app.add_middleware(Unchanged)
     app.add_middleware(HeldToTheEnd)
     app.add_middleware(SafeHeaders)
     app.add_middleware(Observed)

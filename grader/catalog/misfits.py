@@ -61,7 +61,7 @@ _NOT_YAML: Final = Text(
     zh="YAML 格式不对（{problem}）。检查这一行和上一行：缩进只用空格、同一层对齐；符号用英文的，冒号后空一格；"
     "文字里有冒号、或以 * & ! @ % 开头时，整段加引号",
     en="not valid YAML: {problem}. Look at this line and the one before: indent by spaces, alike on one level; "
-    "a space behind each colon; quotes around a text that has a colon or begins with * & ! @ %",
+    "half-width : and , with a space behind each; quotes around a text that has a colon or begins with * & ! @ %",
 )
 
 NO_BAND = Text(

@@ -79,13 +79,18 @@ def script_mistakes(run: Run) -> tuple[Mistake, ...]:
     if outcome.status is RunStatus.OUTPUT_LIMIT:
         told = explained(outcome.status, outcome.detail)
         return (mistake("output_limit", amount=_amount(outcome), detail=told),)
-    if outcome.status in _ENDINGS:
-        code = _ENDINGS[outcome.status]
-        return (mistake(code, detail=explained(outcome.status, outcome.detail)),)
-    if (thread := noted(outcome, "thread_exception")) is not None:
+    thread = noted(outcome, "thread_exception")  # what a thread was to do may be waited for in vain
+    if thread is not None and outcome.status in (
+        RunStatus.STALLED,
+        RunStatus.FINISHED,
+        RunStatus.INTERRUPTED,
+    ):
         return (
             Mistake("thread_crashed", _explained(say("mistake.thread_crashed", detail=thread), thread, run)),
         )
+    if outcome.status in _ENDINGS:
+        code = _ENDINGS[outcome.status]
+        return (mistake(code, detail=explained(outcome.status, outcome.detail)),)
     return ()
 
 
@@ -108,12 +113,23 @@ def noted(outcome: RunOutcome, code: str) -> str | None:
 
 def _explained(told: Text, note: str, run: Run) -> Text:
     """Return what is `told` of the exception in a note and, where it is known, what that exception means."""
+    reason = _reason(note, run)
+    return told if reason is None else join([told, reason], _SPACE)
+
+
+def _reason(note: str, run: Run) -> Text | None:
+    """Return what the exception in a note means; None where that is not known."""
     found = _IN_NOTE.fullmatch(note)
     if found is None:
-        return told
-    error = StudentError(type=found[2], message=found[3] or "", line=int(found[1] or 0) or None, traceback="")
+        return None
+    line = int(found[1] or 0) or None
+    written = run.source.splitlines()[line - 1 : line] if line else []
+    message = (found[3] or "").partition(". Did you mean: ")[0]
+    behind = f"{found[2]}: {found[3]}\n"
+    traceback = "".join(f'  File "script", line {line}\n    {text.strip()}\n{behind}' for text in written)
+    error = StudentError(type=found[2], message=message, line=line, traceback=traceback)
     code, reason = meaning(error, "crashed", ScriptText(run.source))
-    return told if code == "crashed" else join([told, reason], _SPACE)
+    return None if code == "crashed" else reason
 
 
 def _killed(outcome: RunOutcome) -> Mistake:
@@ -181,7 +197,7 @@ def _unfit_commands(run: Run, world: World) -> tuple[Mistake, ...] | None:
     if noted(outcome, "lateral_command") is not None:
         return (mistake("sideways"),)
     if commands and not any(command.v_mps or command.w_radps for command in commands):
-        return (waits_in_vain(run, world, surely=True) or _only_zeros(run),)
+        return (waits_in_vain(run, world, surely=True) or error_caught(run) or _only_zeros(run),)
     return None
 
 
@@ -231,6 +247,8 @@ def asleep(run: Run) -> Iterator[Mistake]:
 
 def _is_rate(run: Run, slept: "WaitingCall") -> bool:
     script = ScriptText(run.source)
+    if script.lines_with(r"\bThread\("):
+        return False  # it may spin, and the rate be a slow one
     return bool(script.lines_with(r"\bcreate_rate\(")) and slept.line in script.lines_with(r"\.sleep\( ?\)")
 
 
@@ -370,9 +388,26 @@ def without_node(run: Run) -> Mistake:
     exits = _exits(ScriptText(run.source), run.outcome)
     if exits and not run.outcome.stdout.text.strip():
         return mistake("exited_early", line=exits[0])
+    if (line := _never_came_to_init(ScriptText(run.source))) is not None:
+        return mistake("ended_before_init", line=line)
     if run.outcome.stdout.text.strip():
         return mistake("only_printed")
     return mistake("nothing_ran")
+
+
+def _never_came_to_init(script: ScriptText) -> int | None:
+    """Return the line of the only `init` in a script that ended before it, though the function around it runs."""
+    lines = script.lines_with(r"\brclpy\.init\(")
+    around = script.function_around(lines[0]) if len(lines) == 1 else ""
+    return lines[0] if lines and around and around in _run_from_top(script) else None
+
+
+def _run_from_top(script: ScriptText) -> set[str]:
+    """Return the names of the functions that the module's own statements call, without those that these call."""
+    calls = script.matches(r"(?<![\w.])(\w+)\(")
+    return {
+        found[1] for line, found in calls if not script.function_around(line) and "def " not in found.string
+    }
 
 
 def _unpublished(run: Run, world: World) -> Mistake | None:
@@ -384,11 +419,22 @@ def _unpublished(run: Run, world: World) -> Mistake | None:
     return None if missing is None else mistake("not_published", topic=missing)
 
 
+def error_caught(run: Run) -> Mistake | None:
+    """Return the mistake of an error that something caught, in a script that nothing else ended."""
+    error = noted(run.outcome, "caught")
+    if error is None or script_mistakes(run):
+        return None
+    reason = _reason(error, run)
+    if reason is None:
+        return mistake("error_caught", detail=error)
+    return Mistake("error_caught", join([say("detail.error_caught"), reason], _SPACE))
+
+
 def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
     """Return why no velocity command arrived; nothing if the script ended before it could send one."""
     outcome, topic = run.outcome, world.cmd_vel_topic
-    if (error := noted(outcome, "caught")) is not None and not script_mistakes(run):
-        return (Mistake("error_caught", _explained(say("mistake.error_caught", detail=error), error, run)),)
+    if (caught := error_caught(run)) is not None:
+        return (caught,)
     made = [each for each in outcome.endpoints if each.kind == "publisher" and each.name not in _OWN_TOPICS]
     publishers = [each for each in made if _may_command(each, topic)]
     right = [publisher for publisher in publishers if publisher.name == topic]
@@ -486,7 +532,10 @@ def ended_at_once(run: Run) -> Mistake | None:
     if (lines := _exits(script, run.outcome)) and spins and lines[0] < spins[0]:
         return mistake("exited_early", line=lines[0])
     ends_itself = script.lines_with(_ENDS_ITSELF) or _ends_in_callback(script)
-    if spins and (caught := script.lenient_except) is not None and not ends_itself:
+    asked = any(
+        re.match(r"[ \t]*if\b(?!.*__name__)", head) for at in spins for head in script.conditions_around(at)
+    )
+    if spins and not asked and (caught := script.lenient_except) is not None and not ends_itself:
         return mistake("error_hidden", line=caught)
     return None
 
@@ -535,7 +584,11 @@ def not_called(run: Run) -> Mistake | None:
     script = ScriptText(run.source)
     if (named := script.named_only) is None:
         return None
-    given = (script.twist_name_at(named.line) or "msg") if named.name.endswith(".publish") else ""
+    made = script.definition(named.name.rpartition(".")[2])
+    if named.name.endswith(".publish"):
+        given = script.twist_name_at(named.line) or "msg"
+    else:
+        given = "..." if made is not None and script.asks_for_more(made.line) else ""
     return mistake("not_called", line=named.line, name=named.name, call=f"{named.name}({given})")
 
 
@@ -628,7 +681,8 @@ def _only_zeros(run: Run) -> Mistake:
         return mistake("stopped_at_once")
     if (empty := _empty_message(script)) is not None:
         return empty
-    if run.outcome.command_count <= _ONE_CALL and (cancels := script.lines_with(r"\btimer\w*\.cancel\(")):
+    cancels = script.lines_with(r"\btimer\w*\.cancel\(")
+    if run.outcome.command_count <= _ONE_CALL and cancels and not script.conditions_around(cancels[0]):
         return mistake("timer_cancelled", line=cancels[0])
     if not script.lines_with(rf"\.(linear\.x|angular\.z) ?{NOT_ZERO}"):
         return mistake("zero_commands")

@@ -5,7 +5,7 @@ import shlex
 from pathlib import Path
 
 from grader.catalog import Catalog
-from grader.commands.options import add_language_option
+from grader.commands.options import add_language_option, whole_number
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 from grader.render.terminal import console
 
@@ -29,7 +29,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     validate.add_argument(
         "--seeds",
-        type=int,
+        type=whole_number,
         default=1,
         metavar="N",
         help="with N different seeds: other starts, rooms, noise (default: 1) / 换 N 组种子",

@@ -66,7 +66,6 @@ _IN_CHINESE = (  # a message of argparse, as a pattern, and its Chinese wording
     (r"argument (.*): expected one argument", r"\1 后面缺少一个值"),
     (r"argument (.*): expected (\d+) arguments?", r"\1 后面要写 \2 个值"),
     (r"argument (.*): invalid choice: (.*) \(choose from (.*)\)", r"\1 不能是 \2，可选：\3"),
-    (r"argument (.*): invalid int value: (.*)", r"\1 要写整数，不能是 \2"),
     (r"argument (.*): invalid \w+ value: (.*)", r"\1 的值不对：\2"),
     (r"argument (.*): not allowed with argument (.*)", r"\1 和 \2 不能一起写"),
     (r"argument (.*): ignored explicit argument (.*)", r"\1 后面不写值，多了 \2"),

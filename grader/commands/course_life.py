@@ -5,7 +5,7 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
-from grader.commands.options import tell, wrong_value
+from grader.commands.options import tell, whole_number, wrong_value
 from grader.commands.storage import OpenedStore, actor, add_course_option, chosen_course
 from grader.commands.token import add_days_option, write_tokens
 from grader.contracts.identity import Member, Role, checked_id
@@ -70,7 +70,7 @@ def _configure_copy(copy: argparse.ArgumentParser) -> None:
     )
     copy.add_argument(
         "--move-days",
-        type=whole,
+        type=whole_number,
         default=0,
         metavar="N",
         help="how many days later every date is / 所有日期推后几天",

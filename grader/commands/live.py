@@ -9,7 +9,7 @@ from typing import Any, Final
 from urllib.parse import urlsplit
 
 from grader.commands.cli import EXIT_NOT_DONE
-from grader.commands.options import add_language_option
+from grader.commands.options import add_language_option, whole_number
 from grader.contracts.errors import SettingsError
 
 _CLIENTS: Final = 64
@@ -24,7 +24,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--host", choices=_LOOPBACK, default="127.0.0.1",
                         help="address of this machine to listen on / 监听的本机地址 (127.0.0.1)")  # fmt: skip
     parser.add_argument(
-        "--port", type=int, default=_PORT, help="port; 0: a free one / 端口，0 表示任选 (9090)"
+        "--port", type=whole_number, default=_PORT, help="port; 0: a free one / 端口，0 表示任选 (9090)"
     )
     parser.add_argument("--allow-origin", action="append", default=[], metavar="ORIGIN",
                         help="let web pages of this origin in, such as null for files; pages of this machine "

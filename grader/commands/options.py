@@ -8,6 +8,7 @@ from typing import Any
 
 from grader.contracts.assignment import DISTROS
 from grader.contracts.errors import SettingsError
+from grader.contracts.notation import whole
 from grader.contracts.text import LANGUAGES, Language, Text
 
 ASSIGNMENT_HELP = "assignment id, else guessed from the file name / 作业 id，不写就从文件名猜"
@@ -75,6 +76,16 @@ def tell(arguments: argparse.Namespace, *, zh: str, en: str) -> None:
 def wrong_value(*, zh: str, en: str) -> argparse.ArgumentTypeError:
     """Return what the type of an option raises at a value it cannot take."""
     return argparse.ArgumentTypeError(f"{zh}{_OTHER_LANGUAGE}{en}")
+
+
+def whole_number(text: str) -> int:
+    """Return the whole number that an argument is; the type of options."""
+    try:
+        return whole(text)
+    except ValueError:
+        raise wrong_value(
+            zh=f"{text!r} 不行：要写整数", en=f"{text!r} will not do: write a whole number"
+        ) from None
 
 
 def told_value(message: str) -> Text | None:

@@ -4,24 +4,24 @@ Only what is named changes; the rest stays as it is. What is replaced is shown, 
 """
 
 import argparse
+import difflib
 import json
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 from zoneinfo import ZoneInfo
 
 from pydantic import ValidationError
 
-from grader.commands.options import add_language_option, tell
+from grader.commands.options import add_language_option, tell, whole_number
 from grader.commands.storage import actor, add_course_option, add_data_option, chosen_course, opened
 from grader.contracts import fields
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import CourseError
 from grader.contracts.fields import kinds_of
 from grader.contracts.grading import AssignmentSource
-from grader.contracts.identity import Seen, unknown_members
-from grader.contracts.notation import whole
+from grader.contracts.identity import Seen, sections_of, unknown_members
 from grader.contracts.rules import NO_EXTENSION, NO_RULES, Counts, Extension, Rules
 from grader.contracts.text import Text
 from grader.contracts.validation_words import said
@@ -33,6 +33,12 @@ from grader.store.rules import CourseRules, StoredRules, tag, to_document
 from grader.use_cases.bodies import ExtensionBody, RulesBody, rules_from
 
 _KINDS = kinds_of(Rules)
+_EXAMPLES = {
+    "late": """'late={"kind":"linear","per_day":0.1}'""",
+    "by_section": """'by_section=[{"section":"A","due":"2026-03-22T23:59:59"}]'""",
+}
+"""Of rules that are written as JSON, as a shell takes them."""
+
 _NONE = ("none", "null", "")
 _ALL = "all"
 
@@ -56,17 +62,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help=f"{', '.join(_KINDS)}; e.g. due=2026-03-20T23:59:59 attempts=5 counts={Counts.LAST} "
         'late=\'{"kind": "linear", "per_day": 0.1}\'; none takes a rule back / none 取消一条规则',
     )
-    extend = actions.add_parser(
-        "extend", help="give one student more time or attempts / 给一名学生延期或增加次数"
-    )
-    extend.add_argument("student")
+    extend = actions.add_parser("extend", help="give students more time or attempts / 给学生延期或增加次数")
+    extend.add_argument("student", help="or several, as in 20260123,20260124 / 可以写几个，用逗号隔开")
     extend.add_argument("assignment")
     extend.add_argument(
         "--due",
         metavar="INSTANT",
         help="in the course's time zone, e.g. 2026-03-27T23:59:59; none takes it back / 课程时区的时间，none 取消",
     )
-    extend.add_argument("--extra-attempts", type=whole, metavar="N", help="0 takes them back / 0 表示取消")
+    extend.add_argument(
+        "--extra-attempts", type=whole_number, metavar="N", help="0 takes them back / 0 表示取消"
+    )
     for one in (change, extend):
         one.add_argument("--reason", default="", help="goes into the audit log / 写进操作记录")
         one.add_argument(
@@ -82,21 +88,28 @@ def run(arguments: argparse.Namespace) -> int:
     """Do it; rules that make no sense are raised as CourseError before anything is changed."""
     with opened(arguments) as storage:
         course = chosen_course(storage, arguments.course)
-        if arguments.action == "extend" and storage.courses.member(course, arguments.student) is None:
-            raise unknown_members(course, arguments.student)
+        members = {one.id: one for one in storage.courses.members(course)}
+        students = _names(arguments.student) if arguments.action == "extend" else []
+        if unknown := [one for one in students if one not in members]:
+            raise unknown_members(course, *unknown)
         stored, signed = StoredRules(storage.database), Signature(utc_now(), course, actor())
         if arguments.action == "show":
             _show(stored.of(course))
             return 0
         known = _assignments(storage.database, course)
         if arguments.action == "set":
-            names = [one.strip() for one in arguments.assignment.split(",")]
-            wanted = known.all() if names == [_ALL] else [known.get(name) for name in dict.fromkeys(names)]
-            _set(stored, signed, wanted, arguments)
+            names = _names(arguments.assignment)
+            wanted = known.all() if names == [_ALL] else [known.get(name) for name in names]
+            _set(stored, signed, wanted, arguments, sections_of(members.values()))
         else:
             known.get(arguments.assignment)
-            _extend(stored, signed, arguments)
+            for student in students:
+                _extend(stored, signed, student, arguments)
     return 0
+
+
+def _names(text: str) -> list[str]:
+    return list(dict.fromkeys(one.strip() for one in text.split(",")))
 
 
 def _assignments(database: Database, course: str) -> AssignmentSource:
@@ -121,7 +134,11 @@ def _local(extension: Extension, zone: ZoneInfo) -> Extension:
 
 
 def _set(
-    stored: StoredRules, signed: Signature, assignments: Iterable[Assignment], arguments: argparse.Namespace
+    stored: StoredRules,
+    signed: Signature,
+    assignments: Iterable[Assignment],
+    arguments: argparse.Namespace,
+    sections: Sequence[str],
 ) -> None:
     known = stored.of(signed.course)
     wanted = {one.id: _wanted(one, known, arguments.rules) for one in assignments}
@@ -130,6 +147,10 @@ def _set(
         if not arguments.dry_run:
             stored.set(name, rules, signed, arguments.reason, seen=Seen.one(tag(before)))
         _print_change(name, before, rules, known.zone, arguments)
+    empty = {one.section for rules in wanted.values() for one in rules.by_section} - set(sections)
+    if empty and any(rule.startswith("by_section=") for rule in arguments.rules):
+        listed = ", ".join(sorted(empty))
+        tell(arguments, zh=f"注意：班里没有人在 {listed}", en=f"note: nobody is in the section {listed}")
 
 
 def _wanted(assignment: Assignment, known: CourseRules, given: list[str]) -> Rules:
@@ -154,12 +175,20 @@ def _changed(before: Rules, given: list[str]) -> dict[str, Any]:
     for rule in given:
         name, equals, value = rule.partition("=")
         if name not in _KINDS or not equals:
-            known = ", ".join(_KINDS)
-            raise CourseError(
-                f"{rule}: write RULE=VALUE with one of {known}", f"{rule}：写成 规则=值，规则有 {known}"
-            )
+            raise _no_rule(rule, name)
         document[name] = _value(name, value)
     return document
+
+
+def _no_rule(rule: str, name: str) -> CourseError:
+    known, likely = ", ".join(_KINDS), difflib.get_close_matches(name, _KINDS, 1)
+    if likely and likely != [name]:
+        return CourseError(
+            f"no rule {name!r}; do you mean {likely[0]}?", f"没有规则 {name!r}；是不是 {likely[0]}？"
+        )
+    return CourseError(
+        f"{rule}: write RULE=VALUE with one of {known}", f"{rule}：写成 规则=值，规则有 {known}"
+    )
 
 
 def _value(name: str, text: str) -> Any:
@@ -173,9 +202,7 @@ def _value(name: str, text: str) -> Any:
     try:
         return json.loads(text)
     except ValueError:
-        example = (
-            """'late={"kind":"linear","per_day":0.1}'""" if isinstance(kind, fields.Nested) else f"{name}=3"
-        )
+        example = _EXAMPLES.get(name, f"{name}=3")
         raise CourseError(
             f"{name}={text}: not a number or JSON; write for example {example}",
             f"{name}={text}：不是数字或 JSON；例如 {example}",
@@ -189,15 +216,16 @@ def _read(document: dict[str, Any], zone: ZoneInfo) -> Rules:
         raise _refusal(error) from None
 
 
-def _extend(stored: StoredRules, signed: Signature, arguments: argparse.Namespace) -> None:
+def _extend(stored: StoredRules, signed: Signature, student: str, arguments: argparse.Namespace) -> None:
     known = stored.of(signed.course)
-    before = known.extension(arguments.assignment, arguments.student)
+    before = known.extension(arguments.assignment, student)
     extension = _extended(before, known.zone, arguments)
     if not arguments.dry_run:
-        who = (arguments.assignment, arguments.student)
-        stored.extend(*who, extension, signed, arguments.reason, seen=Seen.one(tag(before)))
-    _print_change(f"{arguments.assignment}, {arguments.student}", before, extension, known.zone, arguments)
-    _warn_of_no_effect(extension, known, arguments)
+        stored.extend(
+            arguments.assignment, student, extension, signed, arguments.reason, seen=Seen.one(tag(before))
+        )
+    _print_change(f"{arguments.assignment}, {student}", before, extension, known.zone, arguments)
+    _warn_of_no_effect(extension, known, student, arguments)
 
 
 def _extended(before: Extension, zone: ZoneInfo, arguments: argparse.Namespace) -> Extension:
@@ -216,8 +244,10 @@ def _extended(before: Extension, zone: ZoneInfo, arguments: argparse.Namespace) 
     return replace(before, **{name: getattr(read, name) for name in given})
 
 
-def _warn_of_no_effect(extension: Extension, known: CourseRules, arguments: argparse.Namespace) -> None:
-    rules = known.of(arguments.assignment, arguments.student)
+def _warn_of_no_effect(
+    extension: Extension, known: CourseRules, student: str, arguments: argparse.Namespace
+) -> None:
+    rules = known.of(arguments.assignment, student)
     if extension.due is None or rules.due_for(extension) == extension.due:
         return
     if rules.due is None:

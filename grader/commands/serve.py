@@ -18,7 +18,7 @@ import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from grader.commands.cli import EXIT_NOT_DONE
-from grader.commands.options import add_language_option
+from grader.commands.options import add_language_option, whole_number
 from grader.contracts.errors import SettingsError
 from grader.contracts.text import trouble
 
@@ -55,11 +55,11 @@ _FEWEST: Final = 16  # fewer connections would not serve a class
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments; each overrides the setting of the same name (GRADER_HOST, ...)."""
     parser.add_argument("--host", help="address to listen on / 监听地址 (127.0.0.1)")
-    parser.add_argument("--port", type=int, help="port; 0: a free one / 端口，0 表示任选 (8080)")
+    parser.add_argument("--port", type=whole_number, help="port; 0: a free one / 端口，0 表示任选 (8080)")
     parser.add_argument(
         "--data", type=Path, metavar="DIR", help="folder of the database (default: here) / 数据库所在文件夹"
     )
-    parser.add_argument("--slots", type=int, help="gradings at once (one per core) / 同时评几份")
+    parser.add_argument("--slots", type=whole_number, help="gradings at once (one per core) / 同时评几份")
     add_language_option(parser)
 
 

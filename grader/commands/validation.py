@@ -16,7 +16,7 @@ from grader.contracts.errors import AssignmentError
 from grader.contracts.grading import Grader
 from grader.contracts.notation import written
 from grader.contracts.text import EMPTY, Language, Text, trouble
-from grader.grading.examination import Examination, OwnScript, OwnScripts
+from grader.grading.examination import Examination, Finding, OwnScript, OwnScripts
 from grader.grading.examination import examine as examine_scripts
 from grader.grading.examination.reference import traced, wants_reference
 from grader.grading.examination.sensitivity import Sensitivity
@@ -38,6 +38,7 @@ _LESS_COSTS = Text(zh="小多少开始扣", en="too small: costs from")
 _LESS_LEAVES_NOTHING = Text(zh="小多少扣完", en="nothing left at")
 _MORE_COSTS = Text(zh="大多少开始扣", en="too large: costs from")
 _MORE_LEAVES_NOTHING = Text(zh="大多少扣完", en="nothing left at")
+_USUAL_TOTAL = 100
 _WHICH_COSTS = Text(zh="：答案的动作差多少就扣多少", en=": which error in the solution's motion costs what")
 
 
@@ -65,10 +66,25 @@ def validate(
             styled.Text(finding.problem.get(language), style="red"),
         )
     console().print(table)
+    for note in unusual_totals(findings):
+        console().print(styled.Text(note.get(language)))
     if details:
         for assignment_id, examination in examinations.items():
             _print_details(assignment_id, examination, language)
     return 1 if any(finding.problem != EMPTY for finding in findings) else 0
+
+
+def unusual_totals(findings: Iterable[Finding]) -> list[Text]:
+    """Return a sentence for each assignment whose items do not add up to 100 points: allowed, but often a slip."""
+    totals = {one.assignment: one.max_score for one in findings}
+    return [
+        Text(
+            zh=f"{assignment}：各评分项一共 {written(total)} 分，不是 100 分",
+            en=f"{assignment}: the items add up to {written(total)} points, not to 100",
+        )
+        for assignment, total in totals.items()
+        if total != _USUAL_TOTAL
+    ]
 
 
 def validate_seeds(catalog: Catalog, assignment_ids: Iterable[str], language: Language, seeds: int) -> int:

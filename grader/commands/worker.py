@@ -8,7 +8,7 @@ import sys
 import threading
 from pathlib import Path
 
-from grader.commands.options import add_language_option
+from grader.commands.options import add_language_option, whole_number
 from grader.contracts.errors import SettingsError
 
 _log = logging.getLogger(__name__)
@@ -20,7 +20,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--data", type=Path, metavar="DIR", help="folder of a database that is a file / 数据库文件所在文件夹"
     )
-    parser.add_argument("--slots", type=int, help="gradings at once (one per core) / 同时评几份")
+    parser.add_argument("--slots", type=whole_number, help="gradings at once (one per core) / 同时评几份")
     add_language_option(parser)
 
 

@@ -123,10 +123,12 @@ class Stripe(Record):
 
     Attributes:
         points_m: its corners, in order. width_m: how wide it is.
+        colour: red, green and blue, 0 to 1.
     """
 
     points_m: tuple[tuple[float, float], ...]
     width_m: float = 0.05
+    colour: tuple[float, float, float] = (0.05, 0.05, 0.05)
 
 
 class Room(Record):

@@ -8,8 +8,10 @@ from enum import StrEnum
 
 from grader.contracts.assignment import DEFAULT_DISTRO, Distro
 from grader.contracts.errors import CourseError
+from grader.contracts.text import Text
 
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@-]{0,63}")
+_LONG_ID = 5  # digits without leading zeros; equal numbers of fewer digits may be two people
 _LONGEST_NAME = 200
 LONGEST_SECTION = 64
 _LONGEST_EMAIL = 254
@@ -218,6 +220,22 @@ def sections_of(members: Iterable[Member]) -> list[str]:
 def is_person_id(text: str) -> bool:
     """Whether `text` can name a student or another member."""
     return _ID.fullmatch(text) is not None
+
+
+def folded_id(person: str) -> str:
+    """Return a form in which all spellings of an id are equal; 1 and 01 stay different (`_LONG_ID`)."""
+    number = person.lstrip("0")
+    return number if number.isdecimal() and len(number) >= _LONG_ID else person.casefold()
+
+
+def difference(one: str, other: str) -> Text:
+    """Return in what two spellings of an id differ, as the end of a sentence."""
+    if one.casefold() == other.casefold():
+        return Text(zh="只有大小写不同", en="upper and lower case")
+    return Text(
+        zh="只差开头的 0：把学号这一列设为“文本”，重新填写学号",
+        en="zeros at its beginning: format the column of ids as text and fill it in again",
+    )
 
 
 def checked_id(text: str, what: str) -> str:

@@ -30,12 +30,16 @@ _SENTENCES: Mapping[str, Text] = {
     "greater_than": Text(zh="要大于 {gt}。", en="Use more than {gt}."),
     "greater_than_equal": Text(zh="不能小于 {ge}。", en="Use {ge} or more."),
     "less_than_equal": Text(zh="不能大于 {le}。", en="Use {le} or less."),
-    "string_too_short": Text(zh="至少 {min_length} 个字。", en="Use at least {min_length} characters."),
+    "string_too_short": Text(
+        zh="至少 {min_length} 个字。", en="This is too short; the least is {min_length}."
+    ),
     "string_too_long": Text(zh="最多 {max_length} 个字。", en="Use at most {max_length} characters."),
     "too_long": Text(zh="最多 {max_length} 项。", en="Use at most {max_length} entries."),
     "string_pattern_mismatch": _UNREADABLE,
     "string_unicode": _UNREADABLE,
     "string_type": Text(zh="要填文字。", en="This is not text."),
+    "json_invalid": Text(zh="这不是 JSON。", en="This is not JSON."),
+    "uuid_parsing": Text(zh="这不是提交的编号。", en="This is no submission's id."),
     "finite_number": Text(zh="要填一个有限的数。", en="This is not a finite number."),
     "float_parsing": _NUMBER,
     "float_type": _NUMBER,

@@ -21,6 +21,8 @@ from grader.jail.process import ProcessHandle
 _RECEIVE_BYTES: Final = 65_536
 _BACKLOG_MAX_BYTES: Final = 8 * bounds.FRAME_MAX_BYTES
 _GLANCE_EVERY_NS: Final = 4 * TICK_NS
+_GATHER_S: Final = 0.001
+"""For so long the frames of a script that runs ahead may come together: to be woken for each costs both sides."""
 _CHECK_EVERY_NS: Final = TICK_NS // 5
 """While frames come one by one: to read all clocks costs as much as to receive a frame."""
 _TICK_TIMEVAL: Final = struct.pack("@ll", 0, TICK_NS // 1000)
@@ -178,6 +180,7 @@ class Jail:
         self._is_closed = False
         self._clocks = Clocks(process, limits)
         self._core = SharedCore(process.pid)
+        self._runs_ahead = False
         self._next_glance_ns = self._next_check_ns = 0
         channel.setsockopt(_socket.SOL_SOCKET, _socket.SO_RCVTIMEO, _TICK_TIMEVAL)
         channel.setsockopt(_socket.SOL_SOCKET, _socket.SO_SNDTIMEO, _TICK_TIMEVAL)
@@ -239,7 +242,8 @@ class Jail:
         return self._stdout.stream(), self._stderr.stream()
 
     def take_turns(self, in_turns: bool) -> None:
-        """Set whether both sides now wait for each other, or run side by side. This only affects speed."""
+        """Set whether both sides now wait for each other, or the script runs ahead. This only affects speed."""
+        self._runs_ahead = not in_turns
         if in_turns:
             self._core.share()
         else:
@@ -255,6 +259,8 @@ class Jail:
 
     def _take(self) -> None:
         """Receive once; while there is nothing to receive, capture output and check the limits."""
+        if self._runs_ahead:
+            time.sleep(_GATHER_S)
         try:
             data = self._channel.recv(_RECEIVE_BYTES)
         except (BlockingIOError, InterruptedError):

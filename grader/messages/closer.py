@@ -104,11 +104,24 @@ def signature(error: StudentError, written: str, script: ScriptText) -> Closer:
         fits = found[5] is None or int(found[5]) == len(given) + 1
         inner = ", ".join(["self", *given])
         return ("lacks_self", {**values, "written": f"def {name}({inner}):"}) if fits else None
-    for kind, wanted in _CALLBACKS.items():
-        right = ", ".join(given) == wanted[1]
+    for kind, (code, parameters) in _CALLBACKS.items():
+        wanted = parameters.replace("msg", _read_there(made.line, script))
+        right = ", ".join(given) == wanted
         if any(callback.name == name for callback in script.callbacks(kind)) and f"{name}(" not in written:
-            return None if right else (wanted[0], {**values, "written": f"def {name}({wanted[1]}):"})
+            return None if right else (code, {**values, "written": f"def {name}({wanted}):"})
     return None
+
+
+def _read_there(begins: int, script: ScriptText) -> str:
+    """Return what a subscription's callback calls the message that it reads, but does not receive."""
+    body = "\n".join(script.block(begins)[1:])
+    known = re.compile(r"(?:msg|data|pose|scan|image|odom|message|twist)$")
+    names = [
+        name
+        for name in re.findall(r"(?<![\w.])([a-z]\w*)(?=\.\w|$)", body, re.MULTILINE)
+        if known.match(name)
+    ]
+    return next((name for name in names if not re.search(rf"(?<![\w.]){name} ?=(?!=)", body)), "msg")
 
 
 def _plain_callback(name: str, begins: int, written: str, script: ScriptText) -> Closer:
@@ -376,6 +389,17 @@ def called_here(error: StudentError, written: str, script: ScriptText) -> Closer
     return None
 
 
+def called_in_its_place(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a callback that failed because it was called where it is to be handed over."""
+    name = script.function_around(error.line or 0)
+    lines = script.lines_with(rf"\b{name}\( ?\)") if name else []
+    return (
+        called_here(error, written, script)
+        if any(script.calls_its_callback(at, name) for at in lines)
+        else None
+    )
+
+
 def wanted_field(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Take Python's own suggestion of a field."""
     found = re.search(r"'(\w+)' object has no attribute '(\w+)'\. Did you mean: '(\w+)'\?", error.traceback)
@@ -547,7 +571,7 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "text_for_number": (text_plus_number,),
     "time_and_number": (time_to_sleep,),
     "unknown_field": (message_replaced,),
-    "unknown_attribute": (copied,),
+    "unknown_attribute": (called_in_its_place, too_early, copied),
     "unknown_name": (parameter_called, copied),
     "unknown_part": (handler_order, wanted_field),
     "wrong_parameters": (main_needs_args, signature),

@@ -45,7 +45,7 @@ _SIGNS: Final = (
     (_LINE + r"(%\w|!\w|(In|Out) ?\[\d*\] ?:)", "pasted_mark"),
     (
         _LINE + r"(//|/\*|\}|(int|void)[ \t]+main[ \t]*\(|(for|while|if)[ \t]*\([^)\n]*;|"
-        r"[^\"'#\n]*(\w(::|->)\w|=[ \t]*new[ \t]+\w|\)[ \t]*\{[ \t]*\n))",
+        r"switch[ \t]*\(?\w[^=\n]*:|[^\"'#\n]*(\w(::|->)\w|=[ \t]*new[ \t]+\w|\)[ \t]*\{[ \t]*\n))",
         "c_syntax",
     ),
     (r"SyntaxError: invalid decimal literal" + r".*\n.*\n.*\d\.\d*f\b", "c_syntax"),
@@ -59,10 +59,14 @@ _SIGNS: Final = (
         r"(int|float|double|bool|string|String|var|let|const|auto)[ \t]+[A-Za-z_][\w.]*[ \t]*([=;,)]|\n)",
         "typed_name",
     ),
-    (_LINE + r"(class|def)[ \t]+\w+[ \t]+\w+[ \t]*[(:]", "blank_in_name"),
+    (_LINE + r"(class|def)[ \t]+\w+([ \t]+|-)\w+[ \t]*[(:]", "blank_in_name"),
     (_LINE + r"(?P<word>class|def)(?P<rest>\w+)[ \t]*\(.*:[ \t]*(#.*)?\n", "blank_after_word"),
     (r"SyntaxError: expression cannot contain assignment.*\n.*\n.*\w\.\w+[ \t]*=", "dotted_keyword"),
     (_LINE + r"(from|import)[ \t]+[\w.]*-", "hyphen_in_module"),
+    (
+        r"SyntaxError: invalid syntax\. Perhaps you forgot a comma\?.*\n.*\n[^\"'#\n]*\)[ \t]*[A-Z]\w*[ \t]*\(",
+        "missing_comma",
+    ),
     (
         _LINE + r"(self[ \t]+(?!(and|if|in|is|not|or)\b)[A-Za-z_]|[^\"'#\n]*\)[ \t]*[A-Za-z_]\w*[ \t]*\()",
         "missing_dot",
@@ -89,6 +93,11 @@ _SIGNS: Final = (
     (r"SyntaxError: '\w+' outside function", "outside_function"),
     (r"SyntaxError: invalid character '(?P<sign>[\u00b0\u00d7\u00f7\u2260\u2264\u2265])'", "sign_of_maths"),
     (r"SyntaxError: invalid (non-printable )?character", "foreign_character"),
+    (
+        r"SyntaxError: invalid syntax.*\n.*\n[^\"'#\n]*(\?\?|<[^<>\n]*[\u4e00-\u9fff][^<>\n]*>|"
+        r"=[ \t]*(\n|#))",
+        "unfinished_line",
+    ),
     (r"SyntaxError: (unknown encoding|'\S+' (codec can't decode|is not a text encoding))", "wrong_coding"),
     (
         r"SyntaxError: invalid syntax.*\n.*\n +[^\"'#=(\n]*[\u4e00-\u9fff][^\"'#=(\n]*\n",
@@ -103,6 +112,11 @@ _SIGNS: Final = (
         "wrong_message",
     ),
     (r"TypeError: object\.__init__\(\) takes exactly one argument", "no_base_class"),
+    (r"TypeError: module\(\) takes at most 2 arguments", "no_base_class"),
+    (
+        r"TypeError: (Node|Publisher|Clock|Rate|Timer)\.\w+\(\) takes 1 positional argument",
+        "takes_nothing",
+    ),
     (
         r"ValueError: invalid literal for int\(\) with base 10: (?P<given>'\s*[-+]?(\d+\.\d*|\.\d+)\s*')",
         "int_of_decimal",
@@ -159,6 +173,12 @@ _SIGNS: Final = (
         "timer_order",
     ),
     (r"TypeError: (Node\.)?create_timer\(\) (missing|got an unexpected keyword)", "timer_arguments"),
+    (r"AttributeError: .*has no attribute 'add_entity'" + _AT + r".*create_timer\(", "timer_arguments"),
+    (
+        r"(TypeError: 'Publisher' object is not callable|AttributeError: 'Publisher' object has no attribute "
+        r"'(?!(?:.*\n)*.*Did you mean: 'publish'))",
+        "publish_left_out",
+    ),
     (r"TypeError: (descriptor '__init__' .*'super'|super\(\) argument 1 must be)", "super_brackets"),
     (r"ParameterAlreadyDeclaredException: ", "declared_twice"),
     (r"ParameterNotDeclaredException: .*'(?P<name>[\w.]+)'\)", "parameter_not_declared"),
@@ -194,6 +214,15 @@ _SIGNS: Final = (
         "text_for_number",
     ),
     (r"TypeError: '(float|str)' object cannot be interpreted as an integer", "whole_number"),
+    (
+        r"TypeError: (list|tuple|string) indices must be integers( or slices)?, not (float|.float)",
+        "whole_number",
+    ),
+    (
+        r"TypeError: (\w+\.)?sleep\(\) takes .*" + _AT + r".*\bsleep\([ \t]*\d+[ \t]*,[ \t]*\d+[ \t]*\)",
+        "comma_in_float",
+    ),
+    (r"TypeError: (?P<name>\w+)\(\) takes no arguments", "no_init"),
     (r"RecursionError: ", "recursion"),
     (r"TypeError: rclpy_resolve_name\(\)", "wrong_order"),
     (r"TypeError: isinstance\(\) arg 2 must be a type.*" + _AT + r".*\.publish\(", "wrong_order"),
@@ -293,7 +322,7 @@ _SIGNS: Final = (
     ),
     (r"TypeError: ([\w.]+\.)?(<locals>\.)?<lambda>\(\) (takes|missing) ", "lambda_parameters"),
     (r"TypeError: 'module' object is not callable", "module_called"),
-    (r"TypeError: '(?!type)\w+' object is not callable", "not_callable"),
+    (r"TypeError: '(?!type)[\w.]+' object is not callable", "not_callable"),
     (r"TypeError: 'NoneType' object does not support the context manager protocol", "with_init"),
     (
         r"(AttributeError: (?=')(?!.*'handle')|TypeError: (?!.*(keyword|positional) argument))"
@@ -311,6 +340,11 @@ _SIGNS: Final = (
         r"AttributeError: property '(?P<name>clients|context|default_callback_group|guards|handle|publishers|"
         r"services|subscriptions|timers|waitables)' of '\w+' object has no setter",
         "name_taken",
+    ),
+    (
+        r"(NameError: name|AttributeError: .* has no attribute|ImportError: cannot import name) "
+        r"'(_{2,}|TODO|FIXME|X{3,}|x{3,})'",
+        "unfinished_line",
     ),
     (r"AttributeError: 'super' object has no attribute '_*init_*'", "underscores"),
     (r"AttributeError: ", "unknown_attribute"),
@@ -409,13 +443,24 @@ def _statement(error: StudentError, script: ScriptText) -> Closer:
     if (above := _without_comma(error, script)) is not None:
         return "missing_comma", {"line": above}
     found = re.match(r"([A-Za-z]+)(?=[ \t]+[A-Za-z_(\"']|[ \t]*:)", script_line(error))
-    if found is None or found[1] in _STATEMENTS:
+    if found is None or (found[1] in _STATEMENTS and found[1] != "from"):
         return None
     name = found[1]
+    behind = re.match(r"from[ \t]+[\w.]+[ \t]+(?!import\b)(\w+)[ \t]+[\w*]", script_line(error))
+    if behind is not None:
+        return "misspelt_keyword", {"name": behind[1], "suggestion": "import"}
+    if name == "from":
+        return None
+    if re.match(r"(function|func|fn|sub|void)[ \t]+\w+[ \t]*\(.*:", script_line(error)):
+        return "misspelt_keyword", {"name": name, "suggestion": "def"}
     same = [known for known in _STATEMENTS if sorted(known) == sorted(name.lower())]
     alike = [known for known in _STATEMENTS if known[0] == name[0].lower()]
     near = same or difflib.get_close_matches(name.lower(), alike, 1, NEAR)
-    return ("misspelt_keyword", {"name": name, "suggestion": near[0]}) if near else None
+    if near:
+        return "misspelt_keyword", {"name": name, "suggestion": near[0]}
+    return (
+        ("prose", {}) if re.fullmatch(r"[A-Z][a-z']+(,? [A-Za-z']+){2,}[.:!]", script_line(error)) else None
+    )
 
 
 def _without_comma(error: StudentError, script: ScriptText) -> int | None:
@@ -430,10 +475,14 @@ def _without_comma(error: StudentError, script: ScriptText) -> int | None:
 
 def _pasted(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at a foreign character: prose around code that was copied from a web page has many."""
-    fences = script.lines_with(r"^[ \t]*```")
+    fences, line = script.lines_with(r"^[ \t]*```"), script_line(error)
     if fences:
         return "pasted_mark", {"line": fences[0]}
-    return ("prose", {}) if _PROSE.fullmatch(script_line(error)) else None
+    return (
+        ("prose", {})
+        if _PROSE.fullmatch(line) or re.fullmatch(r"[\u4e00-\u9fff]{2,}[：。！]", line)
+        else None
+    )
 
 
 def _float(error: StudentError, script: ScriptText) -> Closer:
@@ -442,6 +491,10 @@ def _float(error: StudentError, script: ScriptText) -> Closer:
     field = re.match(r"The '(\w+)'", error.message)
     if field is not None and given[:1] in ("'", '"'):
         return "text_in_float", {"field": field[1]}
+    if field is not None and re.fullmatch(r"\[[^\[\]]*\]", given):
+        return "list_in_float", {"field": field[1]}
+    if given == "...":
+        return "unfinished_line", {}
     return ("comma_in_float", {}) if re.match(r"-?\d+[ \t]*,[ \t]*\d+$", given) else None
 
 
@@ -452,6 +505,45 @@ def _later(error: StudentError, script: ScriptText) -> Closer:
     if name and script.lines_with(rf"^[ \t]*import[ \t]+{name}$"):
         return "hidden_module", {"name": name}
     return ("name_hides_class", {"name": name}) if name in IMPORTS and name[:1].isupper() else None
+
+
+def _indented(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at a block that Python misses: where what follows it is right, nothing was written in it."""
+    found = re.match(r"expected an indented block after (.*) on line (\d{1,6})$", error.message)
+    begins, line = int(found[2]) if found else 0, error.line or 0
+    if found is None or not 0 < begins <= line <= len(script.lines):
+        return None
+    head, behind = (script.lines[at - 1] for at in (begins, line))
+    if found[1] == "class definition" and re.match(r"[ \t]*def \w+ ?\( ?self\b", behind):
+        return None  # its own method, which is not indented
+    ends = begins == line or re.match(r"[ \t]*(def|class|elif|else|except|finally|@|if __name__)", behind)
+    outside = len(behind) - len(behind.lstrip()) < len(head) - len(head.lstrip())
+    return ("empty_block", {"line": begins}) if ends or outside else None
+
+
+def _sent(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at what a publisher has not: a method that would send a message, or something else."""
+    found, written = re.search(r"attribute '(\w+)'", error.message), script_line(error)
+    message = script.twist_name_at(error.line or 0)
+    if found is not None and found[1] in ("linear", "angular") and message is not None:
+        return "misspelt", {"suggestion": f"{message}.{found[1]}"}
+    if found is not None and re.search(rf"\.{found[1]}\b(?!\([ \t]*[a-zA-Z_])", written):
+        return unknown_attribute(error, script) or ("unknown_attribute", {})
+    return "publish_left_out", {"publisher": script.publisher or "self.pub"}
+
+
+def _nothing(error: StudentError, script: ScriptText) -> Closer:
+    """Say how to call what takes no arguments; the logger was perhaps to log them."""
+    name = error.message.partition("()")[0].rpartition(".")[2]
+    logs = name == "get_logger" and not re.search(r"\)[ \t]*\.\w", script_line(error))
+    return "takes_nothing", {"name": name, "call": "get_logger().info('...')" if logs else f"{name}()"}
+
+
+def _no_init(error: StudentError, script: ScriptText) -> Closer:
+    """Find the class that was given arguments and has no ``__init__`` of its own to take them."""
+    name = error.message.partition("()")[0]
+    begins = script.class_line(name)
+    return ("crashed", {}) if begins is None else ("no_init", {"name": name, "begins": begins})
 
 
 def _comma(error: StudentError, script: ScriptText) -> Closer:
@@ -555,8 +647,11 @@ def _parameters(error: StudentError, script: ScriptText) -> Closer:
     if is_of_node(error.message.rpartition("()")[0].rpartition(".")[0], name, script):
         return "name_taken", {"name": name}
     owner = re.match(r"(\w+)\.__init__\(\)", error.message)
-    if made is not None and made.takes_self and owner is not None and f"{owner[1]}(" in script_line(error):
-        return "init_mismatch", {"name": owner[1], "begins": made.line}
+    if owner is not None and f"{owner[1]}(" in script_line(error):
+        inits = script.lines_with(r"^[ \t]+def __init__ ?\( ?self\b")
+        begun = [line for line in inits if script.owner_of(line) == script.class_line(owner[1])]
+        if len(begun) == 1:
+            return "init_mismatch", {"name": owner[1], "begins": begun[0]}
     is_method = re.match(r"\w+\.", error.message) is not None
     if made is None or (is_method and not made.takes_self) or f"{name}(" not in script_line(error):
         return None if is_method else ("crashed", {})
@@ -656,6 +751,10 @@ _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
     "wrong_type_in_field": _field_type,
     "comma_at_end": _comma,
     "function_not_called": _function,
+    "indentation": _indented,
+    "no_init": _no_init,
+    "publish_left_out": _sent,
+    "takes_nothing": _nothing,
     "int_in_float": _float,
     "no_input": _asked_again,
     "comma_of_args": _args,

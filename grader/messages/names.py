@@ -105,6 +105,7 @@ _OTHER_LANGUAGES: Final = {
     "nullptr": "None",
     "nil": "None",
     "none": "None",
+    "π": "math.pi",
 }
 """Names of Python 2, C++ and other languages, each with what Python 3 has instead."""
 _OF_ROS_1: Final = {
@@ -255,8 +256,18 @@ def unknown_name(error: StudentError, script: ScriptText) -> Closer:
     ) is not None:
         return closer
     if script.node_class and name not in ("rospy", *_OTHER_LANGUAGES) and _is_node(name, written):
-        return "node_not_made", {"name": name, "owner": script.node_class}
+        return _node_meant(name, line, script)
     return _nearest_own(name, line, script, _name(error, script))
+
+
+def _node_meant(name: str, line: int, script: ScriptText) -> Closer:
+    """Say what the function around a line calls its node, or else that it makes none."""
+    made = script.matches(rf"^[ \t]*(\w+) ?= ?{script.node_class}\(")
+    around = script.function_around(line)
+    nodes = [found[1] for at, found in made if at < line and script.function_around(at) == around]
+    if nodes:
+        return "misspelt", {"suggestion": nodes[-1]}
+    return "node_not_made", {"name": name, "owner": script.node_class}
 
 
 def _of_node(name: str, call: str, line: int, script: ScriptText) -> Closer:
@@ -288,6 +299,8 @@ def _nearest_own(name: str, line: int, script: ScriptText, otherwise: Closer) ->
     if not script.is_short or len(name) > LONGEST_NAME:
         return otherwise
     text = "".join(script.lines[line - 1 : line])
+    if name == "publish" and script.publisher and not re.search(r"\bpublish\(([^()]*,| ?-?\d)", text):
+        return "publish_left_out", {"publisher": script.publisher}
     if script.publisher and re.search(rf"(?<![\w.]){name}\.publish\(", text):
         return "misspelt", {"suggestion": script.publisher}
     if (message := script.twist_name_at(line)) is not None:
@@ -333,12 +346,21 @@ def unknown_attribute(error: StudentError, script: ScriptText) -> Closer:
     if closer is not None:
         return closer
     suggestion = suggested(error)
-    if suggestion is not None and suggestion not in _NODE_LISTS:
+    own_name = found is not None and _has_no_value_yet(found[2], suggestion, script)
+    if suggestion is not None and suggestion not in _NODE_LISTS and not own_name:
         return "misspelt", {"suggestion": suggestion}
     if found is not None and (closer := _message_fields(found[1], found[2], script)) is not None:
         return closer
     own = found is not None and script.class_line(found[1]) is not None
     return None if own or not script.has_code else ("unknown_in_library", {})
+
+
+def _has_no_value_yet(name: str, suggestion: str | None, script: ScriptText) -> bool:
+    """Whether an attribute is the script's own: it is given a value, or added to and similar to a method only."""
+    if script.lines_with(rf"\bself\.{re.escape(name)} ?(:[^=]*)?=(?!=)"):
+        return True
+    counted = script.lines_with(rf"\bself\.{re.escape(name)} ?([-+*/]|//)=")
+    return bool(counted) and suggestion is not None and script.definition(suggestion) is not None
 
 
 def _of_module(error: StudentError, script: ScriptText) -> Closer:
@@ -373,6 +395,8 @@ def _of_object(owner: str, name: str, error: StudentError, script: ScriptText) -
     if is_node and name in _NODE_OF_ROS_1:
         node = script.node_name_at(error.line or 0)
         return "ros_1_habit", {"name": f"{node}.{name}", "instead": f"{node}.{_NODE_OF_ROS_1[name]}"}
+    if owner == "Timer" and name in ("stop", "destroy", "close"):
+        return "misspelt", {"suggestion": "cancel"}
     if owner in ("Duration", "Time") and name in _DURATION_OF_ROS_1:
         return "ros_1_habit", {"name": f".{name}", "instead": _DURATION_OF_ROS_1[name]}
     closer = _own_attribute(owner, name, script)

@@ -30,6 +30,7 @@ _EQUALS: Final = re.compile(r"(?<![=!<>])=(?!=)")
 _TAB: Final = 8
 _CLEANS_UP: Final = re.compile(
     r"(\w+\.)*(destroy_\w+|shutdown|try_shutdown|info|print|exit|join)\(|(except|finally|else|pass|return|raise)\b"
+    r"|if (\w+\.)?ok\( ?\) ?:"
 )
 """Statements that stand behind `rclpy.spin()` in right scripts, too, and do no work."""
 
@@ -136,6 +137,12 @@ class ScriptText:
             known = made[1] in found
             found[made[1]] = None if known else Definition(number, _indent(made.string), made[2] is not None)
         return found
+
+    def asks_for_more(self, number: int) -> bool:
+        """Whether the ``def`` on a line has parameters that must be given, besides ``self``."""
+        inside = self.lines[number - 1].partition("(")[2].rpartition(")")[0] if number else ""
+        parts = [part.strip() for part in inside.split(",") if part.strip()]
+        return any(not re.match(r"(self$|\*)", part) and "=" not in part for part in parts)
 
     def is_decorated(self, number: int) -> bool:
         """Whether a decorator stands above the given line, such as ``@staticmethod``."""

@@ -189,8 +189,9 @@ class Episode:
     ) -> EpisodeResult:
         """Drive the episode until the script has ended and the car has come to rest, or the horizon.
 
-        `meanwhile` is called once, while the script is compiled, `on_note` with the code of each NOTE. When script
-        and world begin or cease to wait for each other, `take_turns` is called with whether they do.
+        `meanwhile` is called once, while the script is compiled, `on_note` with the code of each NOTE. At the
+        beginning, and when script and world begin or cease to wait for each other, `take_turns` is called with
+        whether they do.
 
         Raises:
             InfrastructureError: the simulator failed. Nothing that the jailed process does raises.
@@ -202,6 +203,7 @@ class Episode:
             link.send(encode_start(self._start_fields(), self._spec.source))
             self._world.appear()
             meanwhile()
+            take_turns(False)
             while self._exit is None and (body := link.receive()) is not None:
                 self._take(decode(body), link)
                 self._has_started = True

@@ -21,7 +21,6 @@ CAMERA_Z_M: Final = 0.103
 ACROSS_RAD: Final = 2.0
 _NEAR_M, _FAR_M = 0.03, 20.0
 _STRIPE_M: Final = 0.002  # how high a line's picture lies over the floor's
-_STRIPE: Final = (0.05, 0.05, 0.05, 1.0)
 _FLOOR: Final = (0.78, 0.77, 0.74, 1.0)
 _COLOURS: Final = {
     "edge": (0.55, 0.65, 0.85, 1.0),
@@ -45,7 +44,7 @@ class RoomCamera(Client):
                 long = math.hypot(x1 - x0, y1 - y0) + stripe.width_m
                 size = (long / 2.0, stripe.width_m / 2.0, _STRIPE_M)
                 middle, turn = ((x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0), math.atan2(y1 - y0, x1 - x0)
-                self._show(_bullet.GEOM_BOX, middle, turn, _STRIPE, halfExtents=size)
+                self._show(_bullet.GEOM_BOX, middle, turn, (*stripe.colour, 1.0), halfExtents=size)
         for solid in room.solids:
             self._stand(solid)
         up_deg = math.degrees(2.0 * math.atan(math.tan(ACROSS_RAD / 2.0) * HEIGHT / WIDTH))

@@ -17,10 +17,11 @@ from grader.contracts.identity import (
     RosterEntry,
     checked_id,
     checked_name,
+    difference,
+    folded_id,
     unknown_course,
     unknown_members,
 )
-from grader.contracts.text import Text
 from grader.store.audit import Signature, record
 from grader.store.clock import TimedPart
 from grader.store.database import one_at_a_time
@@ -32,8 +33,6 @@ from grader.store.tables import (
     SubmissionRow,
     as_contract,
 )
-
-_LONG_ID = 5  # digits without leading zeros; equal numbers of fewer digits may be two people
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -317,33 +316,18 @@ def _put_into(known: Member | None, course: str, entry: RosterEntry) -> Member:
 
 def _check_alike(entries: Sequence[RosterEntry], known: Mapping[str, Member]) -> None:
     """Refuse new ids that differ from a member's only in case, or in the leading zeros that spreadsheets drop."""
-    folded = {_folded(one): one for one in known}
+    folded = {folded_id(one): one for one in known}
     clashes = [
-        (one.id, folded[_folded(one.id)])
+        (one.id, folded[folded_id(one.id)])
         for one in entries
-        if one.id not in known and _folded(one.id) in folded
+        if one.id not in known and folded_id(one.id) in folded
     ]
     if clashes:
         en = "\n".join(
-            f"{new} differs from the member {old} only in {_differ(new, old).en}" for new, old in clashes
+            f"{new} differs from the member {old} only in {difference(new, old).en}" for new, old in clashes
         )
-        zh = "\n".join(f"{new} 和已有的成员 {old} {_differ(new, old).zh}" for new, old in clashes)
+        zh = "\n".join(f"{new} 和已有的成员 {old} {difference(new, old).zh}" for new, old in clashes)
         raise CourseError(f"nobody was added or changed:\n{en}", f"没有添加或修改任何人：\n{zh}", "id")
-
-
-def _folded(person: str) -> str:
-    """Return a form in which all spellings of an id are equal; 1 and 01 stay different (`_LONG_ID`)."""
-    number = person.lstrip("0")
-    return number if number.isdecimal() and len(number) >= _LONG_ID else person.casefold()
-
-
-def _differ(one: str, other: str) -> Text:
-    if one.casefold() == other.casefold():
-        return Text(zh="只有大小写不同", en="upper and lower case")
-    return Text(
-        zh="只差开头的 0：把学号这一列设为“文本”，重新填写学号",
-        en="zeros at its beginning: format the column of ids as text and fill it in again",
-    )
 
 
 def _check_instructor(before: Mapping[str, Member], after: Mapping[str, Member]) -> None:

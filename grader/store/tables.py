@@ -330,7 +330,10 @@ class GradingRow(_Row, table=True):
     report_sha256: str = Field(max_length=SHA256_LENGTH)
     report: bytes = Field(sa_column=Column(CompressedBytes(), nullable=False))
     measurements: str = Field(sa_column=text_column())
-    assignment_sha256: str = Field(foreign_key="graded_assignment.sha256", max_length=SHA256_LENGTH)
+    # nullable, as in databases that exist; every grading has one
+    assignment_sha256: str = Field(
+        nullable=True, foreign_key="graded_assignment.sha256", max_length=SHA256_LENGTH
+    )
     regrade: str | None = Field(default=None, foreign_key="regrade.id", max_length=16)
     replaced: int | None = None
 

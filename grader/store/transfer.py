@@ -112,8 +112,9 @@ def _make_room(target: Database, goal: Session, replace: bool) -> None:
             goal.execute(delete(table))
         elif goal.execute(select(table).limit(1)).first() is not None:
             raise SettingsError(
-                f"{target.name} is not empty: there are rows in its table {table.name}",
-                f"{target.name} 不是空的：表 {table.name} 里有数据",
+                f"{target.name} is not empty: there are rows in its table {table.name}; "
+                "only `grader db restore --replace` deletes them",
+                f"{target.name} 不是空的：表 {table.name} 里有数据；只有 grader db restore --replace 会删除它们",
             )
 
 

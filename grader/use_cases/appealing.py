@@ -17,6 +17,7 @@ from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import Text
 from grader.store.appeals import AppealsWanted, Asked
 from grader.use_cases import judging
+from grader.use_cases.assignments import require_published
 from grader.use_cases.callers import require_staff
 from grader.use_cases.commenting import checked_text
 from grader.use_cases.services import Services
@@ -164,12 +165,19 @@ def pending(services: Services, caller: Caller) -> Pending | None:
 def queue(
     services: Services, caller: Caller, wanted: AppealsWanted, *, offset: int, limit: int
 ) -> AppealPage:
-    """Return at most `limit` appeals of the caller's class. For staff."""
+    """Return at most `limit` appeals of the caller's class. For staff.
+
+    Raises:
+        RefusedError: the caller may not see the class; or nothing fits, and there is no such assignment.
+    """
     require_staff(caller)
     wanted = replace(wanted, students=caller.students)
+    total = services.appeals.count(caller.course, wanted)
+    if wanted.assignment is not None and not total:
+        require_published(services, caller, wanted.assignment, "unknown_assignment", field="assignment")
     return AppealPage(
         appeals=services.appeals.listed(caller.course, wanted, offset, limit),
-        total=services.appeals.count(caller.course, wanted),
+        total=total,
         waiting=waiting(services, caller),
     )
 

@@ -165,7 +165,7 @@ class LateRuleBody(Described):
 
 @_of(SectionRule)
 class SectionRuleBody(Described):
-    """What holds for the students of one section."""
+    """What holds for the students of one section; what it leaves out is as in the rules around it."""
 
 
 @_of(Rules)
@@ -184,6 +184,9 @@ def rules_from(body: RulesBody, zone: ZoneInfo) -> Rules:
     Raises:
         RefusedError: they contradict each other.
     """
+    for section in vars(body)["by_section"]:  # else who only moves a date would make lateness free
+        for name in {"late", "accept_late_s"} - section.model_fields_set:
+            setattr(section, name, getattr(body, name))
     try:
         rules: Rules = body.meant(zone)
     except RuleError as error:

@@ -7,7 +7,10 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import StudentProgress
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Member, Role
+from grader.contracts.report import GradeStatus
+from grader.contracts.submission import SubmissionState
 from grader.contracts.text import Text
+from grader.messages import template
 from grader.store.dashboard import CountedCell
 from grader.use_cases.assignments import published
 from grader.use_cases.callers import require_staff
@@ -46,7 +49,8 @@ def concerned(
     """Return the students to whom a concern applies: first those who still fail, then those who tried most.
 
     Raises:
-        RefusedError: the caller may not see the class, or there is no such assignment, or no such item of it.
+        RefusedError: the caller may not see the class; or there is no such assignment, item of it, mistake or
+            status.
     """
     require_staff(caller)
     cells = services.dashboard.cells(caller.course)
@@ -56,6 +60,7 @@ def concerned(
         raise RefusedError("assignment_not_found")
     if concern.item is not None:
         _check_item(concern.item, assignment, own.values())
+    _check_codes(concern, own.values())
     roster = {one.id: one for one in members(services, caller, Role.STUDENT)}
     fits = _fits(concern)
     found = [
@@ -72,6 +77,18 @@ def _check_item(item: str, assignment: Assignment | None, cells: Iterable[Counte
     if item not in failed and item.rpartition("/")[2] not in known:
         detail = Text(zh="没有这个评分项。", en="There is no such item.")
         raise RefusedError("invalid_request", detail, field="item", allowed=known)
+
+
+def _check_codes(concern: Concern, cells: Iterable[CountedCell]) -> None:
+    statuses = [one.value for one in (*SubmissionState, *GradeStatus)]
+    made = {one for cell in cells for one in cell.mistakes}  # also what an earlier version recognised
+    mistake = concern.mistake
+    if mistake is not None and mistake not in made and template("en", f"mistake.{mistake}") is None:
+        detail = Text(zh="没有这种错误。", en="There is no such mistake.")
+        raise RefusedError("invalid_request", detail, field="mistake")
+    if concern.status is not None and concern.status not in statuses:
+        detail = Text(zh="没有这种状态。", en="There is no such status.")
+        raise RefusedError("invalid_request", detail, field="status", allowed=sorted(set(statuses)))
 
 
 def _fits(concern: Concern) -> Callable[[CountedCell], bool]:

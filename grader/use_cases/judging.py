@@ -14,6 +14,7 @@ from grader.contracts.rules import Corrector
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import Text
 from grader.store.judgements import Given, Neighbours, Waiting, WaitingFor, tag
+from grader.use_cases.assignments import require_published
 from grader.use_cases.callers import require_staff
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import graded, visible_submission
@@ -47,11 +48,18 @@ class WaitingPage:
 
 
 def waiting(services: Services, caller: Caller, which: WaitingFor, *, offset: int, limit: int) -> WaitingPage:
-    """Return at most `limit` of what waits in the caller's course. For staff."""
+    """Return at most `limit` of what waits in the caller's course. For staff.
+
+    Raises:
+        RefusedError: the caller may not see the class; or nothing waits, and there is no such assignment.
+    """
     require_staff(caller)
     which = replace(which, students=caller.students)
+    questions = services.judgements.questions(caller.course, which)
+    if which.assignment is not None and not questions:
+        require_published(services, caller, which.assignment, "unknown_assignment", field="assignment")
     return WaitingPage(
-        questions=services.judgements.questions(caller.course, which),
+        questions=questions,
         answers=services.judgements.waiting(caller.course, which, offset, limit),
     )
 

@@ -11,8 +11,10 @@ from grader.contracts.identity import Caller, Role
 from grader.contracts.regrade import PastGrading, Regrade, ToldChange, Wanted
 from grader.contracts.rules import is_hidden
 from grader.contracts.submission import StoredReport, Submission
+from grader.contracts.text import Text
 from grader.use_cases.assignments import require_published
 from grader.use_cases.callers import require_instructor, require_staff
+from grader.use_cases.people import names
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import found, visible_submission
 
@@ -32,11 +34,16 @@ def open_regrade(services: Services, caller: Caller, wanted: Wanted) -> Regrade:
     """Start a re-grade and tell workers that there is work.
 
     Raises:
-        RefusedError: the caller is no instructor, the assignment is not published, nothing is to be graded, or a
-            re-grade of it is open.
+        RefusedError: the caller is no instructor, the assignment is not published, a student is unknown, nothing
+            is to be graded, or a re-grade of it is open.
     """
     require_instructor(caller)
     require_published(services, caller, wanted.assignment, field="assignment")
+    known = names(services, caller)
+    if unknown := [one for one in wanted.students if known and one not in known]:
+        listed = ", ".join(unknown[:10])
+        detail = Text(zh=f"没有这些学号：{listed}", en=f"No student has these ids: {listed}")
+        raise RefusedError("unknown_student", detail, field="students")
     try:
         opened = services.regrades.open(wanted, services.signature(caller))
     except RegradeError as error:

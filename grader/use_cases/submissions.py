@@ -10,6 +10,7 @@ from grader.contracts.identity import Caller
 from grader.contracts.submission import StoredReport, Submission, SubmissionFilter, SubmissionState
 from grader.store.intake import as_attempts
 from grader.store.rules import CourseRules
+from grader.use_cases.assignments import require_published
 from grader.use_cases.callers import require_staff
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import found, shown_list, visible_submission
@@ -80,7 +81,8 @@ def listed(
     is on the clock of the course.
 
     Raises:
-        RefusedError: nobody knows who the caller is.
+        RefusedError: nobody knows who the caller is; or nothing fits, and `wanted` names an assignment that is
+            not there, or somebody who is not in the class.
     """
     if not caller.is_staff:
         if caller.course is None or caller.person is None:
@@ -90,8 +92,20 @@ def listed(
         zone = services.rules.of(caller.course).zone
         wanted = replace(wanted, since=wanted.since.replace(tzinfo=zone))
     found = services.submissions.of_class(caller.course, wanted, limit + 1, caller.students)
+    if not found:
+        _require_known(services, caller, wanted)
     page = found[:limit]
     return shown_list(services, caller, page), page[-1].id if len(found) > limit else None
+
+
+def _require_known(services: Services, caller: Caller, wanted: SubmissionFilter) -> None:
+    """Refuse a misspelt name, which would seem to say that nobody handed in."""
+    if wanted.assignment is not None:
+        require_published(services, caller, wanted.assignment, "unknown_assignment", field="assignment")
+    if wanted.student is not None and caller.course is not None:
+        member = services.courses.member(caller.course, wanted.student)
+        if member is None or not caller.looks_after(wanted.student):
+            raise RefusedError("unknown_student", field="student")
 
 
 def read(services: Services, caller: Caller, submission_id: str) -> ShownSubmission:

@@ -378,7 +378,7 @@ CREATE TABLE grading (
     report_sha256 VARCHAR(64) NOT NULL,
     report BLOB NOT NULL,
     measurements TEXT NOT NULL,
-    assignment_sha256 VARCHAR(64) NOT NULL,
+    assignment_sha256 VARCHAR(64),
     regrade VARCHAR(16),
     replaced INTEGER,
     PRIMARY KEY (submission_id, attempt),

@@ -14,6 +14,7 @@ BASES = {
     "square": ROOT / "lesson" / "square_mover.py",
     "square_input": ROOT / "assignments" / "square_input" / "solution.py",
     "spin": ROOT / "assignments" / "spin" / "solution.py",
+    "letter_l": ROOT / "assignments" / "letter_l" / "solution.py",
 }
 
 Edit = tuple[str, str]
@@ -77,6 +78,73 @@ _BRAIN = (
     "    def on_speed(self, speed):\n        msg = Twist()\n        msg.linear.x = speed.data\n        self.pub.publish(msg)\n"
     "rclpy.init()\nbrain, body = Brain(), Body()\nex = rclpy.executors.MultiThreadedExecutor()\n"
     "ex.add_node(brain)\nex.add_node(body)\nex.spin()\n"
+)
+
+_HELPED = (
+    "import rclpy, time\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\n"
+    "class Wheels:\n    def __init__(self, node):\n        self.pub = node.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n"
+    "    def send(self, v):\n        msg = Twist()\n        msg.linear.x = v\n        self.pub.publish(msg)\n"
+    "class Mover(Node):\n    def __init__(self):\n        super().__init__('mover')\n        self.wheels = Wheels(self)\n"
+    "        self.create_timer(0.1, self.tick)\n    def tick(self):\n        self.wheels.send(1.0)\n"
+    "rclpy.init()\nrclpy.spin(Mover())\n"
+)
+
+_CHAIN = (
+    "import rclpy\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\n"
+    "class Square(Node):\n    def __init__(self):\n        super().__init__('square')\n"
+    "        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n        self.v, self.w, self.n = 0.0, 0.0, 0\n"
+    "        self.create_timer(0.02, self.send)\n        self.t = self.create_timer(1.0, self.forward)\n"
+    "    def forward(self):\n        self.t.cancel()\n        if self.n == 4:\n            self.v = self.w = 0.0\n            return\n"
+    "        self.n += 1\n        self.v, self.w = 1.0, 0.0\n        self.t = self.create_timer(2.0, self.turn)\n"
+    "    def turn(self):\n        self.t.cancel()\n        self.v, self.w = 0.0, 1.0\n        self.t = self.create_timer(1.5708, self.forward)\n"
+    "    def send(self):\n        msg = Twist()\n        msg.linear.x = self.v\n        msg.angular.z = self.w\n        self.pub.publish(msg)\n"
+    "rclpy.init()\nrclpy.spin(Square())\n"
+)
+
+_STEPS = (
+    "import rclpy\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\n"
+    "class Square(Node):\n    STEPS = [(1.0, 0.0, 2.0), (0.0, 1.0, 1.5708)] * 4\n    def __init__(self):\n        super().__init__('square')\n"
+    "        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n        self.timer = self.create_timer(0.05, self.tick)\n"
+    "        self.i = 0\n        self.start = self.get_clock().now()\n"
+    "    def tick(self):\n        msg = Twist()\n        if self.i >= 8:\n            self.timer.cancel()\n            self.pub.publish(msg)\n            return\n"
+    "        v, w, seconds = self.STEPS[self.i]\n        elapsed = self.get_clock().now() - self.start\n"
+    "        if elapsed.nanoseconds >= seconds:\n            self.i += 1\n            self.start = self.get_clock().now()\n            return\n"
+    "        msg.linear.x = v\n        msg.angular.z = w\n        self.pub.publish(msg)\n"
+    "def main():\n    rclpy.init()\n    node = Square()\n    rclpy.spin(node)\nmain()\n"
+)
+
+_RATED = (
+    "import rclpy, threading\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\n"
+    "class Mover(Node):\n    def __init__(self):\n        super().__init__('mover')\n"
+    "        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n        self.rate = self.create_rate(2)\n"
+    "    def go(self, v, w, n):\n        msg = Twist()\n        msg.linear.x = v\n        msg.angular.z = w\n"
+    "        for k in range(n):\n            self.pub.publish(msg)\n            self.rate.sleep()\n"
+    "def main():\n    rclpy.init()\n    mover = Mover()\n    threading.Thread(target=rclpy.spin, args=(mover,), daemon=True).start()\n"
+    "    mover.rate.sleep()\n    mover.go(1.0, 0.0, 30)\n    rclpy.shutdown()\nmain()\n"
+)
+
+_POINTS = (
+    "import math, rclpy\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\nfrom turtlesim.msg import Pose\n"
+    "def fold(a):\n    return math.atan2(math.sin(a), math.cos(a))\n"
+    "class Square(Node):\n    def __init__(self):\n        super().__init__('square')\n"
+    "        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n"
+    "        self.create_subscription(Pose, '/turtle1/pose', self.on_pose, 10)\n        self.points = None\n        self.k = 0\n"
+    "    def on_pose(self, p):\n        if self.points is None:\n            x, y, s = p.x, p.y, 2.0\n"
+    "            self.points = [(x + s, y), (x + s, y + s), (x, y + s), (x, y)]\n        m = Twist()\n        if self.k < 4:\n"
+    "            gx, gy = self.points[self.k]\n            dist = math.hypot(gx - p.x, gy - p.y)\n"
+    "            err = math.atan2(gy - p.y, gx - p.x) - p.theta\n            err = fold(err)\n"
+    "            if dist < 0.03:\n                self.k += 1\n            elif abs(err) > 0.02:\n                m.angular.z = 2.0 * err\n"
+    "            else:\n                m.linear.x = min(1.0, 1.0 * dist + 0.05)\n                m.angular.z = 0.5 * err\n        self.pub.publish(m)\n"
+    "rclpy.init()\nrclpy.spin(Square())\n"
+)
+
+_HEARD = (
+    "import rclpy, threading, time\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\nfrom turtlesim.msg import Pose\n"
+    "pose = None\ndef on_pose(msg):\n    global pose\n    pose = msg\nrclpy.init()\nnode = Node('mover')\n"
+    "pub = node.create_publisher(Twist, '/turtle1/cmd_vel', 10)\nnode.create_subscription(Pose, '/turtle1/pose', on_pose, 10)\n"
+    "threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()\nwhile pose is None:\n    time.sleep(0.05)\n"
+    "x = pose.x\nm = Twist()\nm.linear.x = 1.0\nwhile pose.x < x + 2.0:\n    pub.publish(m)\n    time.sleep(0.02)\n"
+    "pub.publish(Twist())\nrclpy.shutdown()\n"
 )
 
 SCRIPTS = (
@@ -404,4 +472,94 @@ SCRIPTS = (
             "        e = math.remainder(math.atan2(3.0 - p.y, 8.0 - p.x) - p.theta, math.tau)\n        if math.hypot(8.0 - p.x, 3.0 - p.y) > 0.1:\n"
             "            if abs(e) > 0.0005:\n                m.angular.z = 1.5 if e > 0 else -1.5\n            else:\n                m.linear.x = 1.0\n        self.pub.publish(m)\n"
             "rclpy.init()\nrclpy.spin(Go())\n"), words="angular.z = 2.0", to="go_to_goal"),
+    # Blanks of a template, and what chat agents write around code.
+    _script("blank of a template", "square", "unfinished_line", ("duration * 1e9:", "____ * 1e9:"), words="49"),
+    _script("nothing behind the equals sign", "straight", "unfinished_line", ("msg.linear.x = 1.0 ", "msg.linear.x = "), words="37"),
+    _script("place for the speed", "straight", "unfinished_line", ("msg.linear.x = 1.0 ", "msg.linear.x = <速度> "), words="37"),
+    _script("method that is still a comment", "square", "empty_block", ("        msg = Twist()\n        msg.linear.x = 0.0\n        msg.angular.z = 0.0\n        self.cmd_vel_pub.publish(msg)\n        time.sleep(0.1)\n", "        # TODO\n"), ('        """停止运动"""\n', ""), words="74|pass"),
+    _script("body that is not indented", "square", "indentation", ("    rclpy.init(args=args)\n", "rclpy.init(args=args)\n"), words="97"),
+    _script("what the code does, behind it", "square", "prose", ("    main()\n", "    main()\n\n说明：\n1. 可以改速度\n"), words="113"),
+    _script("here is the code", "hello", "prose", ("", "Here is the complete code:\n\n"), words="1"),
+    _script("function of another language", "square", "misspelt_keyword", ("def stop(self)", "function stop(self)"), words="def"),
+    _script("hyphen in a function's name", "square", "blank_in_name", ("def move_square", "def move-square"), words="82"),
+    _script("comma between objects", "", "missing_comma", ("", "from dataclasses import dataclass\nSTEPS = [dict(v=1.0) Twist(v=2.0)]\n"), words="2", to="square"),
+    _script("list for a number", "straight", "list_in_float", ("msg.linear.x = 1.0 ", "msg.linear.x = [1.0]"), words="37"),
+    _script("comma in a pause", "square", "comma_in_float", ("time.sleep(0.1)", "time.sleep(0,1)"), words="80"),
+    _script("half an index", "square", "whole_number", ("self.turn(self.TURN_TIME)", "self.turn([self.TURN_TIME] * 9 and [1.5708] [i / 1])"), words="//"),
+    _script("pi as a letter", "square", "other_language", ("1.5708 /", "π / 2 /"), words="math.pi"),
+    # An attribute without a value is not misspelt, whatever Python suggests.
+    _script("count that begins nowhere", "straight", "unknown_attribute", ("        msg = Twist()\n", "        self.timer_call += 1\n        msg = Twist()\n"), words="timer_call"),
+    _script("called at once in a callback", "", "callback_called_here", ("", _CHAIN), ("self.t = self.create_timer(1.0", "self.first = self.create_timer(1.0"), ("self.t.cancel()\n        if", "self.first.cancel()\n        if"), ("(2.0, self.turn)", "(2.0, self.turn())"), words="self.turn", to="square"),
+    # Classes beside the node.
+    _script("two classes", "", "", ("", _HELPED), to="straight"),
+    _script("helper without its init", "", "no_init", ("", _HELPED), ("def __init__(self, node)", "def _init_(self, node)"), words="Wheels|__init__", to="straight"),
+    _script("helper without its node", "", "init_mismatch", ("", _HELPED), ("Wheels(self)", "Wheels()"), words="Wheels", to="straight"),
+    # Timers that are meant to fire once.
+    _script("chain of timers", "", "", ("", _CHAIN), to="square"),
+    _script("chain of timers that are not cancelled", "", "timer_repeats", ("", _CHAIN), ("    def turn(self):\n        self.t.cancel()\n", "    def turn(self):\n"), words="turn()", to="square"),
+    _script("timer that makes timers", "straight", "", ("        msg = Twist()\n", "        self.timer.cancel()\n        self.timer = self.create_timer(0.1, self.timer_callback)\n        msg = Twist()\n")),
+    # Where the pause, the publish or the loop stands.
+    _script("pause behind the loop", "", "sleep_behind_loop", ("", _BARE + "for i in range(4):\n    go(1.0, 0.0, 2.0)\n    go(0.0, 1.0, 1.5708)\n"), ("        pub_a.publish(m)\n        time.sleep(0.02)\n", "        pub_a.publish(m)\n    time.sleep(0.1)\n"), words="13|11", to="square"),
+    _script("message that is not sent", "square", "never_sent", ("            self.cmd_vel_pub.publish(msg)\n            time.sleep(0.01)\n\n        self.stop()", "            time.sleep(0.01)\n\n        self.stop()"), words="63|turn()|self.cmd_vel_pub.publish(msg)"),
+    _script("only the first side", "square", "leaves_loop", ("            self.turn(self.TURN_TIME)\n", "            break\n            self.turn(self.TURN_TIME)\n"), words="break"),
+    _script("whole turns for corners", "square", "turns_too_far", ("1.5708 / self", "6.2832 / self"), words="360"),
+    # Never to be told where it is not so.
+    _script("cancelled at the end only", "", "nanoseconds_unit", ("", _STEPS), words="* 1e9", to="square"),
+    _script("without its timer", "", "never_called", ("", _STEPS), ("        self.timer = self.create_timer(0.05, self.tick)\n", ""), ("            self.timer.cancel()\n", ""), ("    rclpy.spin(node)\n", "    try:\n        rclpy.spin(node)\n    except KeyboardInterrupt:\n        pass\n    if rclpy.ok():\n        rclpy.shutdown()\n"), words="tick()", to="square"),
+    _script("slow rate in the main thread", "", "", ("", _RATED), to="straight"),
+    _script("slow rate that is far too slow", "", "endless_turn", ("", _RATED), ("mover.go(1.0, 0.0, 30)", "mover.go(0.0, 1.0, 100)\n    mover.go(1.0, 0.0, 30)"), to="square"),
+    _script("thread without its comma", "", "thread_crashed", ("", _RATED), ("args=(mover,)", "args=(mover)"), words="args=(mover,)", to="straight"),
+    _script("misspelt call that an except hides", "square", "error_caught", ("    node.move_square()\n", "    try:\n        node.move_squar()\n    except:\n        pass\n"), words="move_squar"),
+    _script("too large a number is refused", "square_input", "ended_before_init", ("    rclpy.init()\n", "    if not __file__.endswith('x'):\n        print('no')\n        return\n    rclpy.init()\n"), words="rclpy.init()"),
+    _script("input that int refuses", "square_input", "int_of_decimal", ("    rclpy.init()\n", "    try:\n        side = int(input())\n    except ValueError:\n        print('no')\n        return\n    rclpy.init()\n"), ("    node.side = float(input('请输入边长（米）：'))\n", "    node.side = float(side)\n"), words="1.5"),
+    _script("degrees for the corner of an L", "letter_l", "path_endless_turn", ("abs(math.radians(degrees)) / 1.0)\n\n    def arc", "abs(degrees) / 1.0)\n\n    def arc"), words="math.radians(90)"),
+    # By place and heading.
+    _script("from point to point", "", "", ("", _POINTS), to="square"),
+    _script("turns while it drives", "", "wide_tolerance", ("", _POINTS), ("abs(err) > 0.02", "abs(err) > 0.5"), ("0.5 * err", "2.0 * err"), words="0.5 rad", to="square"),
+    _script("the same point for ever", "", "no_turns_by_pose", ("", _POINTS), ("self.k += 1", "pass"), words="abs(", to="square"),
+    _script("axes exchanged in a square", "", "arctan_exchanged", ("", _POINTS), ("atan2(gy - p.y, gx - p.x)", "atan2(gx - p.x, gy - p.y)"), words="math.atan2(gy - p.y, gx - p.x)", to="square"),
+    _script("degrees of theta", "", "degrees_of_radians", ("", _POINTS), ("- p.theta\n", "- math.degrees(p.theta)\n"), words="math.degrees(p.theta)", to="square"),
+    _script("present less wanted", "", "turns_away", ("", _POINTS), ("m.angular.z = 2.0 * err", "m.angular.z = 2.0 * fold(p.theta - goal)"), ("            if dist < 0.03", "            goal = math.atan2(gy - p.y, gx - p.x)\n            if dist < 0.03"), words="e = goal", to="square"),
+    _script("wrong sign within limits", "", "turns_away", ("", _POINTS), ("m.angular.z = 2.0 * err", "m.angular.z = max(-1.0, min(1.0, -2.0 * err))"), words="angular.z", to="square"),
+    _script("callback without global", "", "kept_global", ("", _HEARD), ("    global pose\n", ""), words="global pose", to="straight"),
+    _script("thread that hears nothing", "", "thread_not_started", ("", _HEARD), (".start()", ""), words=".start()", to="straight"),
+    _script("heard in a thread", "", "", ("", _HEARD), to="straight"),
+    # Errors that are caught and shown.
+    _script("error that is printed", "square", "error_caught", ("    node.move_square()\n", "    try:\n        node.move_square()\n    except Exception as e:\n        print('出错', e)\n"), ("self.move_straight(self.MOVE_TIME)", "self.move_straight(self.MOVE_TIMES)"), words="MOVE_TIMES"),
+    _script("spin below a false condition", "hello", "not_spinning", ("        rclpy.spin(node)\n    except KeyboardInterrupt:", "        if not rclpy.ok():\n            rclpy.spin(node)\n    except Exception:")),
+    # Loops.
+    _script("count behind its loop", "", "counter_unchanged", ("", _BARE + "for i in range(4):\n    go(1.0, 0.0, 2.0)\n    go(0.0, 1.0, 1.5708)\n"), ("    for _ in range(round(t * 50)):\n        pub_a.publish(m)\n        time.sleep(0.02)\n", "    n = 0\n    while n < t * 50:\n        pub_a.publish(m)\n        time.sleep(0.02)\n    n += 1\n"), words="n += 1", to="square"),
+    _script("end that is put off", "square", "start_anew", ("        start_time = self.get_clock().now()\n\n        while (self.get_clock().now() - start_time).nanoseconds < duration * 1e9:\n            self.cmd_vel_pub.publish(msg)", "        end = time.time() + duration\n        while time.time() < end:\n            end = time.time() + duration\n            self.cmd_vel_pub.publish(msg)"), words="end|67|66"),
+    _script("compared in a method of all motions", "", "compares_for_assigns", ("", _BARE + "for i in range(4):\n    go(1.0, 0.0, 2.0)\n    go(0.0, 1.0, 1.5708)\n"), ("m.linear.x = v", "m.linear.x == v"), words="m.linear.x = v", to="square"),
+    # What is not ROS.
+    _script("module for a base class", "hello", "no_base_class", ("class HelloNode(Node)", "class HelloNode(rclpy)"), words="Node"),
+    _script("name for the logger", "hello", "takes_nothing", ("self.get_logger()", "self.get_logger('hello')"), words="get_logger()"),
+    _script("function that wants a value, only named", "letter_l", "not_called", ("        self.turn(90.0)\n", "        self.turn\n"), words="self.turn(...)"),
+    _script("callback that reads what it is not given", "", "subscription_callback", ("", _POINTS), ("def on_pose(self, p)", "def on_pose(self)"), ("x, y, s = p.x, p.y, 2.0", "x, y, s = pose.x, pose.y, 2.0"), words="def on_pose(self, pose):", to="square"),
+    _script("message with brackets", "", "not_callable", ("", _HEARD), ("x = pose.x", "x = pose.x()"), words="()", to="straight"),
+    _script("arcs of a script that steers", "", "arcs_by_pose", ("", _POINTS), ("abs(err) > 0.02", "err * err > 0.3"), ("0.5 * err", "2.0 * err"), words="0.02", to="square"),
+    _script("publisher called itself", "straight", "publish_left_out", ("self.cmd_vel_pub.publish(msg)", "self.cmd_vel_pub(msg)"), words="41"),
+    _script("publish of nothing", "straight", "publish_left_out", ("self.cmd_vel_pub.publish(msg)", "publish(msg)"), words="41"),
+    _script("publish with a letter too few", "straight", "misspelt", ("self.cmd_vel_pub.publish(msg)", "self.cmd_vel_pub.publis(msg)"), words="publish"),
+    _script("period with a comma", "straight", "timer_arguments", ("create_timer(0.1,", "create_timer(0, 1,"), words="28"),
+    _script("import with a capital", "square", "misspelt_keyword", ("from rclpy.node import Node", "from rclpy.node Import Node"), words="Import"),
+    _script("return in the loop of a motion", "square", "leaves_loop", ("            self.cmd_vel_pub.publish(msg)\n            time.sleep(0.01)\n\n        self.stop()", "            self.cmd_vel_pub.publish(msg)\n            time.sleep(0.2)\n            return\n\n        self.stop()"), words="return"),
+    _script("whole seconds of a message", "square", "whole_seconds", ("start_time = self.get_clock().now()", "start_time = self.get_clock().now().to_msg().sec"), ("(self.get_clock().now() - start_time).nanoseconds < duration * 1e9", "self.get_clock().now().to_msg().sec - start_time < duration"), words="46|1e9"),
+    _script("whole seconds by division", "square", "whole_seconds", (".nanoseconds < duration * 1e9", ".nanoseconds // 1e9 < duration"), words="49"),
+    _script("ten times too many nanoseconds", "square", "nanoseconds_unit", ("duration * 1e9", "duration * 10e9"), words="duration * 1e9"),
+    _script("count with its letters exchanged", "straight", "misspelt", ("        self.timer = ", "        self.count = 0\n        self.timer = "), ("        msg = Twist()\n", "        self.conut += 1\n        msg = Twist()\n"), words="count"),
+    _script("timer that is told to stop", "straight", "misspelt", ("        msg = Twist()\n", "        self.timer.stop()\n        msg = Twist()\n"), words="cancel"),
+    _script("error that is caught before a last stop", "square", "error_caught", ("    node.move_square()\n", "    try:\n        node.move_square()\n    except Exception as e:\n        print(e)\n    node.stop()\n"), ("self.move_straight(self.MOVE_TIME)", "self.move_straight(self.MOVE_TIMES)"), words="MOVE_TIMES"),
+    # What is there, and is not the cause.
+    _script("stops that are sent again and again", "", "one_radian", ("", _BARE + "for i in range(4):\n    go(1.0, 0.0, 2.0)\n    go(0.0, 1.0, 1.0)\n"), ("        pub_a.publish(m)\n        time.sleep(0.02)\n", "        pub_a.publish(m)\n        time.sleep(0.02)\n    m = Twist()\n    for _ in range(3):\n        pub_a.publish(m)\n    time.sleep(0.1)\n"), to="square"),
+    _script("whole seconds of a limit", "square", "turns_too_short", ("        for i in range(4):\n", "        begun = int(time.time())\n        for i in range(4):\n            if int(time.time()) - begun > 90:\n                break\n"), ("1.5708 /", "1.3 /")),
+    _script("whole seconds of a difference", "square", "whole_seconds", ("start_time = self.get_clock().now()", "start_time = time.time()"), ("(self.get_clock().now() - start_time).nanoseconds < duration * 1e9", "int(time.time() - start_time) < duration"), words="49"),
+    _script("timer that begins later", "", "one_radian", ("", _CHAIN), ("        self.create_timer(0.02, self.send)\n", "        self.once = self.create_timer(0.5, self.begin)\n"), ("    def forward(self):\n", "    def begin(self):\n        self.once.cancel()\n        self.create_timer(0.02, self.send)\n    def forward(self):\n"), ("1.5708", "1.0"), to="square"),
+    _script("error that ends the first side", "square", "error_caught", ("    node.move_square()\n", "    try:\n        node.move_square()\n    except Exception as e:\n        print(e)\n"), ("self.turn(self.TURN_TIME)", "self.turn(self.TURN_TIMES)"), words="91|Did you mean: 'TURN_TIME'"),
+    _script("error of a log that is caught", "square", "sides_missing", ("range(4)", "range(3)"), ("    node.move_square()\n", "    try:\n        node.get_logger().inform('go')\n    except Exception:\n        pass\n    node.move_square()\n")),
+    _script("corners in two parts", "", "crooked", ("", _BARE + "for i in range(4):\n    go(1.0, 0.0, 2.0)\n    go(0.0, 1.0, 0.7854)\n    go(1.0, 0.0, 0.4)\n    go(0.0, 1.0, 0.7854)\npub_a.publish(Twist())\n"), to="square"),
+    _script("text for the logger", "hello", "takes_nothing", ("self.get_logger().info(", "self.get_logger("), words="get_logger().info('...')"),
+    _script("node with a letter too few", "straight", "misspelt", ("rclpy.spin(node)", "rclpy.spin(nod)"), words="node"),
+    _script("whole seconds that nothing compares", "square", "one_radian", ("import time\n", "import time\nSEED = int(time.time())\n"), ("1.5708 /", "1.0 /")),
+    _script("arguments that are forgotten in a try", "square", "error_caught", ("    node.move_square()\n", "    try:\n        node.move_square()\n    except Exception as e:\n        print(e)\n"), ("self.turn(self.TURN_TIME)", "self.turn()"), words="turn()|57"),
 )  # fmt: skip

@@ -49,6 +49,7 @@ class FakeWorld:
         self.coupled = True
         self.due = list(due_ns)
         self.quiet_ns = 0
+        self.reckons = False
         self.asked: list[int] = []
         self.arrived = 0
 
@@ -60,6 +61,12 @@ class FakeWorld:
             self.due.pop(0)
         self.quiet_ns = min(self.due, default=1 << 62)
         return now_ns
+
+    def deliver_pose(self) -> tuple[int, ...]:
+        self.due.pop(0)
+        self.arrived += 1
+        self.quiet_ns = min(self.due, default=1 << 62)
+        return (1,)
 
 
 def test_a_sleep_takes_exactly_its_duration() -> None:
@@ -207,6 +214,17 @@ def test_a_coupled_sleep_asks_once_for_everything_that_comes_meanwhile() -> None
     assert world.asked == [40 * MS]
     assert world.arrived == 2
     assert kernel.now_ns == 40 * MS
+
+
+def test_a_wait_takes_poses_that_are_computed_here_up_to_its_deadline_and_asks_nobody() -> None:
+    kernel = make()
+    world = FakeWorld(16 * MS, 32 * MS, 48 * MS)
+    world.quiet_ns, world.reckons = 16 * MS, True
+    kernel.connect(world)
+    assert kernel.wait(lambda: world.arrived == 2, None, "spin()")
+    assert (kernel.now_ns, world.arrived) == (32 * MS, 2)
+    assert not kernel.wait(lambda: world.arrived == 3, 40 * MS, "spin()")
+    assert (kernel.now_ns, world.arrived, world.asked) == (40 * MS, 2, [])
 
 
 def test_a_quiet_world_is_not_asked() -> None:

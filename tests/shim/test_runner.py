@@ -403,6 +403,7 @@ def test_what_the_sandbox_would_refuse_is_refused_alike_everywhere(
 
 
 UNDEFINED = ("caught", "line 3: NameError: name 'oops' is not defined")
+WRONG = ("caught", "line 4: TypeError: float() argument must be a string or a real number, not 'list'")
 
 
 @pytest.mark.parametrize(
@@ -411,7 +412,28 @@ UNDEFINED = ("caught", "line 3: NameError: name 'oops' is not defined")
         ("try: go()\nexcept: pass\ntry: gone()\nexcept Exception: pass\n", [UNDEFINED]),
         ("try: go()\nexcept NameError: pass\n", []),
         ("try: 1 / 0\nexcept Exception: pass\n", []),
+        (
+            "try: time.sleepp\nexcept Exception: pass\n",
+            [
+                (
+                    "caught",
+                    "line 4: AttributeError: module 'time' has no attribute 'sleepp'. Did you mean: 'sleep'?",
+                )
+            ],
+        ),
         ("try: None.x\nexcept Exception: pass\n", []),
+        ("try: raise TypeError\nexcept Exception: pass\ntry: go()\nexcept Exception: pass\n", [UNDEFINED]),
+        ("def hear():\n    global pose, at\n    pose = 1\ntry: pose\nexcept Exception: pass\n", []),
+        ("def hear(node):\n    node.pose: int = 1\ntry: time.pose\nexcept: pass\n", []),
+        ("time.x, time.pose = 1, 2\ndel time.pose\ntry: time.pose\nexcept: pass\n", []),
+        (
+            "try: time.pose == time.poses\nexcept: pass\n",
+            [("caught", "line 4: AttributeError: module 'time' has no attribute 'pose'")],
+        ),
+        ("try: raise TypeError('no side')\nexcept Exception: pass\n", []),
+        ("try: assert not go, 'no side'\nexcept Exception: pass\n", []),
+        ("def again():\n    try: go()\n    except: raise\ntry: again()\nexcept: pass\n", [UNDEFINED]),
+        ("try: float([])\nexcept Exception: pass\n", [WRONG]),
         ("class Late(TypeError): pass\ntry: raise Late\nexcept Exception: pass\n", []),
         ("try: time.sleep(99)\nexcept KeyboardInterrupt:\n    try: go()\n    except Exception: pass\n", []),
         ("try: go()\nfinally: time.sleep(99)\n", [UNDEFINED]),

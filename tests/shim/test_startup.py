@@ -2,8 +2,11 @@
 
 import subprocess
 import sys
+from collections.abc import Callable
 
-from tests.shim.conftest import SHIM
+from tests.shim.conftest import SHIM, Run
+
+RunScript = Callable[..., Run]
 
 PROGRAM = """
 import sys
@@ -69,3 +72,20 @@ from rclpy.node import Executor, Node, Optional, Publisher, QoSProfile, SetParam
 print(Timer is rclpy.timer.Timer, QoSProfile is rclpy.qos.QoSProfile, hasattr(rclpy.node, "Twist"))
 """
     assert _with_warm_shim(program) == ["True True False"]
+
+
+def test_threads_that_are_loaded_ahead_take_the_time_that_their_import_takes(run_script: RunScript) -> None:
+    source = """
+import sys, time
+print("threading" in sys.modules)
+import threading
+print(time.monotonic_ns(), threading.main_thread().name, threading.get_ident(), threading.__spec__.origin)
+print(type(threading.__loader__), threading.__loader__ is threading.__spec__.loader)
+started = threading.Event()
+thread = threading.Thread(target=lambda: (time.sleep(0.5), started.set()))
+thread.start()
+print(started.wait(2.0), time.monotonic_ns(), thread.name, threading.current_thread() is threading.main_thread())
+"""
+    late, ahead = (run_script(source, warm=warm).stdout.splitlines() for warm in (False, True))
+    assert late == ahead
+    assert late[0] == "False"

@@ -128,7 +128,8 @@ def unchanged_counter(run: Run, script: ScriptText) -> tuple[int, str] | None:
     """Return line and name of a counter that its ``while`` never changes, in a script that never ended."""
     if run.outcome.status is not RunStatus.INTERRUPTED:
         return None
-    for line, found in script.matches(r"^[ \t]*while \(?([^\W\d]\w*) ?(?:<=?|(!=)) ?([\w.]+)\)? ?:"):
+    bounds = r"[\w.]+(?: ?[*/+-] ?[\w.]+)*"
+    for line, found in script.matches(rf"^[ \t]*while \(?([^\W\d]\w*) ?(?:<=?|(!=)) ?({bounds})\)? ?:"):
         if re.search(_AMOUNT, found[1]):
             continue  # a time or a way grows by less than 1
         name, unlike, bound = found.groups()
@@ -137,7 +138,7 @@ def unchanged_counter(run: Run, script: ScriptText) -> tuple[int, str] | None:
         if script.lines_with(rf"\b(global|nonlocal)\b.*\b{name}\b"):
             continue
         block = "\n".join(script.block(line)[1:])
-        names = f"{name}|{re.escape(bound)}"
+        names = "|".join([name, *map(re.escape, re.findall(r"[A-Za-z_][\w.]*", bound))])
         changed = rf"(?<![\w.])({names})\b ?(,[^=\n]*|[-+*/%]|//)?=(?!=)|\b(for|as) [\w, ]*\b({names})\b|:="
         if not re.search(rf"{changed}|\b(break|return|raise|exit|shutdown|quit)\b", block):
             return line, name

@@ -8,7 +8,7 @@ from typing import Final
 
 from grader.checks.causes.searched import CLOCK, SHOWS, Searched, is_repeated, itself
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import not_called
+from grader.checks.mistakes import error_caught, not_called, noted
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
 from grader.messages.script import NOT_ZERO, Callback, Definition, ScriptText
@@ -60,6 +60,18 @@ def _read_in(condition: str, script: ScriptText) -> list[str]:
     called = (script.definition(name) for name in re.findall(r"\bself\.(\w+)\(", condition))
     blocks = ("\n".join(script.block(made.line)) for made in called if made is not None)
     return names + [name for block in blocks for name in re.findall(r"\bself\.(\w+)", block)]
+
+
+def error_hides_rest(seen: Searched) -> Mistake | None:
+    """Find an error that something caught, so that what follows it did not run; one of a log hardly matters."""
+    caught = noted(seen.run.outcome, "caught") or ""
+    line = re.match(r"line (\d{1,6}): ", caught)
+    written = seen.script.lines[int(line[1]) - 1 : int(line[1])] if line else []
+    return (
+        error_caught(seen.run)
+        if any(not re.search(rf"{SHOWS}|get_logger\(", one) for one in written)
+        else None
+    )
 
 
 def other_axis(seen: Searched) -> Mistake | None:
@@ -141,6 +153,43 @@ def branch_without_publish(seen: Searched) -> Mistake | None:
             later = [at for at in script.lines_with(r"\.publish\(|\w\(.*\b" + filled[1]) if at > line]
             if script.lines_with(r"\.publish\(") and not any(script.is_behind(at, line) for at in later):
                 return mistake("branch_without_publish", line=line, callback=timer.name, field=field)
+    return None
+
+
+def never_sent(seen: Searched) -> Mistake | None:
+    """Find a function that fills a message of its own and neither publishes it nor hands it on."""
+    script = seen.script
+    fields = {"no_turns": r"angular\.z", "no_drive": r"linear\.x"}.get(
+        seen.mistake.code, r"linear\.x|angular\.z"
+    )
+    filled = script.matches(rf"^[ \t]+(\w+)\.({fields}) ?{NOT_ZERO}")
+    for line, found in itertools.islice(filled, _MOST_DEAD):
+        made = script.definition(function := script.function_around(line))
+        block = script.block(made.line) if made is not None and script.calls(function) else []
+        own = any(re.match(rf"[ \t]*{found[1]} ?= ?Twist\(", text) for text in block)
+        used = rf"[(,=\[] ?{found[1]} ?[),\]]|\b(return|yield) {found[1]}\b|= ?{found[1]}$"
+        read = rf"\b{found[1]}\.(linear|angular)\.\w\b(?! ?=(?!=))"
+        if own and not any(re.search(rf"{used}|{read}", text) for text in block):
+            call = f"{script.publisher_name}.publish({found[1]})"
+            return mistake("never_sent", line=line, field=found[2], function=function, call=call)
+    return None
+
+
+def timer_repeats(seen: Searched) -> Mistake | None:
+    """Find a timer that a callback creates, whose own callback creates the next one and cancels none.
+
+    Outside of such a chain a timer that a callback creates may be meant to go on.
+    """
+    script = seen.script
+    timers = script.callbacks("timer")[:_MOST_DEAD]
+    reached = script.reached_from(timer.begins for timer in timers)
+    for timer in timers:
+        maker = script.definition(script.function_around(timer.created))
+        if maker is None or maker.line not in reached:
+            continue
+        runs = "\n".join(text for at in script.reached_from([timer.begins]) for text in script.block(at))
+        if "create_timer(" in runs and not re.search(r"\b(cancel|destroy_timer)\(", runs):
+            return mistake("timer_repeats", line=timer.created, callback=timer.name)
     return None
 
 
@@ -259,7 +308,7 @@ def log_behind_spin(seen: Searched) -> Mistake | None:
 def uncalled(seen: Searched) -> Mistake | None:
     """Find a function that is named and not called; where no motion came, one that is called nowhere else."""
     named = seen.script.named_only
-    loud = {"log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on"}
+    loud = {"log_not_reached", "no_final_stop", "never_stops", "drove_on", "turned_on", "turn_missing"}
     name = "" if named is None else re.escape(named.name.rpartition(".")[2])
     called = seen.script.lines_with(rf"(?<!def )\b{name}\(") if name else []
     return None if called and seen.mistake.code not in loud else not_called(seen.run)
@@ -491,7 +540,7 @@ def compared_only(seen: Searched) -> Mistake | None:
         before = "".join(seen.script.lines[line - 2 : line - 1]).rstrip()
         if before.endswith(("(", "[", ",", "\\", "=", "and", "or", "not")):
             continue  # the rest of a longer expression
-        if found[1] in asked:
+        if found[1] in asked or re.search(r"\.(linear|angular)\.[xyz]$", found[1]):
             right = seen.script.written(line).partition("#")[0].strip().replace("==", "=", 1)
             return mistake("compares_for_assigns", line=line, right=right)
     return None

@@ -89,6 +89,18 @@ def whole_only(seen: Searched) -> Mistake | None:
     return None
 
 
+def int_refuses(seen: Searched) -> Mistake | None:
+    """Find an ``int()`` of what was typed, a decimal, in a script that catches the error."""
+    typed = "" if seen.case is None else (seen.case.stdin or "").strip()
+    if not re.fullmatch(r"-?\d+\.\d+", typed) or not seen.script.lines_with(r"\bexcept\b"):
+        return None
+    for line, found in seen.script.matches(r"\bint\( ?(input\(|(\w+) ?\))"):
+        kept = seen.script.assigned(found[2]) if found[2] else None
+        if found[2] is None or (kept is not None and "input(" in kept.value):
+            return mistake("int_of_decimal", line=line, given=repr(typed))
+    return None
+
+
 def rounded(seen: Searched) -> Mistake | None:
     """Find what makes a whole number of a side that was given with decimals."""
     given = _given_m(seen)

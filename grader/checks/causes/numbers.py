@@ -163,6 +163,7 @@ def degrees_of_radians(seen: Searched) -> Mistake | None:
         mixed = beside is not None and _angle_of_pose(beside[1], script)
         if (
             mixed
+            or (re.search(r"\batan2\([^()]*\) ?- ?$", before) and re.search(r"\.theta\b", found[0]))
             or _less_theta(before, after, script)
             or (is_too_fast and _becomes_rate(before, after, script))
         ):

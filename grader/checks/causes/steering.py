@@ -26,6 +26,9 @@ _PLUS_DEGREES: Final = (
 )
 _COASTED_DEG: Final = 2.0
 _WIDE_RAD: Final = 0.08  # almost 5 degrees, which cost points at each corner
+_VERY_WIDE_RAD: Final = 0.2
+LATER: Final = frozenset(("arcs_by_pose", "crooked", "approach", "turned_on"))
+"""What comes of a turn that ends early: the rest is turned while driving, or the figure begins at the next one."""
 _LEAST_M: Final = 0.01  # poses come every 16 ms: at 1 m/s the car drives more than that in between
 _ALONG_X: Final = r"((?:self\.)?(?:d|delta_?|error_?|err_?|diff_?)x|[\w.]*x ?- ?[\w.]*x)"
 _ALONG_Y: Final = _ALONG_X.replace("x", "y")
@@ -70,13 +73,18 @@ def degrees_added(seen: Searched) -> Mistake | None:
 
 def wide_tolerance(seen: Searched) -> Mistake | None:
     """Find a condition that ends a turn while many degrees are still missing."""
-    compared = list(seen.script.matches(rf"{_CONDITION}\babs\( ?{_ANGLE} ?\) ?(?:<=?|>=?) ?([\w.]+)"))
+    differences = r"(?:[\w.]{1,60}\()?[^()]{0,80}\btheta\b[^()]{0,40}\)?"
+    compared = list(
+        seen.script.matches(rf"{_CONDITION}\babs\( ?(?:{_ANGLE}|{differences}) ?\) ?(?:<=?|>=?) ?([\w.]+)")
+    )
     known = [value for _, found in compared if (value := value_of(found[1], seen.script)) is not None]
     if any(value < _WIDE_RAD for value in known):
         return None  # that one ends the turn; the others slow it down
     for line, found in compared:
         rad = value_of(found[1], seen.script)
-        if rad is not None and _WIDE_RAD <= rad <= math.pi / 2 and _misses_by(math.degrees(rad), seen):
+        if rad is None or not _WIDE_RAD <= rad <= math.pi / 2:
+            continue
+        if rad >= _VERY_WIDE_RAD if seen.mistake.code in LATER else _misses_by(math.degrees(rad), seen):
             degrees = number(math.degrees(rad), "deg")
             return mistake("wide_tolerance", line=line, value=number(rad, "rad"), degrees=degrees)
     return None
@@ -126,6 +134,8 @@ def turns_away(seen: Searched) -> Mistake | None:
     The error is wanted less present, and the turn rate has its sign: one of the two is the other way round.
     """
     script = seen.script
+    if (plain := _turned_away(script)) is not None:
+        return plain
     for line, found in script.matches(
         rf"^[ \t]*([\w.]+) ?=(?!=).*?(?<![\w.])({_TERM}) ?- ?({_TERM})(?![\w.(])"
     ):
@@ -135,15 +145,29 @@ def turns_away(seen: Searched) -> Mistake | None:
             continue
         turned = script.matches(rf"\.angular\.z ?=(?!=) ?([^=]*{itself(name)}.*)$")
         signs = [(at, sign) for at, one in turned if (sign := _sign(one[1], name))]
-        if {sign for _, sign in signs} == ({1} if present[0] else {-1}):
-            at = line if present[0] else signs[0][0]
+        wrong = [at for at, sign in signs if sign == (1 if present[0] else -1)]
+        if wrong:
+            at = line if present[0] and len(wrong) == len(signs) else wrong[0]
             return mistake("turns_away", line=at, name=name, wanted=(first, second)[present[0]])
+    return None
+
+
+def _turned_away(script: ScriptText) -> Mistake | None:
+    """Find a turn rate that is computed at once, from the present heading less the wanted one."""
+    factor = r"(?:[\w.]{1,40} ?\* ?)?(?:[\w.]{1,40})?"
+    rate = rf"\.angular\.z ?= ?{factor}\(? ?({_TERM}) ?- ?({_TERM}) ?\)?(?: ?\* ?[\w.]+)?$"
+    for line, found in script.matches(rate):
+        present = [bool(re.search(_PRESENT, one)) and not re.search(_WANTED, one) for one in found.groups()]
+        if present == [True, False]:
+            return mistake("turns_away", line=line, name="e", wanted=found[2])
     return None
 
 
 def _sign(written: str, name: str) -> int:
     """Return the sign of a turn rate for a positive error: 1 or -1, or 0 where that is not plain."""
     error, factor = itself(name), r"[\w.]+"
+    limited = re.fullmatch(r"(?:max|min)\([^(),]*, ?(?:max|min)\([^(),]*, ?([^,]*)\) ?\)", written)
+    written = written if limited is None else limited[1].strip()
     if re.fullmatch(
         rf"(?:{factor} ?\* ?)?{error}(?: ?\* ?{factor})?|{factor} if {error} ?>.* else ?- ?{factor}", written
     ):

@@ -111,7 +111,8 @@ def _only_logs(limit: _Limit, script: ScriptText) -> bool:
 def ticks_too_long(seen: Searched) -> Mistake | None:
     """Find a count of ticks that takes longer than the run, or as long as the longest motion in it."""
     ended = seen.run.outcome
-    longest_ns = max((lasted_ns for _, lasted_ns in motions_of(seen.run.trajectory)), default=0)
+    motions = motions_of(seen.run.trajectory)  # the last one may be held for longer than the run
+    longest_ns = max((min(lasted_ns, ended.duration_ns - one.t_ns) for one, lasted_ns in motions), default=0)
     for limit in _limits(seen.script):
         beyond = ended.status is RunStatus.INTERRUPTED and limit.took_s * 1e9 > ended.duration_ns
         last = re.search(r"\b(SystemExit|exit\(|shutdown\()", str(seen.script.body(limit.line)))  # of the run
@@ -132,7 +133,7 @@ def sleeps_in_callback(seen: Searched) -> Mistake | None:
     for line, text in seen.script.body(timer.begins):
         slept = re.match(r"(?:time\.)?sleep\((.+)\)$", text)
         pause_s = value_of(slept[1], seen.script) if slept else None
-        if pause_s is not None and pause_s >= _PAUSE_S:
+        if pause_s is not None and (pause_s >= _PAUSE_S or pause_s > 2.0 * timer.period_s):
             values = {"callback": timer.callback, "pause": number(pause_s, "s")}
             return mistake("sleeps_in_callback", line=line, **values)
     return None
@@ -163,9 +164,13 @@ def count_not_reset(seen: Searched) -> Mistake | None:
 
 
 def sum_not_reset(seen: Searched) -> Mistake | None:
-    """Find a sum of time or way that ends one motion after the other, and that nothing ever sets back to 0."""
+    """Find a sum of time or way that ends one motion after the other, and that nothing ever sets back to 0.
+
+    One of the next motions then ends at once.
+    """
     timer = _timer(seen.script)
-    if timer is None:
+    lasted = [lasted_ns / 1e9 for _, lasted_ns in motions_of(seen.run.trajectory)]
+    if timer is None or (len(lasted) > 2 and min(lasted[1:4]) > _TICKS_OFF * timer.period_s):
         return None
     block = seen.script.block(timer.begins)
     for line, text in enumerate(block, start=timer.begins):
@@ -174,10 +179,10 @@ def sum_not_reset(seen: Searched) -> Mistake | None:
             continue
         if _runs_on(found[1], found[3], seen.script) or _is_schedule(found[1], block, seen.script):
             continue
-        given = seen.script.lines_with(rf"{re.escape(found[1])} ?(?:[-%] ?)?=(?!=)")
+        given = seen.script.lines_with(rf"{re.escape(found[1])}\b[^=+*/<>!]{{0,80}}=(?!=)")
         goes_on = any(re.match(r"[ \t]*self\.\w+ ?\+?=(?!=)", one) for one in seen.script.block(line)[1:])
         if goes_on and all(seen.script.function_around(at) == "__init__" for at in given):
-            return mistake("count_not_reset", line=line, name=found[1])
+            return mistake("sum_not_reset", line=line, name=found[1])
     return None
 
 

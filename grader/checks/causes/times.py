@@ -7,7 +7,8 @@ from typing import Final
 
 from grader.checks.causes.searched import CLOCK, Searched, is_repeated, itself, sets
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import sleep_at_end, sleeps_too_long, with_ends
+from grader.checks.mistakes import motions_of, sleep_at_end, sleeps_too_long, with_ends
+from grader.contracts.scoring import Run
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
@@ -17,7 +18,12 @@ _MOST_CLOCKS: Final = 50  # each is looked for in all lines
 _TIME_OF_DAY: Final = r"(?:\btime\.time\(\)|\bnow\(\))"
 _TO_SECONDS: Final = 0.99e9  # what divides nanoseconds by less does not make seconds of them
 _FEW_SECONDS: Final = 60.0
-_VALUE_OR_NAME: Final = r"[\w.]+(?: ?\* ?(?:1e\d+|1\d{3,12}))?"
+_VALUE_OR_NAME: Final = r"[\w.]+(?: ?\* ?(?:\d{1,3}e\d+|1\d{3,12}))?"
+_WHOLE_SECONDS: Final = (
+    r"to_msg\(\)\.sec\b(?!.*\bnanosec\b)|seconds_nanoseconds\(\)\[0\]|"
+    r"\bint\( ?time\.(?:time|monotonic|perf_counter)\(\)|"
+    r"\.nanoseconds\)* ?// ?(?:int\( ?)?(?:1e9|10 ?\*\* ?9|1_?000_?000_?000)"
+)
 _FEW_NS: Final = 1e6  # a millisecond: what is compared with less is meant as seconds
 _TO_NS: Final = r"(?i)\b1e9|10 ?\*\* ?9|1_?000_?000_?000|nanosec|\bns\b"
 _NAME: Final = r"(?<![\w.])[\w.]{1,60}"
@@ -27,6 +33,7 @@ _LONG_PAUSE_S: Final = 5.0
 _HELD_S: Final = 0.1  # a command that acts for less is followed at once by the next one
 _BESIDE_DEG: Final = 3.0  # so far the excess of a corner may be from what a held turn explains
 _MARGIN_S: Final = 2.0  # between the end of a timer and that of the run
+_NEAR_S: Final = 0.1  # a motion ends so much later than it should: a tick, or a turn of a loop
 
 
 def clock_before_sleep(seen: Searched) -> Mistake | None:
@@ -91,7 +98,7 @@ def _counts_motions(start: str, script: ScriptText) -> bool:
     if not around or around not in {one.name for one in script.callbacks("timer")}:
         return False
     passed = {found[1] for _, found in script.matches(rf"^[ \t]*([\w.]+) ?=(?!=).*- ?{itself(start)}")}
-    compared = r"[ \t]*(?:if|elif) ([\w.]+) ?[<>]=? ?([\w.]+) ?:$"
+    compared = r"[ \t]*(?:if|elif) ([\w.]+) ?[<>]=? ?(?:Duration\( ?seconds ?= ?)?([\w.]+) ?\)? ?:$"
     heads = [re.match(compared, head) for head in script.conditions_around(raised[0])]
     limits = [found[2] for found in heads if found is not None and found[1] in passed]
     branch = "\n".join(script.block(script.owner_of(raised[0]) or 0))
@@ -242,11 +249,14 @@ def _is_seconds(value: float | None, name: str, script: ScriptText) -> bool:
 
 
 def start_anew(seen: Searched) -> Mistake | None:
-    """Find a loop that takes its own start time anew in each round, so that no time ever passes."""
-    for loop in seen.script.lines_with(rf"^[ \t]*while\b.*{CLOCK}"):
+    """Find a loop that takes its own start, or end, anew in each round, so that the end never comes."""
+    for loop in seen.script.lines_with(rf"^[ \t]*while\b.*({CLOCK}|<)"):
         for line, text in seen.script.body(loop):
-            taken = re.match(rf"([\w.]+) ?= ?[\w.()]*{CLOCK}\S*$", text)
-            if taken and re.search(rf"- ?{itself(taken[1])}", seen.script.lines[loop - 1]):
+            taken = re.match(rf"([\w.]+) ?= ?[\w.()]*{CLOCK}\S*( ?\+ ?[\w.]+)?$", text)
+            if taken is None:
+                continue
+            compared = rf"\) ?<=? ?{itself(taken[1])}" if taken[2] else rf"- ?{itself(taken[1])}"
+            if re.search(compared, seen.script.lines[loop - 1]):
                 return mistake("start_anew", line=line, name=taken[1], loop=loop)
     return None
 
@@ -269,6 +279,48 @@ def publish_behind_loop(seen: Searched) -> Mistake | None:
         text = seen.script.lines[behind - 1] if behind <= len(seen.script.lines) else ""
         if only_waits and re.match(r"[ \t]*[\w.]+\.publish\( ?\w+ ?\)$", text):
             return mistake("publish_behind_loop", line=behind, loop=loop)
+    return None
+
+
+def sleep_behind_loop(seen: Searched) -> Mistake | None:
+    """Find a loop that publishes a motion again and again at one moment, and the pause that stands behind it."""
+    for loop in seen.script.lines_with(r"^[ \t]*for\b.*\brange\("):
+        block = seen.script.block(loop)
+        behind = loop + len(block)
+        slept = re.match(r"[ \t]*(?:time\.)?sleep\((.+)\)$", "".join(seen.script.lines[behind - 1 : behind]))
+        if slept is None or seen.script.owner_of(behind) != seen.script.owner_of(loop):
+            continue
+        pause_s = value_of(slept[1], seen.script)
+        if pause_s is None or pause_s > _PAUSE_S or not _lasted(pause_s, seen.run):
+            continue  # the motion may be meant to last for that pause, or the loop sends stops
+        body = "\n".join(block[1:])
+        if re.search(r"\.publish\( ?(?!Twist\(|\w*stop)", body) and not re.search(r"sleep\(|spin", body):
+            return mistake("sleep_behind_loop", line=behind, loop=loop)
+    return None
+
+
+def _lasted(pause_s: float, run: Run) -> bool:
+    """Whether a motion lasted for just that pause."""
+    return any(abs(lasted_ns / 1e9 - pause_s) <= _NEAR_S / 2.0 for _, lasted_ns in motions_of(run.trajectory))
+
+
+def whole_seconds(seen: Searched) -> Mistake | None:
+    """Find a time of which only the whole seconds are kept or compared, if motions last or end by such a time."""
+    motions = motions_of(seen.run.trajectory)
+    lasted = [lasted_ns / 1e9 for _, lasted_ns in motions]
+    ends = [
+        (first.t_ns + lasted_ns - motions[0][0].t_ns - motions[0][1]) / 1e9 for first, lasted_ns in motions
+    ]
+    if len(motions) < 2 or not any(
+        all(abs(math.remainder(each, 1.0)) <= _NEAR_S for each in times) for times in (lasted, ends)
+    ):
+        return None
+    used = rf"\b(?:while|if|elif)\b.*(?:{_WHOLE_SECONDS})|^[ \t]*([\w.]+) ?=(?!=).*(?:{_WHOLE_SECONDS})"
+    for line, found in itertools.islice(seen.script.matches(used), _MOST_CLOCKS):
+        name = itself(found[1] or "")
+        since = rf"\b(?:while|if|elif)\b.*{name}|{name} ?-|- ?{name}"
+        if found[1] is None or seen.script.lines_with(since):
+            return mistake("whole_seconds", line=line)
     return None
 
 

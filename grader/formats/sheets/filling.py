@@ -15,10 +15,10 @@ _NUMBER = re.compile(r"-?(0|[1-9][0-9]{0,8})([.][0-9]+)?")
 
 
 class FilledSheet(Record):
-    """A sheet with points in it.
+    """A file of sheets with points in them.
 
     Attributes:
-        content: a workbook with this one sheet; fonts, colours and widths of the original are not kept.
+        content: a workbook with the visible sheets that have ids; fonts, colours and widths are not kept.
         filled: how many rows got points. unknown: ids of rows that nobody in the course has.
     """
 
@@ -28,10 +28,10 @@ class FilledSheet(Record):
 
 
 def fill(content: bytes, column: str, points: Mapping[str, float | None]) -> FilledSheet:
-    """Return the sheet of a file with points in the column called `column`.
+    """Return the sheets of a file with points in the column called `column`.
 
     The header of ids stands in one of the first rows, that of `column` in the same row or in a sub-header below.
-    A row of somebody without points, and every other cell, stays as it is.
+    A row of somebody without points, and every other cell, stays as it is; so does a later sheet without `column`.
 
     Args:
         content: a workbook or CSV, as `grader.formats.sheets.reading` reads them.
@@ -39,11 +39,30 @@ def fill(content: bytes, column: str, points: Mapping[str, float | None]) -> Fil
         points: by id of the student; None: nothing was handed in.
 
     Raises:
-        CourseError: there is no table, or one of the two columns is missing.
+        CourseError: there is no table, or one of the two columns is missing in the first.
     """
     table = read_table(content, lambda cells: id_column(cells) is not None)
-    ids, target, first = _columns(table, column)
     known = {_folded(person): value for person, value in points.items()}
+    sheets = [_filled(table, _columns(table, column), known)]
+    for other in table.others:
+        try:
+            sheets.append(_filled(other, _columns(other, column), known))
+        except CourseError:
+            ids, header = _ids(other)
+            sheets.append((_filled(other, (ids, ids, header + 1), {})[0], 0, []))
+    names = _sheet_names([one.name for one in (table, *table.others)])
+    return FilledSheet(
+        content=workbook(list(zip(names, (cells for cells, _, _ in sheets), strict=True)), header=False),
+        filled=sum(filled for _, filled, _ in sheets),
+        unknown=tuple(one for _, _, unknown in sheets for one in unknown),
+    )
+
+
+def _filled(
+    table: ListedTable, columns: tuple[int, int, int], known: Mapping[str, float | None]
+) -> tuple[list[list[Cell]], int, list[str]]:
+    """Return the cells of a sheet with points, how many rows got some, and the ids that nobody has."""
+    ids, target, first = columns
     cells: list[list[Cell]] = [[] for _ in range(table.rows[-1].number)]
     filled, unknown = 0, []
     for index, row in enumerate(table.rows):
@@ -62,20 +81,12 @@ def fill(content: bytes, column: str, points: Mapping[str, float | None]) -> Fil
             line += [None] * (target + 1 - len(line))
             line[target] = value
             filled += 1
-    name = _NOT_IN_A_NAME.sub(" ", table.name)[:31].strip() or "成绩"
-    return FilledSheet(content=workbook([(name, cells)], header=False), filled=filled, unknown=tuple(unknown))
+    return cells, filled, unknown
 
 
 def _columns(table: ListedTable, wanted: str) -> tuple[int, int, int]:
     """Return the column of ids, the column to fill, and the index of the first row of a student."""
-    ids, header = next(
-        (
-            (found, i)
-            for i, row in enumerate(table.rows[:HEADER_ROWS])
-            if (found := id_column(row.cells)) is not None
-        ),
-        (-1, 0),
-    )
+    ids, header = _ids(table)
     if ids < 0:
         raise CourseError(
             "no column of ids: one of the first rows must name it, such as id or 学号",
@@ -94,6 +105,19 @@ def _columns(table: ListedTable, wanted: str) -> tuple[int, int, int]:
     raise CourseError(
         f"no column {wanted[:60]!r}; there are: {listed}", f"没有“{wanted[:60]}”这一列；表里有：{listed}"
     )
+
+
+def _ids(table: ListedTable) -> tuple[int, int]:
+    """Return the column of ids and the index of the row that names it; -1 and 0 where there is none."""
+    found = ((id_column(row.cells), index) for index, row in enumerate(table.rows[:HEADER_ROWS]))
+    return next(((ids, index) for ids, index in found if ids is not None), (-1, 0))
+
+
+def _sheet_names(given: list[str]) -> list[str]:
+    """Return names that Excel takes, of which no two are the same."""
+    names = [_NOT_IN_A_NAME.sub(" ", one)[:31].strip() or "成绩" for one in given]
+    unique = len({one.casefold() for one in names}) == len(names)
+    return names if unique else [f"{number} {one}"[:31] for number, one in enumerate(names, 1)]
 
 
 def _folded(person: str) -> str:

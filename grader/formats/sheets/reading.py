@@ -5,8 +5,9 @@ import csv
 import io
 import re
 import sys
+import unicodedata
 import zipfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 
 import msgspec
@@ -48,11 +49,13 @@ class ListedTable(Record):
     Attributes:
         name: of the sheet; empty for CSV.
         encoding: of CSV; empty for a workbook.
+        others: the workbook's other visible sheets with a header.
     """
 
     name: str
     encoding: str
     rows: tuple[ListedRow, ...]
+    others: tuple["ListedTable", ...] = ()
 
 
 class _Sheet(Record):
@@ -83,17 +86,22 @@ def read_table(content: bytes, is_header: Callable[[Sequence[str]], bool]) -> Li
     if content.removeprefix(codecs.BOM_UTF8).lstrip().startswith((_MARKUP, _PDF)):
         raise _refused(DAMAGED)
     if content.startswith((_ZIP, _OLE)):
-        tables: Iterable[ListedTable] = (_of_sheet(one) for one in _workbook(content) if one.visible)
+        tables: Iterator[ListedTable] = (_of_sheet(one) for one in _workbook(content) if one.visible)
     else:
         tables = _of_csv(content)
     first: ListedTable | None = None
     for table in tables:
         first = first or table
-        if any(is_header(row.cells) for row in table.rows[:HEADER_ROWS]):
-            return table
+        if _has_header(table, is_header):
+            others = () if table.encoding else tuple(one for one in tables if _has_header(one, is_header))
+            return ListedTable(name=table.name, encoding=table.encoding, rows=table.rows, others=others)
     if first is None:
         raise CourseError("the file has no table", "文件里没有表格")
     return first
+
+
+def _has_header(table: ListedTable, is_header: Callable[[Sequence[str]], bool]) -> bool:
+    return any(is_header(row.cells) for row in table.rows[:HEADER_ROWS])
 
 
 def _of_sheet(sheet: _Sheet) -> ListedTable:
@@ -107,10 +115,15 @@ def _of_sheet(sheet: _Sheet) -> ListedTable:
 def _text(cell: str | float) -> str:
     """Return a cell as a spreadsheet shows it: of 16 digits or more it has lost the last, so they are left out."""
     if isinstance(cell, str):
-        return cell.strip().removeprefix("'")
+        return _visible(cell).removeprefix("'")
     if cell == int(cell) and abs(cell) < _EXACT_BELOW:
         return str(int(cell))
     return f"{cell:.5E}" if abs(cell) >= _EXACT_BELOW else str(cell)
+
+
+def _visible(cell: str) -> str:
+    """Return a cell without what web pages leave in text that is copied from them, such as zero-width spaces."""
+    return "".join(one for one in cell if unicodedata.category(one) != "Cf").strip()
 
 
 def _workbook(content: bytes) -> list[_Sheet]:
@@ -187,7 +200,7 @@ def _csv_rows(text: str, separator: str) -> tuple[ListedRow, ...]:
 
 
 def _csv_text(cell: str) -> str:
-    text = cell.strip().removeprefix("'")
+    text = _visible(cell).removeprefix("'")
     if kept := _KEPT_AS_TEXT.fullmatch(text):
         return kept[1].strip()
     floated = _FLOATED.fullmatch(text)  # a whole number, written by a program that keeps it as a float

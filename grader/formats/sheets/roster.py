@@ -14,6 +14,9 @@ from grader.contracts.identity import (
     checked_id,
     checked_name,
     checked_section,
+    difference,
+    folded_id,
+    is_person_id,
 )
 from grader.contracts.record import Record
 from grader.contracts.text import Text
@@ -125,24 +128,49 @@ def read_roster(content: bytes) -> Roster:
         except CourseError as error:
             skipped.append(SkippedRow(number=row.number, reason=error.text))
         else:
-            row_of[entry.id.casefold()] = row.number, entry.id
+            row_of[folded_id(entry.id)] = row.number, entry.id
             entries.append(entry)
+    skipped += _left_out(table, row_of)
     if not entries and not skipped:
         raise CourseError("the roster names nobody", "名单里没有人")
     return Roster(entries=tuple(entries), skipped=tuple(skipped), encoding=table.encoding)
 
 
+def _left_out(table: ListedTable, row_of: dict[str, tuple[int, str]]) -> list[SkippedRow]:
+    """Return the headers of other sheets that have people who are not on this one, such as one sheet a class."""
+    found = []
+    for other in table.others:
+        start, columns = _found_header(other)
+        cells = [row.cells[columns["id"] : columns["id"] + 1] for row in other.rows[start:]]
+        ids = [unicodedata.normalize("NFKC", one).strip() for one, *_ in filter(None, cells)]
+        missing = [one for one in ids if is_person_id(one) and folded_id(one) not in row_of]
+        if missing:
+            reason = Text(
+                zh=f"工作表“{other.name}”里有 {len(missing)} 人不在“{table.name}”里（例如 {missing[0]}）："
+                "请把所有人放进一个工作表",
+                en=f"the sheet {other.name!r} has people who are not on {table.name!r}, such as {missing[0]} "
+                f"({len(missing)} in all): put everybody on one sheet",
+            )
+            found.append(SkippedRow(number=other.rows[start - 1].number, reason=reason))
+    return found
+
+
 def _header(table: ListedTable) -> tuple[int, dict[str, int]]:
     """Return the index of the first row below the header, and where each column is."""
-    for index, row in enumerate(table.rows[:HEADER_ROWS]):
-        columns = _columns(row.cells)
-        if columns:
-            _check_once(row, columns)
-            return index + 1, columns
-    raise CourseError(
-        "no column of ids beside one of names: one of the first rows must name the columns, such as id,name,role",
-        "找不到列名：前几行里要有一行写着列名，至少有“学号”和“姓名”两列，例如 学号,姓名,角色",
-    )
+    start, columns = _found_header(table)
+    if not columns:
+        raise CourseError(
+            "no column of ids beside one of names: one of the first rows must name the columns, such as "
+            "id,name,role",
+            "找不到列名：前几行里要有一行写着列名，至少有“学号”和“姓名”两列，例如 学号,姓名,角色",
+        )
+    _check_once(table.rows[start - 1], columns)
+    return start, columns
+
+
+def _found_header(table: ListedTable) -> tuple[int, dict[str, int]]:
+    found = ((index, _columns(row.cells)) for index, row in enumerate(table.rows[:HEADER_ROWS], 1))
+    return next(((start, columns) for start, columns in found if columns), (0, {}))
 
 
 def _columns(cells: Sequence[str]) -> dict[str, int]:
@@ -210,33 +238,28 @@ def _entry(row: ListedRow, columns: dict[str, int]) -> RosterEntry | None:
 
 
 def _joined(first: str, last: str) -> str:
-    """Return a full name: in ASCII the first name comes first, else the last name."""
-    if first.isascii() and last.isascii():
-        return f"{first} {last}".strip()
-    return f"{last}{first}"
+    """Return a full name: in Chinese, Japanese and Korean characters the last name comes first."""
+    if any(unicodedata.east_asian_width(one) in "WF" for one in first + last):
+        return f"{last}{first}"
+    return f"{first} {last}".strip()
 
 
 def _check_new(entry: RosterEntry, row_of: dict[str, tuple[int, str]]) -> None:
-    if entry.id.casefold() not in row_of:
-        return
-    number, before = row_of[entry.id.casefold()]
+    number, before = row_of.get(folded_id(entry.id), (0, ""))
     if before == entry.id:
         raise CourseError(f"{entry.id} stands in line {number} already", f"第 {number} 行已经有 {entry.id}")
-    raise _case_clash(entry.id, before)
+    if before:
+        how = difference(entry.id, before)
+        raise CourseError(
+            f"{entry.id} differs from {before} in line {number} only in {how.en}",
+            f"{entry.id} 和第 {number} 行的 {before} {how.zh}",
+        )
 
 
 def _shifted() -> CourseError:
     return CourseError(
         "more cells than columns: put quotes around a name with a comma",
         "单元格比列多：名字里有逗号时要加引号",
-    )
-
-
-def _case_clash(person: str, known: str) -> CourseError:
-    """Return the error for two ids that differ only in upper and lower case, and so are likely one person."""
-    return CourseError(
-        f"{person} differs from {known} only in upper and lower case: use one of them",
-        f"{person} 和 {known} 只有大小写不同：请统一写法",
     )
 
 

@@ -8,9 +8,11 @@ import re
 from collections.abc import AsyncIterator, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from fastapi import Depends, Header, Path, Query, Request
+from fastapi.dependencies.models import Dependant
+from fastapi.exceptions import RequestValidationError
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 from fastapi.sse import EventSourceResponse
 from pydantic import BeforeValidator
@@ -20,12 +22,14 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Seen, sections_of
 from grader.contracts.notation import decimal, whole
 from grader.contracts.text import LANGUAGES, Language, Text
+from grader.contracts.validation_words import SENT_TWICE
 from grader.use_cases.callers import PLOT_WEIGHT, name_of, require_instructor, require_staff
 from grader.use_cases.people import members
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import visible_submission
 
 _LONGEST_HEADER = 1_000
+_LANGUAGE = "lang"
 _TAG = re.compile(r'(W/)?"([\x21\x23-\x7e\x80-\xff]*)"')  # RFC 9110, section 8.8.3
 
 PEER = "grader.peer"
@@ -98,6 +102,30 @@ def under_way(request: Request, services: Services, caller: Caller) -> Iterator[
         yield
 
 
+def parameters(dependant: Dependant, kind: Literal["query_params", "body_params"]) -> dict[str, bool]:
+    """Return all parameters of a kind that an endpoint and its dependencies read, and which must be sent."""
+    own = {one.alias: one.field_info.is_required() for one in getattr(dependant, kind)}
+    return own | {
+        name: is_required
+        for one in dependant.dependencies
+        for name, is_required in parameters(one, kind).items()
+    }
+
+
+def _refuse_unknown_parameters(request: Request) -> None:
+    """Refuse an address with a parameter that is not read: a misspelt filter would show everything."""
+    given = request.query_params
+    known = {_LANGUAGE: False} | (
+        parameters(request.scope["route"].dependant, "query_params") if given else {}
+    )
+    wrong = [("extra_forbidden", name) for name in given if name not in known]
+    wrong += [(SENT_TWICE[0], name) for name in given if len(given.getlist(name)) > 1]
+    if wrong:
+        raise RequestValidationError(
+            [{"type": kind, "loc": ("query", name), "msg": ""} for kind, name in wrong]
+        )
+
+
 async def _errand(
     request: Request, services: ServicesDep, caller: Annotated[Caller, Depends(_identified)]
 ) -> AsyncIterator[Errand]:
@@ -106,7 +134,9 @@ async def _errand(
     Raises:
         RefusedError: a token is needed and missing, unknown, expired or revoked; a student asks too often, or
             somebody for too much at once.
+        RequestValidationError: the address has a parameter that the endpoint does not have, or one twice.
     """
+    _refuse_unknown_parameters(request)
     with under_way(request, services, caller):
         yield Errand(services, caller)
 
@@ -148,7 +178,7 @@ async def requested_language(  # on the event loop: what is no coroutine waits f
 
 def language_of(request: Request) -> Language:
     """Return the language for an answer to a request that may itself be wrong."""
-    asked = request.query_params.get("lang")
+    asked = request.query_params.get(_LANGUAGE)
     for language in LANGUAGES:
         if asked == language:
             return language

@@ -11,6 +11,7 @@ import time
 import uuid
 from collections.abc import Callable, Coroutine
 from datetime import datetime
+from http import HTTPStatus
 from typing import Any
 from urllib.parse import urlsplit, urlunsplit
 
@@ -25,7 +26,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.validation_words import SENT_TWICE
 from grader.operation import logs
 from grader.operation.metrics import Metrics
-from grader.service.requests.dependencies import PEER
+from grader.service.requests.dependencies import PEER, parameters
 from grader.use_cases.handing_in import most_upload_bytes, too_large
 
 MOST_BYTES = 1024 * 1024
@@ -45,6 +46,7 @@ _HEADERS = {
 }
 _OF_STREAMS = "no-cache"  # FastAPI's; a cache that many share might keep the stream
 _SLASH_REDIRECT = 307
+_OF_A_BODY = ("Content-Length", "Content-Type", "Content-Encoding", "Content-Disposition")
 _WELL_FORMED = re.compile(r"[A-Za-z0-9._-]{8,64}")
 _METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 _OFTEN_ASKED = frozenset({"/healthz", "/metrics", "/static"})  # by machines; they would fill the log
@@ -125,6 +127,38 @@ class HeldToTheEnd:
             await send({"type": "http.response.body", "body": b"", "more_body": False})
 
         await self._app(scope, receive, send_in_two if scope["type"] == "http" else send)
+
+
+class Unchanged:
+    """ASGI middleware that answers 304 where the client has what it asks for (RFC 9110, section 13.1.2).
+
+    The dashboard looks by itself, because its tag is known before its content is made. What nobody may keep is
+    always sent: its tag is that of what may be changed, and more stands beside it.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one request."""
+        is_read = scope["type"] == "http" and scope["method"] == "GET"
+        held = Headers(scope=scope).get("if-none-match") if is_read else None
+        is_held = False
+
+        async def send_unless_held(message: Message) -> None:
+            nonlocal is_held
+            if message["type"] == "http.response.start" and message["status"] == HTTPStatus.OK:
+                headers = MutableHeaders(scope=message)
+                is_held = not _is_kept_by_nobody(headers) and _names(held or "", headers.get("etag", ""))
+                if is_held:
+                    message["status"] = HTTPStatus.NOT_MODIFIED.value
+                    for name in _OF_A_BODY:
+                        del headers[name]
+            elif is_held:
+                message = {**message, "body": b""}
+            await send(message)
+
+        await self._app(scope, receive, send if held is None else send_unless_held)
 
 
 class HeadAsGet:
@@ -245,17 +279,22 @@ def arrival_of(request: Request) -> datetime:
     return instant
 
 
-async def single_parts(request: Request) -> None:
-    """Refuse a form with two parts of one name: only one of them would be read.
+async def known_parts(request: Request) -> None:
+    """Refuse a form with a part that is not read: the second of a name, or one whose name is misspelt.
 
     Raises:
         RequestValidationError: there is one.
     """
     form = await request.form()
-    kind, told = SENT_TWICE
-    twice = [name for name in form if len(form.getlist(name)) > 1]
-    if twice:
-        errors = [{"type": kind, "loc": ("body", name), "msg": told} for name in dict.fromkeys(twice)]
+    known = parameters(request.scope["route"].dependant, "body_params")
+    problems = [(SENT_TWICE[0], name) for name in dict.fromkeys(form) if len(form.getlist(name)) > 1]
+    if unknown := [("extra_forbidden", name) for name in form if name not in known]:
+        problems += unknown
+        problems += [
+            ("missing", name) for name, is_required in known.items() if is_required and name not in form
+        ]
+    errors = [{"type": kind, "loc": ("body", name), "msg": ""} for kind, name in problems]
+    if errors:
         raise RequestValidationError(errors)
 
 
@@ -306,6 +345,16 @@ class Observed:
             await self._app(scope, receive, send_with_id)
         finally:
             note()
+
+
+def _is_kept_by_nobody(headers: Headers) -> bool:
+    return "no-store" in headers.get("cache-control", "")
+
+
+def _names(if_none_match: str, etag: str) -> bool:
+    """Whether a header If-None-Match names the ETag of an answer, be it weak or not."""
+    tags = {one.strip().removeprefix("W/") for one in if_none_match.split(",")}
+    return bool(etag) and bool({"*", etag.removeprefix("W/")} & tags)
 
 
 def _on_this_host(address: str) -> str:

@@ -95,7 +95,7 @@ class AppealQueue(View):
 @router.get(
     "",
     summary="What students ask to be looked at again",
-    responses=responses("forbidden", "invalid_request"),
+    responses=responses("forbidden", "invalid_request", "unknown_assignment"),
 )
 def read_appeals(  # noqa: PLR0913
     errand: StaffDep,

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Response, status
 from fastapi.responses import StreamingResponse
-from pydantic import Field
+from pydantic import Field, StrictBool
 
 from grader.service.requests.answers import PRIVATE, to_save
 from grader.service.requests.dependencies import InstructorDep, StaffDep
@@ -46,7 +46,7 @@ class NewCourseView(View):
 class ArchiveBody(Body):
     """Whether the course can only be read."""
 
-    archived: bool
+    archived: StrictBool
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
 
 
@@ -63,7 +63,7 @@ class OldWorkBody(Body):
     """Which submissions shall be erased."""
 
     older_than_days: Annotated[Whole, Field(ge=1, le=MOST_DAYS_OLD)] = Field(examples=[400])
-    dry_run: bool = Field(default=False, description="Only tell what would be erased.")
+    dry_run: StrictBool = Field(default=False, description="Only tell what would be erased.")
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
 
 

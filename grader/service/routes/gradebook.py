@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, File, Query, Response, UploadFile
+from fastapi import APIRouter, Depends, File, Query, Response, UploadFile
 from fastapi.responses import JSONResponse
 
 from grader.formats.sheets.writing import MEDIA_TYPE
@@ -16,7 +16,7 @@ from grader.service.requests.dependencies import (
     StaffDep,
     SubmissionId,
 )
-from grader.service.requests.middleware import MOST_BYTES
+from grader.service.requests.middleware import MOST_BYTES, known_parts
 from grader.service.routes.problems import responses
 from grader.use_cases.gradebook import (
     Format,
@@ -101,6 +101,7 @@ def read_workbook(  # noqa: PLR0913, PLR0917
 
 @router.post(
     "/gradebook/fill",
+    dependencies=[Depends(known_parts)],
     summary="Fill points into a sheet of one's own",
     response_class=Response,
     responses={

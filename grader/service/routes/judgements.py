@@ -193,7 +193,7 @@ class WaitingList(View):
 @router.get(
     "/waiting",
     summary="What waits for a person",
-    responses=responses("forbidden", "invalid_request"),
+    responses=responses("forbidden", "invalid_request", "unknown_assignment"),
 )
 def read_waiting(  # noqa: PLR0913
     errand: StaffDep,

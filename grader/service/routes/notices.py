@@ -4,7 +4,7 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Path, Response, status
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, StrictBool
 
 from grader.contracts.notice import MailWishes, NewWebhook, NoticeKind, Outlet, Vendor
 from grader.service.requests.answers import PRIVATE
@@ -52,9 +52,9 @@ class WebhookView(View):
 class MailBody(Body):
     """What is e-mailed."""
 
-    due: bool = Field(description="A day before, to students who have handed nothing in.")
-    graded: bool = Field(description="To students, what counts of theirs.")
-    faults: bool = Field(description="To instructors, what the service failed to grade.")
+    due: StrictBool = Field(description="A day before, to students who have handed nothing in.")
+    graded: StrictBool = Field(description="To students, what counts of theirs.")
+    faults: StrictBool = Field(description="To instructors, what the service failed to grade.")
 
 
 class NoticeView(View):

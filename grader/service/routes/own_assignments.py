@@ -3,14 +3,14 @@
 from datetime import datetime
 from typing import Annotated
 
-from fastapi import APIRouter, File, Path, Query, Response, UploadFile, status
+from fastapi import APIRouter, Depends, File, Path, Query, Response, UploadFile, status
 from pydantic import Field
 
 from grader.contracts.own_assignment import OwnAssignment, OwnState
 from grader.contracts.text import EMPTY, Language
 from grader.service.requests.answers import PRIVATE, to_save
 from grader.service.requests.dependencies import InstructorDep, LanguageDep, StaffDep
-from grader.service.requests.middleware import MOST_BYTES
+from grader.service.requests.middleware import MOST_BYTES, known_parts
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases import own_assignments
@@ -72,6 +72,7 @@ def read_all(errand: StaffDep, language: LanguageDep, response: Response) -> Own
 
 @router.post(
     "",
+    dependencies=[Depends(known_parts)],
     summary="Upload an assignment",
     status_code=status.HTTP_202_ACCEPTED,
     responses=responses(

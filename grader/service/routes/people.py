@@ -3,14 +3,14 @@
 from datetime import datetime
 from typing import Annotated, Any
 
-from fastapi import APIRouter, File, Path, Query, Response, UploadFile, status
+from fastapi import APIRouter, Depends, File, Path, Query, Response, UploadFile, status
 from pydantic import Field
 
 from grader.contracts.assignment import Distro
 from grader.contracts.identity import Role, RosterEntry
 from grader.service.requests.answers import PRIVATE
 from grader.service.requests.dependencies import ErrandDep, InstructorDep, LanguageDep, QueryWhole, StaffDep
-from grader.service.requests.middleware import MOST_BYTES
+from grader.service.requests.middleware import MOST_BYTES, known_parts
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases import people, signing_in
@@ -202,6 +202,7 @@ def read_members(
 
 @router.post(
     "/members/import",
+    dependencies=[Depends(known_parts)],
     summary="Import a class list",
     responses=responses(*_CHANGING, "invalid_roster", "malformed_body", "too_large"),
 )
@@ -259,12 +260,13 @@ def delete_member(
     status_code=status.HTTP_201_CREATED,
     responses=responses(*_CHANGING, "member_not_found", "malformed_body", "too_large"),
 )
-def make_token(errand: InstructorDep, person: PersonId, body: TokenBody, response: Response) -> TokenView:
+def make_token(
+    errand: InstructorDep, person: PersonId, response: Response, body: TokenBody | None = None
+) -> TokenView:
     """Return a new token, which is shown this once; older ones work on."""
+    days = (body or TokenBody()).days
     response.headers.update(PRIVATE)
-    return TokenView(
-        person=person, token=people.give_token(errand.services, errand.caller, person, body.days)
-    )
+    return TokenView(person=person, token=people.give_token(errand.services, errand.caller, person, days))
 
 
 @router.get(

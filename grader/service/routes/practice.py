@@ -14,7 +14,7 @@ from grader.contracts.grading import RunProgress
 from grader.contracts.report import GradeStatus
 from grader.contracts.text import Language
 from grader.service.requests.dependencies import ErrandDep, LanguageDep
-from grader.service.requests.middleware import UploadRoute, single_parts
+from grader.service.requests.middleware import UploadRoute, known_parts
 from grader.service.routes.problems import problem_of, responses
 from grader.service.routes.submissions import (
     AssignmentField,
@@ -32,7 +32,7 @@ router = APIRouter(
     prefix="/api/v1/practice",
     tags=["practice"],
     route_class=UploadRoute,
-    dependencies=[Depends(single_parts)],
+    dependencies=[Depends(known_parts)],
 )
 _PROBLEMS = (
     "no_course",

@@ -393,7 +393,8 @@ async def _on_invalid(request: Request, error: Exception) -> JSONResponse:
 
 
 def _field_error(problem: Any, language: Language) -> FieldError:
-    where = [str(part) for part in problem["loc"]]
+    is_no_json = problem["type"] == "json_invalid"  # then the place is a number of characters, of no field
+    where = [str(part) for part in problem["loc"][: 1 if is_no_json else None]]
     name = ".".join(where[1:] if where[0] == "body" and len(where) > 1 else where)
     return FieldError(
         field=visible_line(name, _LONGEST_ECHO), detail=visible_line(said(problem, language), _LONGEST_ECHO)

@@ -169,6 +169,7 @@ class History(View):
         "malformed_body",
         "too_large",
         "assignment_not_found",
+        "unknown_student",
         "nothing_to_regrade",
         "regrade_open",
         "course_archived",

@@ -7,6 +7,7 @@ import json
 from collections.abc import Mapping
 from datetime import datetime
 from typing import Annotated, Any
+from uuid import UUID
 
 from fastapi import APIRouter, Depends, File, Form, Header, Query, Request, Response, UploadFile, status
 from pydantic import BeforeValidator, Field
@@ -29,7 +30,7 @@ from grader.service.requests.dependencies import (
     QueryWhole,
     SubmissionId,
 )
-from grader.service.requests.middleware import UploadRoute, arrival_of, single_parts
+from grader.service.requests.middleware import UploadRoute, arrival_of, known_parts
 from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases import submissions
@@ -43,7 +44,7 @@ uploads = APIRouter(
     prefix="/api/v1/submissions",
     tags=["submissions"],
     route_class=UploadRoute,
-    dependencies=[Depends(single_parts)],
+    dependencies=[Depends(known_parts)],
 )
 _EXAMPLE_ID = "0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f"
 
@@ -263,7 +264,7 @@ class SubmissionPage(View):
 @router.get(
     "",
     summary="The class's submissions",
-    responses=responses("invalid_request"),
+    responses=responses("invalid_request", "unknown_assignment", "unknown_student"),
 )
 def read_all(  # noqa: PLR0913
     errand: ErrandDep,
@@ -276,12 +277,18 @@ def read_all(  # noqa: PLR0913
         Instant | None,
         Query(description="Received then or later; without an offset on the clock of the course."),
     ] = None,
-    after: Annotated[str | None, Query(max_length=36, description="From `next_after`.")] = None,
+    after: Annotated[UUID | None, Query(description="From `next_after`.")] = None,
     limit: Annotated[QueryWhole, Query(ge=1, le=1_000)] = 100,
 ) -> SubmissionPage:
     """Return every submission of the class, page by page; a student gets their own."""
     response.headers["Cache-Control"] = "no-store"
-    wanted = SubmissionFilter(student=student, assignment=assignment, state=state, since=since, after=after)
+    wanted = SubmissionFilter(
+        student=student,
+        assignment=assignment,
+        state=state,
+        since=since,
+        after=None if after is None else str(after),
+    )
     found, more = submissions.listed(errand.services, errand.caller, wanted, limit)
     lines = [SubmissionLine.of(one) for one in found]
     return SubmissionPage(submissions=lines, next_after=more)

@@ -111,7 +111,7 @@ def read_student(errand: StaffDep, student: str, assignment: _Id = "") -> Respon
     )
     known = names(errand.services, errand.caller)
     if not errand.caller.may_see(errand.caller.course, student) or (not attempts and student not in known):
-        raise RefusedError("submission_not_found")
+        raise RefusedError("member_not_found")
     every = errand.services.assignments.of(errand.caller.course).all()
     by_assignment: dict[str, list[Submission]] = {one.id: [] for one in every}
     for one in attempts:

@@ -8,7 +8,6 @@ from fastapi.responses import JSONResponse, RedirectResponse
 from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.identity import is_person_id
 from grader.contracts.judgement import judged
 from grader.contracts.regrade import Wanted, Which
 from grader.messages import on_page
@@ -63,9 +62,9 @@ def read_all(errand: StaffDep, order: Annotated[Order, Query()]) -> Response:
 def start(errand: InstructorDep, order: Annotated[Order, Form()]) -> Response:
     """Start a trial and lead to its page; on a refusal show the form with the reason."""
     students = [one for one in _SEPARATORS.split(order.students) if one]
-    wrong = _refused_students(errand, students)
-    if wrong is not None:
-        return _list(errand, order, wrong)
+    if len(students) > _MOST_STUDENTS:
+        text = on_page(errand.language, "regrade.many_students", most=_MOST_STUDENTS)
+        return _list(errand, order, FormError(field="students", text=text))
     try:
         wanted = Wanted(assignment=order.assignment, which=order.which, students=tuple(students))
         started = open_regrade(errand.services, errand.caller, wanted)
@@ -148,24 +147,12 @@ def _one(
     return page(errand.request, "regrade.html", status=200 if wrong is None else 422, **values)
 
 
-def _refused_students(errand: access.PageErrand, students: list[str]) -> FormError | None:
-    """Return what is wrong with the named students, None when nothing is."""
-    language, known = errand.language, names(errand.services, errand.caller)
-    unknown = [one for one in students if not is_person_id(one) or (known and one not in known)]
-    if unknown:
-        text = on_page(language, "regrade.unknown_students", students=", ".join(unknown[:10]))
-        return FormError(field="students", text=text)
-    if len(students) > _MOST_STUDENTS:
-        return FormError(
-            field="students", text=on_page(language, "regrade.many_students", most=_MOST_STUDENTS)
-        )
-    return None
-
-
 def _refusal(request: Request, problem: RefusedError) -> FormError:
     language = language_of(request)
     if problem.code == "nothing_to_regrade":
         return FormError(field="students", text=on_page(language, "regrade.nothing_fits"))
+    if problem.code == "unknown_student" and problem.detail is not None:
+        return FormError(field="students", text=problem.detail.get(language))
     if problem.code == "regrade_open":
         return FormError(field="assignment", text=on_page(language, "regrade.open_already"))
     return FormError(field="assignment", text=form_problem(problem, language).title)

@@ -21,7 +21,7 @@ import _thread
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
     from typing import NoReturn, Protocol
 
     class World(Protocol):
@@ -236,6 +236,7 @@ class Kernel:
         self._preempt_ns = FOREVER_NS
         self._slices = False
         self._slice_end_ns = 0
+        self._holds = False  # whether the condition of the thread chosen last was found to hold
         # What `replan` found: the first signal, and the world if time only depends on it and the one thread.
         self._bound_ns = FOREVER_NS
         self._lone_world: World | None = None
@@ -370,20 +371,20 @@ class Kernel:
             self._preempt_ns = min(self._limit_ns, self._alarm_ns, self._slice_end_ns)
         return True
 
-    def skip_to_pose(self, before_ns: int) -> tuple[int, ...]:
+    def skip_to_pose(self, ready: Callable[[], bool], before_ns: int) -> tuple[int, ...]:
         """Jump to the next pose that is computed here (`_reckoning`), if nothing else can happen before it.
 
         Returns:
             The subscriptions that got it. Nobody: it did not jump, nothing was done, and the caller must `wait`.
-            It does not if no pose is computed here, if the next one is due at `before_ns` or later, or if another
-            thread, a signal or an alarm may come first.
+            It does not if no pose is computed here, if the next one is due at `before_ns` or later, if another
+            thread, a signal or an alarm may come first, or if `ready()` holds.
         """
         world = self._lone_world
         if world is None or not world.reckons:
             return ()
         pose_ns = world.quiet_ns
         limit_ns = self._bound_ns
-        if not self.now_ns < pose_ns < before_ns or pose_ns >= limit_ns:
+        if not self.now_ns < pose_ns < before_ns or pose_ns >= limit_ns or ready():
             return ()
         heard = world.deliver_pose()
         self.now_ns = pose_ns
@@ -482,18 +483,22 @@ class Kernel:
         if self._signals:
             limit_ns = 0  # the next charge must come to `_pause`, which delivers them
         self._bound_ns = limit_ns
-        world = self._coupled()
-        self._lone_world = world if len(self.threads) == 1 else None
         self._slices = True
         if len(self.threads) > 1:
+            self._lone_world = None
             self._quiet_until_ns = 0  # every sleep goes through the scheduler
-            others_ns = FOREVER_NS
+            others_ns, running = FOREVER_NS, self.running
             for thread in self.threads:
-                if thread.deadline_ns < others_ns and thread is not self.running:
+                if thread.deadline_ns < others_ns and thread is not running:
                     others_ns = thread.deadline_ns
-            # Not before now + 1: a thread that is due keeps no other from the one operation it is about to do.
-            self._preempt_ns = min(limit_ns, self._slice_end_ns, max(others_ns, self.now_ns + 1))
-        elif world is not None:
+            if others_ns <= self.now_ns:
+                others_ns = (
+                    self.now_ns + 1
+                )  # one that is due keeps no other from the operation it is about to do
+            self._preempt_ns = min(limit_ns, self._slice_end_ns, others_ns)
+            return
+        self._lone_world = world = self._coupled()
+        if world is not None:
             self._quiet_until_ns = min(limit_ns, world.quiet_ns)
             self._preempt_ns = min(limit_ns, self._slice_end_ns)
         else:
@@ -524,7 +529,8 @@ class Kernel:
         if len(self.threads) == 1 and (ended := self._block_alone(me, asked=asked)) is not None:
             return ended
         while True:
-            chosen = self._choose(self.threads.index(me))
+            chosen = self._choose(self.threads.index(me), me if asked else None)
+            asked = False
             if chosen is not me:
                 self._hand_over(chosen)
                 me.baton.acquire()
@@ -532,8 +538,9 @@ class Kernel:
             # Signals come before the condition, as in Python: Ctrl+C interrupts a wait that could end just now.
             if self._signals and me is self.main:
                 self._deliver()
+                self._holds = False
             # The condition comes before the deadline: what arrived in time is not reported as a timeout.
-            if me.ready():
+            if self._holds or me.ready():
                 return True
             if me.deadline_ns <= self.now_ns:
                 return False
@@ -554,23 +561,37 @@ class Kernel:
             elif me.deadline_ns <= self.now_ns:
                 self.replan()
                 return False
-            self._pass_time(self.threads)
+            self._pass_time(min(self._alarm_ns, me.deadline_ns), me.ready is never)
         return None
 
-    def _choose(self, position: int) -> Thread:
-        """Return the thread to run after the one at `position`, letting time pass until there is one."""
+    def _choose(self, position: int, asked: Thread | None = None) -> Thread:
+        """Return the thread to run after the one at `position`, letting time pass until there is one.
+
+        `asked`: its condition has just been asked, and did not hold.
+        """
+        self._holds = False
         while True:
             threads = self.threads
             if self._signals:
                 return self.main  # only the main thread handles signals, whatever it waits for
             if self.called:
                 return self.called.pop(0)
+            now_ns, target_ns = self.now_ns, self._alarm_ns
+            asleep = True  # then nobody looks at what comes before
             # Round robin from the one after the last: the first in the list alone would starve the others.
             turn = position + 1
             for thread in threads if len(threads) == 1 else (*threads[turn:], *threads[:turn]):
-                if thread.deadline_ns <= self.now_ns or thread.ready():
+                deadline_ns, ready = thread.deadline_ns, thread.ready
+                if deadline_ns <= now_ns:
                     return thread
-            self._pass_time(threads)
+                if ready is not never:
+                    if thread is not asked and ready():
+                        self._holds = True
+                        return thread
+                    asleep = False
+                target_ns = min(target_ns, deadline_ns)
+            asked = None
+            self._pass_time(target_ns, asleep)
 
     def _hand_over(self, chosen: Thread) -> None:
         # Nothing in here can fail half-way, not even with RecursionError; `chosen` makes the new plan.
@@ -583,18 +604,24 @@ class Kernel:
         self._streak = chosen.streak
         chosen.baton.release()
 
-    def _pass_time(self, threads: Iterable[Thread]) -> None:
-        """Nobody can run: move time to the next instant at which somebody may."""
-        target_ns = self._alarm_ns
-        asleep = True  # then nobody looks at what comes before
-        for thread in threads:
-            target_ns = min(target_ns, thread.deadline_ns)
-            asleep = asleep and thread.ready is never
+    def _pass_time(self, target_ns: int, asleep: bool) -> None:
+        """Nobody can run: move time to `target_ns`, when the first deadline comes, or to what happens before.
+
+        `asleep`: nobody looks at what comes before.
+        """
+        world = self._coupled()
         # While the world is coupled something may still arrive, and a spinning node may idle until the horizon.
-        if target_ns == FOREVER_NS and self._coupled() is None and not any(t.idle for t in threads):
+        if target_ns == FOREVER_NS and world is None and not any(thread.idle for thread in self.threads):
             self.end("stalled")
         target_ns = min(target_ns, self._limit_ns)
-        self._move_to(target_ns, target_ns if asleep else 0)
+        if world is not None and world.reckons and not asleep and self.now_ns < world.quiet_ns < target_ns:
+            # a shortcut for what `_move_to` would do with every pose that is computed here
+            pose_ns = world.quiet_ns
+            world.deliver_pose()
+            self.now_ns = pose_ns
+            self._slice_end_ns = pose_ns + SLICE_NS
+        else:
+            self._move_to(target_ns, target_ns if asleep else 0)
 
     def _coupled(self) -> World | None:
         """Return the world if time may only move with its consent; after Ctrl+C it is not asked any more."""

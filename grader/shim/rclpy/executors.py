@@ -353,10 +353,11 @@ class Executor:
 
     def _block(self, watch: Watch, deadline_ns: int | None) -> None:
         """Block until the watch is ready, the executor is woken or the earliest deadline has come."""
-        woken, valid, watch_ready = self._woken, self._context._valid, watch.ready
+        woken, context, watch_ready = self._woken, self._context.handle, watch.ready
+        assert context is not None
 
         def ready() -> bool:
-            return bool(woken) or self._is_shutdown or not valid() or watch_ready()
+            return bool(woken) or self._is_shutdown or not context.valid or watch_ready()
 
         due_ns = watch.deadline_ns
         until_ns = (
@@ -367,7 +368,7 @@ class Executor:
             kernel.be_late(watch.late_ns)
         if self._is_shutdown:
             raise ShutdownException()
-        if not valid():
+        if not context.valid:
             raise ExternalShutdownException()
 
     def _why(self) -> str:
@@ -694,7 +695,7 @@ class SingleThreadedExecutor(Executor):
             due_ns = deadline_ns
             if due_ns <= kernel.now_ns:
                 return ()
-        return () if watch.ready() else skip_to_pose(due_ns)
+        return skip_to_pose(watch.ready, due_ns)
 
     def _spin_once_impl(self, timeout_sec: float | TimeoutObject | None = None) -> None:
         handler: Task | _Call | None = None

@@ -256,7 +256,7 @@ def test_a_sum_that_is_never_set_back_is_told_and_no_number_of_sides() -> None:
         "    def tick(self):\n        self.t += {step}\n        if self.t >= limit:\n"
         "            self.step += 1\n{back}"
     )
-    assert cause("sides_missing", source.format(step="0.02", back="")) == "count_not_reset"
+    assert cause("sides_missing", source.format(step="0.02", back="")) == "sum_not_reset"
     assert cause("sides_missing", source.format(step="1", back="")) == "sides_missing"
     back = "            self.t = 0.0\n"
     assert cause("sides_missing", source.format(step="0.02", back=back)) == "sides_missing"
@@ -274,7 +274,7 @@ def test_instants_on_one_scale_are_no_sums_to_be_set_back() -> None:
     )
     branches = [f"        if self.t >= {at}:\n            self.step = {at}\n" for at in (2.0, 3.57, 5.57)]
     assert cause("unequal_sides", begin + "".join(branches)) == "unequal_sides"
-    assert cause("unequal_sides", begin + "".join(branches[:2])) == "count_not_reset"
+    assert cause("unequal_sides", begin + "".join(branches[:2])) == "sum_not_reset"
 
 
 def test_a_start_time_is_kept_only_where_nothing_takes_it_anew() -> None:

@@ -192,14 +192,20 @@ def test_notes(note: Note, changes: dict[str, object], code: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("code", "place"), [("thread_exception", "Thread-1 (go), line 9"), ("caught", "line 9")]
+    ("code", "place", "end"),
+    [("thread_exception", "Thread-1 (go), line 9", "."), ("caught", "line 9", "Mend it first:")],
 )
-def test_what_ended_a_thread_or_was_caught_is_explained_as_well(code: str, place: str) -> None:
+def test_what_ended_a_thread_or_was_caught_is_explained_as_well(code: str, place: str, end: str) -> None:
     text = f"{place}: AssertionError: The 'x' field must be of type 'float'"
     hint = silent(notes=(Note(code=code, text=text),)).hint
-    assert text in hint.zh
+    assert (text in hint.zh) == (code == "thread_exception")  # what was caught is told once
     assert "第 9 行：字段 x 必须是浮点数" in hint.zh
-    assert ". Line 9: the field x must be a float" in hint.en
+    assert f"{end} Line 9: the field x must be a float" in hint.en
+
+
+def test_a_caught_error_without_a_known_meaning_is_quoted() -> None:
+    text = "line 9: AssertionError: more"
+    assert text in silent(notes=(Note(code="caught", text=text),)).hint.zh
 
 
 def test_sideways() -> None:

@@ -295,16 +295,23 @@ def test_tiny_corners_are_no_arcs_of_a_car_that_slips() -> None:
 
 
 @pytest.mark.parametrize(
-    ("source", "code"),
+    ("source", "over", "code"),
     [
-        ("m.angular.z = v", "no_drive"),
-        ("m.linear.x = v\nm.angular.z = w", "endless_turn"),
-        ("", "endless_turn"),
+        ("m.angular.z = v", True, "no_drive"),
+        ("m.linear.x = v\nm.angular.z = w", True, "no_drive"),
+        ("", True, "no_drive"),
+        ("m.angular.z = v", False, "no_drive"),
+        ("m.linear.x = v\nm.angular.z = w", False, "endless_turn"),
+        ("", False, "endless_turn"),
     ],
 )
-def test_a_script_without_a_linear_speed_is_told_to_drive(source: str, code: str) -> None:
-    turning = drive([(14.0, 0.0, 1.0), (0.2, 0.0, 0.0)])
-    assert with_source("square", turning, source).mistakes[0] == code
+def test_a_script_that_never_drives_is_told_to_drive(source: str, over: bool, code: str) -> None:
+    """A turn that lasts to the end of the run may be all that kept it from driving."""
+    turning, status = drive([(14.0, 0.0, 1.0), (0.2, 0.0, 0.0)]), RunStatus.FINISHED
+    if not over:
+        turning = replace(turning, commands=tuple(one for one in turning.commands if one.w_radps))
+        status = RunStatus.INTERRUPTED
+    assert with_source("square", turning, source, status).mistakes[0] == code
 
 
 def test_sides_that_were_backed_in_turn_are_told_before_the_corners_they_draw() -> None:

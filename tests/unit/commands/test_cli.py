@@ -39,7 +39,7 @@ def test_a_setting_names_the_language_of_commands(
         (["check", "a.py", "--a", "x"], "--a 写得不完整", "ambiguous option"),
         (["token", "revoke"], "要写其中一个：person --token", "is required"),
         (["token", "issue", "li", "--days", "0"], "天数从 1 到", "1 to 3660 days"),
-        (["serve", "--port", "x"], "--port 要写整数，不能是 'x'", "invalid int value"),
+        (["serve", "--port", "x"], "--port：'x' 不行：要写整数", "write a whole number"),
         (["run", "a.py", "--for", "x"], "--for：'x' 不行：要写虚拟秒数", "write virtual seconds"),
         (["run", "a.py", "--speed", "0"], "--speed：'0' 不行：要写倍数", "write a factor"),
         (["run", "a.py", "--topic", "a b"], "不是话题名", "no name of a topic"),

@@ -96,6 +96,27 @@ def test_an_extension_changes_only_what_is_named(grader, shown) -> None:
     assert "square" not in shown()
 
 
+def test_several_students_are_extended_at_once(database: Database, grader, shown) -> None:
+    Courses(database, utc_now).import_roster("ros", [RosterEntry(id="2", name="2")], "test")
+    grader("rules", "extend", "1, 2", "square", "--extra-attempts", "2")
+    assert sorted(shown()["square"]["extensions"]) == ["1", "2"]
+
+
+def test_what_is_no_number_is_told_in_words(grader, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        grader("rules", "extend", "1", "square", "--extra-attempts", "two")
+    assert "'two' will not do: write a whole number" in capsys.readouterr().err
+
+
+def test_a_section_that_nobody_is_in_is_told(database: Database, grader) -> None:
+    """Its name may be misspelt; it may also be filled later."""
+    Courses(database, utc_now).import_roster("ros", [RosterEntry(id="2", name="2", sections=("A",))], "test")
+    rules = [{"section": one, "due": "2026-03-20T00:00:00"} for one in ("A", "a")]
+    told = grader("rules", "set", "square", "due=2026-03-20T00:00:00", f"by_section={json.dumps(rules)}")[1]
+    assert told.splitlines()[-1] == "note: nobody is in the section a"
+    assert "note" not in grader("rules", "set", "square", "attempts=5")[1]
+
+
 def test_the_same_due_date_on_another_clock_is_no_change(grader) -> None:
     extend = ("rules", "extend", "1", "square", "--due", "2026-03-27T23:59:59")
     grader("rules", "set", "square", "due=2026-03-20T23:59:59")
@@ -143,6 +164,8 @@ def test_what_somebody_else_changes_meanwhile_stays(
         ("due=tomorrow", "要填一个时间", "date and time"),
         ("due=2026-03-20", "要填一个时间", "date and time"),
         ("counts=best_before_due", "要有 due", "needs a due date"),
+        ("atempts=3", "是不是 attempts？", "do you mean attempts?"),
+        ("by_section=A", 'by_section=[{"section":"A"', 'by_section=[{"section":"A"'),
         ("colour=red", "写成 规则=值", "RULE=VALUE"),
         ("late=[1]", "JSON 对象", "JSON object"),
         ("attempts=3 attempts=4", "写了两次", "is given twice"),
@@ -162,6 +185,7 @@ def test_rules_that_make_no_sense_change_nothing(grader, shown, rule: str, zh: s
     ("arguments", "zh"),
     [
         (("9", "square", "--extra-attempts", "1"), "没有成员 9"),
+        (("1,9,8", "square", "--extra-attempts", "1"), "没有成员 9, 8"),
         (("1", "spiral", "--extra-attempts", "1"), "没有作业"),
         (("1", "square"), "请给出 --due 或 --extra-attempts"),
         (("1", "square", "--due", "soon"), "要填一个时间"),

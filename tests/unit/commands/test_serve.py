@@ -1,3 +1,4 @@
+import argparse
 import asyncio
 import gc
 import socket
@@ -5,7 +6,7 @@ import socket
 import pytest
 from fastapi import FastAPI
 
-from grader.commands.serve import _Server
+from grader.commands.serve import _Server, configure
 
 
 def test_garbage_is_collected_once_a_server_has_started(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -27,3 +28,13 @@ def test_garbage_is_collected_once_a_server_has_started(monkeypatch: pytest.Monk
         assert asyncio.run(started_and_stopped())
     finally:
         gc.enable()
+
+
+@pytest.mark.parametrize("text", ["abc", "1_0", "１０"])
+def test_options_take_plain_digits(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    parser = argparse.ArgumentParser()
+    configure(parser)
+    with pytest.raises(SystemExit):
+        parser.parse_args(["--port", text])
+    assert text in capsys.readouterr().err
+    assert parser.parse_args(["--port", "10"]).port == 10

@@ -3,6 +3,7 @@
 import enum
 from datetime import datetime
 from typing import Annotated, Any, Literal
+from uuid import UUID
 
 import pytest
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -29,6 +30,7 @@ class Everything(BaseModel):
     at: datetime | None = None
     many: Annotated[list[int], Field(max_length=1)] = []
     inner: "Everything | None" = None
+    id: UUID | None = None
 
 
 @pytest.mark.parametrize(
@@ -45,7 +47,7 @@ class Everything(BaseModel):
         ("share", "x", "number"),
         ("share", None, "number"),
         ("share", "nan", "finite"),
-        ("text", "a", "at least 2"),
+        ("text", "a", "least is 2"),
         ("text", "aaaa", "at most 3"),
         ("text", "A!", "characters"),
         ("text", "\ud800x", "characters"),
@@ -59,6 +61,7 @@ class Everything(BaseModel):
         ("many", 1, "list"),
         ("many", [1, 2], "at most 1"),
         ("inner", 1, "JSON object"),
+        ("id", "x", "no submission's id"),
     ],
 )
 def test_a_known_kind_is_said_in_both_languages(field: str, value: Any, word: str) -> None:

@@ -191,7 +191,7 @@ def test_it_tells_while_script_and_world_wait_for_each_other(car: BulletCar) -> 
 
     spec = EpisodeSpec(world=WITH_ODOMETRY, horizon_ns=5 * SECOND, source=b"", file_name="a.py")
     Episode(spec, car).run(FakeLink(script()), take_turns=told.append)
-    assert told == ["asks", True, "asks", "asks", False, "runs ahead", "asks", True]
+    assert told == [False, "asks", True, "asks", "asks", False, "runs ahead", "asks", True]
 
 
 def test_odometry_starts_at_zero_and_stamps_wall_clock(car: BulletCar) -> None:

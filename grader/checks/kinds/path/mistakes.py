@@ -69,6 +69,7 @@ _SHAPE_MEASURES = (
 _WHOLE_MEASURES = ("off_pct", "mean_off_pct", "covered_pct", "gap_pct")
 _ARC_MEASURES = ("round_pct", *_WHOLE_MEASURES)
 _DRIVE_MEASURES = ("distance_m", *_SHAPE_MEASURES)
+_ENDLESS_RAD = 1.25 * math.tau  # a turn on the spot that is no corner of any path
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -290,6 +291,12 @@ def _angle_off_deg(pair: tuple[CommandedArc, Stretch]) -> float:
 
 def _unfinished(seen: _Seen) -> Iterator[Mistake]:
     share = number(100.0 * seen.figure.covered_share, "%")
+    motions = motions_of(seen.run.trajectory)
+    last, lasted_ns = motions[-1] if motions and seen.drive.cut_short else (None, 0)
+    if last is not None and not last.v_mps and abs(last.w_radps) * lasted_ns / 1e9 > _ENDLESS_RAD:
+        turned = number(math.degrees(abs(last.w_radps) * lasted_ns / 1e9), "deg")
+        yield mistake("path_endless_turn", (*_SHAPE_MEASURES, "settled"), turned=turned)
+        return
     code = "path_too_slow" if seen.drive.cut_short else "path_unfinished"
     yield mistake(code, (*_SHAPE_MEASURES, "settled"), share=share)
 

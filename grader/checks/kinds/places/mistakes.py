@@ -102,7 +102,8 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, visits: Se
         return mistake("place_no_feedback", spoilt, topic=_pose_topic(assignment), **values)
     if drive.moving_at_end and _circles(drive, first):
         return mistake("place_circled", (*spoilt, "settled"), **values)
-    if (standing := _standing_at(way, visits)) is not None:
+    standing = _standing_at(way, visits)
+    if standing is not None and standing.number < first.number:
         return mistake("place_stuck", spoilt, at=standing.number, goal=first.number)
     last_m = _final_distance_m(way, first)
     if values["reached"] == 0 and _at_exchanged(way, first):

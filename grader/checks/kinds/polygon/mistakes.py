@@ -104,6 +104,11 @@ class _Seen:
     def ideal_deg(self) -> float:
         return self.wanted.corner_deg
 
+    @property
+    def has_wrong_corner(self) -> bool:
+        """Whether a corner of the figure costs points."""
+        return any(self.loses("corner_deg", corner) for corner in self.driven.corners_deg.tolist())
+
     def loses(self, measure: str, value: float) -> bool:
         """Whether a value of `measure` costs points."""
         return fits(self.assignment, measure, value) is False
@@ -122,7 +127,7 @@ def polygon_mistakes(
     yield from _kept_turning(seen)
     yield from command_mistakes(run, assignment.world, turns=_TURNS, drives=_spoilt_by_short_drives(run))
     yield from _brief_drives(seen)
-    yield from _little_turns(seen)
+    yield from _wrong_turns(seen)
     yield from _wall(seen)
     cut = _cut_at_the_end(seen)
     if cut:
@@ -184,7 +189,8 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
                 closer = mistake(
                     "side_never_ends", _SHAPE, time=number(seen.run.outcome.duration_ns / 1e9, "s")
                 )
-            yield closer or mistake("no_turns", _SHAPE, ideal=_degree(seen.ideal_deg), sides=seen.sides)
+            code = "no_turns_by_pose" if seen.steers else "no_turns"
+            yield closer or mistake(code, _SHAPE, ideal=_degree(seen.ideal_deg), sides=seen.sides)
         return
     drives = times_begun(is_motion(command) for command in commands if command.t_ns < turning[0])
     hit = bool(contacts) and contacts[0].start_ns <= turning[0]
@@ -255,25 +261,36 @@ def _brief_drives(seen: _Seen) -> Iterator[Mistake]:
         yield mistake("drives_too_brief", _SHAPE, longest=number(max(lasted_ns) / 1e6, "ms"))
 
 
-def _little_turns(seen: _Seen) -> Iterator[Mistake]:
-    """Recognise turns that are all far too short, before the car meets a wall: they lead it there, or round."""
+def _wrong_turns(seen: _Seen) -> Iterator[Mistake]:
+    """Recognise turns that are all far too short, or too long, before the car meets a wall: they lead it there.
+
+    Short ones may also lead it round.
+    """
     contacts, figure = seen.run.trajectory.contacts, seen.driven.figure
     until_ns = contacts[0].start_ns if contacts else seen.run.outcome.duration_ns
-    round_by_corners = seen.rigid and (figure is None or figure.curved_share > MOSTLY_ROUND_SHARE)
+    right_corners = len(seen.driven.corners_deg) > 0 and not seen.has_wrong_corner
+    is_round = figure is None or (figure.curved_share > MOSTLY_ROUND_SHARE and not right_corners)
+    round_by_corners = seen.rigid and is_round
     looks = contacts or (round_by_corners and not any(map(is_arc, seen.run.trajectory.commands)))
     turned = _commanded_turns(seen, until_ns) if looks else []
     most_deg = seen.ideal_deg - _FAR_OFF_DEG if contacts else seen.ideal_deg / 2.0
-    if len(turned) < 2 or max(turned) - min(turned) > SAME_DEG or max(turned) > most_deg:
+    if len(turned) < 2 or max(turned) - min(turned) > SAME_DEG:
+        return
+    far = bool(contacts) and min(turned) > seen.ideal_deg + _FAR_OFF_DEG
+    if max(turned) > most_deg and not far:
         return
     ideal, mean = seen.ideal_deg, float(np.mean(turned))
+    inner = far and _known_angle(seen, mean) is not None  # the interior angle of a figure
     yield mistake(
-        "turns_too_short",
+        "interior_angle" if inner else "turns_too_far" if far else "turns_too_short",
         _SHAPE,
+        mean=_degree(mean),
+        sides=seen.sides,
         corners=listed(turned, "deg"),
         ideal=_degree(ideal),
         radians=number(math.radians(ideal), "rad", 4),
-        excess=_degree(ideal - mean),
-        advice=_turn_advice(seen, "longer"),
+        excess=_degree(abs(ideal - mean)),
+        advice=_turn_advice(seen, "shorter" if far else "longer"),
     )
 
 
@@ -304,6 +321,9 @@ def _wall(seen: _Seen) -> Iterator[Mistake]:
         if (drives := _drives_since_turn(seen, wall.start_ns)) > 1:
             yield mistake("turns_end", _SHAPE, count=drives, ideal=_degree(seen.ideal_deg), sides=seen.sides)
             return
+        figure, arcs = seen.driven.figure, any(map(is_arc, moves_of(seen.run.trajectory)))
+        if arcs and figure is not None and figure.curved_share > MOSTLY_ROUND_SHARE:
+            return  # `_shape` says what led it there
         code = "side_goes_on" if _goes_on(seen, wall.start_ns) else "wall_hit"
         yield mistake(code, _SHAPE, time=number(wall.start_ns / 1e9, "s"), wall=say(f"wall.{wall.wall}"))
 
@@ -341,7 +361,12 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
     by_pose = seen.run.outcome.hears and bool(ScriptText(seen.run.source).lines_with(r"\.theta\b"))
     if fastest >= (_FAST_BY_POSE_RADPS if by_pose else FAST_TURN_RADPS):
         yield mistake("degrees_as_radians", _SHAPE, rate=number(fastest, ""), ideal=_degree(seen.ideal_deg))
-    elif _is_endless(seen, widest, by_pose) and unfinished and not _circling(seen):
+    elif (
+        _is_endless(seen, widest, by_pose)
+        and unfinished
+        and not _circling(seen)
+        and not _left_out_drives(seen)
+    ):
         code = "endless_turn_by_pose" if by_pose else "endless_turn"
         yield mistake(code, _SHAPE, turned=_degree(math.degrees(widest)), ideal=_degree(seen.ideal_deg))
     elif math.degrees(widest) > FULL_TURN_DEG - seen.ideal_deg / 2 and unfinished and _drove_first(seen):
@@ -355,6 +380,13 @@ def _is_endless(seen: _Seen, widest_rad: float, by_pose: bool) -> bool:
         motions = motions_of(seen.run.trajectory)
         widest_rad = max((abs(one.w_radps) * (lasted_ns / 1e9) for one, lasted_ns in motions), default=0.0)
     return math.degrees(widest_rad) > 1.25 * FULL_TURN_DEG
+
+
+def _left_out_drives(seen: _Seen) -> bool:
+    """Whether the script came to the end of its turns, and had commanded no drive between them."""
+    moves, commands = moves_of(seen.run.trajectory), seen.run.trajectory.commands
+    over = seen.run.outcome.status is RunStatus.FINISHED or not is_motion(commands[-1])
+    return bool(moves) and over and not any(map(is_drive, moves))
 
 
 def _drove_first(seen: _Seen) -> bool:
@@ -374,7 +406,7 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
     figure = seen.driven.figure
     if figure is None:
         if float(seen.driven.drive.path.along_m[-1]) > 0.1 and _circling(seen):
-            yield mistake("arcs", _SHAPE, share="100 %")
+            yield mistake("arcs_by_pose" if seen.steers else "arcs", _SHAPE, share="100 %")
         elif _is_one_side(seen):
             yield mistake(_too_few(seen.run), ("sides", "gap_pct", "settled"), count=1, sides=seen.sides)
         return
@@ -412,8 +444,7 @@ def _too_few(run: Run) -> str:
 def _drives_blindly(seen: _Seen) -> bool:
     """Whether the corners fail on a car that slips, and no command ever corrects the heading on the way."""
     blind = seen.run.trajectory.commands and not any(map(is_arc, moves_of(seen.run.trajectory)))
-    wrong = any(seen.loses("corner_deg", corner) for corner in seen.driven.corners_deg.tolist())
-    return bool(blind) and wrong and not seen.rigid
+    return bool(blind) and seen.has_wrong_corner and not seen.rigid
 
 
 def _is_beyond_slip(seen: _Seen, figure: PolygonFigure) -> bool:
@@ -429,7 +460,7 @@ def _arcs(seen: _Seen, figure: PolygonFigure) -> Mistake:
         return _astray(seen, figure)
     code = "crooked" if seen.rigid else "slipped"
     if any(map(is_arc, moves_of(seen.run.trajectory))):
-        code = "arcs"
+        code = "arcs_by_pose" if seen.steers else "arcs"
     all_of_it = figure.curved_share > MOSTLY_ROUND_SHARE or max(figure.bows) > 0.0
     spoilt = _SHAPE if all_of_it else ("curved_pct", *_LENGTHS, "gap_pct")
     return mistake(code, spoilt, share=number(100.0 * figure.curved_share, "%"))

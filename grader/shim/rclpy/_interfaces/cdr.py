@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from typing import Any, TypeVar
 
     _MessageT = TypeVar("_MessageT")
+    _Pack = Callable[[Any], bytes]
+    _Unpack = Callable[[bytes], Any]
     _Write = Callable[[Any, bytearray], None]
     _Read = Callable[[bytes, int], tuple[Any, int]]
 
@@ -40,17 +42,15 @@ def serialize(message: Any) -> bytes:
         TypeError: the message was tampered with in another way.
         CdrError: a list or string inside the message is longer than its field allows.
     """
-    out = bytearray(HEADER)
     cls = message.__class__
     try:
-        write = _ENCODERS.get(cls) or _encoder(cls)
-        write(message, out)
+        pack = _PACKERS.get(cls) or _packer(cls)
+        return pack(message)
     except (struct.error, KeyError, TypeError, AttributeError, ValueError, OverflowError) as error:
         from rclpy._interfaces.conversion import check
 
         check(message)
         raise TypeError(f"{interface_name(cls)} cannot be serialized: {error}") from None
-    return bytes(out)
 
 
 def deserialize(data: bytes, message_class: type[_MessageT]) -> _MessageT:
@@ -59,6 +59,13 @@ def deserialize(data: bytes, message_class: type[_MessageT]) -> _MessageT:
     Raises:
         CdrError: the bytes are not exactly one message of that class.
     """
+    unpack = _UNPACKERS.get(message_class) or _unpacker(message_class)
+    found: _MessageT = unpack(data)
+    return found
+
+
+def _read(message_class: type, data: bytes) -> Any:
+    """Do what `deserialize` does, step by step."""
     if data[:4] != HEADER:
         raise CdrError(f"{interface_name(message_class)}: not little-endian CDR")
     body = bytes(data[4:])
@@ -69,16 +76,52 @@ def deserialize(data: bytes, message_class: type[_MessageT]) -> _MessageT:
         raise CdrError(f"{interface_name(message_class)}: {error}") from None
     if end != len(body):
         raise CdrError(f"{interface_name(message_class)}: {len(body) - end} bytes too many")
-    found: _MessageT = message
-    return found
+    return message
 
 
-def _encoder(cls: type, aligned: bool = True) -> _Write:
-    source = EncoderSource(dict(_WRITE_NAMES), aligned)
+def _packer(cls: type) -> _Pack:
+    """Return what gives a message's bytes: one call of `struct` where all its fields have a fixed size."""
+    source = EncoderSource(dict(_WRITE_NAMES), aligned=True)
+    source.structure(STRUCTURES[cls], "m")
+    if source.is_one_run:
+        layout, terms, _ = source.with_header()
+        lines = [*source.lines, f"return {layout}.pack(HEADER, {terms})"]
+    else:
+        source.flush()
+        lines = ["out = bytearray(HEADER)", *source.lines, "return bytes(out)"]
+    pack: _Pack = _compile(cls, "pack(m)", lines, source.names)
+    _PACKERS[cls] = pack
+    return pack
+
+
+def _unpacker(cls: type) -> _Unpack:
+    """Return what makes a message of its bytes: one call of `struct` where all its fields have a fixed size."""
+
+    def unpack(data: bytes) -> Any:
+        return _read(cls, data)
+
+    source = DecoderSource({**_READ_NAMES, "read_whole": unpack}, aligned=True)
+    source.structure(STRUCTURES[cls], "m")
+    if source.is_one_run:
+        layout, terms, size = source.with_header()
+        lines = [
+            f"if len(data) != {size}: return read_whole(data)",
+            f"m = new({alias(STRUCTURES[cls].full_name)})",
+            *source.lines,
+            f"header, {terms} = {layout}.unpack(data)",
+            "return m if header == HEADER else read_whole(data)",
+        ]
+        unpack = _compile(cls, "unpack(data)", lines, source.names)
+    _UNPACKERS[cls] = unpack
+    return unpack
+
+
+def _encoder(cls: type) -> _Write:
+    source = EncoderSource(dict(_WRITE_NAMES), aligned=False)
     source.structure(STRUCTURES[cls], "m")
     source.flush()
     write: _Write = _compile(cls, "write(m, out)", source.lines, source.names)
-    (_ENCODERS if aligned else _ELEMENT_ENCODERS)[cls] = write
+    _ELEMENT_ENCODERS[cls] = write
     return write
 
 
@@ -101,7 +144,8 @@ def _compile(cls: type, signature: str, lines: list[str], names: dict[str, Any])
     return names[signature.partition("(")[0]]
 
 
-_ENCODERS: dict[type, _Write] = {}
+_PACKERS: dict[type, _Pack] = {}
+_UNPACKERS: dict[type, _Unpack] = {}
 _DECODERS: dict[type, _Read] = {}
 _ELEMENT_ENCODERS: dict[type, _Write] = {}
 _ELEMENT_DECODERS: dict[type, _Read] = {}
@@ -188,7 +232,7 @@ def _objects(cls: type) -> int:
 
 def _write_messages(out: bytearray, values: list[Any], cls: type) -> None:
     _count_objects(len(values), cls)
-    write = _ELEMENT_ENCODERS.get(cls) or _encoder(cls, aligned=False)
+    write = _ELEMENT_ENCODERS.get(cls) or _encoder(cls)
     for value in values:
         if value.__class__ is not cls:
             raise TypeError(f"{type(value).__name__} in a list of {cls.__name__}")
@@ -272,6 +316,7 @@ def _read_messages(data: bytes, pos: int, count: int, cls: type) -> tuple[list[A
 
 
 _WRITE_NAMES: dict[str, Any] = {
+    "HEADER": HEADER,
     "PADDING": PADDING,
     "expect": _expect,
     "text_bytes": _text_bytes,
@@ -285,6 +330,7 @@ _WRITE_NAMES: dict[str, Any] = {
     "write_messages": _write_messages,
 }
 _READ_NAMES: dict[str, Any] = {
+    "HEADER": HEADER,
     "new": object.__new__,
     "expect": _expect,
     "read_text": _read_text,

@@ -26,6 +26,7 @@ class _Source:
 
     Attributes:
         names: globals the source refers to.
+        is_one_run: every field so far has a fixed size, and nothing is written yet.
     """
 
     def __init__(self, names: dict[str, Any], aligned: bool) -> None:
@@ -36,6 +37,7 @@ class _Source:
         self._modulus = 8 if aligned else 1
         self._offset = 0
         self._locals = 0
+        self.is_one_run = True
 
     def local(self) -> str:
         """Return a fresh local variable."""
@@ -56,11 +58,18 @@ class _Source:
 
     def flush(self) -> None:
         """Write the run as one call of `struct`."""
+        self.is_one_run = False
         if self._codes:
             layout = f"s{len(self.names)}"
             self.names[layout] = Struct("<" + self._codes)
             self.lines.append(self._move(layout, self._terms))
             self._codes, self._terms = "", []
+
+    def with_header(self) -> tuple[str, str, int]:
+        """Return the run, behind a header, as the name of its struct, its terms, and its size in bytes."""
+        layout = Struct("<4s" + self._codes)
+        self.names["whole"] = layout
+        return "whole", ", ".join(self._terms), layout.size
 
     def lose(self, width: int = 1) -> None:
         """Note that from here on the position is only known to be a multiple of `width`."""

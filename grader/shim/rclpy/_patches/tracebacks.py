@@ -34,6 +34,7 @@ class Script:
         files: of a package all modules, by the names that tracebacks show; else nothing.
         aborted: what ends it where code in C would abort the process; never raised.
         told_caught: whether an error that was caught has been told.
+        meant: lines whose errors the script may count on: they are not told.
     """
 
     def __init__(self) -> None:
@@ -42,6 +43,7 @@ class Script:
         self.files: dict[str, bytes] = {}
         self.aborted: BaseException | None = None
         self.told_caught = False
+        self.meant: set[int] = set()
 
     def owns(self, file_name: str | None) -> bool:
         """Whether code of this file is the student's."""
@@ -103,14 +105,55 @@ def line_of(error: BaseException) -> int:
 def tell_caught(error: BaseException | None, *, now: bool = True) -> None:
     """Note, once, an error of the script's own text that does not end it, because something has caught it.
 
-    Of other errors, of what is not there yet (None), and of the clean-up after Ctrl+C nothing is told: they may be
-    meant to be caught. `now` says that it has just happened.
+    Of other errors, of what the script raises itself, of what is not there yet, and of the clean-up after Ctrl+C
+    nothing is told: they may be meant to be caught. `now` says that it has just happened.
     """
-    if script.told_caught or type(error) not in _OF_TEXT or (now and kernel.interrupted):
+    if script.told_caught or error is None or type(error) not in _OF_TEXT or (now and kernel.interrupted):
         return  # at once: a loop may come here a million times
-    if error is not None and "'NoneType'" not in message_of(error) and (line := line_of(error)) != 0:
+    line = line_of(error)
+    if line == 0 or line in script.meant:
+        return
+    if _is_raised(error) or _is_awaited(error):
+        script.meant.add(line)
+    else:
         script.told_caught = True
-        link.note("caught", f"line {line}: {one_line(error)[:_LONGEST_NOTE]}")
+        link.note("caught", f"line {line}: {one_line(error)[:_LONGEST_NOTE]}{_suggestion(error)}")
+
+
+def _is_awaited(error: BaseException) -> bool:
+    """Whether an error may be of what comes with the first message.
+
+    Such is None, an attribute that some line gives a value, or a name that a function does as ``global``.
+    """
+    if "'NoneType'" in message_of(error):
+        return True
+    name = getattr(error, "name", None)
+    if type(name) is not str:
+        return False
+    sources = [script.lines(), *map(script.lines, script.files)]
+    return any(_gives(name, text, type(error)) for lines in sources for text in lines)
+
+
+def _gives(name: str, text: str, kind: type[BaseException]) -> bool:
+    """Whether a line makes a name ``global``, or gives an attribute of that name a value."""
+    if kind is not AttributeError:
+        return text.split()[:1] == ["global"] and name in text.replace(",", " ").split()
+    before, sign, value = text.partition("=")
+    _, dot, behind = before.rpartition(f".{name}")
+    return bool(sign and dot) and value[:1] != "=" and behind.strip()[:1] in ("", ",", ":")
+
+
+def _is_raised(error: BaseException) -> bool:
+    """Whether the error comes from a statement ``raise`` or ``assert`` of the script's own."""
+    from opcode import opmap
+
+    innermost: TracebackType | None = error.__traceback__
+    while innermost is not None and innermost.tb_next is not None:
+        innermost = innermost.tb_next
+    if innermost is None:
+        return False
+    code = innermost.tb_frame.f_code
+    return script.owns(code.co_filename) and code.co_code[innermost.tb_lasti] == opmap["RAISE_VARARGS"]
 
 
 def message_of(error: BaseException) -> str:

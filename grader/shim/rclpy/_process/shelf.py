@@ -9,6 +9,8 @@ from __future__ import annotations
 import sys
 from _frozen_importlib import ModuleSpec
 
+from rclpy._kernel import kernel
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -55,8 +57,11 @@ class Shelf:
         return self._modules.pop(spec.name)
 
     def exec_module(self, module: ModuleType) -> None:
-        """Give the module its own spec back; it was executed when it was loaded."""
-        module.__spec__ = self._specs.pop(module.__name__)
+        """Give the module its own spec and loader back; it was executed when it was loaded."""
+        module.__spec__ = spec = self._specs.pop(module.__name__)
+        module.__loader__ = spec.loader
+        if module.__name__ == "threading":
+            kernel.charge()  # executed now, it would ask a lock
 
 
 shelf = Shelf()

@@ -26,16 +26,23 @@ _with_rclpy = set(sys.modules)
 def _is_for_scripts(name: str) -> bool:
     """Return whether a script may import a module by its name: not the shim's private ones."""
     package, *modules = name.split(".")
-    return package in PACKAGES or (package == "rclpy" and not any(part.startswith("_") for part in modules))
+    return (
+        package in PACKAGES
+        or name == "threading"
+        or (package == "rclpy" and not any(part.startswith("_") for part in modules))
+    )
 
 
 def _load() -> None:
     """Import what most scripts import, and build what every node, every mover and who listens to the pose need."""
+    import threading  # noqa: F401
+
     import geometry_msgs.msg
     import rcl_interfaces.msg
     import turtlesim.msg
 
     import rclpy._patches.audit
+    import rclpy._patches.python_3_10
     import rclpy._patches.select
     import rclpy._patches.signal
     import rclpy._process.runner

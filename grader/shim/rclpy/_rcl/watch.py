@@ -246,7 +246,7 @@ class Watch:
 
     def settle(self) -> None:
         """Note what is ready now, consuming triggers."""
-        ready = self._due_timers()
+        ready = self._due_timers() if self._heap or self._checked else []
         if self._reset or changes.count != self._seen:
             self._reset = []
             for handle in [handle for handle, *_ in self._clockwork + self._checked]:

@@ -71,3 +71,21 @@ def test_a_line_break_in_a_cell_begins_no_row() -> None:
 def test_what_cannot_be_filled_says_what_is_there(content: bytes, why: str) -> None:
     with pytest.raises(CourseError, match=why):
         fill(content, "总评", POINTS)
+
+
+def test_every_sheet_is_filled_and_those_without_the_column_stay() -> None:
+    """Teachers have one sheet for each class."""
+    sheets = (
+        [("学号", "姓名", "成绩"), (*LI, "")],
+        [("说明",), ("没有学号",)],
+        [("学号", "成绩"), ("x", ""), ("y", 5)],
+        [("学号", "备注"), ("x", 7)],
+    )
+    filled = fill(workbook(*sheets), "成绩", POINTS)
+    book = CalamineWorkbook.from_filelike(io.BytesIO(filled.content))
+    assert [book.get_sheet_by_index(number).to_python() for number in range(len(book.sheet_names))] == [
+        [["学号", "姓名", "成绩"], [*LI, 87.5]],
+        [["学号", "成绩"], ["x", 1.0], ["y", 5.0]],
+        [["学号", "备注"], ["x", 7.0]],
+    ]
+    assert (filled.filled, filled.unknown) == (2, ("y",))

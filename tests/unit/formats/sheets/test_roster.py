@@ -143,8 +143,33 @@ def test_names_of_columns_may_be_widened_by_spaces() -> None:
 
 def test_the_first_visible_sheet_with_both_columns_counts() -> None:
     other = [("学号", "姓名"), ("9", "x")]
-    content = workbook(other, [("学号", "成绩"), ("8", "1")], PLAIN, other, hidden=0)
+    content = workbook(other, [("学号", "成绩"), ("8", "1")], PLAIN, PLAIN, hidden=0)
     assert [one.id for one in read_roster(content).checked()] == [LI[0], HAN[0]]
+
+
+def test_people_on_another_sheet_are_told() -> None:
+    """Teachers have one sheet for each class; half of the course would be missing."""
+    other = [("学号", "姓名", "姓名"), ("9", "x"), LI, ("合计", ""), ("８", "y")]
+    roster = read_roster(workbook(PLAIN, [("学号", "成绩"), ("7", "1")], other))
+    assert [one.id for one in roster.entries] == [LI[0], HAN[0]]
+    (skipped,) = roster.skipped
+    assert skipped.number == 1
+    assert skipped.reason.en.endswith("such as 9 (2 in all): put everybody on one sheet")
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "name"),
+    [("Jörg", "Müller", "Jörg Müller"), ("Ann", "Li", "Ann Li"), ("雷", "李", "李雷"), ("", "Ōno", "Ōno")],
+)
+def test_only_names_in_chinese_characters_begin_with_the_last_name(first: str, last: str, name: str) -> None:
+    rows = [("SID", "First Name", "Last Name"), ("1", first, last)]
+    assert read_roster(csv(rows)).checked()[0].name == name
+
+
+def test_what_cannot_be_seen_in_a_cell_is_dropped() -> None:
+    rows = [("学号", "姓名"), (f"\u200b{LI[0]}\ufeff", "李\u200b雷\u00a0")]
+    for content in (csv(rows), workbook(rows)):
+        assert [(one.id, one.name) for one in read_roster(content).checked()] == [LI]
 
 
 def test_columns_and_roles_may_have_their_chinese_names() -> None:
@@ -194,6 +219,7 @@ def test_lines_without_anybody_are_skipped() -> None:
         ([("学号", "姓名"), (1, "a"), (1234567890123456789, "b")], 3, "spreadsheet shortened"),
         ([("学号", "姓名"), ("S001", "a"), ("s001", "b")], 3, "upper and lower case"),
         ([("学号", "姓名"), ("S001", "a"), ("S001", "b")], 3, "line 2 already"),
+        ([("学号", "姓名"), ("0012345", "a"), ("12345", "b")], 3, "only in zeros at its beginning"),
         ([("学号", "姓名"), (1, "a"), ("", "b")], 3, "no id"),
         ([("学号", "姓名"), (1, "a"), ("合计 2 人", "")], 3, "is no id"),
         ([("学号", "姓名", "角色"), (1, "a", ""), (2, "b", "king")], 3, "no role"),

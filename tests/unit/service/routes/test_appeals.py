@@ -77,8 +77,10 @@ def test_one_appeal_for_each_item_that_can_gain(
     assert code(ask(reason=" ")) == (422, "invalid_request")
     listed = client.get("/api/v1/appeals", headers=school.as_("ta")).json()
     assert (listed["total"], listed["waiting"], listed["appeals"]) == (1, 1, [made])
-    elsewhere = {"assignment": "spin"}
-    assert client.get("/api/v1/appeals", params=elsewhere, headers=school.as_("ta")).json()["total"] == 0
+    elsewhere = client.get("/api/v1/appeals?assignment=straight", headers=school.as_("ta"))
+    assert elsewhere.json()["total"] == 0
+    misspelt = client.get("/api/v1/appeals?assignment=sqare", headers=school.as_("ta"))
+    assert code(misspelt) == (422, "unknown_assignment")
 
 
 def test_appeals_are_off_by_default_and_end_at_their_date(

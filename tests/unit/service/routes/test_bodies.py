@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable
+from typing import Any
 
 import httpx
 import pytest
@@ -130,3 +131,23 @@ def test_of_two_parts_of_one_name_none_is_taken(twice: str, client: httpx.Client
     document = problem(client.post("/api/v1/submissions", files=parts), 422, "invalid_request")
     assert document["field"] == twice
     assert nothing_stored(services)
+
+
+def test_no_form_has_a_part_that_is_not_read(client: httpx.Client, school: Any) -> None:
+    """A class list with `dry_run` in the form, which belongs into the address, would be imported."""
+    paths = client.get("/openapi.json").json()["paths"]
+    forms = [
+        path
+        for path, methods in paths.items()
+        if "multipart/form-data" in methods.get("post", {}).get("requestBody", {}).get("content", {})
+    ]
+    assert "/api/v1/members/import" in forms
+    wang = school.as_("wang")
+    for path in forms:
+        params = {"column": "points"} if path.endswith("/fill") else {}
+        file = ("file", ("a.py", b"x"))
+        extra = client.post(path, params=params, files=[file], data={"dry_run": "true"}, headers=wang)
+        fields = [one["field"] for one in problem(extra, 422, "invalid_request")["errors"]]
+        assert fields[0] == "dry_run", path
+        twice = client.post(path, params=params, files=[file, file], headers=wang)
+        assert problem(twice, 422, "invalid_request")["field"] == "file", path

@@ -73,6 +73,13 @@ CHANGES: list[tuple[str, str, dict[str, Any]]] = [
 ]
 
 
+def test_only_true_and_false_say_whether_a_course_is_archived(client: httpx.Client, school: School) -> None:
+    for value in ("yes", "false", 1, None):
+        body = {"archived": value}
+        refused = client.put("/api/v1/course/archived", json=body, headers=school.as_("wang"))
+        assert (refused.status_code, refused.json()["field"]) == (422, "archived"), value
+
+
 def test_an_archived_course_can_only_be_read(
     client: httpx.Client,
     upload: Callable[..., httpx.Response],

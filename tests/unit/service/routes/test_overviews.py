@@ -14,6 +14,7 @@ from grader.render.terminal import console
 from grader.service.routes.problems import PROBLEM_TYPES
 from grader.use_cases.services import Services
 from tests.fakes.clock import START, FakeClock
+from tests.fakes.refusals import problem
 from tests.fakes.server import TOKEN
 
 INSTRUCTOR = {"Authorization": f"Bearer {TOKEN}"}
@@ -159,18 +160,54 @@ def test_students_are_found_by_name_and_section(
         ("/api/v1/gradebook.xlsx", "section"),
         ("/api/v1/appeals", "section"),
         ("/api/v1/assignments/square/students", "item"),
+        ("/api/v1/submissions", "assignment"),
+        ("/api/v1/appeals", "assignment"),
+        ("/api/v1/judgements/waiting", "assignment"),
+        ("/api/v1/assignments/square/students", "status"),
     ],
 )
-def test_a_section_or_an_item_that_is_not_there_is_named(
+def test_what_is_not_there_is_named(
     client: httpx.Client, school: Any, services: Services, path: str, field: str
 ) -> None:
     """An empty answer would look like a class in which nobody did anything."""
     services.courses.import_roster("ros", [RosterEntry(id="li", name="", sections=("A",))], "test")
-    known = {"section": "A", "item": "closed"}[field]
+    known = {"section": "A", "item": "closed", "assignment": "square", "status": "queued"}[field]
     assert client.get(path, headers=school.as_("ta"), params={field: known}).status_code == 200
     refused = client.get(path, headers={**school.as_("ta"), "Accept-Language": "en"}, params={field: "x"})
     assert (refused.status_code, refused.json()["field"]) == (422, field)
     assert known in refused.json()["allowed"]
+
+
+def test_nobody_and_no_mistake_of_a_name_are_refused(client: httpx.Client, school: Any) -> None:
+    def asked(address: str, who: str = "ta") -> tuple[int, str | None]:
+        answer = client.get(address, headers=school.as_(who))
+        return answer.status_code, answer.json().get("field")
+
+    assert asked("/api/v1/submissions?student=li") == (200, None)
+    assert asked("/api/v1/submissions?student=lii") == (422, "student")
+    assert asked("/api/v1/submissions?student=han", who="li") == (
+        200,
+        None,
+    )  # they get their own, whatever they ask
+    assert asked("/api/v1/assignments/square/students?mistake=no_publish") == (200, None)
+    assert asked("/api/v1/assignments/square/students?mistake=no_publihs") == (422, "mistake")
+
+
+@pytest.mark.parametrize(
+    "address", ["/api/v1/submissions?assigment=square", "/api/v1/me?lang=zh&assigment=square"]
+)
+def test_a_misspelt_parameter_is_refused(client: httpx.Client, school: Any, address: str) -> None:
+    """Left out, a misspelt filter would show everything."""
+    document = problem(client.get(address, headers=school.as_("ta")), 422, "invalid_request")
+    assert document["errors"] == [{"field": "query.assigment", "detail": "没有这个字段。"}]
+
+
+def test_a_parameter_given_twice_is_refused(client: httpx.Client, school: Any) -> None:
+    """Only the last would be read."""
+    answer = client.get("/api/v1/submissions?student=li&student=han", headers=school.as_("ta"))
+    assert problem(answer, 422, "invalid_request")["errors"] == [
+        {"field": "query.student", "detail": "这个字段只能有一个。"}
+    ]
 
 
 @pytest.mark.thorough

@@ -92,6 +92,7 @@ def test_one_member_is_put_changed_and_deleted(client: httpx.Client, headers: di
     for field, wrong in {"email": "nowhere", "name": "a\nb", "sections": [""]}.items():
         refused = client.put(url, headers=headers, json={field: wrong}).json()
         assert (refused["code"], refused["field"]) == ("invalid_roster", field)
+    assert client.post(f"{url}/tokens", headers=headers).status_code == 201  # nothing must be said
     token = client.post(f"{url}/tokens", headers=headers, json={"days": 1}).json()["token"]
     theirs = {"Authorization": f"Bearer {token}"}
     assert client.get("/api/v1/me", headers=theirs).json()["person"] == "zhao"

@@ -123,7 +123,25 @@ def test_a_good_student_id(upload: Upload, student: str) -> None:
 def test_missing_fields_are_all_named(client: httpx.Client) -> None:
     response = client.post("/api/v1/submissions", files={"other": ("a.py", b"x")})
     document = problem(response, 422, "invalid_request")
-    assert {error["field"] for error in document["errors"]} == {"file", "assignment"}
+    assert {error["field"] for error in document["errors"]} == {"other", "file", "assignment"}
+
+
+def test_a_field_of_the_form_that_nobody_reads(upload: Upload, client: httpx.Client) -> None:
+    """An instructor's upload for `studnet` would be their own."""
+    form = {"assignment": "square", "student": "s1", "studnet": "s2"}
+    response = client.post("/api/v1/submissions", files={"file": ("a.py", b"x = 1")}, data=form)
+    assert problem(response, 422, "invalid_request")["field"] == "studnet"
+
+
+@pytest.mark.parametrize(("language", "words"), [("zh", "这不是 JSON。"), ("en", "This is not JSON.")])
+def test_a_body_that_is_no_json(client: httpx.Client, language: str, words: str) -> None:
+    headers = {
+        "Authorization": f"Bearer {TOKEN}",
+        "Accept-Language": language,
+        "Content-Type": "application/json",
+    }
+    response = client.put("/api/v1/assignments/square/rules", content=b'{"attempts": 5', headers=headers)
+    assert problem(response, 422, "invalid_request")["errors"] == [{"field": "body", "detail": words}]
 
 
 def test_a_field_where_a_file_belongs(client: httpx.Client) -> None:

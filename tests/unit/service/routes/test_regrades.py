@@ -154,6 +154,13 @@ def test_filters(
     assert post(assignment="square", which=which, students=students).json()["waiting"] == count
 
 
+def test_unknown_students_are_named(klass: dict[str, str], post: Post) -> None:
+    """Left out, they would seem to have been graded again."""
+    refused = post(assignment="square", which="all", students=["li", "lii", "ta"]).json()
+    assert (refused["code"], refused["field"]) == ("unknown_student", "students")
+    assert refused["detail"].endswith("lii, ta")
+
+
 @pytest.mark.thorough
 def test_what_the_service_failed_to_grade(
     client: httpx.Client, services: Services, school: Any, upload: Post, post: Post

@@ -70,6 +70,18 @@ def test_rules_that_were_changed_meanwhile_stay(
     assert client.put(RULES, json={"attempts": 9}, headers=matching).status_code == 200
 
 
+def test_a_tag_of_rules_is_none_of_where_one_stands(
+    client: httpx.Client, school: Any, upload: Callable[..., httpx.Response]
+) -> None:
+    """How many attempts are used stands beside the rules, and changes without them."""
+    ta = school.as_("ta")
+    first = client.get(RULES, headers=ta)
+    assert upload(student="ta", headers=ta).status_code == 202
+    again = client.get(RULES, headers={**ta, "If-None-Match": first.headers["ETag"]})
+    assert (again.status_code, again.headers["ETag"]) == (200, first.headers["ETag"])
+    assert (first.json()["attempts_used"], again.json()["attempts_used"]) == (0, 1)
+
+
 def test_an_extension_that_was_changed_meanwhile_stays(client: httpx.Client, school: Any) -> None:
     address = "/api/v1/assignments/square/extensions/li"
     wang = school.as_("wang")

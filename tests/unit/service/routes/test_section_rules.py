@@ -76,6 +76,8 @@ def test_an_upload_is_refused_by_the_date_of_the_section(
     assert changed.json()["by_section"][0]["section"] == "A"
     assert upload(student="", headers=school.as_("li")).json()["code"] == "closed"
     assert upload(student="", headers=school.as_("han")).status_code == 202
+    assert changed.json()["by_section"][0]["late"] == changed.json()["late"]  # it moves a date, no more
+    assert changed.json()["by_section"][0]["accept_late_s"] == 0
     twice = {"by_section": body["by_section"] * 2}
     refused = client.put(URL, json=twice, headers=wang)
     assert (refused.status_code, refused.json()["field"]) == (422, "by_section")

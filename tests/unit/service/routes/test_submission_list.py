@@ -43,6 +43,9 @@ def test_everything_is_listed_once(
     local = START.astimezone(ZoneInfo("Asia/Shanghai")).replace(tzinfo=None)
     assert listed(client, school.as_("ta"), since=local.isoformat()) == everything
     assert listed(client, school.as_("ta"), since=(local + timedelta(days=1)).isoformat()) == []
+    for after in ("zzz", "1"):  # as the end of the list, it would end a program's loop too soon
+        refused = client.get(URL, headers=school.as_("ta"), params={"after": after})
+        assert (refused.status_code, refused.json()["field"]) == (422, "query.after"), after
     for since in ("2026-03-02", "0", "1.5", "0001-01-01T00:00:00+14:00", "9999-12-31T23:59:59-14:00"):
         refused = client.get(URL, headers=school.as_("ta"), params={"since": since})
         assert (refused.status_code, refused.json()["code"]) == (422, "invalid_request"), since

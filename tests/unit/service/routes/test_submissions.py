@@ -152,6 +152,22 @@ def test_the_report_is_served_byte_for_byte(
     assert client.get(first).json()["report_sha256"] == digest
 
 
+@pytest.mark.parametrize("part", ["report", "source", "trajectory", "plot.svg"])
+def test_what_a_client_has_is_not_sent_again(
+    graded: Callable[..., str], client: httpx.Client, part: str
+) -> None:
+    url = f"{graded()}/{part}"
+    first = client.get(url)
+    tag = first.headers["ETag"]
+    for held in (tag, f'"other", W/{tag}', "*"):
+        for method in ("GET", "HEAD"):
+            again = client.request(method, url, headers={"If-None-Match": held})
+            assert (again.status_code, again.content) == (304, b"")
+            assert again.headers["ETag"] == tag
+            assert "Content-Type" not in again.headers
+    assert client.get(url, headers={"If-None-Match": '"other"'}).content == first.content
+
+
 @pytest.mark.parametrize("encoding", ["gzip", "identity"])
 def test_the_trajectory_comes_as_recorded(
     graded: Callable[..., str], client: httpx.Client, encoding: str

@@ -4,11 +4,14 @@ import re
 from collections.abc import Callable
 
 import pytest
+from sqlalchemy import create_engine, update
+from sqlmodel import col
 
 from grader.api import warm_up
 from grader.contracts.text import Text
 from grader.messages import outline
 from grader.service.web.pages import compile_all
+from grader.store.tables import GradedMistakeRow
 from grader.use_cases.services import Services
 from tests.unit.service.web.conftest import Browser
 
@@ -91,7 +94,8 @@ def test_a_single_attempt_has_nothing_to_compare(instructor: Browser, school: di
 
 
 def test_unknown_students_are_told(instructor: Browser) -> None:
-    assert instructor.get("/class/students/nobody").status_code == 404
+    unknown = instructor.get("/class/students/nobody?lang=en")
+    assert (unknown.status_code, "no such member" in unknown.text) == (404, True)
 
 
 def test_two_attempts_stand_side_by_side(instructor: Browser, school: dict[str, str]) -> None:
@@ -184,6 +188,18 @@ def test_a_number_leads_to_the_students_behind_it(instructor: Browser, school: d
     assert concerned(instructor.get("/class/assignments/square/students?status=queued").text) == ["dai"]
     assert concerned(instructor.get("/class/assignments/square/students?status=unheard").text) == []
     assert instructor.get("/class/assignments/none/students").status_code == 404
+
+
+def test_a_mistake_that_only_an_earlier_version_knew_still_leads_to_its_students(
+    instructor: Browser, school: dict[str, str], sqlite_url: str
+) -> None:
+    of_one = col(GradedMistakeRow.code) == "never_stops"
+    page = "/class/assignments/square/students?mistake=long_forgotten"
+    with create_engine(sqlite_url).begin() as connection:
+        connection.execute(update(GradedMistakeRow).where(of_one).values(code="long_forgotten"))
+    assert "students?mistake=long_forgotten" in instructor.get("/class/assignments/square").text
+    assert concerned(instructor.get(page).text) == ["bo"]
+    assert instructor.get(page + "s").status_code == 422
 
 
 def test_who_tries_and_fails_comes_before_who_has_not_begun(

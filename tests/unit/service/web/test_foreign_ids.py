@@ -137,8 +137,8 @@ def told(
     client: httpx.Client, operation: Operation, ids: dict[str, str], headers: dict[str, str]
 ) -> tuple[int, str]:
     """Return status and text of the answer, with the ids that were asked for left out."""
-    accept = {} if operation.path.startswith("/api/") else PAGE
-    pair = {"first": "1", "second": "1"}  # of gradings, where two are compared
+    is_page = not operation.path.startswith("/api/")
+    accept, pair = (PAGE, {"first": "1", "second": "1"}) if is_page else ({}, {})  # two gradings are compared
     path = operation.path.format_map(ids)
     with client.stream(
         operation.method, path, params=pair, headers={**headers, **accept}, **operation.body

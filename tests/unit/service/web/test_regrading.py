@@ -162,8 +162,8 @@ def test_a_decision_needs_a_reason(
     [
         ({"assignment": "nothing"}, "assignment", "There is no such assignment"),
         ({"assignment": "hello"}, "students", "No submission matches"),
-        ({"students": "li, nobody; 12<34"}, "students", "Nobody has these ids: nobody, 12&lt;34"),
-        ({"students": "ta"}, "students", "Nobody has these ids: ta"),  # staff hands nothing in
+        ({"students": "li, nobody; 12<34"}, "students", "No student has these ids: nobody, 12&lt;34"),
+        ({"students": "ta"}, "students", "No student has these ids: ta"),  # staff hands nothing in
     ],
 )
 def test_what_is_wrong_stands_at_its_field(

@@ -405,3 +405,11 @@ def test_a_section_gets_its_own_due_date_on_the_page(
     wang.post(page, {"remove": "true"})
     assert services.rules.of("ros").of("square").by_section == ()
     assert "2026-03-20 23:59" in wang.get("/class/audit").text
+
+
+def test_the_statistics_of_a_draft_are_not_linked(wang: Browser, services: Services) -> None:
+    """They are nowhere: drafts have no column in the class."""
+    for shown, status in ((Shown.ALWAYS, 200), (Shown.DRAFT, 404)):
+        services.rules.set("square", Rules(shown=shown), Signature(DUE, "ros", "wang"))
+        assert wang.get("/class/assignments/square").status_code == status
+        assert ('href="/class/assignments/square"' in wang.get(PAGE).text) == (status == 200)
