@@ -9,7 +9,7 @@ counts as bent, like an arc that strays as far.
 import cmath
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -39,29 +39,29 @@ _Line = tuple[complex, float]
 """A point of a line and its direction as a continuous angle."""
 
 
-def coarsely_segmented(path: Path, tolerance: float, *, crossing: bool) -> Segments | None:
-    """Cut `path` into straights and the corners between them, whatever strays less than `tolerance` aside.
+def coarse_looks(path: Path) -> Iterator[Segments]:
+    """Cut `path` into straights and the corners between them, in several ways: with each tolerance twice.
 
-    Args:
-        path: the driven path.
-        tolerance: share of the path's extent.
-        crossing: corners are where lines through the middles of two sides cross, as if they were not cut off;
-            else they are where the path goes furthest out.
-
-    Returns:
-        The pieces, without the turn after the last straight; None for a path that has hardly any corner, or more
-        than a figure that one can see.
+    First corners are where the path goes furthest out; then where lines through the middles of two sides cross, as
+    if they were not cut off. There is no turn after the last straight. A path that has hardly any corner, or more
+    than a figure that one can see, is not cut.
     """
-    width_m = tolerance * path.extent_m
-    corners = simplified(path.x_m / width_m, path.y_m / width_m)
-    if len(corners) <= MOST_CORNERS:
-        corners = _plain_corners(path, corners, width_m)
-    if not LEAST_CORNERS <= len(corners) <= MOST_CORNERS:
-        return None
-    fit = _through_middle if crossing else _through_ends
-    lines = [fit(path, first, last) for first, last in itertools.pairwise(corners)]
-    if crossing:
-        corners = _crossings(path, lines, corners, width_m)
+    seen: list[list[int]] = []
+    for tolerance in TOLERANCES:
+        width_m = tolerance * path.extent_m
+        corners = simplified(path.x_m / width_m, path.y_m / width_m, MOST_CORNERS + 1)
+        if len(corners) <= MOST_CORNERS:
+            corners = _plain_corners(path, corners, width_m)
+        if not LEAST_CORNERS <= len(corners) <= MOST_CORNERS:
+            continue
+        if corners not in seen:
+            yield _cut(path, corners, [_through_ends(path, *ends) for ends in itertools.pairwise(corners)])
+        seen.append(corners)
+        lines = [_through_middle(path, *ends) for ends in itertools.pairwise(corners)]
+        yield _cut(path, _crossings(path, lines, corners, width_m), lines)
+
+
+def _cut(path: Path, corners: list[int], lines: Sequence[_Line]) -> Segments:
     straights = tuple(
         _straight(path, direction_rad, first, last)
         for (_, direction_rad), (first, last) in zip(lines, itertools.pairwise(corners), strict=True)
@@ -155,7 +155,10 @@ def _straight(path: Path, direction_rad: float, first: int, last: int) -> Straig
 
 def _aside_m(path: Path, first: int, last: int) -> float:
     """Return how far the path strays from the line between two samples; to the less far side it counts half."""
-    (middle, direction_rad), between = _through_ends(path, first, last), slice(first, last + 1)
-    x_m, y_m = path.x_m[between] - middle.real, path.y_m[between] - middle.imag
-    aside_m = y_m * math.cos(direction_rad) - x_m * math.sin(direction_rad)
+    chord, between = _between(path, first, last), slice(first, last + 1)
+    length_m = abs(chord)
+    along = chord / length_m if length_m > 0.0 else 1.0 + 0.0j
+    aside_m = (path.y_m[between] - path.y_m[first]) * along.real - (
+        path.x_m[between] - path.x_m[first]
+    ) * along.imag
     return (float(np.max(np.abs(aside_m))) + float(np.ptp(aside_m))) / 2.0

@@ -306,6 +306,8 @@ def _resized(path: Path, segments: Segments, corners: list[float], lap: _Extent,
     if len(spans) < 2 * lap.count or (len(spans) % lap.count and not cut_short):
         return False
     sides = [chord(path, *one) for one in spans]
+    if min(sides[: lap.count]) <= 0.0:  # there and back
+        return False
     for start in range(lap.count, len(spans), lap.count):
         later = sides[start : start + lap.count]
         shares = [one / other for one, other in zip(later, sides, strict=False)]
@@ -590,6 +592,8 @@ def half_turned(path: Path, turn: Turn) -> int:
 
     Where the car drives straight on then, because it cuts the corner off, that is in the middle of this straight.
     """
+    if turn.first == turn.last:
+        return turn.first
     travel, along = path.travel_rad[turn.first : turn.last + 1], path.along_m[turn.first : turn.last + 1]
     turned = np.abs(travel - (travel[0] + travel[-1]) / 2.0) / max(abs(turn.angle_rad), STILL_RAD)
     driven = np.abs(along - (along[0] + along[-1]) / 2.0) / max(abs(turn.length_m), STILL_M)

@@ -302,11 +302,14 @@ def _steadied(path: Path, extent_m: float) -> Path:
     return replace(path, travel_rad=travel_rad)
 
 
-def simplified(across: Floats, up: Floats) -> list[int]:
-    """Return the sorted indices kept by Ramer-Douglas-Peucker with tolerance 1: both axes are in tolerances."""
+def simplified(across: Floats, up: Floats, most: int = MAX_VERTICES) -> list[int]:
+    """Return the sorted indices kept by Ramer-Douglas-Peucker with tolerance 1: both axes are in tolerances.
+
+    It gives up at `most` of them.
+    """
     last = len(across) - 1
     kept, stack = {0, last}, [(0, last)]
-    while stack and len(kept) < MAX_VERTICES:
+    while stack and len(kept) < most:
         first, last = stack.pop()
         if last - first < 2:
             continue

@@ -152,6 +152,7 @@ def test_a_turn_on_the_spot_is_not_called_a_curve() -> None:
     assert score(scoring) == 55.56  # the line is right: a third of heading and distance
     assert item(scoring, "heading").measured == 30
     assert "85.9°" in item(scoring, "heading").message.en
+    assert "while driving" not in item(scoring, "heading").message.en
     assert scoring.mistakes == ("turned_too",)
     assert "85.9°" in scoring.hint.zh
 

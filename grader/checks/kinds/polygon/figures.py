@@ -16,7 +16,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.record import Record
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
-from grader.geometry.coarse import TOLERANCES, coarsely_segmented
+from grader.geometry.coarse import coarse_looks
 from grader.geometry.figure import NEARLY_CLOSED_SHARE, PolygonFigure, alike, chord, measure_polygon
 from grader.geometry.path import Segments, bare, median, segment, without_overshoots
 
@@ -30,7 +30,8 @@ ALIKE_RATIO = 1.02  # up to here they are equal
 OBLONG_RATIO = 1.5  # from here on a rectangle is nothing of a square
 
 # Of the longest side: with a shorter one, a figure may be another one whose corners are cut off.
-OTHER_SIDES = 0.5
+OTHER_SIDES = 0.4
+STRAIGHT_SHARE = 0.05  # of the way: with no more of it driven while turning, sides are straight
 
 # Opposite sides that differ by more belong to no rectangle with a short side.
 ALIKE_PCT = 12.0
@@ -138,18 +139,23 @@ class DrivenPolygon:
         return self.otherness(wanted) >= 0.5
 
     def has_sides(self, wanted: WantedPolygon) -> bool:
-        """Whether it has as many sides as are wanted, or is clearly another figure with sides that are alike."""
-        if self.figure is None:
-            return False
-        sides = self.figure.sides_m
-        if len(sides) == wanted.sides:
-            return max(self.figure.bows) < 1.0
-        return self.is_other(wanted) and min(sides) > OTHER_SIDES * max(sides)
+        """Whether it has as many sides as are wanted, and none of them is lost."""
+        figure = self.figure
+        return figure is not None and len(figure.sides_m) == wanted.sides and max(figure.bows) < 1.0
 
-    @property
-    def is_approached(self) -> bool:
-        """Whether something was driven before the figure, which may be a part of its first side."""
-        return self.figure is not None and self.figure.approach_m > 0.0
+    def is_plain(self, wanted: WantedPolygon) -> bool:
+        """Whether a coarser look has nothing to better: sides as wanted, or plainly another number of sides.
+
+        What was driven before the figure may be a part of its first side.
+        """
+        figure = self.figure
+        if figure is None or len(figure.sides_m) < 3:
+            return False
+        sides = figure.sides_m
+        if len(sides) == wanted.sides:
+            return self.has_sides(wanted) and figure.approach_m <= 0.0
+        straight = alike(figure.corners_rad) and figure.curved_share <= STRAIGHT_SHARE
+        return (straight or self.is_other(wanted)) and min(sides) >= OTHER_SIDES * max(sides)
 
     @property
     def roughness(self) -> float:
@@ -258,15 +264,10 @@ def driven_polygon(assignment: Assignment, wanted: WantedPolygon, run: Run) -> D
         return None
     drive = replace(drive, path=without_overshoots(drive.path))
     fine = _polygon_of(assignment, wanted, drive, segment(drive.path))
-    has_sides = fine.has_sides(wanted)
-    if (has_sides and not fine.is_approached) or drive.path.extent_m <= 0.0:
+    if fine.is_plain(wanted) or drive.path.extent_m <= 0.0:
         return fine
-    looks = (
-        coarsely_segmented(drive.path, tolerance, crossing=crossing)
-        for tolerance, crossing in itertools.product(TOLERANCES, (False, True))
-    )
-    found = [_polygon_of(assignment, wanted, drive, look) for look in looks if look is not None]
-    whole = [fine] * has_sides + [one for one in found if one.is_on_the_whole(wanted)]
+    found = [_polygon_of(assignment, wanted, drive, look) for look in coarse_looks(drive.path)]
+    whole = [fine] * fine.has_sides(wanted) + [one for one in found if one.is_on_the_whole(wanted)]
     return min(whole, key=lambda one: one.roughness, default=fine)
 
 
