@@ -27,6 +27,7 @@ ONLY_ON_JAZZY = (
     "node.list_parameters",
     "Node('b', enable_logger_service=True)",
     "node.create_timer(1.0, print, autostart=False)",
+    "type(node.create_timer(1.0, print).handle)(node.get_clock().handle, node.context.handle, 1, False)",
     "rclpy.qos.ReliabilityPolicy.BEST_AVAILABLE",
     "rclpy.context.Context().__enter__",
     "rclpy.executors.Executor.__exit__",

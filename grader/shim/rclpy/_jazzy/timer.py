@@ -18,8 +18,8 @@ _humble_handle_init = clocks.TimerHandle.__init__
 class TimerHandle(clocks.TimerHandle):
     """May be cancelled from the beginning."""
 
-    def __init__(self, *given: Any, autostart: bool = True) -> None:
-        _humble_handle_init(self, *given)
+    def __init__(self, clock: Any, context: Any, period_ns: int, autostart: bool = True) -> None:
+        _humble_handle_init(self, clock, context, period_ns)
         self.canceled = not autostart
 
 
