@@ -2,15 +2,17 @@
 
 import re
 from collections.abc import Callable
+from contextlib import closing
 
 import pytest
-from sqlalchemy import create_engine, update
+from sqlalchemy import update
 from sqlmodel import col
 
 from grader.api import warm_up
 from grader.contracts.text import Text
 from grader.messages import outline
 from grader.service.web.pages import compile_all
+from grader.store.database import Database
 from grader.store.tables import GradedMistakeRow
 from grader.use_cases.services import Services
 from tests.unit.service.web.conftest import Browser
@@ -195,8 +197,8 @@ def test_a_mistake_that_only_an_earlier_version_knew_still_leads_to_its_students
 ) -> None:
     of_one = col(GradedMistakeRow.code) == "never_stops"
     page = "/class/assignments/square/students?mistake=long_forgotten"
-    with create_engine(sqlite_url).begin() as connection:
-        connection.execute(update(GradedMistakeRow).where(of_one).values(code="long_forgotten"))
+    with closing(Database(sqlite_url)) as database, database.writing() as session:
+        session.execute(update(GradedMistakeRow).where(of_one).values(code="long_forgotten"))
     assert "students?mistake=long_forgotten" in instructor.get("/class/assignments/square").text
     assert concerned(instructor.get(page).text) == ["bo"]
     assert instructor.get(page + "s").status_code == 422
