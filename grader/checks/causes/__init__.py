@@ -138,10 +138,7 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_LOST | _WRONG_WAY | {"no_drive_by_pose", "turned_instead"}, steering.turns_away),
     (_WRONG_WAY, steering.away_from_goal),
     (frozenset(("place_never_stops", "place_circled")), steering.tolerance_too_small),
-    (
-        steering.LATER | {"turns_too_short", "one_corner_off", "slipped"},
-        steering.wide_tolerance,
-    ),
+    (steering.LATER | {"turns_too_short", "one_corner_off", "slipped"}, steering.wide_tolerance),
     (_CORNERS | _COUNT | {"no_turns", "wall_hit", "curved", "arcs"}, flow.timers_overrule),
     (_CORNERS - {"one_radian"}, times.wrong_time),
     (_SHORT | {"one_corner_off"}, numbers.ticks_cut),

@@ -67,11 +67,9 @@ def error_hides_rest(seen: Searched) -> Mistake | None:
     caught = noted(seen.run.outcome, "caught") or ""
     line = re.match(r"line (\d{1,6}): ", caught)
     written = seen.script.lines[int(line[1]) - 1 : int(line[1])] if line else []
-    return (
-        error_caught(seen.run)
-        if any(not re.search(rf"{SHOWS}|get_logger\(", one) for one in written)
-        else None
-    )
+    if any(not re.search(rf"{SHOWS}|get_logger\(", one) for one in written):
+        return error_caught(seen.run)
+    return None
 
 
 def other_axis(seen: Searched) -> Mistake | None:

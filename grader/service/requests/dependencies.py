@@ -5,7 +5,7 @@ that ``Accept-Language`` weighs most, else the service's default.
 """
 
 import re
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Collection, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
@@ -17,6 +17,7 @@ from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 from fastapi.sse import EventSourceResponse
 from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
+from starlette.datastructures import ImmutableMultiDict
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Seen, sections_of
@@ -112,18 +113,33 @@ def parameters(dependant: Dependant, kind: Literal["query_params", "body_params"
     }
 
 
+def unknown(given: ImmutableMultiDict[str, Any], known: Collection[str]) -> list[tuple[str, str]]:
+    """Return a problem for each name that is not read, as `refuse` takes them."""
+    return [("extra_forbidden", name) for name in given if name not in known]
+
+
+def sent_twice(given: ImmutableMultiDict[str, Any]) -> list[tuple[str, str]]:
+    """Return a problem for each name that was sent more than once, as `refuse` takes them."""
+    return [(SENT_TWICE[0], name) for name in given if len(given.getlist(name)) > 1]
+
+
+def refuse(where: Literal["query", "body"], problems: Sequence[tuple[str, str]]) -> None:
+    """Refuse a request for `problems`, each the kind of a validation error and the name of what was sent.
+
+    Raises:
+        RequestValidationError: there are any.
+    """
+    if problems:
+        raise RequestValidationError(
+            [{"type": kind, "loc": (where, name), "msg": ""} for kind, name in problems]
+        )
+
+
 def _refuse_unknown_parameters(request: Request) -> None:
     """Refuse an address with a parameter that is not read: a misspelt filter would show everything."""
-    given = request.query_params
-    known = {_LANGUAGE: False} | (
-        parameters(request.scope["route"].dependant, "query_params") if given else {}
-    )
-    wrong = [("extra_forbidden", name) for name in given if name not in known]
-    wrong += [(SENT_TWICE[0], name) for name in given if len(given.getlist(name)) > 1]
-    if wrong:
-        raise RequestValidationError(
-            [{"type": kind, "loc": ("query", name), "msg": ""} for kind, name in wrong]
-        )
+    if given := request.query_params:
+        known = {_LANGUAGE: False} | parameters(request.scope["route"].dependant, "query_params")
+        refuse("query", unknown(given, known) + sent_twice(given))
 
 
 async def _errand(
@@ -269,6 +285,12 @@ def seen(if_match: str | None) -> Seen | None:
     if if_match.strip() == "*":
         return Seen(None)
     return Seen(frozenset(tag for weak, tag in _TAG.findall(if_match) if not weak))
+
+
+def is_held(if_none_match: str, etag: str) -> bool:
+    """Whether a header If-None-Match names the ETag of an answer, be it weak or not (section 13.1.2)."""
+    tags = {one.strip().removeprefix("W/") for one in if_none_match.split(",")}
+    return bool(etag) and bool({"*", etag.removeprefix("W/")} & tags)
 
 
 def etag(tag: str) -> str:

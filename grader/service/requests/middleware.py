@@ -16,17 +16,22 @@ from typing import Any
 from urllib.parse import urlsplit, urlunsplit
 
 from fastapi import Request, Response
-from fastapi.exceptions import RequestValidationError
 from fastapi.routing import APIRoute
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.validation_words import SENT_TWICE
 from grader.operation import logs
 from grader.operation.metrics import Metrics
-from grader.service.requests.dependencies import PEER, parameters
+from grader.service.requests.dependencies import (
+    PEER,
+    is_held,
+    parameters,
+    refuse,
+    sent_twice,
+    unknown,
+)
 from grader.use_cases.handing_in import most_upload_bytes, too_large
 
 MOST_BYTES = 1024 * 1024
@@ -143,18 +148,18 @@ class Unchanged:
         """Serve one request."""
         is_read = scope["type"] == "http" and scope["method"] == "GET"
         held = Headers(scope=scope).get("if-none-match") if is_read else None
-        is_held = False
+        leaves_out = False
 
         async def send_unless_held(message: Message) -> None:
-            nonlocal is_held
+            nonlocal leaves_out
             if message["type"] == "http.response.start" and message["status"] == HTTPStatus.OK:
                 headers = MutableHeaders(scope=message)
-                is_held = not _is_kept_by_nobody(headers) and _names(held or "", headers.get("etag", ""))
-                if is_held:
+                leaves_out = not _is_kept_by_nobody(headers) and is_held(held or "", headers.get("etag", ""))
+                if leaves_out:
                     message["status"] = HTTPStatus.NOT_MODIFIED.value
                     for name in _OF_A_BODY:
                         del headers[name]
-            elif is_held:
+            elif leaves_out:
                 message = {**message, "body": b""}
             await send(message)
 
@@ -287,15 +292,13 @@ async def known_parts(request: Request) -> None:
     """
     form = await request.form()
     known = parameters(request.scope["route"].dependant, "body_params")
-    problems = [(SENT_TWICE[0], name) for name in dict.fromkeys(form) if len(form.getlist(name)) > 1]
-    if unknown := [("extra_forbidden", name) for name in form if name not in known]:
-        problems += unknown
+    problems = sent_twice(form)
+    if misspelt := unknown(form, known):
+        problems += misspelt
         problems += [
             ("missing", name) for name, is_required in known.items() if is_required and name not in form
         ]
-    errors = [{"type": kind, "loc": ("body", name), "msg": ""} for kind, name in problems]
-    if errors:
-        raise RequestValidationError(errors)
+    refuse("body", problems)
 
 
 def _too_long() -> RefusedError:
@@ -349,12 +352,6 @@ class Observed:
 
 def _is_kept_by_nobody(headers: Headers) -> bool:
     return "no-store" in headers.get("cache-control", "")
-
-
-def _names(if_none_match: str, etag: str) -> bool:
-    """Whether a header If-None-Match names the ETag of an answer, be it weak or not."""
-    tags = {one.strip().removeprefix("W/") for one in if_none_match.split(",")}
-    return bool(etag) and bool({"*", etag.removeprefix("W/")} & tags)
 
 
 def _on_this_host(address: str) -> str:

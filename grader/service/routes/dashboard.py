@@ -21,6 +21,7 @@ from grader.service.requests.dependencies import (
     QueryWhole,
     SectionDep,
     StaffDep,
+    is_held,
 )
 from grader.service.routes.health import QueueView, WorkerView, worker_views
 from grader.service.routes.problems import responses
@@ -217,7 +218,7 @@ def read_class(  # noqa: PLR0913
     state = class_state(errand.services, errand.caller)
     tag = _tag(errand, state, language, selection)
     headers = {"Content-Language": language, "Vary": "Accept-Language, Authorization", "ETag": tag}
-    if if_none_match is not None and tag in (one.strip() for one in if_none_match.split(",")):
+    if if_none_match is not None and is_held(if_none_match, tag):
         return Response(status_code=304, headers=headers)
     shown = _view(selected(overview(errand.services, errand.caller, state, language), selection))
     return Response(shown.model_dump_json(), media_type="application/json", headers=headers)

@@ -221,9 +221,8 @@ class WorkerSlot:
         return None
 
     def _count(self, claim: Claim, result: GradingResult, grading_s: float) -> None:
-        waited_s = max(
-            (self._parts.clock() - claim.queued_at).total_seconds(), 0.0
-        )  # a clock may be set back
+        # a clock may be set back
+        waited_s = max((self._parts.clock() - claim.queued_at).total_seconds(), 0.0)
         self._parts.metrics.graded(result.report.status, grading_s, waited_s)
 
     def _store(self, claim: Claim, result: GradingResult, assignment: Assignment, until_s: float) -> Finished:

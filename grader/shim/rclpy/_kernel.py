@@ -492,9 +492,8 @@ class Kernel:
                 if thread.deadline_ns < others_ns and thread is not running:
                     others_ns = thread.deadline_ns
             if others_ns <= self.now_ns:
-                others_ns = (
-                    self.now_ns + 1
-                )  # one that is due keeps no other from the operation it is about to do
+                # one that is due keeps no other from the operation it is about to do
+                others_ns = self.now_ns + 1
             self._preempt_ns = min(limit_ns, self._slice_end_ns, others_ns)
             return
         self._lone_world = world = self._coupled()

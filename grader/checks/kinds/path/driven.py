@@ -221,11 +221,11 @@ def looked_at(drive: Drive, wanted: WantedPath, start: StartPose) -> tuple[Drive
     """
     whole = from_a_corner(drive, wanted)
     figure = figure_in(whole, wanted, start)
-    ways, straights = tracks(wanted), segment(drive.path).straights
+    ways = tracks(wanted)
     may_be_approached = bool(ways) and ways[0].is_closed and wanted.any_start
     if figure is None or figure.residual <= APPROACHED_SHARE or not may_be_approached:
         return whole, figure
-    for before in straights[:MAX_APPROACH_STRAIGHTS]:
+    for before in segment(drive.path).straights[:MAX_APPROACH_STRAIGHTS]:
         rest = from_a_corner(_rest_of(drive, before.last), wanted)
         found = figure_in(rest, wanted, start)
         if (

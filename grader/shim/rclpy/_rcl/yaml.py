@@ -170,9 +170,8 @@ class _Reader:
         line = self._line()
         self._skip()
         same_line = self._line() == line
-        listed = (
-            of_key and self._next() == "-" and self._ends_word(1)
-        )  # a key's list may be as far in as the key
+        # a key's list may be as far in as the key
+        listed = of_key and self._next() == "-" and self._ends_word(1)
         if not self._next() or (
             not same_line and (self._column() < column + (not listed) or self._marks_document())
         ):
