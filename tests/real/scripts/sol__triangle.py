@@ -1,0 +1,49 @@
+"""走一个三角形：3 条边，每个角转外角 120°。"""
+
+import math
+import time
+
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+
+SIDE = 2.0  # m
+SPEED = 1.0  # m/s
+TURN_SPEED = 1.0  # rad/s
+ANGLE = math.radians(360.0 / 3)  # 外角 = 360° / 边数
+
+
+class Triangle(Node):
+    def __init__(self):
+        super().__init__('triangle')
+        self.publisher = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+
+    def drive(self, v, w, seconds):
+        """以线速度 v、角速度 w 行驶 seconds 秒，然后停一下。"""
+        msg = Twist()
+        msg.linear.x = v
+        msg.angular.z = w
+        end = time.time() + seconds
+        while time.time() < end:
+            self.publisher.publish(msg)
+            time.sleep(0.01)
+        self.publisher.publish(Twist())
+        time.sleep(0.1)
+
+    def run(self):
+        for _ in range(3):
+            self.drive(SPEED, 0.0, SIDE / SPEED)
+            self.drive(0.0, TURN_SPEED, ANGLE / TURN_SPEED)
+
+
+def main():
+    rclpy.init()
+    node = Triangle()
+    time.sleep(0.5)  # 等发布者和小乌龟连上
+    node.run()
+    node.destroy_node()
+    rclpy.shutdown()
+
+
+if __name__ == '__main__':
+    main()
