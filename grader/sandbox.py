@@ -19,10 +19,11 @@ import os
 from collections.abc import Mapping, Set
 from dataclasses import replace
 from pathlib import Path
-from typing import Final, Self
+from typing import Final
 
 from grader.contracts.assignment import Limits
 from grader.contracts.errors import NoRoomError, SandboxError, SandboxUnavailableError, SettingsError
+from grader.contracts.python import Self
 from grader.contracts.record import Record
 from grader.jail import bounds
 from grader.jail.ending import JailReport, RunEnd

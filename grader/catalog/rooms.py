@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from random import Random
-from typing import Annotated, Final, Self
+from typing import Annotated, Final
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -20,6 +20,7 @@ from grader.catalog.spec import (
     drawn,
 )
 from grader.contracts.assignment import Region, Room, Solid, StartPose, Stripe
+from grader.contracts.python import Self
 from grader.geometry.room import clearance_m
 
 EDGE_M: Final = 0.1  # how thick outer walls are; they stand outside of the bounds

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Sequence
 from random import Random
-from typing import Annotated, Any, Literal, Self, cast
+from typing import Annotated, Any, Literal, cast
 
 from pydantic import (
     AfterValidator,
@@ -86,6 +86,7 @@ from grader.contracts.assignment import (
     WrongAttempt,
     outside_m,
 )
+from grader.contracts.python import Self
 from grader.contracts.text import Text
 
 Id = Annotated[str, Field(pattern=ID_PATTERN)]

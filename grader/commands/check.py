@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,6 +28,7 @@ from grader.contracts.errors import (
     UnknownAssignmentError,
 )
 from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.python import UTC
 from grader.contracts.text import Language
 from grader.grading.slot import Slot, SlotConfig
 

@@ -8,13 +8,13 @@ import statistics
 import sys
 import time
 from dataclasses import asdict, dataclass, field
-from enum import StrEnum
 from pathlib import Path
 from typing import Final
 
 from grader.commands.options import add_language_option
 from grader.contracts.assignment import MIB, Limits
 from grader.contracts.errors import SandboxError, SandboxUnavailableError
+from grader.contracts.python import StrEnum
 from grader.contracts.text import Language, Text
 from grader.jail import landlock, libc
 from grader.jail.cgroups import Bound, own_bound

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 from datetime import datetime
-from enum import StrEnum
+
+from grader.contracts.python import StrEnum
 
 LONGEST_TEXT = 2_000
 """Characters of a student's reason, and of the staff's answer."""

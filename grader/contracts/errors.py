@@ -18,7 +18,9 @@ GraderError
 """
 
 import errno
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final
+
+from grader.contracts.python import Self
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -4,10 +4,10 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime
-from enum import StrEnum
 
 from grader.contracts.assignment import DEFAULT_DISTRO, Distro
 from grader.contracts.errors import CourseError
+from grader.contracts.python import StrEnum
 from grader.contracts.text import Text
 
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@-]{0,63}")

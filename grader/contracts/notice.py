@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass, field
 from datetime import datetime
-from enum import StrEnum
+
+from grader.contracts.python import StrEnum
 
 
 class Outlet(StrEnum):

@@ -2,10 +2,10 @@
 
 import re
 from collections.abc import Mapping
-from enum import StrEnum
 from typing import Any
 
 from grader.contracts.assignment import AgentStep, ServiceCall
+from grader.contracts.python import StrEnum
 from grader.contracts.record import Record, field
 
 SHOWN_CHARACTERS = 16_384

@@ -1,8 +1,8 @@
 """Assignments of a course's own: uploaded as a folder, examined, then taken by the course."""
 
 from datetime import datetime
-from enum import StrEnum
 
+from grader.contracts.python import StrEnum
 from grader.contracts.record import Record
 from grader.contracts.text import Text
 

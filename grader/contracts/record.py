@@ -8,10 +8,12 @@ import dataclasses
 import json
 from collections.abc import Mapping
 from functools import cache
-from typing import TYPE_CHECKING, Any, TypeVar, dataclass_transform
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import msgspec
 from msgspec import field
+
+from grader.contracts.python import dataclass_transform
 
 __all__ = ["Record", "canonical", "field", "from_json", "from_plain", "to_plain"]
 

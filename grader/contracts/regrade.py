@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 from datetime import datetime
-from enum import StrEnum
 from typing import Literal
 
+from grader.contracts.python import StrEnum
 from grader.contracts.record import Record
 
 Which = Literal["latest", "best", "all", "faults"]

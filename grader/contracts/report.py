@@ -3,9 +3,9 @@
 import hashlib
 from collections.abc import Iterable
 from dataclasses import asdict
-from enum import StrEnum
 
 from grader.contracts.outcome import RunOutcome, RunStatus, Stream
+from grader.contracts.python import StrEnum
 from grader.contracts.record import Record, canonical, from_json
 from grader.contracts.rubric import RubricItem, to_judge
 from grader.contracts.text import EMPTY, Text

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Literal
 
+from grader.contracts.python import StrEnum
 from grader.contracts.record import Record
 from grader.contracts.text import EMPTY, Text
 

@@ -8,7 +8,6 @@ question always has the same answer.
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, time, timedelta
-from enum import StrEnum
 from typing import Annotated, Final, Literal
 from zoneinfo import ZoneInfo
 
@@ -26,6 +25,7 @@ from grader.contracts.fields import (
     Table,
     kinds_of,
 )
+from grader.contracts.python import StrEnum
 from grader.contracts.text import Text
 
 LateKind = Literal["none", "linear", "steps"]

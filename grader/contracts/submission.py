@@ -7,9 +7,9 @@ since the submission was last queued and bounds the retries.
 
 from dataclasses import dataclass
 from datetime import datetime
-from enum import StrEnum
 
 from grader.contracts.assignment import Distro
+from grader.contracts.python import StrEnum
 from grader.contracts.report import GradeStatus
 
 

@@ -15,7 +15,7 @@ _LARGE_PAGES = {"GLIBC_TUNABLES": "glibc.malloc.hugetlb=1"}
 """Bullet asks for 25 MiB when it is connected to: a few huge pages come in half the time of 7,000 small ones."""
 
 _ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-_PYTHON = (sys.executable, "-S", "-P", "-c")  # what `site` would find out once more stands in our own path
+_PYTHON = (sys.executable, "-I", "-S", "-c")  # what `site` would find out once more stands in our own path
 _BOOTSTRAP = (  # nothing is imported, and no garbage collected, before this
     "import gc, os, sys; gc.disable(); sys.path[:] = sys.argv.pop(1).split(os.pathsep); "
     "from grader.grading.child import main; sys.exit(main(sys.argv[1:]))"
@@ -66,7 +66,7 @@ def import_path() -> str:
 
     A student's ``random.py`` may lie there. In Python's safe-path mode there is no such entry.
     """
-    own = [entry for entry in (sys.path if sys.flags.safe_path else sys.path[1:]) if entry]
+    own = [entry for entry in (sys.path if getattr(sys.flags, "safe_path", False) else sys.path[1:]) if entry]
     return os.pathsep.join(own if _ROOT in own else [_ROOT, *own])
 
 

@@ -4,7 +4,7 @@ import hashlib
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final, Self, TypeAlias
+from typing import Any, Final, TypeAlias
 
 from grader import __version__
 from grader.contracts.assignment import Assignment, Case, WorldKind
@@ -12,6 +12,7 @@ from grader.contracts.errors import AssignmentError
 from grader.contracts.grading import GradingJob, GradingResult, RunProgress
 from grader.contracts.outcome import Note, RunOutcome, StudentError
 from grader.contracts.package import PackageProblem
+from grader.contracts.python import Self
 from grader.contracts.record import Record, field
 from grader.contracts.report import (
     CaseOutput,

@@ -10,11 +10,12 @@ import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from typing import Final, Self
+from typing import Final
 
 from grader.contracts.assignment import Limits
 from grader.contracts.errors import GraderError, InfrastructureError, ProtocolError
 from grader.contracts.grading import SyntaxProblem
+from grader.contracts.python import Self
 from grader.contracts.upload import decoded
 from grader.sandbox import Jail, RunEnd, Sandbox
 from grader.sim.frames import SYNTAX_ERROR, Exit

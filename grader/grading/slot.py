@@ -14,10 +14,11 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from types import TracebackType
-from typing import Any, Final, Self
+from typing import Any, Final
 
 from grader.contracts.errors import InfrastructureError, NoRoomError, SandboxUnavailableError, lacks_room
 from grader.contracts.grading import GradingJob, GradingResult, RunProgress, WorldRequest
+from grader.contracts.python import Self
 from grader.contracts.record import from_plain, to_plain
 from grader.contracts.report import Measurements, report_from
 from grader.grading.launch import Child, launch

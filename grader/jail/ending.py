@@ -7,11 +7,11 @@ The sandbox only says *how* a process ended (`RunEnd`). What that means for the 
 import os
 import signal
 import time
-from enum import StrEnum
 from typing import Final, NamedTuple
 
 from grader.contracts.assignment import Limits
 from grader.contracts.outcome import Stream
+from grader.contracts.python import StrEnum
 from grader.contracts.record import Record, field
 from grader.jail import bounds
 from grader.jail.process import ProcessHandle

@@ -8,11 +8,12 @@ import time
 from collections import deque
 from collections.abc import Callable
 from types import TracebackType
-from typing import Final, Self
+from typing import Final
 
 from grader.contracts.assignment import Limits
 from grader.contracts.errors import ProtocolError, SandboxError
 from grader.contracts.outcome import Stream
+from grader.contracts.python import Self
 from grader.jail import bounds
 from grader.jail.cores import SharedCore
 from grader.jail.ending import TICK_NS, Clocks, Ending, JailReport, KernelAccount, RunEnd, explain

@@ -8,10 +8,10 @@ import importlib.util
 import os
 import sys
 from collections.abc import Iterable, Mapping, Set
-from enum import StrEnum
 from pathlib import Path
 from typing import Final
 
+from grader.contracts.python import StrEnum
 from grader.contracts.record import Record, field
 from grader.jail import bounds, landlock, prepared_root, syscalls
 from grader.jail.supervisor import ZygoteConfig

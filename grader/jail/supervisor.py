@@ -20,6 +20,7 @@ from typing import Final
 
 from grader.contracts.assignment import Limits
 from grader.contracts.errors import NoRoomError, SandboxError, lacks_room
+from grader.contracts.python import SAFE_PATH
 from grader.contracts.record import Record
 from grader.jail import bounds, libc, syscalls
 from grader.jail.jail import Capture, Jail
@@ -33,7 +34,7 @@ _LAUNCHER: Final = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 _BOOTSTRAP: Final = (
     "import os, sys; control = int(sys.argv[-1]); os.closerange(3, control); "
     "os.closerange(control + 1, os.sysconf('SC_OPEN_MAX')); os.chdir('/'); "
-    "sys.path.insert(0, sys.argv.pop(1)); from jail.zygote import main; main()"
+    "sys.path[:] = [sys.argv.pop(1), *filter(None, sys.path)]; from jail.zygote import main; main()"
 )
 _AUTOGROUP_PAUSE_S: Final = 0.11
 _AUTOGROUP_TRIES: Final = 10
@@ -323,7 +324,7 @@ def start_interpreter() -> Interpreter:
     executable = os.path.realpath(sys.executable)
     ours, theirs = _socket.socketpair(_socket.AF_UNIX, _socket.SOCK_STREAM)
     control = theirs.fileno()
-    command = [executable, "-P", "-s", "-S", "-X", "utf8", "-c", _BOOTSTRAP, _LAUNCHER, str(control)]
+    command = [executable, *SAFE_PATH, "-s", "-S", "-X", "utf8", "-c", _BOOTSTRAP, _LAUNCHER, str(control)]
     try:
         with _FixedAddresses():
             pid = os.posix_spawn(

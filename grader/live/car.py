@@ -211,7 +211,7 @@ def _spawn(descriptor: int) -> int:
     environment = {name: os.environ[name] for name in _ENVIRONMENT if name in os.environ}
     return os.posix_spawn(
         sys.executable,
-        [sys.executable, "-S", "-P", "-c", _BOOTSTRAP, import_path(), str(descriptor)],
+        [sys.executable, "-I", "-S", "-c", _BOOTSTRAP, import_path(), str(descriptor)],
         environment | _THREADS,
         file_actions=[
             (os.POSIX_SPAWN_OPEN, 0, os.devnull, os.O_RDONLY, 0),

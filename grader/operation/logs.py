@@ -12,9 +12,10 @@ import sys
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import TYPE_CHECKING, TextIO
 
+from grader.contracts.python import UTC
 from grader.contracts.submission import Claim
 from grader.render.escape import visible, visible_line
 

@@ -242,7 +242,7 @@ class Episode:
     def _script_seed(self) -> int:
         """Return the seed of the script's randomness: not that of the rough noise, which it could foresee."""
         if self._spec.world.profile == "rough":
-            return int.from_bytes(hashlib.sha256(self._spec.source).digest()[:4])
+            return int.from_bytes(hashlib.sha256(self._spec.source).digest()[:4], "big")
         return self._spec.world.seed
 
     def _take(self, frame: Frame, link: Link) -> None:

@@ -5,11 +5,12 @@ imported: building them, and keeping account of objects, would cost more than th
 """
 
 from collections.abc import Mapping, Sequence
-from datetime import UTC, datetime, timedelta
+from datetime import datetime, timedelta
 from typing import Any
 
 from sqlalchemy import Connection, Select, and_, bindparam, or_, select, update
 
+from grader.contracts.python import UTC
 from grader.contracts.submission import Claim, SubmissionState
 from grader.store.intake import LATELY
 from grader.store.tables import CourseRow, SourceRow, SubmissionRow, UtcDateTime, table_of

@@ -10,11 +10,12 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from datetime import UTC, datetime, timedelta
+from datetime import datetime, timedelta
 from typing import Any
 
 from sqlalchemy import text
 
+from grader.contracts.python import UTC
 from grader.store.database import Database, StorePart
 
 # Well within a lease: if the server's clock is set, leases must not end before all have noticed.

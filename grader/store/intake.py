@@ -7,7 +7,7 @@ a turn in the queue, and store it.
 import hashlib
 import uuid
 from collections.abc import Iterable, Sequence
-from datetime import UTC, datetime, timedelta
+from datetime import datetime, timedelta
 from itertools import pairwise
 from typing import Any, NamedTuple
 from zoneinfo import ZoneInfo
@@ -30,6 +30,7 @@ from sqlmodel import Session, col
 
 from grader.contracts.assignment import DEFAULT_DISTRO, Assignment, Distro
 from grader.contracts.errors import RefusedError
+from grader.contracts.python import UTC
 from grader.contracts.record import from_json
 from grader.contracts.report import GradeStatus
 from grader.contracts.rules import Attempt, Extension, Refusal, Rules

@@ -4,7 +4,7 @@ import hashlib
 import json
 from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, field
-from datetime import UTC, datetime, tzinfo
+from datetime import datetime, tzinfo
 from functools import lru_cache
 from typing import Any, cast
 from zoneinfo import ZoneInfo
@@ -16,6 +16,7 @@ from grader.contracts.assignment import Distro
 from grader.contracts.errors import ChangedMeanwhileError
 from grader.contracts.fields import kinds_of
 from grader.contracts.identity import Seen, unknown_course, unknown_members
+from grader.contracts.python import UTC
 from grader.contracts.record import from_plain
 from grader.contracts.rules import NO_EXTENSION, NO_RULES, Extension, Rules
 from grader.store.audit import Signature, record

@@ -6,8 +6,7 @@ Changing one needs a migration in `grader.store.migrations.versions`; a test com
 import gzip
 import re
 from dataclasses import fields
-from datetime import UTC, datetime
-from enum import StrEnum
+from datetime import datetime
 from typing import Any, Final, TypeVar
 
 from sqlalchemy import (
@@ -29,6 +28,7 @@ from grader.contracts.appeal import AppealState
 from grader.contracts.assignment import DEFAULT_DISTRO
 from grader.contracts.identity import Role
 from grader.contracts.own_assignment import OwnState
+from grader.contracts.python import UTC, StrEnum
 from grader.contracts.regrade import RegradeState
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import Submission, SubmissionState

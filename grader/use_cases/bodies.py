@@ -7,7 +7,7 @@ import dataclasses
 from collections.abc import Callable
 from datetime import datetime
 from types import GenericAlias
-from typing import Annotated, Any, ClassVar, Self, TypeVar, get_type_hints
+from typing import Annotated, Any, ClassVar, TypeVar, get_type_hints
 from zoneinfo import ZoneInfo
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, create_model
@@ -17,6 +17,7 @@ from grader.contracts import fields
 from grader.contracts.errors import RefusedError
 from grader.contracts.fields import FieldKind, kinds_of
 from grader.contracts.notation import instant
+from grader.contracts.python import Self
 from grader.contracts.rules import YEARS, Extension, LateRule, LateStep, RuleError, Rules, SectionRule
 from grader.contracts.validation_words import OUT_OF_YEARS
 

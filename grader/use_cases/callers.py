@@ -15,10 +15,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Self
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import ANYBODY, OPERATOR, Caller, Role
+from grader.contracts.python import Self
 from grader.operation.settings import Settings
 from grader.store.clock import Clock
 from grader.store.courses import Courses

@@ -2,12 +2,13 @@
 
 import logging
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import Any
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
 from grader.contracts.platform import NewPlatform, Platform, PlatformLink, PlatformScore
+from grader.contracts.python import UTC
 from grader.outside.lti import Kept, Launch, login_address
 from grader.outside.signin import Person, SignInError
 from grader.outside.signin.channel import is_confidential

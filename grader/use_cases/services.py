@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Self
+from typing import Any
 
 from grader.contracts.grading import Preflight
 from grader.contracts.identity import Caller
+from grader.contracts.python import Self
 from grader.contracts.submission import QueueState, WorkerState
 from grader.grading.practice import PracticeRuns
 from grader.live.cars import LiveCars

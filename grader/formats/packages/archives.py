@@ -12,8 +12,9 @@ import unicodedata
 import zipfile
 import zlib
 from collections.abc import Callable, Collection, Mapping, Sequence
-from enum import StrEnum, auto
+from enum import auto
 
+from grader.contracts.python import StrEnum
 from grader.contracts.record import Record
 
 MIB = 1024 * 1024

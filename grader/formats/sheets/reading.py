@@ -13,6 +13,7 @@ from itertools import islice
 import msgspec
 
 from grader.contracts.errors import CourseError
+from grader.contracts.python import SAFE_PATH
 from grader.contracts.record import Record
 from grader.jail import readers
 
@@ -130,7 +131,7 @@ def _workbook(content: bytes) -> list[_Sheet]:
     """Return all sheets of a workbook, read by a process of its own."""
     if content.startswith(_ZIP):
         _check_zip(content)
-    command = [sys.executable, "-P", "-m", "grader.formats.sheets.workbook"]
+    command = [sys.executable, *SAFE_PATH, "-m", "grader.formats.sheets.workbook"]
     try:
         code, answer = readers.answer_of(command, content, most_bytes=_MAX_ANSWER_BYTES)
     except readers.TooMuchError:

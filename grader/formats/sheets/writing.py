@@ -3,8 +3,9 @@
 import csv
 import io
 from collections.abc import Sequence
-from datetime import UTC, datetime
+from datetime import datetime
 
+from grader.contracts.python import UTC
 from grader.contracts.text import BYTE_ORDER_MARK
 
 Cell = str | float | None

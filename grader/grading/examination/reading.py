@@ -21,6 +21,7 @@ from grader.contracts.own_assignment import Misfit
 from grader.contracts.record import Record, from_json
 from grader.contracts.text import Text
 from grader.grading.examination import OwnScript, OwnScripts
+from grader.grading.launch import import_path
 from grader.jail import readers
 
 _MAX_ANSWER_BYTES: Final = 32 * 1024 * 1024
@@ -36,8 +37,8 @@ _TOO_MUCH: Final = Text(
 
 
 _PROGRAM: Final = (  # looking for garbage among what is imported takes a sixth of the process's time
-    "import gc, sys; gc.disable(); "
-    "from grader.grading.examination.confined import main; sys.exit(main(sys.argv[1]))"
+    "import gc, os, sys; gc.disable(); sys.path[:] = sys.argv[1].split(os.pathsep); "
+    "from grader.grading.examination.confined import main; sys.exit(main(sys.argv[2]))"
 )
 TOO_MUCH: Final = 3
 """Exit code of the process when it ran out of memory."""
@@ -108,9 +109,9 @@ def _misfit(place: str, told: Text, root: str) -> Misfit:
 
 
 def _answer(folder: Path) -> Reading:
-    environment = {"PATH": os.environ.get("PATH", ""), "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    environment = {"PATH": os.environ.get("PATH", "")}
     single_threaded = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-    command = [sys.executable, "-P", "-c", _PROGRAM, str(folder)]
+    command = [sys.executable, "-I", "-c", _PROGRAM, import_path(), str(folder)]
     try:
         code, answer = readers.answer_of(
             command, most_bytes=_MAX_ANSWER_BYTES, environment=environment | single_threaded

@@ -9,9 +9,10 @@ from email.errors import MessageError
 from email.headerregistry import Address
 from email.message import EmailMessage
 from email.utils import format_datetime
-from typing import Final, Self
+from typing import Final
 from urllib.parse import urlsplit
 
+from grader.contracts.python import Self
 from grader.operation.settings import Settings, is_loopback
 from grader.outside.notices import Failure, NotSentError
 from grader.outside.signin.channel import trusting

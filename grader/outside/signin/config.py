@@ -3,7 +3,7 @@
 import ipaddress
 import tomllib
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 from pydantic import (
     AfterValidator,
@@ -17,6 +17,7 @@ from pydantic import (
 )
 
 from grader.contracts.errors import SettingsError
+from grader.contracts.python import Self
 from grader.contracts.text import trouble
 from grader.contracts.validation_words import said
 from grader.outside.signin.channel import host_of, is_private_talk

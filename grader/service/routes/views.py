@@ -1,8 +1,10 @@
 """What answers show of contracts."""
 
-from typing import Any, Self
+from typing import Any
 
 from pydantic import BaseModel
+
+from grader.contracts.python import Self
 
 
 class View(BaseModel):

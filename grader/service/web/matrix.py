@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import Any, Literal, get_args
 
 from pydantic import Field
 
 from grader.contracts.identity import Member
+from grader.contracts.python import UTC
 from grader.contracts.submission import SubmissionState
 from grader.service.web.paging import PageQuery, cut
 from grader.use_cases.dashboard import AssignmentOverview, Cell, Overview, StudentLine

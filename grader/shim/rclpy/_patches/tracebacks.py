@@ -80,13 +80,16 @@ def prime_linecache(linecache: Any) -> None:
 def patch_traceback(traceback: Any) -> None:
     """Make tracebacks that a script prints or logs show only its own frames: others differ between hosts."""
     summary = traceback.StackSummary
-    extract = summary._extract_from_extended_frame_gen.__func__
+    name = "_extract_from_extended_frame_gen"
+    if not hasattr(summary, name):  # Python 3.10 has no places within a line to extract
+        name = "extract"
+    extract = getattr(summary, name).__func__
 
     def extract_own(kind: Any, /, frames: Iterable[tuple[FrameType, Any]], **options: Any) -> Any:
         own = ((frame, place) for frame, place in frames if script.owns(frame.f_code.co_filename))
         return extract(kind, own, **options)
 
-    summary._extract_from_extended_frame_gen = classmethod(extract_own)
+    setattr(summary, name, classmethod(extract_own))
 
 
 def line_of(error: BaseException) -> int:
@@ -319,9 +322,22 @@ def _call(frame: FrameType | None) -> tuple[str, FrameType | None]:
     """Return what the student's innermost frame calls, and that frame."""
     call = ""
     while frame is not None and frame.f_code.co_filename != script.file_name:
-        call = frame.f_code.co_qualname
+        call = _qualified_name(frame)
         frame = frame.f_back
     return call, frame
+
+
+def _qualified_name(frame: FrameType) -> str:
+    """Return a function's name with its class; Python 3.10 only tells it of functions, not of their code."""
+    code = frame.f_code
+    if hasattr(code, "co_qualname"):
+        return code.co_qualname
+    owner = frame.f_locals.get("self")
+    for base in type(owner).__mro__:
+        function = vars(base).get(code.co_name)
+        if function is not None and getattr(function, "__code__", None) is code:
+            return str(function.__qualname__)
+    return code.co_name
 
 
 def _explain(thread: Thread, frame: FrameType | None) -> str:
