@@ -166,7 +166,7 @@ def durably() -> Iterator[dict[str, Callable[..., None]]]:
     from grader.store import database as store_database
 
     real = store_database._configure_sqlite
-    as_in_service = {"_configure_sqlite": real, "_wait_for_disk": store_database._wait_for_disk}
+    as_in_service = {"_configure_sqlite": real, "_Disk._write": store_database._Disk._write}
 
     def configure(connection: Any, record: Any) -> None:
         real(connection, record)
@@ -174,7 +174,7 @@ def durably() -> Iterator[dict[str, Callable[..., None]]]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(store_database, "_configure_sqlite", configure)
-        patch.setattr(store_database, "_wait_for_disk", lambda connection, how: None)
+        patch.setattr(store_database._Disk, "_write", lambda self: None)
         yield as_in_service
 
 

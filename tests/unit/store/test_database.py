@@ -1,3 +1,5 @@
+import errno
+import os
 import sqlite3
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -10,9 +12,10 @@ from sqlalchemy import event, func, inspect, select
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from sqlmodel import Session
 
-from grader.contracts.errors import SettingsError
+from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, WorkerState
+from grader.store import database as store_database
 from grader.store.courses import Courses
 from grader.store.database import Database, checkpoint, checkpoints
 from grader.store.intake import new_id
@@ -30,21 +33,103 @@ def pragma(database: Database, name: str) -> object:
         return session.connection().exec_driver_sql(f"PRAGMA {name}").scalar_one()
 
 
+class Disk:
+    """Stands for the disk: counts how often a log was written to it, and says whether that worked."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.writes = 0
+        self.entered = threading.Event()
+        self.ready = threading.Event()
+        self.ready.set()
+        self.broken = False
+        monkeypatch.setattr(store_database.os, "fdatasync", self._fdatasync)
+
+    def _fdatasync(self, descriptor: int) -> None:
+        assert os.readlink(f"/proc/self/fd/{descriptor}").endswith(".db-wal")
+        self.writes += 1
+        self.entered.set()
+        assert self.ready.wait(60.0)
+        if self.broken:
+            raise OSError(errno.EIO, "Input/output error")
+
+
+@pytest.fixture
+def disk(durable: None, monkeypatch: pytest.MonkeyPatch) -> Disk:
+    return Disk(monkeypatch)
+
+
+def add(database: Database, name: str, *, lasting: bool = True) -> None:
+    with database.writing(lasting=lasting) as session:
+        session.add(CourseRow(id=name, title="", time_zone="UTC", created_at=START))
+        session.flush()
+        if name == "bad":
+            raise ValueError
+
+
+def course_ids(database: Database) -> set[str]:
+    return {one.id for one in Courses(database, FakeClock()).all()}
+
+
 def test_only_what_would_be_made_again_does_not_wait_for_the_disk(
-    durable: None, sqlite_database: Database
+    disk: Disk, sqlite_database: Database
 ) -> None:
-    seen = []
-    for lasting in (True, False, False, True):
-        with sqlite_database.writing(lasting=lasting) as session:
-            seen.append(session.connection().exec_driver_sql("PRAGMA synchronous").scalar_one())
-    assert seen == [2, 1, 1, 2]
+    before, counts = disk.writes, []
+    for number, lasting in enumerate((True, False, False, True)):
+        add(sqlite_database, f"c{number}", lasting=lasting)
+        counts.append(disk.writes - before)
+    assert counts == [1, 1, 1, 2]
+
+
+def test_what_waits_together_goes_to_the_disk_together(disk: Disk, sqlite_database: Database) -> None:
+    """Seven write while the disk is busy: six of them share its next write, the one that is wrong fails alone."""
+    disk.entered.clear()
+    disk.ready.clear()
+    before = disk.writes
+    with ThreadPoolExecutor(8) as pool:
+        first = pool.submit(add, sqlite_database, "first")
+        assert disk.entered.wait(60.0)
+        names = ["a", "b", "bad", "c", "d", "e", "f"]
+        others = [pool.submit(add, sqlite_database, name) for name in names]
+        wait_until(
+            lambda: course_ids(sqlite_database) == {"first", *names} - {"bad"}
+        )  # nobody waits to write
+        assert [one.done() for one in (first, *others)] == [False, False, False, True, *[False] * 4]
+        disk.ready.set()
+    assert [type(one.exception()) for one in others if one.exception()] == [ValueError]
+    assert disk.writes - before in (2, 3)  # the last of the six may have come while the next write began
+
+
+def test_a_disk_that_fails_fails_everybody_who_waits_for_it(disk: Disk, sqlite_database: Database) -> None:
+    disk.broken = True
+    with pytest.raises(InfrastructureError, match="Input/output error"):
+        add(sqlite_database, "lost?")
+    disk.broken = False
+    add(sqlite_database, "kept")
+    assert "kept" in course_ids(sqlite_database)
 
 
 def test_sqlite_is_set_up_to_lose_nothing(durable: None, sqlite_database: Database) -> None:
     assert pragma(sqlite_database, "journal_mode") == "wal"
-    assert pragma(sqlite_database, "synchronous") == 2
+    assert pragma(sqlite_database, "synchronous") == 1  # a commit; `_Disk` waits for the disk
     assert pragma(sqlite_database, "foreign_keys") == 1
     assert pragma(sqlite_database, "busy_timeout") == 30_000
+
+
+def test_writers_write_in_order_of_arrival(sqlite_database: Database) -> None:
+    order: list[int] = []
+
+    def write(number: int) -> None:
+        with sqlite_database.writing():
+            order.append(number)
+
+    threads = [threading.Thread(target=write, args=(number,)) for number in range(20)]
+    with sqlite_database.writing():
+        for count, thread in enumerate(threads, start=1):
+            thread.start()
+            wait_until(lambda wanted=count: len(sqlite_database._turns._waiting) == wanted)
+    for thread in threads:
+        thread.join()
+    assert order == list(range(20))
 
 
 def test_writers_of_one_process_take_turns(sqlite_database: Database) -> None:
@@ -52,12 +137,8 @@ def test_writers_of_one_process_take_turns(sqlite_database: Database) -> None:
     impatient = "PRAGMA busy_timeout=0"
     event.listen(sqlite_database.engine, "begin", lambda one: one.exec_driver_sql(impatient), insert=True)
 
-    def add(number: int) -> None:
-        with sqlite_database.writing() as session:
-            session.add(CourseRow(id=f"c{number}", title="", time_zone="UTC", created_at=START))
-
     with ThreadPoolExecutor(8) as pool:
-        list(pool.map(add, range(40)))
+        list(pool.map(lambda number: add(sqlite_database, f"c{number}"), range(40)))
     with sqlite_database.reading() as session:
         assert session.execute(select(func.count()).select_from(CourseRow)).scalar_one() == 40
 
