@@ -1,19 +1,29 @@
 """Checks: pure functions from what happened to scored rubric items.
 
-Grading calls `evaluate` or `evaluate_text`. `published_rubric` returns what a student reads beforehand, `sketch`
-what a plot should show, and `problems` what is wrong with an assignment's use of its check.
+Grading calls `mark` and, when the points are final, `explained`; of a text `evaluate_text`. `published_rubric`
+returns what a student reads beforehand, `sketch` what a plot should show, and `problems` what is wrong with an
+assignment's use of its check.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from grader.checks.causes import with_causes
 from grader.checks.fit import misfits
 from grader.checks.kinds import CHECKS, KINDS, TEXT_CHECKS
-from grader.checks.measure import Check, Findings, Kind, first_causes
-from grader.checks.package import examined, with_package
-from grader.checks.scoring import WHOLE, Portion, ignored_input, published, score_items, together_scored
-from grader.checks.summary import summarise, summarise_text
+from grader.checks.measure import Check, Findings, Kind, Measures, first_causes
+from grader.checks.package import package_measures, with_package, with_package_mistakes
+from grader.checks.scoring import (
+    WHOLE,
+    Portion,
+    ignored_input,
+    published,
+    score_items,
+    together_hinted,
+    together_scored,
+    with_hints,
+)
+from grader.checks.summary import is_wanting, summarise, summarise_text
 from grader.checks.surroundings import solids_of
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError
@@ -23,7 +33,24 @@ from grader.contracts.scoring import Run, Scoring
 from grader.contracts.text import Text
 
 
-def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
+@dataclass(frozen=True)
+class Marks:
+    """The points of one submission, final before anything is explained.
+
+    Attributes:
+        measures: of each run. scored: the items of each run. together: those that are scored across the runs.
+    """
+
+    measures: tuple[Measures, ...]
+    scored: tuple[tuple[RubricItem, ...], ...]
+    together: Mapping[str, RubricItem]
+
+    def items(self, assignment: Assignment) -> tuple[RubricItem, ...]:
+        """Return all items in the order of the report."""
+        return _in_order(assignment, self.scored, self.together.values())
+
+
+def mark(assignment: Assignment, runs: Sequence[Run]) -> Marks:
     """Score a submitted script by its runs, one for each case of the assignment.
 
     Each item's points are divided evenly among the runs; with several runs the items are named
@@ -34,26 +61,78 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
         AssignmentError: the assignment does not fit its check (see `problems`).
     """
     check = _script_check(assignment)
-    found, scored = [], []
-    for part, run in enumerate(runs):
-        case = assignment.in_case(run.case)
-        found.append(examined(check, with_causes(case, run, check.examine(case, run)), run))
-        portion = Portion(f"{run.case}/", part, len(runs)) if len(runs) > 1 else WHOLE
-        scored.append(score_items(check, assignment.items, found[-1], portion))
-    together = together_scored(check, assignment, runs, found) if len(runs) > 1 else {}
+    measures = [{**check.measure(assignment.in_case(run.case), run), **package_measures(run)} for run in runs]
+    portions = [
+        Portion(f"{run.case}/", part, len(runs)) if len(runs) > 1 else WHOLE for part, run in enumerate(runs)
+    ]
+    scored = [
+        tuple(score_items(check, assignment.items, measured, portion))
+        for measured, portion in zip(measures, portions, strict=True)
+    ]
+    together = together_scored(check, assignment, runs, measures) if len(runs) > 1 else {}
+    return Marks(tuple(measures), tuple(scored), together)
+
+
+def unexplained(assignment: Assignment, runs: Sequence[Run], marks: Marks) -> Scoring:
+    """Return marks with nothing said of their causes."""
+    return summarise(marks.items(assignment), [], [run.outcome for run in runs])
+
+
+def explained(assignment: Assignment, runs: Sequence[Run], marks: Marks) -> Scoring:
+    """Return the same marks with what probably caused them, and what to do."""
+    bare = unexplained(assignment, runs, marks)
+    if bare.items and not is_wanting(bare.items, [run.outcome for run in runs]):
+        return bare
+    check = _script_check(assignment)
+    found = [
+        _findings(check, assignment, run, measures)
+        for run, measures in zip(runs, marks.measures, strict=True)
+    ]
+    scored = [
+        with_hints(check, assignment.items, items, findings.measures, findings.mistakes)
+        for items, findings in zip(marks.scored, found, strict=True)
+    ]
+    everything = [mistake for findings in found for mistake in findings.mistakes]
+    together = together_hinted(check, assignment, marks.together, marks.measures, everything)
     seen = [
-        _without_harmless(findings, assignment, items, together)
-        for findings, items in zip(found, scored, strict=True)
+        _without_harmless(findings, assignment, items, marks.together)
+        for findings, items in zip(found, marks.scored, strict=True)
     ]
     if (ignored := ignored_input(assignment, runs, seen)) is not None:
         seen[0] = replace(seen[0], mistakes=(ignored, *seen[0].mistakes))
-    apart = [
+    return summarise(_in_order(assignment, scored, together), seen, [run.outcome for run in runs])
+
+
+def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
+    """Score a submitted script by its runs, and explain the score.
+
+    Raises:
+        AssignmentError: as `mark`.
+    """
+    return explained(assignment, runs, mark(assignment, runs))
+
+
+def _findings(check: Check, assignment: Assignment, run: Run, measures: Measures) -> Findings:
+    case = assignment.in_case(run.case)
+    findings = Findings(measures, check.explain(case, run, measures))
+    return replace(
+        findings, mistakes=with_package_mistakes(check, with_causes(case, run, findings).mistakes, run)
+    )
+
+
+def _in_order(
+    assignment: Assignment, scored: Iterable[Sequence[RubricItem]], together: Iterable[RubricItem]
+) -> tuple[RubricItem, ...]:
+    """Return the items of each run, then those that are scored across the runs."""
+    last = list(together)
+    across = {item.id for item in last}
+    apart = (
         item
         for items in scored
         for spec, item in zip(assignment.items, items, strict=True)
-        if spec.id not in together
-    ]
-    return summarise([*apart, *together.values()], seen, [run.outcome for run in runs])
+        if spec.id not in across
+    )
+    return (*apart, *last)
 
 
 def _without_harmless(
@@ -84,8 +163,9 @@ def evaluate_text(assignment: Assignment, text: str) -> Scoring:
     if check is None:
         raise AssignmentError(f"{assignment.id}: check: {assignment.check!r} scores scripts, not texts")
     findings = check.examine(assignment, text)
-    items = score_items(check, assignment.items, findings)
-    return summarise_text(items, findings)
+    items = score_items(check, assignment.items, findings.measures)
+    hinted = with_hints(check, assignment.items, items, findings.measures, findings.mistakes)
+    return summarise_text(hinted, findings)
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:

@@ -45,6 +45,9 @@ class Measure(Record, kw_only=False):
 
 UNMEASURED = Measure(math.nan)
 
+Measures = Mapping[str, Measure]
+"""What a check measured in one run, by name. A measure that is absent could not be taken."""
+
 
 class Mistake(Record, kw_only=False):
     """A recognised mistake.
@@ -87,9 +90,9 @@ def _follows(later: Mistake, cause: Mistake) -> bool:
 
 
 class Findings(Record, kw_only=False):
-    """What a check saw in one run. A measure that is absent could not be taken. `mistakes`: most likely first."""
+    """What was measured in one run, and what explains it. `mistakes`: most likely first."""
 
-    measures: Mapping[str, Measure] = field(default_factory=dict)
+    measures: Measures = field(default_factory=dict)
     mistakes: tuple[Mistake, ...] = ()
 
 
@@ -117,13 +120,17 @@ class Kind(Record):
 class Check(Kind):
     """A check of what a script did: an entry of the table `CHECKS` in `grader.checks.kinds`.
 
+    Each function is given the assignment with the options of the run's case.
+
     Attributes:
-        examine: measures one run and recognises mistakes in it; never raises for what a student did. It is given
-            the assignment with the options of the run's case.
+        measure: what is scored. It never raises for what a student did, and does not read the script.
+        explain: which mistakes may be the cause, most likely first, given what was measured. It is called when the
+            points are final.
         sketch: what a plot of the run shows beside the bare path.
     """
 
-    examine: Callable[[Assignment, Run], Findings]
+    measure: Callable[[Assignment, Run], Measures]
+    explain: Callable[[Assignment, Run, Measures], tuple[Mistake, ...]]
     sketch: Callable[[Assignment, Run], FigureSketch]
 
 
@@ -136,7 +143,7 @@ class TextCheck(Kind):
     """A check of a handed-in text: an entry of the table `TEXT_CHECKS` in `grader.checks.kinds`.
 
     Attributes:
-        examine: as a `Check`'s, on the text.
+        examine: measures a text and recognises mistakes in it.
     """
 
     examine: Callable[[Assignment, str], Findings]

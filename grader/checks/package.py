@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from grader.checks.measure import Check, Findings, Measure, MeasureKind, Mistake, mistake
+from grader.checks.measure import Check, Measure, MeasureKind, Measures, Mistake, mistake
 from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
 from grader.contracts.package import AREAS
@@ -23,18 +23,24 @@ def with_package(check: Check, assignment: Assignment) -> Check:
     return replace(check, measures={**check.measures, **MEASURES})
 
 
-def examined(check: Check, findings: Findings, run: Run) -> Findings:
-    """Return findings with what is wrong with the package's files, which comes before what follows from it."""
+def package_measures(run: Run) -> Measures:
+    """Return what is measured of a package's files; nothing of a script."""
     if run.package is None:
-        return findings
+        return {}
     spoilt = {problem.area for problem in run.package}
-    measures = {area: Measure(float(area not in spoilt)) for area in AREAS}
+    return {area: Measure(float(area not in spoilt)) for area in AREAS}
+
+
+def with_package_mistakes(check: Check, mistakes: Sequence[Mistake], run: Run) -> tuple[Mistake, ...]:
+    """Return the mistakes behind what is wrong with the package's files, from which they may follow."""
+    if run.package is None:
+        return tuple(mistakes)
     driven = tuple(name for name in check.measures if name not in MEASURES)
-    mistakes = tuple(
+    own = (
         mistake(each.code, (each.area, *(driven if each.fatal else ())), **each.values)
         for each in run.package
     )
-    return Findings({**findings.measures, **measures}, (*mistakes, *_placed(findings.mistakes, run)))
+    return (*own, *_placed(mistakes, run))
 
 
 def _placed(mistakes: Sequence[Mistake], run: Run) -> Iterator[Mistake]:

@@ -11,6 +11,7 @@ from grader.checks.measure import (
     Kind,
     Measure,
     MeasureKind,
+    Measures,
     Mistake,
     mistake,
     text_id,
@@ -26,6 +27,7 @@ from grader.messages.quantity import number, number_beside
 _SPACE = Text(zh="", en=" ")
 
 _MOST_DECIMALS = 4
+_UNMEASURED_STATES = (ItemStatus.NOT_CHECKED, ItemStatus.NEEDS_MANUAL)
 
 # From half of its points on, an item counts as there for those that need it. A threshold at zero would make the
 # last hundredth of a point decide about all the points of the items above.
@@ -179,13 +181,13 @@ def earned_points(points: float, share: float) -> float:
 
 
 def score_items(
-    check: Kind, specs: Sequence[ItemSpec], findings: Findings, portion: Portion = WHOLE
+    check: Kind, specs: Sequence[ItemSpec], measures: Measures, portion: Portion = WHOLE
 ) -> list[RubricItem]:
-    """Score every item on one run.
+    """Score every item on one run; what to do about it is said later (`with_hints`).
 
     `portion`: which of several runs it was.
     """
-    credits = _credits(specs, findings)
+    credits = _credits(specs, measures)
     titles = {spec.id: spec.title for spec in specs}
     scored: list[RubricItem] = []
     shares: dict[str, float] = {}  # earned shares before scaling: what `needs` of other items looks at
@@ -203,7 +205,7 @@ def score_items(
             share = credits[spec.id] * held
             shares[spec.id] = share if earned_points(blank.points, share) > 0.0 else 0.0
             scale = min((credits[other] for other in spec.scaled_by), default=1.0)
-            item = _scored(check, spec, blank, findings, min(credits[spec.id], scale) * held)
+            item = _scored(check, spec, blank, measures, min(credits[spec.id], scale) * held)
             if weak:
                 item = _lowered(item, "item.in_part", held, [titles[need] for need in weak])
             if scale < credits[spec.id]:
@@ -213,10 +215,10 @@ def score_items(
     return scored
 
 
-def _credits(specs: Sequence[ItemSpec], findings: Findings) -> dict[str, float]:
+def _credits(specs: Sequence[ItemSpec], measures: Measures) -> dict[str, float]:
     """Return the credit of each item that is measured, as if it stood alone."""
     return {
-        spec.id: _measured_credit(spec, findings.measures.get(spec.measure, UNMEASURED))
+        spec.id: _measured_credit(spec, measures.get(spec.measure, UNMEASURED))
         for spec in specs
         if spec.measure != BY_PERSON
     }
@@ -242,9 +244,9 @@ def _blank(check: Kind, spec: ItemSpec, points: float, prefix: str) -> RubricIte
     )
 
 
-def _scored(check: Kind, spec: ItemSpec, blank: RubricItem, findings: Findings, share: float) -> RubricItem:
+def _scored(check: Kind, spec: ItemSpec, blank: RubricItem, measures: Measures, share: float) -> RubricItem:
     """Return the item with `share` of its points."""
-    measure = findings.measures.get(spec.measure, UNMEASURED)
+    measure = measures.get(spec.measure, UNMEASURED)
     earned = earned_points(blank.points, share)
     known = math.isfinite(measure.value)
     return replace(
@@ -253,10 +255,22 @@ def _scored(check: Kind, spec: ItemSpec, blank: RubricItem, findings: Findings, 
         status=item_status(earned, share),
         measured=round(measure.value, 4) + 0.0 if known else None,  # + 0.0: no minus zero
         message=_seen(check, spec, measure),
-        hint=EMPTY
-        if _measured_credit(spec, measure) >= 1.0
-        else _hint(check, spec, measure, findings.mistakes),
     )
+
+
+def with_hints(
+    check: Kind,
+    specs: Sequence[ItemSpec],
+    items: Sequence[RubricItem],
+    measures: Measures,
+    mistakes: Sequence[Mistake],
+) -> list[RubricItem]:
+    """Return scored items, one for each of `specs`, with what to do about those that lost points by themselves."""
+    hints = [_hint(check, spec, measures.get(spec.measure, UNMEASURED), mistakes) for spec in specs]
+    return [
+        replace(item, hint=hint) if item.status not in _UNMEASURED_STATES else item
+        for item, hint in zip(items, hints, strict=True)
+    ]
 
 
 def item_status(earned: float, share: float) -> ItemStatus:
@@ -297,6 +311,8 @@ def _seen(check: Kind, spec: ItemSpec, measure: Measure) -> Text:
 
 
 def _hint(check: Kind, spec: ItemSpec, measure: Measure, mistakes: Sequence[Mistake]) -> Text:
+    if spec.measure == BY_PERSON or _measured_credit(spec, measure) >= 1.0:
+        return EMPTY
     for each in mistakes:
         if each.explains(spec.measure):
             return each.text
@@ -306,7 +322,7 @@ def _hint(check: Kind, spec: ItemSpec, measure: Measure, mistakes: Sequence[Mist
 
 
 def together_scored(
-    check: Check, assignment: Assignment, runs: Sequence[Run], found: Sequence[Findings]
+    check: Check, assignment: Assignment, runs: Sequence[Run], found: Sequence[Measures]
 ) -> dict[str, RubricItem]:
     """Return the items that are scored across the runs: by the worst run, or by the mean of all runs.
 
@@ -314,40 +330,52 @@ def together_scored(
     """
     titles = {case.id: case.title for case in assignment.cases}
     names = [_name(titles.get(run.case, EMPTY), run.case) for run in runs]
-    mistakes = tuple(mistake for findings in found for mistake in findings.mistakes)
     items = {}
     for spec in assignment.items:
         if spec.across == "each":
             continue
         combined = {one.measure: _combined(one, spec.across, found) for one in assignment.items}
         combined[spec.measure] = _combined(spec, spec.across, found)
-        scored = score_items(check, assignment.items, Findings(combined, mistakes))
+        scored = score_items(check, assignment.items, combined)
         item = next(each for each in scored if each.id == spec.id)
         items[spec.id] = replace(item, message=_run_message(spec, item, check, names, found))
     return items
+
+
+def together_hinted(
+    check: Check,
+    assignment: Assignment,
+    items: Mapping[str, RubricItem],
+    found: Sequence[Measures],
+    mistakes: Sequence[Mistake],
+) -> list[RubricItem]:
+    """Return the items that are scored across the runs with what to do about those that lost points."""
+    specs = [spec for spec in assignment.items if spec.id in items]
+    combined = {spec.measure: _combined(spec, spec.across, found) for spec in specs}
+    return with_hints(check, specs, [items[spec.id] for spec in specs], combined, mistakes)
 
 
 def _name(title: Text, case_id: str) -> Text:
     return Text(zh=case_id, en=case_id) if title == EMPTY else title
 
 
-def _combined(spec: ItemSpec, across: Across, found: Sequence[Findings]) -> Measure:
+def _combined(spec: ItemSpec, across: Across, found: Sequence[Measures]) -> Measure:
     """Return the measure of an item over all runs; it is unmeasured if one of the runs leaves it unmeasured."""
-    measures = [findings.measures.get(spec.measure, UNMEASURED) for findings in found]
+    measures = [measures.get(spec.measure, UNMEASURED) for measures in found]
     worst = measures[_worst(spec, found)]
     if across == "worst" or not math.isfinite(worst.value):
         return worst
     return Measure(math.fsum(each.value for each in measures) / len(measures), worst.details)
 
 
-def _worst(spec: ItemSpec, found: Sequence[Findings]) -> int:
+def _worst(spec: ItemSpec, found: Sequence[Measures]) -> int:
     """Return the run that is furthest outside of the item's band, of several the first."""
-    errors = [band_error(spec, each.measures.get(spec.measure, UNMEASURED).value) for each in found]
+    errors = [band_error(spec, measures.get(spec.measure, UNMEASURED).value) for measures in found]
     return errors.index(max(errors))
 
 
 def _run_message(
-    spec: ItemSpec, item: RubricItem, check: Check, names: Sequence[Text], found: Sequence[Findings]
+    spec: ItemSpec, item: RubricItem, check: Check, names: Sequence[Text], found: Sequence[Measures]
 ) -> Text:
     """Say which run was the worst, or what was measured on average."""
     if item.status is ItemStatus.NOT_CHECKED:

@@ -13,6 +13,12 @@ from grader.messages.quantity import points
 _NOTHING_LOST = (ItemStatus.PASSED, ItemStatus.NEEDS_MANUAL)
 
 
+def is_wanting(items: Sequence[RubricItem], outcomes: Sequence[RunOutcome]) -> bool:
+    """Whether there is something to explain: points were lost, or the script crashed after all."""
+    lost = any(item.status not in _NOTHING_LOST for item in items)
+    return lost or any(outcome.status is RunStatus.CRASHED for outcome in outcomes)
+
+
 def summarise(
     items: Sequence[RubricItem], findings: Sequence[Findings], outcomes: Sequence[RunOutcome]
 ) -> Scoring:

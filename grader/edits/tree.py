@@ -4,7 +4,9 @@ import ast
 import difflib
 import re
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple, Self
+from typing import NamedTuple
+
+from grader.contracts.python import Self
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
 

@@ -4,11 +4,10 @@ import hashlib
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from grader import __version__
 from grader.contracts.assignment import Assignment, Case, WorldKind
-from grader.contracts.errors import AssignmentError
 from grader.contracts.grading import GradingJob, GradingResult, RunProgress
 from grader.contracts.outcome import Note, RunOutcome, StudentError
 from grader.contracts.package import PackageProblem
@@ -33,6 +32,9 @@ from grader.sim.bullet import SIMULATOR, BulletCar
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from grader.sim.frames import INTERRUPTED_NOTE, THREADS_NOTE, Link
 from grader.sim.robot_body import ROBOT_SIMULATOR, RobotBody
+
+if TYPE_CHECKING:
+    from grader.checks import Marks
 
 REPLAY_MODEL: Final = 1  # raised whenever the same calls may give another account
 UNREAD_NOTE = "setup_unread"
@@ -141,6 +143,8 @@ class Pipeline:
         """
         if job.assignment.input == "text":
             return self._read(job)
+        from grader.checks import mark
+
         script = _script_of(job)
         cases = job.assignment.cases
         accounts = [self._run_repeatably(job, script, case, on_run, on_progress) for case in cases]
@@ -149,7 +153,8 @@ class Pipeline:
             for case, account in zip(cases, accounts, strict=True)
         ]
         trajectories = {run.case: encode_trajectory(run.trajectory) for run in runs}
-        report = _report(job, runs, _evaluated(job.assignment, runs), trajectories)
+        marks = mark(job.assignment, runs)
+        report = _report(job, runs, _explained(job.assignment, runs, marks), trajectories)
         measurements = self._measurements(accounts)
         cut = outputs_within_budget(
             _cut_output(case, jail, job.assignment)
@@ -280,31 +285,15 @@ def _within_file(outcome: RunOutcome, script: _Script) -> RunOutcome:
     return replace(outcome, error=replace(error, line=None))
 
 
-def _evaluated(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
-    """Score the runs; if a script's text or account of itself leads a look for hints astray, without either.
-
-    Only hints read them, and none is worth a grading.
-
-    Raises:
-        AssignmentError: the assignment does not fit its check.
-    """
-    from grader.checks import evaluate
+def _explained(assignment: Assignment, runs: Sequence[Run], marks: "Marks") -> Scoring:
+    """Return the marks with their explanation; without one if looking for it fails."""
+    from grader.checks import explained, unexplained
 
     try:
-        return evaluate(assignment, runs)
-    except AssignmentError:
-        raise
-    except Exception:
-        logging.getLogger(__name__).exception(
-            "%s: scored without hints from the script's text", assignment.id
-        )
-        return evaluate(assignment, [_without_text(run) for run in runs])
-
-
-def _without_text(run: Run) -> Run:
-    error = run.outcome.error
-    told = None if error is None else replace(error, line=None)
-    return replace(run, source="pass\n", at_horizon="", outcome=replace(run.outcome, error=told))
+        return explained(assignment, runs, marks)
+    except Exception:  # it reads the script and what its process says of itself
+        logging.getLogger(__name__).exception("%s: no explanation of the marks", assignment.id)
+        return unexplained(assignment, runs, marks)
 
 
 def _episode_spec(job: GradingJob, script: _Script, case: Case) -> EpisodeSpec:

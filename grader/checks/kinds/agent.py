@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from grader.checks.fit import Misfit, is_number
-from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Mistake, mistake
+from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake, mistake
 from grader.checks.offers import unanswered
 from grader.contracts.assignment import Assignment, ServiceCall
 from grader.contracts.figure import FigureSketch
@@ -69,7 +69,7 @@ class _Motion:
         return abs(wanted) if not self.sent else abs(self.turned_deg - wanted)
 
 
-def examine(assignment: Assignment, run: Run) -> Findings:
+def measure(assignment: Assignment, run: Run) -> Measures:
     """See what the agent's tool calls came to."""
     motions = list(_motions(run))
     calls = _calls(assignment, run)
@@ -77,7 +77,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     offered = {call.call.service for call in calls if call.sent_ns is not None}
     answers = sum(call.answered_ns is not None for call in calls)
     nodes = run.outcome.nodes
-    measures = {
+    return {
         "nodes": Measure(float(len(nodes)), {"names": ", ".join(nodes[:4]) or "—"}),
         "offered": Measure(float(len(offered)), {"names": ", ".join(sorted(offered)) or "—"}),
         "answered": Measure(100.0 * answers / max(len(calls), 1), {"answers": answers, "calls": len(calls)}),
@@ -86,10 +86,15 @@ def examine(assignment: Assignment, run: Run) -> Findings:
         "told_error": _report_error(run),
         "alive": Measure(float(alive), {"seconds": number(run.outcome.duration_ns / 1e9, "s")}),
     }
-    found = unanswered(run, calls) or tuple(_mistakes(run, motions))
+
+
+def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
+    """Return what probably went wrong."""
+    motions = list(_motions(run))
+    found = unanswered(run, _calls(assignment, run)) or tuple(_mistakes(run, motions))
     if found and found[0].code == "service_silent":
         found = tuple(_endless_turns(motions)) or found
-    return Findings(measures, found)
+    return found
 
 
 def _calls(assignment: Assignment, run: Run) -> list[ServiceResult]:
@@ -257,4 +262,6 @@ def _consult(assignment: Assignment) -> Iterator[Misfit]:
         yield "agent", _NO_STEPS
 
 
-CHECK = Check(kind="agent", measures=MEASURES, consult=_consult, examine=examine, sketch=sketch)
+CHECK = Check(
+    kind="agent", measures=MEASURES, consult=_consult, measure=measure, explain=explain, sketch=sketch
+)

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +11,9 @@ from grader.checks.drive import Drive, commanded_at_end, drive_of
 from grader.checks.measure import (
     UNMEASURED,
     Check,
-    Findings,
     Measure,
     MeasureKind,
+    Measures,
     Mistake,
     Option,
     mistake,
@@ -48,16 +48,24 @@ STILL_M = 1e-6  # within a step
 MOST_ON_THE_SPOT_DEG = 30.0
 
 
-def examine(assignment: Assignment, run: Run) -> Findings:
+def measure(assignment: Assignment, run: Run) -> Measures:
     """Measure the motion up to the first wall contact."""
-    backward = assignment.options["direction"] == "backward"
     drive = drive_of(run, until_contact=True)
     measures = {"commands": Measure(float(run.outcome.command_count))}
-    own: Iterable[Mistake] = ()
     if drive is not None:
-        measures |= _motion(drive, backward=backward)
-        own = motion_mistakes(assignment, run, drive, measures, backward=backward)
-    return Findings(measures | unheard(run, "advance_m"), driving_mistakes(run, own))
+        measures |= _motion(drive, backward=_is_backward(assignment))
+    return measures | unheard(run, "advance_m")
+
+
+def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
+    """Return what probably went wrong."""
+    drive, backward = drive_of(run, until_contact=True), _is_backward(assignment)
+    own = () if drive is None else motion_mistakes(assignment, run, drive, measures, backward=backward)
+    return driving_mistakes(run, own)
+
+
+def _is_backward(assignment: Assignment) -> bool:
+    return assignment.options["direction"] == "backward"
 
 
 def _frame(drive: Drive) -> tuple[Floats, Floats]:
@@ -144,7 +152,7 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
 
 
 def _departures(
-    assignment: Assignment, drive: Drive, trajectory: Trajectory, measures: Mapping[str, Measure]
+    assignment: Assignment, drive: Drive, trajectory: Trajectory, measures: Measures
 ) -> Iterator[SketchLabel]:
     """Yield where the car was furthest aside and where it was turned most, if that cost points."""
     _, left_m = _frame(drive)
@@ -169,7 +177,7 @@ def _problem_with_direction(value: Option) -> Text | None:
 
 
 def motion_mistakes(
-    assignment: Assignment, run: Run, drive: Drive, measures: Mapping[str, Measure], *, backward: bool
+    assignment: Assignment, run: Run, drive: Drive, measures: Measures, *, backward: bool
 ) -> Iterator[Mistake]:
     """Yield what probably went wrong while driving straight."""
     values = {
@@ -229,6 +237,7 @@ CHECK = Check(
     kind="motion",
     measures=MEASURES,
     options={"direction": _problem_with_direction},
-    examine=examine,
+    measure=measure,
+    explain=explain,
     sketch=sketch,
 )

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from grader.checks.measure import Check, Findings, Measure, MeasureKind, Mistake, mistake
+from grader.checks.measure import Check, Measure, MeasureKind, Measures, Mistake, mistake
 from grader.checks.mistakes import ended_at_once, script_mistakes, without_node
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
@@ -20,18 +20,20 @@ MEASURES = {
 }
 
 
-def examine(assignment: Assignment, run: Run) -> Findings:
+def measure(assignment: Assignment, run: Run) -> Measures:
     """Count nodes and INFO messages and see whether the script was still running at the horizon."""
     outcome = run.outcome
     infos = [record for record in _heard(outcome) if record.level_name == "INFO"]
-    return Findings(
-        measures={
-            "nodes": Measure(float(len(outcome.nodes)), {"names": ", ".join(outcome.nodes[:4]) or "—"}),
-            "info_logs": Measure(float(len(infos)), {"first": _first(infos)}),
-            "alive": Measure(_alive(outcome), {"seconds": number(outcome.duration_ns / 1e9, "s")}),
-        },
-        mistakes=node_mistakes(run),
-    )
+    return {
+        "nodes": Measure(float(len(outcome.nodes)), {"names": ", ".join(outcome.nodes[:4]) or "—"}),
+        "info_logs": Measure(float(len(infos)), {"first": _first(infos)}),
+        "alive": Measure(_alive(outcome), {"seconds": number(outcome.duration_ns / 1e9, "s")}),
+    }
+
+
+def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
+    """Return what probably went wrong."""
+    return node_mistakes(run)
 
 
 def _first(infos: list[LogRecord]) -> Text:
@@ -89,4 +91,4 @@ def _logging(run: Run) -> Iterator[Mistake]:
         yield mistake("never_logged", ("info_logs",))
 
 
-CHECK = Check(kind="node", measures=MEASURES, examine=examine, sketch=sketch)
+CHECK = Check(kind="node", measures=MEASURES, measure=measure, explain=explain, sketch=sketch)

@@ -1,12 +1,12 @@
 """Check ``rotation``: turn on the spot, in either direction."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 
 from grader.checks.drive import FAST_TURN_RADPS, Drive, commanded_at_end, drive_of, fastest_radps, moves_of
-from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Mistake, mistake
+from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake, mistake
 from grader.checks.mistakes import command_mistakes, driving_mistakes, steers, unheard
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
@@ -31,16 +31,20 @@ MEASURES = {
 }
 
 
-def examine(assignment: Assignment, run: Run) -> Findings:
+def measure(assignment: Assignment, run: Run) -> Measures:
     """Measure how far the car turned, and how far it strayed meanwhile."""
     drive = drive_of(run)
     measures = {"commands": Measure(float(run.outcome.command_count + _goals(run)))}
-    own: Iterable[Mistake] = ()
     if drive is not None:
         measures |= _rotation(drive.path)
         measures["rate_radps"] = Measure(fastest_radps(run))
-        own = rotation_mistakes(assignment, run, drive, measures)
-    return Findings(measures | unheard(run, "turned_deg"), driving_mistakes(run, own))
+    return measures | unheard(run, "turned_deg")
+
+
+def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
+    """Return what probably went wrong."""
+    drive = drive_of(run)
+    return driving_mistakes(run, () if drive is None else rotation_mistakes(assignment, run, drive, measures))
 
 
 def _goals(run: Run) -> int:
@@ -101,7 +105,7 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
 
 
 def rotation_mistakes(
-    assignment: Assignment, run: Run, drive: Drive, measures: Mapping[str, Measure]
+    assignment: Assignment, run: Run, drive: Drive, measures: Measures
 ) -> Iterator[Mistake]:
     """Yield what probably went wrong while turning."""
     path = drive.path
@@ -162,4 +166,4 @@ def _short_turn(turned: float, drive: Drive, run: Run) -> Iterator[Mistake]:
     yield mistake(code, ("turned_deg",), turned=angle)
 
 
-CHECK = Check(kind="rotation", measures=MEASURES, examine=examine, sketch=sketch)
+CHECK = Check(kind="rotation", measures=MEASURES, measure=measure, explain=explain, sketch=sketch)

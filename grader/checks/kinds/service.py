@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Mistake, Option, mistake
+from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake, Option, mistake
 from grader.checks.offers import unanswered
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
@@ -27,21 +27,25 @@ _NO_FIELD = Text(
 )
 
 
-def examine(assignment: Assignment, run: Run) -> Findings:
+def measure(assignment: Assignment, run: Run) -> Measures:
     """See whether each call found its service and was answered, and what the answers hold."""
     offered = bool(run.calls) and all(result.sent_ns is not None for result in run.calls)
     answered = offered and all(result.answered_ns is not None for result in run.calls)
     names = ", ".join(dict.fromkeys(result.call.service for result in run.calls))
     alive = run.outcome.status is RunStatus.INTERRUPTED
     nodes = run.outcome.nodes
-    measures = {
+    return {
         "nodes": Measure(float(len(nodes)), {"names": ", ".join(nodes[:4]) or "—"}),
         "offered": Measure(float(offered), {"names": names}),
         "answered": Measure(float(answered), {"names": names}),
         "entries": _entries(assignment, run.calls) if answered else UNMEASURED,
         "alive": Measure(float(alive), {"seconds": number(run.outcome.duration_ns / 1e9, "s")}),
     }
-    return Findings(measures, _mistakes(run, str(assignment.options.get("list_field", ""))))
+
+
+def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
+    """Return what probably went wrong."""
+    return _mistakes(run, str(assignment.options.get("list_field", "")))
 
 
 def listed_entries(values: Mapping[str, Any] | None, field: str) -> list[str]:
@@ -92,6 +96,7 @@ CHECK = Check(
     measures=MEASURES,
     optional={"list_field": _problem_with_list_field},
     consult=_consult,
-    examine=examine,
+    measure=measure,
+    explain=explain,
     sketch=sketch,
 )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from grader.checks import problems, sketch
-from grader.checks.kinds.bodies import examine
+from grader.checks.kinds.bodies import explain, measure
 from grader.contracts.assignment import Assignment, ItemSpec, Watch, World
 from grader.contracts.outcome import RunStatus
 from grader.contracts.replay import Replayed, ReplayedBody, Trick
@@ -40,12 +40,13 @@ def run(world: Replayed | None) -> Run:
 
 
 def values(world: Replayed, assignment: Assignment | None = None) -> dict[str, float]:
-    found = examine(assignment or task(), run(world)).measures
+    found = measure(assignment or task(), run(world))
     return {name: measure.value for name, measure in found.items()}
 
 
 def mistakes(world: Replayed | None, assignment: Assignment | None = None) -> list[str]:
-    return [one.code for one in examine(assignment or task(), run(world)).mistakes]
+    asked, happened = assignment or task(), run(world)
+    return [one.code for one in explain(asked, happened, measure(asked, happened))]
 
 
 def trick(at: int, kind: str = "jump", *, before_start: bool = False) -> tuple[Trick, ...]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from grader.checks import problems, sketch
-from grader.checks.kinds.room import examine
+from grader.checks.kinds.room import explain, measure
 from grader.checks.measure import Findings
 from grader.checks.mistakes import robot_mistakes
 from grader.contracts.assignment import Assignment, ItemSpec, Stripe, World
@@ -20,6 +20,11 @@ from tests.unit.sim.rooms import room, solid
 
 NAME = Text(zh="x", en="x")
 ROOM = room(-1.0, -1.0, 2.0, 1.0, solid("cylinder", 0.5, 0.7, 0.2, 0.2))
+
+
+def examine(assignment: Assignment, run: Run) -> Findings:
+    measures = measure(assignment, run)
+    return Findings(measures, explain(assignment, run, measures))
 
 
 def task(*measures: str, **options: float | str) -> Assignment:

@@ -5,10 +5,11 @@ from dataclasses import replace
 import pytest
 
 import grader.checks
-from grader.contracts.outcome import RunStatus, StudentError
+from grader.contracts.outcome import RunStatus
 from grader.contracts.report import GradeStatus
-from grader.contracts.scoring import Run, Scoring
-from grader.grading.pipeline import _evaluated
+from grader.contracts.scoring import Scoring
+from grader.contracts.text import EMPTY
+from grader.grading.pipeline import _explained
 from grader.grading.slot import Slot, SlotConfig
 from tests.e2e.grading_slot import grade
 from tests.unit.checks.shipped import assignment
@@ -17,22 +18,22 @@ from tests.unit.checks.trajectories import drive, polygon_legs, run_of
 ELSEWHERE = '"\\n" * 300 + "def g():\\n    counter += 1\\ng()\\n"'
 
 
-def test_a_look_for_hints_that_fails_costs_no_grading(
+def test_an_explanation_that_fails_costs_no_mark(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    evaluate = grader.checks.evaluate
+    def astray(*_: object) -> Scoring:
+        raise IndexError("list index out of range")
 
-    def astray(task: object, runs: list[Run]) -> Scoring:
-        if any("lead astray" in run.source for run in runs):
-            raise IndexError("list index out of range")
-        return evaluate(task, runs)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(grader.checks, "evaluate", astray)
-    error = StudentError(type="NameError", message="name 'x' is not defined", line=3, traceback="")
-    run = run_of(drive(polygon_legs(4)), RunStatus.CRASHED, error=error)
-    scoring = _evaluated(assignment("square"), [replace(run, source="lead astray")])
-    assert sum(item.earned for item in scoring.items) == 100
-    assert "scored without hints" in caplog.text
+    run, task = run_of(drive(polygon_legs(3)), RunStatus.FINISHED), assignment("square")
+    marks = grader.checks.mark(task, [run])
+    with_words = _explained(task, [run], marks)
+    monkeypatch.setattr(grader.checks, "explained", astray)
+    bare = _explained(task, [run], marks)
+    assert with_words.hint != bare.hint == EMPTY
+    assert with_words.mistakes
+    assert [replace(item, hint=EMPTY) for item in with_words.items] == list(bare.items)
+    assert 0 < sum(item.earned for item in bare.items) < 100
+    assert "no explanation" in caplog.text
 
 
 def test_an_error_in_code_that_the_file_does_not_have_has_no_line() -> None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from grader.checks.fit import Misfit, is_number, unmet
 from grader.checks.kinds.bodies.mistakes import STARTS_AWAY_M, bodies_mistakes
-from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option, one_of
+from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake, Option, one_of
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
 from grader.contracts.replay import TRICKS, Replayed, Trick
@@ -91,20 +91,25 @@ def _present(rows: Floats) -> Floats:
     return present
 
 
-def examine(assignment: Assignment, run: Run) -> Findings:
+def measure(assignment: Assignment, run: Run) -> Measures:
     """Measure a replayed world."""
     replayed = run.replayed
     if replayed is None:
-        return Findings(mistakes=bodies_mistakes(assignment, run, None, None, {}))
+        return {}
     counted = _counted(assignment, replayed)
-    measures = {
+    return {
         "loaded": Measure(float(_is_loaded(assignment, replayed))),
         **_physics(counted),
         **_object(counted),
         **_reach(assignment, counted),
         "lifted_m": _lifted(assignment, counted),
     }
-    return Findings(measures, bodies_mistakes(assignment, run, replayed, counted.trick, measures))
+
+
+def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
+    """Return what probably went wrong."""
+    trick = None if run.replayed is None else _counted(assignment, run.replayed).trick
+    return bodies_mistakes(assignment, run, run.replayed, trick, measures)
 
 
 def _counted(assignment: Assignment, replayed: Replayed) -> _Counted:
@@ -262,6 +267,7 @@ CHECK = Check(
         "allow": _problem_with_tricks,
     },
     consult=_consult,
-    examine=examine,
+    measure=measure,
+    explain=explain,
     sketch=sketch,
 )

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 
-from grader.checks.measure import Measure, Mistake, mistake
+from grader.checks.measure import Measures, Mistake, mistake
 from grader.checks.mistakes import noted, script_mistakes
 from grader.contracts.assignment import Assignment
 from grader.contracts.replay import Replayed, Trick, TrickKind
@@ -43,7 +43,7 @@ def bodies_mistakes(
     run: Run,
     replayed: Replayed | None,
     trick: Trick | None,
-    measures: Mapping[str, Measure],
+    measures: Measures,
 ) -> tuple[Mistake, ...]:
     """Return what probably went wrong; `trick` is the call after which nothing counted."""
     found = [*script_mistakes(run)]
@@ -116,7 +116,7 @@ def _there_already(assignment: Assignment, replayed: Replayed) -> Iterator[Mista
             yield mistake("bodies_there_already", ("reach_m",))
 
 
-def _unheld(assignment: Assignment, measures: Mapping[str, Measure]) -> Iterator[Mistake]:
+def _unheld(assignment: Assignment, measures: Measures) -> Iterator[Mistake]:
     lifted = measures.get("lifted_m")
     if assignment.item_on("lifted_m") and lifted is not None and math.isnan(lifted.value):
         yield mistake("bodies_not_held", ("lifted_m",))

@@ -19,7 +19,7 @@ from grader.checks.kinds.path.driven import (
 )
 from grader.checks.kinds.path.mistakes import name_of, named_corner, path_mistakes
 from grader.checks.kinds.path.wanted import go_on, track_of
-from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind
+from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake
 from grader.checks.mistakes import driving_mistakes
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
@@ -65,17 +65,27 @@ _NO_TOUCH = Text(
 _NO_CORNERS = Text(zh="路径里没有转角：删掉这一项", en="the path has no corner; remove this item")
 
 
-def examine(assignment: Assignment, run: Run) -> Findings:
+def measure(assignment: Assignment, run: Run) -> Measures:
     """Measure how well the driven path is the wanted one."""
     drive = drive_of(run)
     if drive is None or assignment.path is None:
-        return Findings(mistakes=driving_mistakes(run, ()))
+        return {}
     drive, figure = looked_at(drive, assignment.path, assignment.world.start)
     measures = {"distance_m": Measure(float(np.max(drive.path.along_m))), "settled": _settled(drive, figure)}
-    stretches = [] if figure is None else driven_stretches(figure, drive)
     if figure is not None:
+        stretches = driven_stretches(figure, drive)
         measures |= _of_the_whole(figure, _drove_on_m(drive, figure)) | _of_the_pieces(figure, stretches)
-    return Findings(measures, driving_mistakes(run, path_mistakes(assignment, run, drive, figure, stretches)))
+    return measures
+
+
+def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
+    """Return what probably went wrong."""
+    drive = drive_of(run)
+    if drive is None or assignment.path is None:
+        return driving_mistakes(run, ())
+    drive, figure = looked_at(drive, assignment.path, assignment.world.start)
+    stretches = [] if figure is None else driven_stretches(figure, drive)
+    return driving_mistakes(run, path_mistakes(assignment, run, drive, figure, stretches))
 
 
 def _settled(drive: Drive, figure: Figure | None) -> Measure:
@@ -243,4 +253,6 @@ def _consult(assignment: Assignment) -> Iterable[Misfit]:
     )
 
 
-CHECK = Check(kind="path", measures=MEASURES, consult=_consult, examine=examine, sketch=sketch)
+CHECK = Check(
+    kind="path", measures=MEASURES, consult=_consult, measure=measure, explain=explain, sketch=sketch
+)

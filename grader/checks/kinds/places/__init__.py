@@ -18,7 +18,7 @@ from grader.checks.kinds.places.visits import (
     visits,
     way_of,
 )
-from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind
+from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake
 from grader.checks.mistakes import driving_mistakes
 from grader.checks.surroundings import clearance
 from grader.contracts.assignment import WINDOW_M, Assignment, Region, WantedPlaces, outside_m
@@ -79,20 +79,28 @@ _AT_START = Text(
 )
 
 
-def examine(assignment: Assignment, run: Run) -> Findings:
+def measure(assignment: Assignment, run: Run) -> Measures:
     """Measure which places were visited, and how."""
     drive, wanted = drive_of(run), assignment.places
     if drive is None or wanted is None:
-        return Findings(mistakes=driving_mistakes(run, ()))
+        return {}
     way = way_of(run, moving_at_end=drive.moving_at_end)
     seen = visits(wanted, way)
-    measures = {
+    return {
         **_of_the_goals(wanted, way, seen),
         **_of_the_way(assignment, run, way),
         **_of_the_motion(run, drive),
         "detour_pct": _detour(way, seen),
     }
-    return Findings(measures, driving_mistakes(run, place_mistakes(assignment, run, drive, way, seen)))
+
+
+def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
+    """Return what probably went wrong."""
+    drive, wanted = drive_of(run), assignment.places
+    if drive is None or wanted is None:
+        return driving_mistakes(run, ())
+    way = way_of(run, moving_at_end=drive.moving_at_end)
+    return driving_mistakes(run, place_mistakes(assignment, run, drive, way, visits(wanted, way)))
 
 
 def _of_the_goals(wanted: WantedPlaces, way: Way, seen: list[Visit]) -> dict[str, Measure]:
@@ -261,4 +269,6 @@ def _wrong_goals(assignment: Assignment) -> Iterator[Misfit]:
                 yield f"{where}.{i}.hold_s", _TOO_LONG
 
 
-CHECK = Check(kind="places", measures=MEASURES, consult=_consult, examine=examine, sketch=sketch)
+CHECK = Check(
+    kind="places", measures=MEASURES, consult=_consult, measure=measure, explain=explain, sketch=sketch
+)

@@ -11,7 +11,7 @@ from grader.checks.drive import pushed_m
 from grader.checks.fit import Misfit, is_number
 from grader.checks.kinds.polygon.figures import DrivenPolygon, WantedPolygon, driven_polygon, wanted_polygon
 from grader.checks.kinds.polygon.mistakes import polygon_mistakes
-from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
+from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake, Option
 from grader.checks.mistakes import driving_mistakes
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
@@ -47,14 +47,19 @@ _NO_SIDE = Text(
 )
 
 
-def examine(assignment: Assignment, run: Run) -> Findings:
+def measure(assignment: Assignment, run: Run) -> Measures:
     """Measure the figure that the car drove in `run`."""
     wanted = wanted_polygon(assignment.options)
     driven = driven_polygon(assignment, wanted, run)
-    if driven is None:
-        return Findings(mistakes=driving_mistakes(run, ()))
-    mistakes = driving_mistakes(run, polygon_mistakes(assignment, run, wanted, driven))
-    return Findings(_measures(wanted, driven, _wall_m(run, driven)), mistakes)
+    return {} if driven is None else _measures(wanted, driven, _wall_m(run, driven))
+
+
+def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
+    """Return what probably went wrong."""
+    wanted = wanted_polygon(assignment.options)
+    driven = driven_polygon(assignment, wanted, run)
+    own = () if driven is None else polygon_mistakes(assignment, run, wanted, driven)
+    return driving_mistakes(run, own)
 
 
 def _measures(wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float) -> dict[str, Measure]:
@@ -289,6 +294,7 @@ CHECK = Check(
     options={"sides": _problem_with_sides},
     optional={"side_m": _problem_with_length, "other_side_m": _problem_with_length},
     consult=_consult,
-    examine=examine,
+    measure=measure,
+    explain=explain,
     sketch=sketch,
 )

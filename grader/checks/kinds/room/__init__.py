@@ -9,7 +9,7 @@ from grader.checks.drive import MOVING_MPS, Drive, drive_of
 from grader.checks.fit import Misfit, is_number, unmet
 from grader.checks.kinds.room.mistakes import room_mistakes
 from grader.checks.kinds.room.way import POINT_M, SIDES, WallFollowing, points_of, wall_following
-from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
+from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake, Option
 from grader.checks.mistakes import driving_mistakes
 from grader.checks.surroundings import clearance
 from grader.contracts.assignment import Assignment, Room
@@ -55,13 +55,13 @@ _LENGTH = Text(zh="要写大于 0 的长度，单位 m", en="must be a length ab
 _SIDE = Text(zh="要写 left 或 right", en="must be left or right")
 
 
-def examine(assignment: Assignment, run: Run) -> Findings:
+def measure(assignment: Assignment, run: Run) -> Measures:
     """Measure a drive in a room."""
     drive, room = drive_of(run), assignment.world.room
     if drive is None or room is None:
-        return Findings(mistakes=driving_mistakes(run, room_mistakes(assignment, run, None, {})))
+        return {}
     trajectory, band = run.trajectory, wall_following(assignment, room, drive)
-    measures = {
+    return {
         "distance_m": Measure(float(np.max(drive.path.along_m))),
         "contacts": Measure(float(len(trajectory.contacts))),
         "clearance_m": clearance(room, trajectory),
@@ -72,7 +72,15 @@ def examine(assignment: Assignment, run: Run) -> Findings:
         **_band(band),
         **_line(assignment, room, drive),
     }
-    return Findings(measures, driving_mistakes(run, room_mistakes(assignment, run, drive, measures, band)))
+
+
+def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
+    """Return what probably went wrong."""
+    drive, room = drive_of(run), assignment.world.room
+    if drive is None or room is None:
+        return driving_mistakes(run, room_mistakes(assignment, run, None, {}))
+    band = wall_following(assignment, room, drive)
+    return driving_mistakes(run, room_mistakes(assignment, run, drive, measures, band))
 
 
 def _ahead(room: Room, trajectory: Trajectory) -> Measure:
@@ -177,6 +185,7 @@ CHECK = Check(
         "wall_side": _problem_with_side,
     },
     consult=_consult,
-    examine=examine,
+    measure=measure,
+    explain=explain,
     sketch=sketch,
 )

@@ -1,11 +1,11 @@
 """Mistakes of a drive in a room, recognised from what was touched and where the robot ended."""
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from grader.checks.drive import Drive, is_motion, share_backwards
 from grader.checks.kinds.room.way import WallFollowing
-from grader.checks.measure import UNMEASURED, Measure, Mistake, mistake
+from grader.checks.measure import UNMEASURED, Measures, Mistake, mistake
 from grader.checks.mistakes import only_turned, robot_mistakes
 from grader.checks.scoring import fits
 from grader.checks.surroundings import name_of
@@ -26,7 +26,7 @@ def room_mistakes(
     assignment: Assignment,
     run: Run,
     drive: Drive | None,
-    measures: Mapping[str, Measure],
+    measures: Measures,
     band: WallFollowing | None = None,
 ) -> Iterator[Mistake]:
     """Yield what probably went wrong in a room."""
@@ -76,7 +76,7 @@ def _drove_on(run: Run, contact: Contact) -> bool:
     return len(rates) == 1 and all(one <= other for one, other in itertools.pairwise(speeds))
 
 
-def _ended(assignment: Assignment, drive: Drive, measures: Mapping[str, Measure]) -> Iterator[Mistake]:
+def _ended(assignment: Assignment, drive: Drive, measures: Measures) -> Iterator[Mistake]:
     """Recognise a robot that did not stop where it should have."""
     if fits(assignment, "settled", measures["settled"].value) is False:
         yield mistake("room_never_stops", ("settled",))
@@ -88,9 +88,7 @@ def _ended(assignment: Assignment, drive: Drive, measures: Mapping[str, Measure]
     yield mistake("room_too_early" if too_far else "room_too_late", ("ahead_m",), ahead=number(ahead, "m"))
 
 
-def _strayed(
-    assignment: Assignment, measures: Mapping[str, Measure], band: WallFollowing | None
-) -> Iterator[Mistake]:
+def _strayed(assignment: Assignment, measures: Measures, band: WallFollowing | None) -> Iterator[Mistake]:
     kept = measures.get("band_pct")
     if band is not None and kept is not None and fits(assignment, "band_pct", kept.value) is False:
         spoilt = ("band_pct", "band_m")
