@@ -223,6 +223,24 @@ def _defective(dice: random.Random) -> Iterator[Attempt]:
             yield from _careless(dice, assignment)
 
 
+EDGES = {"one side": (6.5, 20.0), "one corner": (3.0, 15.0), "all corners": (3.0, 15.0)}
+"""Where credit begins to fall and where it ends, in most figures."""
+
+
+def near_edges(count: int = 200) -> list[Attempt]:
+    """Return figures whose defect is a little more or less than the edge of a band, always the same."""
+    dice = random.Random(42)
+    drawn = []
+    for _ in range(count):
+        defect = dice.choice(list(EDGES))
+        size = dice.choice(EDGES[defect]) * dice.uniform(0.98, 1.02) * dice.choice((1.0, -1.0))
+        spoil, unit, _ = DEFECTS[defect]
+        drawn += [*_spoilt(dice, dice.choice(list(FIGURES)), "wrong", defect, spoil, round(size, 3), unit)][
+            :1
+        ]
+    return drawn
+
+
 def _spoilt(
     dice: random.Random, assignment: str, truth: Truth, defect: str, spoil: object, size: float, unit: str
 ) -> Iterator[Attempt]:

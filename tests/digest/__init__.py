@@ -1,0 +1,126 @@
+"""One line for each script of the corpus of reports: its score, and hashes of what came of it.
+
+The corpus is everything that the tests grade: the files of all assignments, the scripts of hints, beginners and
+styles, the generated corpus, and drives near the edges of bands (`gradings` lists it). Two tables say which scores
+moved between two versions of the grader, or whether two machines give the same bytes:
+
+    python -m tests.digest --save before.tsv
+    python -m tests.digest --compare before.tsv --only square
+"""
+
+import hashlib
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+from queue import SimpleQueue
+from typing import NamedTuple
+
+from grader.contracts.errors import GraderError
+from grader.contracts.grading import GradingResult
+from grader.contracts.record import canonical
+from grader.contracts.report import GradeReport
+from grader.contracts.text import EMPTY
+from grader.grading.slot import Slot, SlotConfig
+from tests.digest.gradings import Grading
+
+HASHES = ("marks", "trajectory", "report", "unhinted")
+_DIGITS = 12
+_REFUSED = "refused"
+
+
+class Line(NamedTuple):
+    """What came of one script.
+
+    Attributes:
+        score: as the report has it; ``-`` where a person has still to grade, ``refused`` where nothing was graded.
+        marks: hash of status, score and the points of each item. trajectory: hash of all runs' trajectories.
+        report: hash of the whole report. unhinted: hash of the report without hints and mistakes.
+    """
+
+    id: str
+    score: str
+    marks: str
+    trajectory: str
+    report: str
+    unhinted: str
+
+
+def lines(gradings: Iterable[Grading], slots: int, tell: Callable[[int], None]) -> list[Line]:
+    """Grade everything with `slots` warm slots; tell how many are done now and then."""
+    idle: SimpleQueue[Slot] = SimpleQueue()
+    ready = [Slot(SlotConfig(niceness=10)) for _ in range(slots)]
+    for slot in ready:
+        idle.put(slot)
+
+    def graded(grading: Grading) -> Line:
+        slot = idle.get()
+        try:
+            return _line(grading.id, slot.grade(grading.job))
+        except GraderError as error:
+            return Line(grading.id, _REFUSED, *[_hash(str(error).encode())] * len(HASHES))
+        finally:
+            idle.put(slot)
+
+    try:
+        with ThreadPoolExecutor(slots) as threads:
+            table = []
+            for line in threads.map(graded, gradings):
+                table.append(line)
+                if len(table) % 100 == 0:
+                    tell(len(table))
+            return table
+    finally:
+        for slot in ready:
+            slot.close()
+
+
+def compared(before: Mapping[str, Line], after: Iterable[Line]) -> Iterator[str]:
+    """Yield a row for each score that moved, and how many hashes of each kind differ."""
+    differing: Counter[str] = Counter()
+    new = 0
+    for line in after:
+        earlier = before.get(line.id)
+        if earlier is None:
+            new += 1
+            continue
+        if line.score != earlier.score:
+            yield f"{line.id}\t{earlier.score} -> {line.score}"
+        differing.update(kind for kind in HASHES if getattr(line, kind) != getattr(earlier, kind))
+    yield ", ".join(f"{kind}: {differing[kind]} differ" for kind in HASHES) + f"; {new} new"
+
+
+def read(path: Path) -> dict[str, Line]:
+    """Return the lines of a saved table by id."""
+    rows = [Line(*row.split("\t")) for row in path.read_text("utf-8").splitlines()]
+    return {row.id: row for row in rows}
+
+
+def written(table: Iterable[Line]) -> str:
+    """Return a table as it is saved."""
+    return "".join("\t".join(line) + "\n" for line in table)
+
+
+def _line(name: str, result: GradingResult) -> Line:
+    report = result.report
+    marks = [report.status, report.score, [(item.id, item.earned, item.points) for item in report.items]]
+    moved = b"".join(result.trajectories[case] for case in sorted(result.trajectories))
+    score = "-" if report.score is None else f"{report.score:g}"
+    return Line(
+        name,
+        score,
+        _hash(repr(marks).encode()),
+        _hash(moved),
+        _hash(report.canonical_bytes()),
+        _hash(canonical(_unhinted(report))),
+    )
+
+
+def _unhinted(report: GradeReport) -> GradeReport:
+    items = tuple(replace(item, hint=EMPTY) for item in report.items)
+    return replace(report, items=items, hint=EMPTY, mistakes=())
+
+
+def _hash(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()[:_DIGITS]
