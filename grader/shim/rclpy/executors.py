@@ -47,6 +47,14 @@ def _members_of(node: Node) -> tuple[Any, ...]:
     return node.subscriptions, node.timers, node.clients, node.services, node.guards, node.waitables
 
 
+def _is_over(deadline_ns: int | None, ended_ns: int, yielded: bool) -> bool:
+    """Whether a wait that ended at `ended_ns` has timed out.
+
+    What is ready at the very instant comes first: upstream makes the timer of the timeout last.
+    """
+    return deadline_ns is not None and (ended_ns > deadline_ns or (ended_ns == deadline_ns and not yielded))
+
+
 def _is_done(future: Any) -> bool:
     """Ask a future, which may be somebody else's; asking ours costs no time here."""
     return bool(future._done if isinstance(future, Future) else future.done())
@@ -81,6 +89,17 @@ class TimeoutObject:
     @timeout.setter
     def timeout(self, timeout: float) -> None:
         self._timeout = timeout
+
+
+class _WaitedIn:
+    """Stands for a generator of `_wait_for_ready_callbacks` that a thread waits in, where there is none."""
+
+    def __next__(self) -> Ready:
+        raise ValueError("generator already executing")
+
+
+_WAITED_IN = _WaitedIn()
+_NO_TIMEOUT: dict[str, Any] = {"timeout_sec": None}
 
 
 class _Spinning:
@@ -150,14 +169,19 @@ class Executor:
         )
         self._woken = self._guard.handle.backlog  # true while the guard condition is triggered
         self._is_shutdown = False
-        self._cb_iter: Generator[Ready, None, None] | None = None
+        self._cb_iter: Generator[Ready, None, None] | _WaitedIn | None = None
         self._last_args: Any = None
         self._last_kwargs: Any = None
         self._spinning = 0
         self._watch: Watch | None = None
         # those of waits while callbacks run, by `Changes.given_out`
         self._busy_watches: dict[tuple[tuple[int, bool], ...], Watch] = {}
+        self._sigint_gc = None
         self._context.on_shutdown(self.wake)
+
+    def __del__(self) -> None:
+        """Upstream destroys its guard condition: it fails where there is none, as `__init__` has failed."""
+        _ = self._sigint_gc
 
     @property
     def context(self) -> Context:
@@ -167,7 +191,7 @@ class Executor:
         """Have a function or coroutine function run by this executor; the task is also its future."""
         task = Task(callback, args, kwargs, executor=self)
         self._tasks.append((task, None, None))
-        self.wake()
+        self._trigger()
         return task
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:
@@ -196,9 +220,7 @@ class Executor:
             return False
         self._nodes = {**self._nodes, node: None}
         node.executor = self
-        for members in _members_of(node):  # as upstream's first wait asks for them
-            iter(members)
-        self.wake()
+        self._trigger()
         return True
 
     def remove_node(self, node: Node) -> None:
@@ -208,12 +230,22 @@ class Executor:
             del nodes[node]
             self._nodes = nodes
             self._busy_watches.clear()  # they would keep it alive
-            self.wake()
+            self._trigger()
 
     def wake(self) -> None:
         """Have a blocked wait look again."""
         if self._guard is not None and not self._woken:
             self._woken.append(True)
+
+    def _trigger(self) -> None:
+        """Do the same where upstream does not ask whether the executor was shut down.
+
+        Raises:
+            AttributeError: it was.
+        """
+        if self._guard is None:
+            raise AttributeError("'NoneType' object has no attribute 'trigger'")
+        self.wake()
 
     def get_nodes(self) -> list[Node]:
         """Return the nodes served, in the order they were added."""
@@ -295,12 +327,12 @@ class Executor:
                 watch = self._wait_once(using, deadline_ns)
             else:
                 watch, waited = waited[0], None
-            timed_out = deadline_ns is not None and kernel.now_ns >= deadline_ns
+            ended_ns = watch.ended_ns
             for kind, entity, node in watch.served():
                 yielded = True
                 yield self._handler_of(kind, entity, node), entity, node
             self._put_back(watch)
-            if timed_out:
+            if _is_over(deadline_ns, ended_ns, yielded):
                 raise TimeoutException()
         if self._is_shutdown:
             raise ShutdownException()
@@ -326,6 +358,9 @@ class Executor:
             if watch.holds(self.can_execute, nodes):
                 return watch
             self._busy_watches.clear()  # what made this one stale made them stale as well
+        for node in nodes:
+            for members in _members_of(node):
+                iter(members)
         return Watch(self.can_execute, nodes)
 
     def _put_back(self, watch: Watch) -> None:
@@ -364,6 +399,7 @@ class Executor:
             deadline_ns if due_ns is None or (deadline_ns is not None and deadline_ns < due_ns) else due_ns
         )
         kernel.wait(ready, until_ns, self._why(), idle=bool(self._spinning) or watch.open)
+        watch.ended_ns = kernel.now_ns
         if watch.deadline_ns == kernel.now_ns:
             kernel.be_late(watch.late_ns)
         if self._is_shutdown:
@@ -591,12 +627,13 @@ class SingleThreadedExecutor(Executor):
             return None
         deadline_ns = None if timeout_sec is None else self._deadline_of(timeout_sec)
         watch = self._take_watch(self.get_nodes())
-        place = self._next_lone(watch, deadline_ns)
+        asked_with = _NO_TIMEOUT if timeout_sec is None else {"timeout_sec": timeout_sec}
+        place = self._next_lone(watch, deadline_ns, asked_with)
         if place is None:
             if watch.idle and deadline_ns is not None and kernel.now_ns >= deadline_ns:
                 self._put_back(watch)
                 raise TimeoutException
-            self._last_args, self._last_kwargs = (), {"timeout_sec": timeout_sec}
+            self._last_args, self._last_kwargs = (), asked_with
             self._cb_iter = self._wait_for_ready_callbacks(timeout_sec, waited=(watch, deadline_ns))
         else:
             self._put_back(watch)
@@ -626,11 +663,11 @@ class SingleThreadedExecutor(Executor):
                 return
             self._watch = None
             try:
-                place = self._next_lone(watch, None)
+                place = self._next_lone(watch, None, _NO_TIMEOUT)
             except ShutdownException:
                 return
             if place is None:
-                self._last_args, self._last_kwargs = (), {"timeout_sec": None}
+                self._last_args, self._last_kwargs = (), _NO_TIMEOUT
                 self._cb_iter = self._wait_for_ready_callbacks(waited=(watch, None))
                 self._run_left(context)
             else:
@@ -640,7 +677,7 @@ class SingleThreadedExecutor(Executor):
     def _run_left(self, context: ContextHandle) -> None:
         """Run what else the last wait has found, if that was a wait without a timeout."""
         left = self._cb_iter
-        if left is None or self._last_args != () or self._last_kwargs != {"timeout_sec": None}:
+        if left is None or self._last_args != () or self._last_kwargs != _NO_TIMEOUT:
             return
         while self._cb_iter is left and context.valid and not self._is_shutdown:
             try:
@@ -652,24 +689,32 @@ class SingleThreadedExecutor(Executor):
                 return
             _run(handler)
 
-    def _next_lone(self, watch: Watch, deadline_ns: int | None) -> Place | None:
+    def _next_lone(self, watch: Watch, deadline_ns: int | None, asked_with: dict[str, Any]) -> Place | None:
         """Block until something is ready; give it out, if it is the only one, plain and in time.
 
         None: `watch` is settled, and the caller serves what it holds.
+
+        A thread that waits with the same arguments (`asked_with`) meanwhile gets upstream's ValueError.
         """
+        self._last_args, self._last_kwargs = (), asked_with
+        self._cb_iter = _WAITED_IN
         self._woken.clear()
         settled = False
-        place = None if watch.deadline_ns is None else watch.lone_timer()
-        if place is None or not self._skip_to_tick(watch, deadline_ns):
-            heard = self._skip_to_pose(watch, deadline_ns)
-            place = watch.lone_message(heard) if heard else None
-            if place is None:
-                if not heard or not watch.ready():
-                    self._block(watch, deadline_ns)
-                watch.settle()
-                settled = True
-                place = watch.lone()
-        in_time = deadline_ns is None or kernel.now_ns < deadline_ns
+        try:
+            place = None if watch.deadline_ns is None else watch.lone_timer()
+            if place is None or not self._skip_to_tick(watch, deadline_ns):
+                heard = self._skip_to_pose(watch, deadline_ns)
+                place = watch.lone_message(heard) if heard else None
+                if place is None:
+                    if not heard or not watch.ready():
+                        self._block(watch, deadline_ns)
+                    watch.settle()
+                    settled = True
+                    place = watch.lone()
+        finally:
+            if self._cb_iter is _WAITED_IN:
+                self._cb_iter = None
+        in_time = deadline_ns is None or watch.ended_ns <= deadline_ns
         if place is None or not in_time or not watch.is_plain(place[3].callback):
             if not settled:
                 watch.settle()
@@ -684,9 +729,8 @@ class SingleThreadedExecutor(Executor):
         """Wait for the next timer; False, and nothing was done, if anything else can happen until then."""
         due_ns, late_ns = watch.deadline_ns, watch.late_ns
         assert due_ns is not None
-        return (deadline_ns is None or due_ns + late_ns < deadline_ns) and kernel.skip_to_tick(
-            due_ns, late_ns
-        )
+        watch.ended_ns = due_ns
+        return (deadline_ns is None or due_ns <= deadline_ns) and kernel.skip_to_tick(due_ns, late_ns)
 
     def _skip_to_pose(self, watch: Watch, deadline_ns: int | None) -> tuple[int, ...]:
         """Wait for the next pose; return who got it. Nobody: nothing was done, as anything else comes first."""
@@ -695,7 +739,9 @@ class SingleThreadedExecutor(Executor):
             due_ns = deadline_ns
             if due_ns <= kernel.now_ns:
                 return ()
-        return skip_to_pose(watch.ready, due_ns)
+        heard = skip_to_pose(watch.ready, due_ns)
+        watch.ended_ns = kernel.now_ns
+        return heard
 
     def _spin_once_impl(self, timeout_sec: float | TimeoutObject | None = None) -> None:
         handler: Task | _Call | None = None

@@ -39,6 +39,7 @@ class Watch:
     Attributes:
         deadline_ns: earliest virtual instant at which a timer is due, None when none is running.
         late_ns: how much later than that it may be called (`Kernel.be_late`).
+        ended_ns: when the last wait ended, without that lateness.
         open: whether something may come from outside unasked: waiting for it for ever is no deadlock.
         lasting: whether it may serve a further wait.
         given_out: callbacks that were under way (`Changes.given_out`); it serves only waits with the same ones.
@@ -47,6 +48,7 @@ class Watch:
     def __init__(self, can_execute: Callable[[Any], bool], nodes: Sequence[Node]) -> None:
         self.deadline_ns: int | None = None
         self.late_ns = 0
+        self.ended_ns = 0
         self.open = False
         self._nodes = list(nodes)
         self._seen = changes.count
