@@ -2,21 +2,33 @@
 
 What comes in was written by a hostile process. Each call is read with every length checked, numbers must be
 finite and within bounds, and only functions of the table can be named. Any such call is allowed: a second confined
-process carries it out (`grader.sim.replay`). This module finds the calls that do what no motor does: `tricks`.
+process carries it out (`grader.sim.replay`). This module finds the calls that do what no motor does (`trick_of`);
+which of them took place, and when, is known after the replay.
 """
 
 import math
 import re
 import struct
-from collections.abc import Mapping, Sequence
+from array import array
+from bisect import bisect_left
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Final, NamedTuple
 
 from grader.contracts.errors import ProtocolError
-from grader.contracts.replay import Trick, TrickKind
+from grader.contracts.replay import TrickKind
 
-_RECORDED: Final = Path(__file__).resolve().parents[1] / "shim" / "rclpy" / "_pybullet" / "recorded.txt"
-FUNCTIONS: Final = tuple(_RECORDED.read_text(encoding="ascii").split())
+_TABLE: Final = Path(__file__).resolve().parents[1] / "shim" / "rclpy" / "_pybullet" / "functions.txt"
+_ROWS: Final = [
+    line.split(" ", 2) for line in _TABLE.read_text(encoding="ascii").splitlines() if not line.startswith("#")
+]
+KINDS: Final[Mapping[str, str]] = {name: kind for name, kind, *_ in _ROWS}
+PARAMETERS: Final[Mapping[str, Sequence[str]]] = {
+    name: details[0].split(",")
+    for name, kind, *details in _ROWS
+    if kind in ("step", "motor", "world", "trick")
+}
+FUNCTIONS: Final = tuple(PARAMETERS)
 """By their numbers on the wire; the shim reads the same file."""
 
 MOST_CALLS: Final = 150_000
@@ -37,9 +49,9 @@ _INT: Final = struct.Struct("<q")
 _FLOAT: Final = struct.Struct("<d")
 
 Value = None | bool | int | float | str | list["Value"]
-_MOST_TRICKS: Final = 100
 _SLACK_NS: Final = 1_000_000_000
 _WORLD: Final = -1
+_JOINT_GEAR: Final = 6
 _NATURE: Final = (
     "mass",
     "localInertiaDiagonal",
@@ -47,7 +59,9 @@ _NATURE: Final = (
     "jointLowerLimit",
     "jointUpperLimit",
     "jointLimitForce",
+    "activationState",
 )
+_BRAKES: Final = ("linearDamping", "angularDamping", "jointDamping")
 
 
 class Call(NamedTuple):
@@ -57,22 +71,53 @@ class Call(NamedTuple):
     args: tuple[Value, ...]
     options: Mapping[str, Value]
 
-    def value(self, place: int, name: str) -> Value:
-        """Return an argument by its place or its name; None: it was not passed."""
+    def value(self, name: str) -> Value:
+        """Return an argument, whether it was passed by its place or by its name; None: it was not passed."""
         if name in self.options:
             return self.options[name]
+        names = PARAMETERS[self.name]
+        place = names.index(name) if name in names else len(self.args)
         return self.args[place] if place < len(self.args) else None
 
-    def number(self, place: int, name: str, default: float = 0.0) -> float:
-        """Return a number by its place or its name; `default` if it was not passed or is no number."""
-        value = self.value(place, name)
+    def number(self, name: str, default: float = 0.0) -> float:
+        """Return a number; `default` if it was not passed or is no number."""
+        value = self.value(name)
         return float(value) if isinstance(value, int | float) else default
 
     @property
-    def client(self) -> int:
-        """The physics client that it addresses; only the calls of the first one count."""
-        place = 0 if self.name in ("stepSimulation", "disconnect") else len(self.args)
-        return int(self.number(place, "physicsClientId"))
+    def is_of_first_client(self) -> bool:
+        """Whether it addresses the first physics client, whose world alone counts."""
+        if self.name == "loadURDF" and len(self.args) > 3 and isinstance(self.args[1], int | float):
+            return not self.options.get("physicsClientId", 0)  # seven numbers, as of old
+        return not self.value("physicsClientId")
+
+
+class Suspect(NamedTuple):
+    """A call that does what no motor does, if it took place.
+
+    Attributes:
+        before: what it does before the first step, or None; after: what it does later.
+        body: it matters only if this is what the assignment looks at. loads: only if it loaded that.
+        gravity: it matters only if this is not what gravity was at the first step.
+    """
+
+    call: int
+    name: str
+    before: TrickKind | None
+    after: TrickKind | None
+    body: int | None = None
+    loads: bool = False
+    gravity: tuple[float, float, float] | None = None
+
+    def concerns(
+        self, watched: Iterable[tuple[int, int]], gravity: tuple[float, float, float] | None
+    ) -> bool:
+        """Return whether it matters, where bodies are `watched`: (number of the call that loaded it, id) each."""
+        if self.gravity is not None:
+            return self.gravity != gravity
+        if self.body is not None:
+            return any(body == self.body and call < self.call for call, body in watched)
+        return not self.loads or any(call == self.call for call, _ in watched)
 
 
 class _Reader:
@@ -176,26 +221,23 @@ class RecordedCalls:
 
     Attributes:
         frames: the calls as they came, a frame each.
-        count: calls so far. steps: of the simulation, in the world that counts. simulated_s: what they last.
-        tricks: what no motor does, in the world that counts.
+        count: calls so far. steps: of the simulation, since it last began anew. simulated_s: what they last.
+        suspects: calls that do what no motor does.
         files: by the number of the call, what a body was loaded from.
-        gravity: as it was at the first step; before that, as it is.
-        first_call: where the world that counts begins: after the last reset or disconnection that was followed by
-            a step.
         not_finite: number of the first call with a value that is not finite; it and later ones are left out.
     """
 
     def __init__(self) -> None:
         self.frames: list[bytes] = []
-        self.count = self.steps = self.first_call = 0
+        self.count = self.steps = 0
         self.simulated_s = 0.0
-        self.tricks: list[Trick] = []
+        self.suspects: list[Suspect] = []
         self.files: dict[int, str] = {}
-        self.gravity = (0.0, 0.0, 0.0)
         self.not_finite: int | None = None
         self._bytes = 0
         self._step_s = STEP_S
-        self._pending: list[int] = []  # numbers of resets and disconnections that no step has followed
+        self._step_calls = array("I")
+        self._is_over = False  # by a reset or disconnection that no step has followed
 
     def take(self, data: bytes, horizon_ns: int) -> None:
         """Take the calls of one frame.
@@ -221,55 +263,50 @@ class RecordedCalls:
             self.count += 1
         self.frames.append(data)
 
+    def first_step(self, world: int, refused: Container[int]) -> int:
+        """Return the number of the first step from call `world` on; of the end, if there is none."""
+        first = bisect_left(self._step_calls, world)
+        return next((one for one in self._step_calls[first:] if one not in refused), self.count)
+
     def _note(self, call: Call) -> None:
-        if call.client != 0:
+        if not call.is_of_first_client:
             return
         if call.name == "stepSimulation":
             self._step()
-        elif call.name.startswith("load") and call.name != "loadTexture":
-            file = call.value(0, "fileName")
-            self.files[self.count] = file if isinstance(file, str) else ""
         elif call.name in ("resetSimulation", "disconnect"):
-            self._pending.append(self.count)
+            self._is_over = True
         elif call.name in ("setTimeStep", "setPhysicsEngineParameter"):
-            self._set_step(call)
-        elif call.name == "setGravity":
-            self._set_gravity(call)
-        elif (kind := trick_of(call, started=self.steps > 0 and not self._pending)) is not None:
-            self._trick(kind, call.name)
+            seconds = _step_of(call)
+            self._step_s = seconds if seconds > 0.0 else self._step_s
+        elif (place := _file_of(call)) is not None:
+            self.files[self.count] = place
+        if KINDS[call.name] == "trick" and (suspect := suspect_of(call, self.count)) is not None:
+            self.suspects.append(suspect)
 
     def _step(self) -> None:
-        if self._pending:
-            self._begin_anew(self._pending[-1])
+        if self._is_over:
+            self._is_over = False
+            self.steps, self.simulated_s = 0, 0.0
         self.steps += 1
         self.simulated_s += self._step_s
+        self._step_calls.append(self.count)
 
-    def _begin_anew(self, number: int) -> None:
-        """Begin a new world after the call `number`: what came before it does not count."""
-        self.first_call, self._pending = number, []
-        self.tricks = [trick for trick in self.tricks if trick.before_start and trick.kind == "time_step"]
-        self.steps, self.simulated_s = 0, 0.0
 
-    def _set_step(self, call: Call) -> None:
-        seconds = call.number(0, "timeStep" if call.name == "setTimeStep" else "fixedTimeStep", -1.0)
-        if seconds <= 0.0:
-            return
-        self._step_s = seconds
-        if not LEAST_STEP_S * (1.0 - 1e-9) <= seconds <= MOST_STEP_S * (1.0 + 1e-9):
-            self._trick("time_step", call.name)
+def _file_of(call: Call) -> str | None:
+    """Return what bodies a call loads; None: it loads none."""
+    if call.name not in ("loadURDF", "loadSDF", "loadMJCF"):
+        return None
+    file = call.value(PARAMETERS[call.name][0])
+    return file if isinstance(file, str) else ""
 
-    def _set_gravity(self, call: Call) -> None:
-        names = ("gravX", "gravY", "gravZ")
-        x, y, z = (call.number(place, name) for place, name in enumerate(names))
-        if self.steps and not self._pending and (x, y, z) != self.gravity:
-            self._trick("gravity", call.name)
-        else:
-            self.gravity = (x, y, z)
 
-    def _trick(self, kind: TrickKind, name: str) -> None:
-        if len(self.tricks) < _MOST_TRICKS:
-            t_ns = round(self.simulated_s * 1e9)
-            self.tricks.append(Trick(kind=kind, name=name, t_ns=t_ns, before_start=self.steps == 0))
+def _step_of(call: Call) -> float:
+    return call.number("timeStep" if call.name == "setTimeStep" else "fixedTimeStep", -1.0)
+
+
+def is_usual_step(seconds: float) -> bool:
+    """Return whether a simulation with steps of this length is to be trusted."""
+    return LEAST_STEP_S * (1.0 - 1e-9) <= seconds <= MOST_STEP_S * (1.0 + 1e-9)
 
 
 def is_finite(values: Sequence[Value]) -> bool:
@@ -282,32 +319,96 @@ def is_finite(values: Sequence[Value]) -> bool:
     return True
 
 
+def suspect_of(call: Call, number: int) -> Suspect | None:
+    """Return a call that does what no motor does, under its number, or None."""
+    before, after = (trick_of(call, started=started) for started in (False, True))
+    if before is None and after is None:
+        return None
+    suspect = Suspect(number, call.name, before, after)
+    if call.name == "setGravity":
+        x, y, z = (call.number(name) for name in ("gravX", "gravY", "gravZ"))
+        return suspect._replace(gravity=(x, y, z))
+    if call.name == "removeBody":
+        return suspect._replace(body=int(call.number("bodyUniqueId", -1)))
+    return suspect._replace(loads=_file_of(call) is not None)
+
+
 def trick_of(call: Call, *, started: bool) -> TrickKind | None:
-    """Return what a call does that no motor does, or None. Before the first step a body may be put anywhere."""
-    match call.name:
-        case "resetBasePositionAndOrientation" | "resetJointState":
-            return "jump" if started or _nonzero(call.value(3, "targetVelocity")) else None
-        case "resetJointStateMultiDof" | "resetJointStatesMultiDof":
-            return "jump" if started else None
-        case "resetBaseVelocity":
-            given = [call.value(1, "linearVelocity"), call.value(2, "angularVelocity")]
-            return "jump" if started or _nonzero(given) else None
-        case "applyExternalForce" | "applyExternalTorque":
-            return "push"
-        case "createConstraint":
-            parent = call.number(0, "parentBodyUniqueId", _WORLD)
-            child = call.number(2, "childBodyUniqueId", _WORLD)
-            return None if parent == child else "constraint"
-        case "changeDynamics":
-            return "dynamics" if _changes_nature(call) else None
-        case "setCollisionFilterPair" | "setCollisionFilterGroupMask":
-            return "collision"
-    return None
+    """Return what a call does that no motor does, or None. Before the first step a body may be put anywhere.
+
+    Raises:
+        KeyError: the table has a trick for which there is no rule.
+    """
+    return TRICK_RULES[call.name](call, started)
 
 
-def _changes_nature(call: Call) -> bool:
-    """Return whether `changeDynamics` changes what a body is, not how it rubs and bounces."""
-    return len(call.args) > 2 or any(name in call.options for name in _NATURE)
+def _places(call: Call, started: bool) -> TrickKind | None:
+    moves = ("targetVelocity", "targetVelocities", "linearVelocity", "angularVelocity")
+    return "jump" if started or any(_nonzero(call.value(name)) for name in moves) else None
+
+
+def _ties(call: Call, _: bool) -> TrickKind | None:
+    """Allow the gears of one body; any other constraint holds or pulls."""
+    parent, child = (call.number(f"{one}BodyUniqueId", _WORLD) for one in ("parent", "child"))
+    return None if parent == child and call.number("jointType") == _JOINT_GEAR else "constraint"
+
+
+def _ties_otherwise(call: Call, _: bool) -> TrickKind | None:
+    moves = ("jointChildPivot", "jointChildFrameOrientation", "relativePositionTarget")
+    return "constraint" if any(call.value(name) is not None for name in moves) else None
+
+
+def _changes_nature(call: Call, started: bool) -> TrickKind | None:
+    """Allow what changes how a body rubs and bounces, not what it is; nor may a brake begin later."""
+    names = (*_NATURE, *_BRAKES) if started else _NATURE
+    changed = (call.value(name) for name in names)
+    return "dynamics" if any(isinstance(one, list) or not _is_default(one) for one in changed) else None
+
+
+def _is_default(value: Value) -> bool:
+    """Return whether PyBullet takes a number for "as it was"."""
+    return value is None or (isinstance(value, int | float) and value == -1)
+
+
+def _lets_through(call: Call, _: bool) -> TrickKind | None:
+    same = call.value("bodyUniqueIdA") is not None and call.value("bodyUniqueIdA") == call.value(
+        "bodyUniqueIdB"
+    )
+    return None if same or call.number("enableCollision") else "collision"
+
+
+def _changes_step(call: Call, _: bool) -> TrickKind | None:
+    seconds = _step_of(call)
+    return "time_step" if seconds > 0.0 and not is_usual_step(seconds) else None
+
+
+def _scales(call: Call, _: bool) -> TrickKind | None:
+    return "dynamics" if call.number("globalScaling", 1.0) != 1.0 else None
+
+
+TRICK_RULES: Final[Mapping[str, Callable[[Call, bool], TrickKind | None]]] = {
+    **dict.fromkeys(
+        (
+            "resetBasePositionAndOrientation",
+            "resetBaseVelocity",
+            "resetJointState",
+            "resetJointStateMultiDof",
+            "resetJointStatesMultiDof",
+        ),
+        _places,
+    ),
+    **dict.fromkeys(("applyExternalForce", "applyExternalTorque"), lambda *_: "push"),
+    "createConstraint": _ties,
+    "changeConstraint": _ties_otherwise,
+    "changeDynamics": _changes_nature,
+    "setCollisionFilterPair": _lets_through,
+    "setCollisionFilterGroupMask": lambda *_: "collision",
+    **dict.fromkeys(("setTimeStep", "setPhysicsEngineParameter"), _changes_step),
+    "setGravity": lambda _, started: "gravity" if started else None,
+    "removeBody": lambda _, started: "removed" if started else None,
+    **dict.fromkeys(("loadURDF", "loadSDF", "loadMJCF"), _scales),
+}
+"""For each function of the kind `trick`, when it is one."""
 
 
 def _nonzero(value: Value) -> bool:

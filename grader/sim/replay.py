@@ -7,21 +7,24 @@ C++. So it is confined like a script's process, and its frames are read as stric
 import json
 import math
 import struct
+from bisect import bisect_left
+from dataclasses import replace
+from itertools import islice
 from typing import Any, Final
 
 import numpy as np
 
 from grader.contracts.assignment import Watch
 from grader.contracts.errors import ProtocolError
-from grader.contracts.replay import Replayed, ReplayedBody, ReplayEnd
+from grader.contracts.replay import Replayed, ReplayedBody, ReplayEnd, Trick
 from grader.contracts.trajectory import Floats, Picture, Trajectory
 from grader.formats.png import png_of
 from grader.sim.frames import Link
-from grader.sim.recorded_calls import RecordedCalls
+from grader.sim.recorded_calls import RecordedCalls, is_usual_step
 from grader.sim.wire import CALLS, START
 
 FINISH: Final = 0x31
-BODY, SAMPLE, PICTURE, APPLIED, ENDED = 0x40, 0x41, 0x42, 0x43, 0x44
+BODY, SAMPLE, PICTURE, APPLIED, ENDED, REFUSED = 0x40, 0x41, 0x42, 0x43, 0x44, 0x45
 
 MOST_BODIES: Final = 10_000
 """Most bodies of a replay, in all its worlds together. A world has 64 at most (`rclpy._pybullet.replay`)."""
@@ -32,9 +35,11 @@ _MOST_SIDE: Final = 480
 _MOST_JOINTS: Final = 64
 _MOST_CONTACTS: Final = 32
 _ROLES: Final = ("", "object", "robot")
+_MOST_TRICKS: Final = 100
 _ENDS: Final[tuple[ReplayEnd, ...]] = ("complete", "too_many_bodies")
-_OBJECT, _LINK, _PUSH = struct.Struct("<13d"), struct.Struct("<7d"), struct.Struct("<Hhd")
-_BODY_HEAD, _SAMPLE_HEAD = struct.Struct("<IHBHd"), struct.Struct("<qII")
+_PUSH: Final = struct.Struct("<Hhd")
+_BODY_HEAD, _SAMPLE_HEAD = struct.Struct("<IHBH2d"), struct.Struct("<qIII4d")
+_REFUSED_HEAD: Final = struct.Struct("<H")
 _PICTURE_HEAD, _APPLIED_HEAD, _ENDED_HEAD = (
     struct.Struct("<qHHH"),
     struct.Struct("<I"),
@@ -46,10 +51,23 @@ _BYTE: Final = struct.Struct("<B")
 class _Sample:
     """One sample as it was received; its numbers may be NaN."""
 
-    __slots__ = ("calls", "joints", "link", "object", "pushes", "robot_joints", "steps", "t_ns")
+    __slots__ = (
+        "calls",
+        "gravity",
+        "joints",
+        "link",
+        "object",
+        "pushes",
+        "robot_joints",
+        "step_s",
+        "steps",
+        "t_ns",
+        "world",
+    )
 
-    def __init__(self, t_ns: int, steps: int, calls: int) -> None:
-        self.t_ns, self.steps, self.calls = t_ns, steps, calls
+    def __init__(self, head: tuple[Any, ...]) -> None:
+        self.t_ns, self.steps, self.calls, self.world, self.step_s, *gravity = head
+        self.gravity = (float(gravity[0]), float(gravity[1]), float(gravity[2]))
         self.object: tuple[float, ...] = ()
         self.joints: tuple[float, ...] = ()
         self.link: tuple[float, ...] = ()
@@ -59,7 +77,7 @@ class _Sample:
     @property
     def is_finite(self) -> bool:
         """Whether no number is NaN or infinite."""
-        numbers = (*self.object, *self.joints, *self.link, *self.robot_joints)
+        numbers = (self.step_s, *self.gravity, *self.object, *self.joints, *self.link, *self.robot_joints)
         return all(map(math.isfinite, numbers)) and all(math.isfinite(force) for _, _, force in self.pushes)
 
 
@@ -107,6 +125,7 @@ class Replay:
             [recorded.steps * i // (pictures - 1) for i in range(pictures - 1)] if pictures else []
         )
         self._bodies: list[tuple[int, ReplayedBody]] = []
+        self._refused: set[int] = set()
         self._samples: list[_Sample] = []
         self._pictures: list[tuple[int, int, int, bytearray]] = []  # time, width, height, rows so far
         self._applied = 0
@@ -155,6 +174,8 @@ class Replay:
             self._take_sample(_Fields("SAMPLE", body))
         elif kind == PICTURE:
             self._take_picture(_Fields("PICTURE", body))
+        elif kind == REFUSED:
+            self._take_refused(_Fields("REFUSED", body))
         elif kind == APPLIED:
             fields = _Fields("APPLIED", body)
             (applied,) = fields.take(_APPLIED_HEAD)
@@ -166,7 +187,7 @@ class Replay:
             raise ProtocolError(f"replay: unknown frame kind 0x{kind:02x}")
 
     def _take_body(self, fields: _Fields) -> None:
-        call, identity, role, joints, mass = fields.take(_BODY_HEAD)
+        call, identity, role, joints, mass, total = fields.take(_BODY_HEAD)
         fields.end()
         if role >= len(_ROLES) or len(self._bodies) == MOST_BODIES:
             raise ProtocolError("replay: BODY.role is unknown, or there are too many bodies")
@@ -176,24 +197,31 @@ class Replay:
             file=self._recorded.files.get(call, ""),
             joints=joints,
             mass_kg=mass if math.isfinite(mass) else 0.0,
+            total_kg=total if math.isfinite(total) else 0.0,
         )
         self._bodies.append((call, body))
 
+    def _take_refused(self, fields: _Fields) -> None:
+        (count,) = fields.take(_REFUSED_HEAD)
+        self._refused.update(fields.take(struct.Struct(f"<{count}I")))
+        fields.end()
+        if len(self._refused) > self._recorded.count:
+            raise ProtocolError("replay: more calls were refused than were made")
+
     def _take_sample(self, fields: _Fields) -> None:
-        t_ns, steps, calls = fields.take(_SAMPLE_HEAD)
-        sample = _Sample(t_ns, steps, calls)
+        sample = _Sample(fields.take(_SAMPLE_HEAD))
         if fields.count(1):
-            sample.object = fields.numbers(13)
+            sample.object = fields.numbers(14)
             sample.joints = fields.numbers(fields.count(_MOST_JOINTS))
         if fields.count(1):
-            sample.link = fields.numbers(7)
+            sample.link = fields.numbers(10)
             sample.robot_joints = fields.numbers(fields.count(_MOST_JOINTS))
         touching = range(fields.count(_MOST_CONTACTS))
         sample.pushes = tuple(
             (body, link, force) for body, link, force in (fields.take(_PUSH) for _ in touching)
         )
         fields.end()
-        if len(self._samples) == MOST_SAMPLES or t_ns < 0:
+        if len(self._samples) == MOST_SAMPLES or sample.t_ns < 0:
             raise ProtocolError("replay: too many samples, or one before the start")
         self._samples.append(sample)
 
@@ -230,29 +258,73 @@ class Replay:
 
         `end` says how a replay ended whose process could not say so itself.
         """
-        first = self._recorded.first_call  # what comes before it is of a world that was reset
-        samples = _in_order([one for one in self._samples if first == 0 or one.calls > first])
+        world = _world_that_counts(self._samples)
+        samples = _in_order([one for one in self._samples if one.world == world])
         finite = next((i for i, one in enumerate(samples) if not one.is_finite), len(samples))
         ended = end or self._end or "crashed"
         if finite < len(samples) or (ended == "complete" and self._recorded.not_finite is not None):
             ended = "not_finite"
         samples = samples[:finite]
+        bodies, tricks = self._found(world, samples)
+        places, links = _rows([one.object for one in samples], 14), _rows([one.link for one in samples], 10)
         return Replayed(
             end=ended,
             steps=samples[-1].steps if samples else 0,
             calls=self._recorded.count,
-            gravity=self._recorded.gravity,
+            gravity=samples[0].gravity if samples else (0.0, 0.0, 0.0),
             t_ns=np.array([one.t_ns for one in samples], dtype=np.int64),
-            object=_rows([one.object for one in samples], 13),
+            calls_at=np.array([one.calls for one in samples], dtype=np.int64),
+            object=places[:, :13],
             object_joints=_rows([one.joints for one in samples]),
-            link=_rows([one.link for one in samples], 7),
+            power_w=places[:, 13],
+            link=links[:, :7],
+            base=links[:, 7:],
             robot_joints=_rows([one.robot_joints for one in samples]),
             pushes=tuple(one.pushes for one in samples),
-            bodies=tuple(body for call, body in self._bodies if first == 0 or call > first),
-            tricks=tuple(self._recorded.tricks),
+            bodies=bodies,
+            tricks=tricks,
             pictures=tuple(_finished(*one) for one in self._pictures if len(one[3]) == 3 * one[1] * one[2]),
             state=self._state,
         )
+
+    def _found(
+        self, world: int, samples: list[_Sample]
+    ) -> tuple[tuple[ReplayedBody, ...], tuple[Trick, ...]]:
+        """Return the bodies of the world that counts, and what no motor does there, up to the last sample."""
+        start = self._recorded.first_step(world, self._refused)
+        last = samples[-1].calls if samples else world
+        born = [(call, replace(body, is_late=call > start)) for call, body in self._bodies if call >= world]
+        watched = {body.role: (call, body.id) for call, body in born if body.role}
+        gravity = samples[0].gravity if samples else None
+        suspects = (
+            (suspect, kind)
+            for suspect in self._recorded.suspects
+            if world <= suspect.call < last and suspect.call not in self._refused
+            if (kind := suspect.before if suspect.call < start else suspect.after) is not None
+            if suspect.concerns(watched.values(), gravity)
+        )
+        calls = [one.calls for one in samples]
+        tricks = [
+            Trick(
+                kind=kind,
+                name=suspect.name,
+                call=suspect.call,
+                t_ns=samples[max(bisect_left(calls, suspect.call) - 1, 0)].t_ns,
+                before_start=suspect.call < start,
+            )
+            for suspect, kind in islice(suspects, _MOST_TRICKS)
+        ]
+        unsteady = next((one for one in samples if one.steps and not is_usual_step(one.step_s)), None)
+        if unsteady is not None and not any(trick.kind == "time_step" for trick in tricks):
+            name = "setTimeStep"  # in a world before this one: a reset keeps it
+            tricks.insert(0, Trick(kind="time_step", name=name, call=world, t_ns=0, before_start=True))
+        return tuple(body for _, body in born), tuple(tricks)
+
+
+def _world_that_counts(samples: list[_Sample]) -> int:
+    """Return the first call of the last world in which a step was taken."""
+    stepped = [one.world for one in samples if one.steps]
+    return stepped[-1] if stepped else samples[-1].world if samples else 0
 
 
 def _in_order(samples: list[_Sample]) -> list[_Sample]:

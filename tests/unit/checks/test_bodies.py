@@ -50,7 +50,8 @@ def mistakes(world: Replayed | None, assignment: Assignment | None = None) -> li
 
 
 def trick(at: int, kind: str = "jump", *, before_start: bool = False) -> tuple[Trick, ...]:
-    return (Trick(kind=kind, name="call", t_ns=at * EVERY_NS, before_start=before_start),)  # type: ignore[arg-type]
+    t_ns, call = at * EVERY_NS, 4 * at + 1
+    return (Trick(kind=kind, name="call", call=call, t_ns=t_ns, before_start=before_start),)  # type: ignore[arg-type]
 
 
 def test_a_fall_and_a_rest() -> None:
@@ -71,6 +72,16 @@ def test_a_drive_its_turn_and_its_wheels() -> None:
     assert seen["wheels_turned"] == pytest.approx(3.0)
 
 
+def test_wheels_that_no_motor_turned_do_not_count() -> None:
+    car = (ReplayedBody(id=1, role="object", joints=2, mass_kg=1.0, total_kg=4.0),)
+    wheels = np.linspace(0.0, 3.0 * math.tau, len(DRIVE))[:, None]
+    rubric = task("wheels_turned", watch=Watch(object="*"))
+    for watts, turns in ((1.0, 3.0), (0.01, math.nan)):  # 4 kg at 0.6 m/s is 0.72 J
+        drive = replayed(DRIVE, object_joints=wheels, power_w=np.full(len(DRIVE), watts), bodies=car)
+        assert values(drive, rubric)["wheels_turned"] == pytest.approx(turns, nan_ok=True)
+        assert ("bodies_rolled" in mistakes(drive, rubric)) == math.isnan(turns)
+
+
 @pytest.mark.parametrize(
     ("gravity", "fits"), [((0, 0, -9.8), 1), ((0, 0, -10), 1), ((0, 0, -9.5), 0), ((0, -9.8, 0), 0)]
 )
@@ -86,19 +97,46 @@ def test_a_target_is_reached_only_if_it_is_kept_and_was_not_the_start() -> None:
     assert "reach_m" not in values(replayed(links=APPROACH[100:]), aim)
     assert "bodies_there_already" in mistakes(replayed(links=APPROACH[100:]), aim)
     assert "reach_m" not in values(replayed(links=APPROACH[:20]), aim)  # shorter than it must be kept
+    assert "reach_m" not in values(replayed(links=APPROACH[:40] * 2), aim)  # not half of the way
+
+
+def test_an_arm_reaches_by_itself_from_its_place() -> None:
+    aim = task("reach_m", **TARGET)
+    aside = replayed(links=APPROACH, base=np.full((len(APPROACH), 3), 0.1))
+    assert "reach_m" not in values(aside, aim)
+    assert "bodies_base_elsewhere" in mistakes(aside, aim)
+    assert (
+        values(aside, task("reach_m", **TARGET, base_x_m=0.1, base_y_m=0.1, base_z_m=0.1))["reach_m"] == 0.0
+    )
+    loose = (ReplayedBody(id=2, role="robot", mass_kg=1.0),)
+    assert "reach_m" not in values(replayed(links=APPROACH, bodies=loose), aim)
+    arm, box = ReplayedBody(id=2, role="robot"), ReplayedBody(id=3)
+    pushed = (((3, -1, 9.0),),) * len(APPROACH)
+    assert "reach_m" in values(
+        replayed(links=APPROACH, bodies=(arm, box), pushes=pushed), aim
+    )  # leans on a table
+    for stranger in (replace(box, mass_kg=1.0), replace(box, is_late=True)):
+        world = replayed(links=APPROACH, bodies=(arm, stranger), pushes=pushed)
+        assert "reach_m" not in values(world, aim)
+        assert "bodies_pushed" in mistakes(world, aim)
 
 
 def test_an_object_is_lifted_while_two_fingers_hold_it() -> None:
     rise = [(0.0, 0.0, 0.02 + 0.005 * max(0, min(i - 30, 40))) for i in range(161)]
-    both, one = ((2, 9, 5.0), (2, 10, 5.0)), ((2, 9, 5.0),)
-    held = tuple(both if i >= 20 else () for i in range(161))
+    ground, fingers, one = (0, -1, 1.0), ((2, 9, 5.0), (2, 10, 5.0)), ((2, 9, 5.0),)
     hands = [(0.0, 0.0, 0.5)] * 161
-    assert values(replayed(rise, hands, pushes=held))["lifted_m"] == pytest.approx(0.2)
-    by_one = tuple(one for _ in range(161))
-    assert math.isnan(values(replayed(rise, hands, pushes=by_one))["lifted_m"])
-    assert "bodies_not_held" in mistakes(replayed(rise, hands, pushes=by_one), task("lifted_m"))
-    let_go = tuple(both if 20 <= i < 50 else () for i in range(161))
-    assert values(replayed(rise, hands, pushes=let_go))["lifted_m"] == 0.0
+
+    def lifted(*pushes: tuple[tuple[int, int, float], ...]) -> float:
+        return values(replayed(rise, hands, pushes=pushes))["lifted_m"]
+
+    lying = (*((ground,),) * 20, *((ground, *fingers),) * 11)
+    assert lifted(*lying, *(fingers,) * 130) == pytest.approx(0.2)
+    assert math.isnan(lifted(*((ground, *one),) * 31, *(one,) * 130))
+    assert math.isnan(lifted(*(fingers,) * 161))  # put between the fingers
+    assert lifted(*lying, *((ground, *fingers),) * 130) == 0.0  # raised by what lies below it
+    assert lifted(*lying, *(fingers,) * 20, *((),) * 110) == 0.0  # let go
+    by_one = replayed(rise, hands, pushes=((ground, *one),) * 161)
+    assert "bodies_not_held" in mistakes(by_one, task("lifted_m"))
 
 
 def test_what_follows_a_trick_does_not_count() -> None:

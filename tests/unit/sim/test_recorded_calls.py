@@ -2,10 +2,13 @@
 
 import importlib.util
 import math
+import re
 import struct
 from contextlib import suppress
 from pathlib import Path
+from types import BuiltinFunctionType
 
+import pybullet
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,7 +17,15 @@ import grader
 from grader.contracts.errors import ProtocolError
 from grader.contracts.trajectory import Picture, decode_trajectory, encode_trajectory
 from grader.formats.png import png_of
-from grader.sim.recorded_calls import FUNCTIONS, MOST_CALLS, RecordedCalls, read_calls
+from grader.sim.recorded_calls import (
+    FUNCTIONS,
+    KINDS,
+    MOST_CALLS,
+    PARAMETERS,
+    TRICK_RULES,
+    RecordedCalls,
+    read_calls,
+)
 from grader.sim.replay import planar
 from tests.unit.sim.replays import replayed
 
@@ -47,12 +58,70 @@ def recorded(*made: tuple[str, list[object], dict[str, object]]) -> RecordedCall
     return found
 
 
-def kinds(*made: tuple[str, list[object], dict[str, object]]) -> list[str]:
-    return [one.kind for one in recorded(*made).tricks]
+def kinds(name: str, *args: object, **options: object) -> tuple[str | None, str | None]:
+    """Return what a call is before the first step, and later."""
+    found = recorded((name, list(args), options)).suspects
+    return (found[0].before, found[0].after) if found else (None, None)
 
 
 def test_both_sides_number_the_functions_alike() -> None:
     assert FUNCTIONS == calls.RECORDED
+    assert {name: tuple(names) for name, names in PARAMETERS.items()} == calls.PARAMETERS
+
+
+def test_the_table_has_every_function_of_pybullet() -> None:
+    functions = {name for name, each in vars(pybullet).items() if isinstance(each, BuiltinFunctionType)}
+    assert functions == KINDS.keys()
+    assert set(KINDS.values()) == {
+        "step",
+        "motor",
+        "world",
+        "trick",
+        "looks",
+        "computes",
+        "window",
+        "refused",
+    }
+
+
+def test_there_is_a_rule_for_each_function_that_may_be_a_trick() -> None:
+    assert {name for name, kind in KINDS.items() if kind == "trick"} == TRICK_RULES.keys()
+
+
+def _refusal(name: str, args: list[object], options: dict[str, object]) -> str:
+    """Return why PyBullet refuses a call, once it has a number or a text wherever it asks for one."""
+    for _ in range(40):
+        try:
+            getattr(pybullet, name)(*args, **options)
+        except (TypeError, pybullet.error) as error:
+            text = str(error)
+        if (missing := re.search(r"required argument '(\w+)'", text)) is not None:
+            options[missing[1]] = 0
+        elif (wrong := re.search(r"argument (\d+) must be str", text)) is not None:
+            place = int(wrong[1]) - 1
+            if place < len(args):
+                args[place] = ""
+            else:
+                options[PARAMETERS[name][place]] = ""
+        else:
+            return text
+    raise AssertionError(text)
+
+
+@pytest.mark.parametrize("name", sorted(set(FUNCTIONS) - {"connect", "setJointMotorControl"}))
+def test_parameters_stand_where_pybullet_has_them(name: str) -> None:
+    """PyBullet says how many arguments it takes, and refuses one that is passed by its place and by its name."""
+    names = PARAMETERS[name]
+    assert re.search(
+        rf"takes at most {len(names)} (keyword )?argument", _refusal(name, [0] * (len(names) + 1), {})
+    )
+    for place, parameter in enumerate(
+        names[:-1] if KINDS[name] != "motor" else ()
+    ):  # those have older names, too
+        refusal = _refusal(name, [0] * (place + 1), {parameter: 0})
+        assert f"given by name ('{parameter}') and position ({place + 1})" in refusal
+    assert names[-1] == "physicsClientId"
+    assert "connected" in _refusal(name, [], {"physicsClientId": 77})
 
 
 @given(
@@ -118,38 +187,72 @@ def test_from_a_number_that_is_not_finite_on_nothing_counts(bad: float) -> None:
     assert found.steps == 0
 
 
-def test_what_no_motor_does_is_found() -> None:
-    step: tuple[str, list[object], dict[str, object]] = ("stepSimulation", [], {})
-    assert kinds(("resetBasePositionAndOrientation", [1, [0, 0, 1], [0, 0, 0, 1]], {}), step) == []
-    assert kinds(step, ("resetBasePositionAndOrientation", [1, [0, 0, 1], [0, 0, 0, 1]], {})) == ["jump"]
-    assert kinds(("resetJointState", [1, 2, 0.5, 0.0], {}), step) == []
-    assert kinds(("resetJointState", [1, 2, 0.5], {"targetVelocity": 3}), step) == ["jump"]
-    assert kinds(("resetBaseVelocity", [1, [0, 0, 0]], {}), step) == []
-    assert kinds(("resetBaseVelocity", [1], {"angularVelocity": [0, 0, 1]})) == ["jump"]
-    assert kinds(("applyExternalForce", [1, -1, [0, 0, 1], [0, 0, 0], 1], {})) == ["push"]
-    assert kinds(("createConstraint", [1, 2, 3, -1, 4, [0], [0], [0]], {})) == ["constraint"]
-    assert kinds(("createConstraint", [1, 9, 1, 10, 4, [0], [0], [0]], {})) == []  # two links of one body
-    assert kinds(("changeDynamics", [1, -1], {"lateralFriction": 1.0})) == []
-    assert kinds(("changeDynamics", [1, -1], {"mass": 0})) == ["dynamics"]
-    assert kinds(("changeDynamics", [1, -1, 0], {})) == ["dynamics"]
-    assert kinds(("setCollisionFilterPair", [1, 2, -1, -1, 0], {})) == ["collision"]
-    assert kinds(("setGravity", [0, 0, -9.8], {}), step, ("setGravity", [0, 0, -9.8], {})) == []
-    assert kinds(("setGravity", [0, 0, -9.8], {}), step, ("setGravity", [0, 0, 9.8], {})) == ["gravity"]
-    assert kinds(("setTimeStep", [0.01], {})) == []
-    assert kinds(("setTimeStep", [1.0], {})) == ["time_step"]
-    assert kinds(("setPhysicsEngineParameter", [], {"fixedTimeStep": 1e-5})) == ["time_step"]
-    assert kinds(("applyExternalForce", [1, -1, [0, 0, 1], [0, 0, 0], 1], {"physicsClientId": 1})) == []
+PLACE, TURN = [0, 0, 1], [0, 0, 0, 1]
+ALLOWED, LATER = (None, None), (None, "jump")
 
 
-def test_a_reset_that_is_followed_by_a_step_begins_anew() -> None:
+@pytest.mark.parametrize(
+    ("call", "options", "expected"),
+    [
+        (("resetBasePositionAndOrientation", 1, PLACE, TURN), {}, LATER),
+        (("resetBasePositionAndOrientation",), {"bodyUniqueId": 1, "posObj": PLACE, "ornObj": TURN}, LATER),
+        (("resetJointState", 1, 2, 0.5, 0.0), {}, LATER),
+        (("resetJointState", 1, 2, 0.5, 3.0), {}, ("jump", "jump")),
+        (("resetJointState", 1, 2, 0.5), {"targetVelocity": 3}, ("jump", "jump")),
+        (("resetJointStateMultiDof", 1, 2, [0.5]), {}, LATER),
+        (("resetJointStateMultiDof", 1, 2, [0.5], [9.0]), {}, ("jump", "jump")),
+        (("resetJointStatesMultiDof", 1, [2], [[0.5]]), {"targetVelocities": [[9.0]]}, ("jump", "jump")),
+        (("resetBaseVelocity", 1, [0, 0, 0]), {}, LATER),
+        (("resetBaseVelocity", 1), {"angularVelocity": [0, 0, 1]}, ("jump", "jump")),
+        (("applyExternalForce", 1, -1, PLACE, PLACE, 1), {}, ("push", "push")),
+        (("createConstraint", 1, 2, 3, -1, 4, [0], [0], [0]), {}, ("constraint", "constraint")),
+        (("createConstraint", 1, 9, 1, 10, 6, [0], [0], [0]), {}, ALLOWED),  # gears of one body
+        (("createConstraint", 1, 9, 1, 10, 5, [0], [0], [0]), {}, ("constraint", "constraint")),
+        (("changeConstraint", 1), {"gearRatio": -1, "maxForce": 10}, ALLOWED),
+        (("changeConstraint", 1), {"relativePositionTarget": 1.0}, ("constraint", "constraint")),
+        (("changeDynamics", 1, -1), {"lateralFriction": 1.0}, ALLOWED),
+        (("changeDynamics", 1, -1, -1, 1.0), {}, ALLOWED),  # a mass of -1: as it was
+        (("changeDynamics", 1, -1), {"mass": 0}, ("dynamics", "dynamics")),
+        (("changeDynamics", 1, -1, 0), {}, ("dynamics", "dynamics")),
+        (("changeDynamics", 1, -1), {"linearDamping": 9.0}, (None, "dynamics")),
+        (("changeDynamics", 1, -1), {"activationState": 4}, ("dynamics", "dynamics")),
+        (("setCollisionFilterPair", 1, 2, -1, -1, 0), {}, ("collision", "collision")),
+        (("setCollisionFilterPair", 1, 2, -1, -1, 1), {}, ALLOWED),
+        (("setCollisionFilterPair", 1, 1, 3, 4, 0), {}, ALLOWED),  # links of one body
+        (("setGravity", 0, 0, -9.8), {}, (None, "gravity")),
+        (("setTimeStep", 0.01), {}, ALLOWED),
+        (("setTimeStep", 1.0), {}, ("time_step", "time_step")),
+        (("setPhysicsEngineParameter",), {"fixedTimeStep": 1e-5}, ("time_step", "time_step")),
+        (("removeBody", 1), {}, (None, "removed")),
+        (("loadURDF", "a.urdf", PLACE, TURN, 0, 0, 0, 2.0), {}, ("dynamics", "dynamics")),
+        (("loadSDF", "a.sdf", 0, 2.0), {}, ("dynamics", "dynamics")),
+    ],
+)  # fmt: skip
+def test_what_no_motor_does_is_found(
+    call: tuple[object, ...], options: dict[str, object], expected: tuple[str | None, str | None]
+) -> None:
+    assert kinds(str(call[0]), *call[1:], **options) == expected
+    assert kinds(str(call[0]), *call[1:], **options, physicsClientId=1) == ALLOWED
+
+
+def test_a_client_is_read_by_its_place_as_by_its_name() -> None:
+    assert kinds("setGravity", 0, 0, 9.8, 1) == ALLOWED
+    assert kinds("applyExternalTorque", 1, -1, PLACE, 1, 1) == ALLOWED
+    assert kinds("changeDynamics", 1, -1, 0, *[-1] * 21, 1) == ALLOWED
+    assert recorded(("stepSimulation", [1], {}), ("stepSimulation", [0], {})).steps == 1
+    old = ["a.urdf", 0, 0, 1, 0, 0, 0, 1]  # the last number is no client
+    assert recorded(("loadURDF", old, {})).files == {0: "a.urdf"}
+    for name, args in (("setGravity", [0, 0, 9.8, 1]), ("loadURDF", old), ("stepSimulation", [])):
+        theirs = read_calls(calls.encode(FUNCTIONS.index(name), args, {}))[0].is_of_first_client
+        assert theirs == (calls.client_of(name, args, {}) == 0)
+
+
+def test_the_first_step_of_a_world_is_one_that_was_taken() -> None:
     step: tuple[str, list[object], dict[str, object]] = ("stepSimulation", [], {})
-    push: tuple[str, list[object], dict[str, object]] = ("applyExternalForce", [1, -1, [0], [0], 1], {})
-    assert recorded(step, push, step, ("resetSimulation", [], {})).steps == 2
-    anew = recorded(step, push, step, ("resetSimulation", [], {}), step)
-    assert (anew.steps, anew.tricks, anew.first_call) == (1, [], 3)
-    again = recorded(step, push, step, ("disconnect", [], {}), ("connect", [1], {}), step)
-    assert (again.steps, again.tricks, again.first_call) == (1, [], 3)
-    assert recorded(step, push, step, ("disconnect", [], {})).steps == 2
+    some = recorded(step, ("resetSimulation", [], {}), step, step)
+    assert (some.first_step(0, ()), some.first_step(2, ()), some.first_step(2, {2})) == (0, 2, 3)
+    assert some.first_step(4, ()) == some.count == 4
+    assert some.steps == 2
 
 
 def test_pictures_stay_in_a_trajectory() -> None:

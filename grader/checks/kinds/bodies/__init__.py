@@ -5,13 +5,13 @@ what motors and gravity are to do, unless the assignment allows that.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from grader.checks.fit import Misfit, is_number, unmet
-from grader.checks.kinds.bodies.mistakes import STARTS_AWAY_M, bodies_mistakes
+from grader.checks.kinds.bodies.mistakes import BASE_SLACK_M, STARTS_AWAY_M, bodies_mistakes
 from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake, Option, one_of
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
@@ -42,6 +42,8 @@ MEASURES = {
     "lifted_m": MeasureKind("m"),
 }
 _TARGET = ("target_x_m", "target_y_m", "target_z_m")
+_BASE = ("base_x_m", "base_y_m", "base_z_m")
+_LEAST_WORK = 0.5  # of a car's greatest kinetic energy; the rest may be lost between two samples
 _NO_WORLD = Text(
     zh="检查 bodies 需要 PyBullet 的世界：写 world: {kind: pybullet, watch: …}",
     en="the check bodies needs a PyBullet world; write world: {kind: pybullet, watch: …}",
@@ -101,6 +103,7 @@ def measure(assignment: Assignment, run: Run) -> Measures:
         "loaded": Measure(float(_is_loaded(assignment, replayed))),
         **_physics(counted),
         **_object(counted),
+        **_wheels(counted),
         **_reach(assignment, counted),
         "lifted_m": _lifted(assignment, counted),
     }
@@ -114,11 +117,26 @@ def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mista
 
 def _counted(assignment: Assignment, replayed: Replayed) -> _Counted:
     allowed = str(assignment.options.get("allow", "")).split()
-    trick = next((one for one in replayed.tricks if one.kind not in allowed), None)
+    tricks = (one for one in (*replayed.tricks, *_touched(assignment, replayed)) if one.kind not in allowed)
+    trick = min(tricks, key=lambda one: one.call, default=None)
     if trick is None:
         return _Counted(replayed, len(replayed.t_ns), None)
-    until = 0 if trick.before_start else int(np.searchsorted(replayed.t_ns, trick.t_ns, side="right"))
+    until = 0 if trick.before_start else int(np.searchsorted(replayed.calls_at, trick.call))
     return _Counted(replayed, until, trick)
+
+
+def _touched(assignment: Assignment, replayed: Replayed) -> Iterator[Trick]:
+    """Yield the moment from which on something else pushes the arm: a body that moves, or came later."""
+    if assignment.item_on("reach_m") is None:
+        return
+    strangers = {body.id for body in replayed.bodies if body.role != "robot"} & {
+        body.id for body in replayed.bodies if body.mass_kg > 0.0 or body.joints or body.is_late
+    }
+    for i, pushes in enumerate(replayed.pushes):
+        if any(body in strangers and force > 0.0 for body, _, force in pushes):
+            call, t_ns = int(replayed.calls_at[i]), int(replayed.t_ns[i])
+            yield Trick(kind="push", name="", call=call, t_ns=t_ns, before_start=i == 0)
+            return
 
 
 def _is_loaded(assignment: Assignment, replayed: Replayed) -> bool:
@@ -159,7 +177,6 @@ def _object(counted: _Counted) -> dict[str, Measure]:
         "rest_s": Measure(rest_s),
         "travel_m": Measure(float(math.hypot(x, y))),
         "turned_deg": Measure(math.degrees(abs(_heading(rows)))),
-        "wheels_turned": Measure(_turned(counted)),
     }
 
 
@@ -168,6 +185,19 @@ def _heading(rows: Floats) -> float:
     x, y, z, w = (rows[:, column] for column in (3, 4, 5, 6))
     heading = np.unwrap(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
     return float(heading[-1] - heading[0])
+
+
+def _wheels(counted: _Counted) -> dict[str, Measure]:
+    """Measure the wheels' turns; absent if the motors did not do the work that the car's speed takes."""
+    rows, power_w = counted.object, counted.replayed.power_w[: counted.count]
+    if len(rows) < 2:
+        return {}
+    work_j = np.sum(np.maximum(np.nan_to_num(power_w[1:]), 0.0) * np.diff(counted.seconds))
+    mass_kg = next((body.total_kg for body in counted.replayed.bodies if body.role == "object"), 0.0)
+    fastest_mps = float(np.max(np.hypot(*np.nan_to_num(rows[:, 7:9]).T)))
+    if work_j < _LEAST_WORK * mass_kg * fastest_mps**2 / 2.0:
+        return {"wheels_turned": UNMEASURED}
+    return {"wheels_turned": Measure(_turned(counted))}
 
 
 def _turned(counted: _Counted) -> float:
@@ -181,7 +211,8 @@ def _turned(counted: _Counted) -> float:
 def _reach(assignment: Assignment, counted: _Counted) -> dict[str, Measure]:
     """Measure the least distance to the target within which the link was kept for the wanted time.
 
-    Absent if the run was shorter than that time, or the link was at the target before the first step.
+    Absent if the run was shorter than that time, the link was at the target before the first step or did not make
+    half of the way, or the arm does not stand fixed at its place.
     """
     target = [assignment.options.get(name) for name in _TARGET]
     link = counted.replayed.link[: counted.count]
@@ -191,7 +222,12 @@ def _reach(assignment: Assignment, counted: _Counted) -> dict[str, Measure]:
     seconds, hold_s = counted.seconds, _hold_s(assignment)
     ends = np.searchsorted(seconds, seconds + hold_s - _SLACK_S)
     kept = [float(np.max(apart[i : end + 1])) for i, end in enumerate(ends) if end < len(seconds)]
-    if not kept or apart[0] < STARTS_AWAY_M:
+    if (
+        not kept
+        or min(kept) > apart[0] / 2.0
+        or apart[0] < STARTS_AWAY_M
+        or not _stands(assignment, counted.replayed)
+    ):
         return {}
     nearest = int(np.argmin(apart))
     details = {
@@ -202,18 +238,31 @@ def _reach(assignment: Assignment, counted: _Counted) -> dict[str, Measure]:
     return {"reach_m": Measure(min(kept), details)}
 
 
+def _stands(assignment: Assignment, replayed: Replayed) -> bool:
+    """Return whether the arm's base is fixed, and where the assignment has it (the origin)."""
+    place = np.array([float(assignment.options.get(name) or 0.0) for name in _BASE])
+    is_loose = any(body.role == "robot" and body.mass_kg > 0.0 for body in replayed.bodies)
+    return not is_loose and bool(np.linalg.norm(replayed.base[0] - place) <= BASE_SLACK_M)
+
+
 def _lifted(assignment: Assignment, counted: _Counted) -> Measure:
-    """Measure how high the object was held by two fingers for the wanted time, above where they first held it."""
+    """Measure how high two fingers alone held the object for the wanted time, above where they first held it.
+
+    It must have lain on something else before: what is put between the fingers was not picked up.
+    """
     robots = {body.id for body in counted.replayed.bodies if body.role == "robot"}
-    held = np.array(
-        [_holds(pushes, robots) for pushes in counted.replayed.pushes[: counted.count]], dtype=bool
+    pushes = counted.replayed.pushes[: counted.count]
+    held = np.array([_holds(one, robots) for one in pushes], dtype=bool)
+    propped = np.array(
+        [any(force > 0.0 and body not in robots for body, _, force in one) for one in pushes], dtype=bool
     )
+    held &= np.logical_or.accumulate(propped)
     if not held.any():
         return UNMEASURED
     heights = counted.object[:, 2]
-    raised = np.where(held, heights - heights[int(np.argmax(held))], -math.inf)
+    raised = np.where(held & ~propped, heights - heights[int(np.argmax(held))], -math.inf)
     seconds, hold_s, best = counted.seconds, _hold_s(assignment), 0.0
-    for i in np.flatnonzero(held):
+    for i in np.flatnonzero(held & ~propped):
         end = int(np.searchsorted(seconds, seconds[i] + hold_s - _SLACK_S))
         if end < len(seconds):
             best = max(best, float(np.min(raised[i : end + 1])))
@@ -262,7 +311,7 @@ CHECK = Check(
     kind="bodies",
     measures=MEASURES,
     optional={
-        **dict.fromkeys(_TARGET, _problem_with_number),
+        **dict.fromkeys((*_TARGET, *_BASE), _problem_with_number),
         "hold_s": _problem_with_time,
         "allow": _problem_with_tricks,
     },

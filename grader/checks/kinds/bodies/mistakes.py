@@ -10,8 +10,11 @@ from grader.contracts.replay import Replayed, Trick, TrickKind
 from grader.contracts.scoring import Run
 from grader.messages.quantity import number
 
-STARTS_AWAY_M = 0.1
+STARTS_AWAY_M = 0.15
 """A link that starts nearer to its target than this has been put there and did not move there."""
+
+BASE_SLACK_M = 0.02
+"""How far from its place an arm's base may stand."""
 
 _VOID_M = -1.0  # an object this far below the ground has fallen past it and falls for ever
 _OF_FALLEN = ("height_m", "travel_m", "rest_s", "turned_deg", "lifted_m")
@@ -35,6 +38,7 @@ _TRICK_CODES: Mapping[TrickKind, str] = {
     "collision": "bodies_collision",
     "gravity": "bodies_gravity",
     "time_step": "bodies_time_step",
+    "removed": "bodies_removed",
 }
 
 
@@ -57,6 +61,8 @@ def bodies_mistakes(
         found += _loose(replayed)
         found += _fallen(replayed)
         found += _there_already(assignment, replayed)
+        found += _not_reached(assignment, replayed)
+        found += _rolled(assignment, replayed, measures)
         found += _unheld(assignment, measures)
     return tuple(found)
 
@@ -70,7 +76,9 @@ def _ended(replayed: Replayed) -> Iterator[Mistake]:
 
 
 def _by_hand(trick: Trick | None) -> Iterator[Mistake]:
-    if trick is not None:
+    if trick is not None and not trick.name:
+        yield mistake("bodies_pushed", time=number(trick.t_ns / 1e9, "s"))
+    elif trick is not None:
         yield mistake(_TRICK_CODES[trick.kind], call=trick.name, time=number(trick.t_ns / 1e9, "s"))
 
 
@@ -114,6 +122,28 @@ def _there_already(assignment: Assignment, replayed: Replayed) -> Iterator[Mista
         place = [float(each) for each in replayed.link[0, :3]]
         if math.dist(place, [float(each or 0.0) for each in target]) < STARTS_AWAY_M:
             yield mistake("bodies_there_already", ("reach_m",))
+
+
+def _not_reached(assignment: Assignment, replayed: Replayed) -> Iterator[Mistake]:
+    """Recognise an arm that stands elsewhere."""
+    target = [assignment.options.get(f"target_{axis}_m") for axis in "xyz"]
+    if None not in target and len(replayed.base):
+        place = [float(assignment.options.get(f"base_{axis}_m") or 0.0) for axis in "xyz"]
+        base = [float(each) for each in replayed.base[0]]
+        if math.dist(base, place) > BASE_SLACK_M:
+            told = {"base": _point(base), "place": _point(place)}
+            yield mistake("bodies_base_elsewhere", ("reach_m",), **told)
+
+
+def _point(place: list[float]) -> str:
+    return f"({', '.join(f'{each:.3g}' for each in place)})"
+
+
+def _rolled(assignment: Assignment, replayed: Replayed, measures: Measures) -> Iterator[Mistake]:
+    """Recognise a car that moved without its motors: down a slope, or pushed."""
+    turned = measures.get("wheels_turned")
+    if assignment.item_on("wheels_turned") and turned is not None and math.isnan(turned.value):
+        yield mistake("bodies_rolled", ("wheels_turned", "travel_m"))
 
 
 def _unheld(assignment: Assignment, measures: Measures) -> Iterator[Mistake]:

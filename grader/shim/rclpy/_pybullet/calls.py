@@ -13,8 +13,24 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from typing import Any
 
-with open(os.path.join(os.path.dirname(__file__), "recorded.txt"), encoding="ascii") as _file:
-    RECORDED = tuple(_file.read().split())
+RECORDED_KINDS = ("step", "motor", "world", "trick")
+
+
+def _functions() -> Iterator[tuple[str, str, str]]:
+    """Yield name, kind and parameters (of a refused function: what it would need) of each function of PyBullet."""
+    path = os.path.join(os.path.dirname(__file__), "functions.txt")
+    with open(path, encoding="ascii") as file:
+        for line in file:
+            if not line.startswith("#"):
+                name, kind, detail = (*line.rstrip("\n").split(" ", 2), "")[:3]
+                yield name, kind, detail
+
+
+_TABLE = tuple(_functions())
+KINDS = {name: kind for name, kind, _ in _TABLE}
+REFUSED = {name: needs for name, kind, needs in _TABLE if kind == "refused"}
+PARAMETERS = {name: tuple(names.split(",")) for name, kind, names in _TABLE if kind in RECORDED_KINDS}
+RECORDED = tuple(PARAMETERS)
 """Functions whose calls are recorded, by their numbers on the wire; the trusted side reads the same file. The last
 two only where they recompute the links' places, which the physics then starts from."""
 
@@ -67,6 +83,17 @@ def _plain_object(value: Any, depth: int) -> Any:
     if hasattr(value, "__len__") and hasattr(value, "__getitem__") and not hasattr(value, "keys"):
         return plain(list(value), depth)
     raise UnreadableError(f"{type(value).__name__} is neither a number nor a text nor a list of these")
+
+
+def client_of(name: str, args: Sequence[Any], options: Mapping[str, Any]) -> Any:
+    """Return the physics client that a call addresses, by its place or by name; PyBullet takes integers alone."""
+    names = PARAMETERS[name]
+    if "physicsClientId" in options or "physicsClientId" not in names:
+        return options.get("physicsClientId", 0)
+    place = names.index("physicsClientId")
+    if place >= len(args) or (name == "loadURDF" and isinstance(args[1], int | float)):
+        return 0  # the second: loadURDF of old takes place and quaternion as seven numbers, and no client
+    return args[place]
 
 
 def encode(number: int, args: Sequence[Any], options: Mapping[str, Any]) -> bytes:

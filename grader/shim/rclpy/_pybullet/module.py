@@ -5,7 +5,7 @@ Names, values, errors and return values are those of the real extension. What di
 - calls that change the world are recorded (`calls.RECORDED`) and carried out;
 - ``connect(p.GUI)`` opens no window, and what a window would answer (sliders, keys, the camera) is made up;
 - with ``setRealTimeSimulation(1)`` the simulation takes a step for each 1/240 s of virtual time that passes;
-- what could not be carried out again is refused by PyBullet's own exception, with a sentence (`_REFUSED`).
+- what could not be carried out again is refused by PyBullet's own exception, with a sentence (`calls.REFUSED`).
 """
 
 from __future__ import annotations
@@ -32,45 +32,6 @@ MOST_PIXELS = 200 * 320 * 200
 _STEP = "stepSimulation"
 _WINDOWS = ("GUI", "GUI_SERVER", "GUI_MAIN_THREAD")
 _CAMERA = (1024, 768)
-_REFUSED = {
-    "createSoftBodyAnchor": "soft bodies",
-    "executePluginCommand": "plugins",
-    "loadBullet": "saved worlds",
-    "loadPlugin": "plugins",
-    "loadSoftBody": "soft bodies",
-    "resetMeshData": "soft bodies",
-    "restoreState": "saved states",
-    "saveBullet": "saved worlds",
-    "saveWorld": "saved worlds",
-    "setInternalSimFlags": "internal flags",
-    "unloadPlugin": "plugins",
-    "unsupportedChangeScaling": "a change of size",
-    "vhacd": "files of meshes",
-}
-"""What cannot be replayed, by the name of the function."""
-
-_UNTOUCHED = [
-    "calculateVelocityQuaternion",
-    "computeProjectionMatrix",
-    "computeProjectionMatrixFOV",
-    "computeViewMatrix",
-    "computeViewMatrixFromYawPitchRoll",
-    "error",
-    "getAPIVersion",
-    "getAxisAngleFromQuaternion",
-    "getAxisDifferenceQuaternion",
-    "getDifferenceQuaternion",
-    "getEulerFromQuaternion",
-    "getMatrixFromQuaternion",
-    "getQuaternionFromAxisAngle",
-    "getQuaternionFromEuler",
-    "getQuaternionSlerp",
-    "invertTransform",
-    "isNumpyEnabled",
-    "multiplyTransforms",
-    "rotateVector",
-]
-"""Computations that need no world."""
 
 
 class Function(Builtin):
@@ -87,7 +48,7 @@ def module_from(real: ModuleType) -> ModuleType:
     names = {**vars(real), "__spec__": None, "__loader__": None}
     window = _Window(real)
     for name, value in vars(real).items():
-        if isinstance(value, BuiltinFunctionType) and name not in _UNTOUCHED:
+        if isinstance(value, BuiltinFunctionType) and calls.KINDS.get(name) != "computes":
             names[name] = _replacement(name, value, window, real)
     made.__dict__.update(names)
     return made
@@ -98,14 +59,14 @@ def _replacement(name: str, real: Callee, window: _Window, extension: ModuleType
     own = getattr(window, name, None)
     if own is not None:
         call = own
-    elif name in _REFUSED:
-        call = _refused(name, _REFUSED[name], extension)
     elif name == _STEP:
         call = _step(real)
     elif name in calls.RECORDED:
         call = _recorded(name, real)
-    else:
+    elif calls.KINDS.get(name) == "looks":
         call = _looked(real)
+    else:  # also what a newer PyBullet has and the table lacks: nobody knows what it does
+        call = _refused(name, calls.REFUSED.get(name, "new functions"), extension)
     call = _named(call, name)
     call.__doc__ = real.__doc__
     return Function(call, "pybullet")

@@ -1,7 +1,7 @@
 """Carry out recorded calls again and report what became of them: the world that is scored.
 
 Runs in a confined process of its own, which no script has touched. Frames in: CALLS, and one FINISH. Frames out,
-as docs/design.md ("Wire") has them: BODY, SAMPLE, PICTURE, APPLIED after each frame of calls, and ENDED.
+as docs/design.md ("Wire") has them: BODY, SAMPLE, PICTURE; REFUSED and APPLIED after each frame of calls; ENDED.
 """
 
 from __future__ import annotations
@@ -21,12 +21,15 @@ if TYPE_CHECKING:
     from rclpy._link import Link
 
 CALLS, FINISH = 0x30, 0x31
-BODY, SAMPLE, PICTURE, APPLIED, ENDED = 0x40, 0x41, 0x42, 0x43, 0x44
+BODY, SAMPLE, PICTURE, APPLIED, ENDED, REFUSED = 0x40, 0x41, 0x42, 0x43, 0x44, 0x45
 COMPLETE, TOO_MANY_BODIES = 0, 1
 """Why a replay has ended."""
 
 NOBODY, OBJECT, ROBOT = 0, 1, 2
 """What a body is to the assignment."""
+
+GONE = -1
+"""In the place of a body that was removed after the first step: PyBullet gives its number to the next one."""
 
 MOST_BODIES = 64
 MOST_JOINTS = 64
@@ -39,6 +42,8 @@ episode takes no more than these, besides the pictures that it asked for and the
 WIDTH, HEIGHT = 320, 240
 ROWS = 60
 """Of a picture, in one frame."""
+REFUSALS = 10_000
+"""Most numbers of calls in one REFUSED frame."""
 
 _FILES = ("loadURDF", "loadSDF", "loadMJCF", "loadTexture", "setAdditionalSearchPath")
 _SHAPES = ("createCollisionShape", "createVisualShape")
@@ -77,6 +82,8 @@ class Replay:
         self._data = os.path.realpath(pybullet_data.getDataPath())
         self._numbers = list(calls.RECORDED)
         self._count = 0
+        self._world = 0  # number of the first call of the present world
+        self._refused: list[int] = []
         self._steps = 0
         self._step_s = _STEP_S
         self._time_s = 0.0
@@ -92,38 +99,46 @@ class Replay:
     def take(self, body: bytes) -> bool:
         """Carry out a frame of calls; false: the replay is over."""
         for number, args, options in calls.read(body, 9):
-            name = self._numbers[number]
-            self._call(name, args, options)
+            if not self._call(self._numbers[number], args, options):
+                self._refused.append(self._count)
             self._count += 1
             if self._reason != COMPLETE:
                 return False
+        self._report_refused()
         self._send(struct.pack("<BI", APPLIED, self._count))
         return True
 
+    def _report_refused(self) -> None:
+        for first in range(0, len(self._refused), REFUSALS):
+            numbers = self._refused[first : first + REFUSALS]
+            self._send(struct.pack(f"<BH{len(numbers)}I", REFUSED, len(numbers), *numbers))
+        self._refused.clear()
+
     def finish(self) -> None:
         """Send the last state and the end."""
+        self._report_refused()
         if self._connected:
             self._sample()
             self._picture()
         digest = state_digest(bullet) if self._connected else bytes(32)
         self._send(struct.pack("<BBII", ENDED, self._reason, self._count, self._steps) + digest)
 
-    def _call(self, name: str, args: list[Any], options: dict[str, Any]) -> None:
+    def _call(self, name: str, args: list[Any], options: dict[str, Any]) -> bool:
+        """Carry out one call; false: PyBullet refused it, or it names a file of the host."""
         if name in (*_FILES, *_SHAPES) and not self._within_models(args, options):
-            return
-        ours = self._connected and _client(name, args, options) == 0
+            return False
+        ours = self._connected and calls.client_of(name, args, options) == 0
         if name == "stepSimulation" and ours:
-            self._step(args, options)
-            return
+            return self._step(args, options)
         if name == "resetDebugVisualizerCamera":
             self._camera = tuple(args)
-            return
+            return True
         if name == "disconnect" and ours:
             self._leave()
         try:
             answer = getattr(bullet, name)(*args, **options)
         except Exception:  # the script met the same one
-            return
+            return False
         if name == "connect":
             if answer == 0 and not self._connected:
                 self._connected = True
@@ -132,16 +147,29 @@ class Replay:
             self._connected = bool(bullet.isConnected(0))
         elif ours:
             self._after(name, args, options, answer)
+        return True
 
     def _after(self, name: str, args: list[Any], options: dict[str, Any], answer: Any) -> None:
         if name in _BIRTHS:
             file = str(options.get("fileName", args[0] if args else "")) if name.startswith("load") else ""
             for body in answer if isinstance(answer, tuple) else (answer,):
                 self._appeared(body, file)
+        elif name == "removeBody":
+            self._removed()
         elif name == "resetSimulation":
             self._begin_anew()
         elif name in ("setTimeStep", "setPhysicsEngineParameter"):
-            self._step_s = float(bullet.getPhysicsEngineParameters(physicsClientId=0)["fixedTimeStep"])
+            self._step_s = float(_engine()["fixedTimeStep"])
+
+    def _removed(self) -> None:
+        """Forget bodies that are gone; after the first step no other one takes their roles."""
+        present = _bodies(bullet)
+        for role, body in list(self._roles.items()):
+            if body not in present:
+                if self._steps:
+                    self._roles[role] = GONE
+                else:
+                    del self._roles[role]
 
     def _leave(self) -> None:
         """Send the last state of a world."""
@@ -153,7 +181,9 @@ class Replay:
     def _begin_anew(self) -> None:
         """Begin a new world."""
         self._roles.clear()
-        self._step_s, self._time_s, self._next_s = _STEP_S, 0.0, 0.0
+        self._world = self._count + 1
+        self._time_s = self._next_s = 0.0
+        self._step_s = float(_engine()["fixedTimeStep"])  # a reset keeps it
         self._steps, self._sampled, self._pictured = 0, -1, -1
 
     def _within_models(self, args: list[Any], options: dict[str, Any]) -> bool:
@@ -172,8 +202,10 @@ class Replay:
         role = self._role(body, file)
         if role != NOBODY:
             self._roles[role] = body
-        mass = float(bullet.getDynamicsInfo(body, -1)[0])
-        self._send(struct.pack("<BIHBHd", BODY, self._count, body, role, bullet.getNumJoints(body), mass))
+        joints = bullet.getNumJoints(body)
+        masses = [float(bullet.getDynamicsInfo(body, link)[0]) for link in range(-1, joints)]
+        head = struct.pack("<BIHBH", BODY, self._count, body, role, joints)
+        self._send(head + struct.pack("<2d", masses[0], sum(masses)))
 
     def _role(self, body: int, file: str) -> int:
         """Return what a body is: the first one of its file has a role."""
@@ -186,13 +218,13 @@ class Replay:
                 return role
         return NOBODY
 
-    def _step(self, args: list[Any], options: dict[str, Any]) -> None:
+    def _step(self, args: list[Any], options: dict[str, Any]) -> bool:
         if self._steps == 0:
             self._sample()
         try:
             bullet.stepSimulation(*args, **options)
         except Exception:
-            return
+            return False
         self._steps += 1
         self._time_s += self._step_s
         if self._time_s + _SLACK_S >= self._next_s:
@@ -200,6 +232,7 @@ class Replay:
         if self._steps in self._pictures:
             self._pictures.discard(self._steps)  # a new world begins to count anew
             self._picture()
+        return True
 
     def _sample(self) -> None:
         """Send where the object and the robot are, once for each state."""
@@ -208,10 +241,15 @@ class Replay:
         self._sampled = self._steps
         self._next_s = (math.floor(self._time_s * SAMPLES_PER_S + _SLACK_S) + 1) / SAMPLES_PER_S
         here = {role: body for role, body in self._roles.items() if body in _bodies(bullet)}
-        parts = [struct.pack("<BqII", SAMPLE, round(self._time_s * 1e9), self._steps, self._count)]
+        engine = _engine()
+        parts = [
+            struct.pack("<BqIII", SAMPLE, round(self._time_s * 1e9), self._steps, self._count, self._world)
+        ]
+        parts.append(struct.pack("<d", engine["fixedTimeStep"]))
+        parts.append(struct.pack("<3d", *(engine[f"gravityAcceleration{axis}"] for axis in "XYZ")))
         parts.append(_object_state(here.get(OBJECT)))
         parts.append(_robot_state(here.get(ROBOT), int(self._task["link"])))
-        parts.append(_contacts(here.get(OBJECT)))
+        parts.append(_contacts(here.get(OBJECT if self._task["object"] else ROBOT)))
         self._send(b"".join(parts))
 
     def _picture(self) -> None:
@@ -225,10 +263,10 @@ class Replay:
             self._send(struct.pack("<BqHHH", PICTURE, round(self._time_s * 1e9), WIDTH, HEIGHT, row) + rows)
 
 
-def _client(name: str, args: list[Any], options: dict[str, Any]) -> Any:
-    """Return the physics client that a call speaks to; only the first one is looked at."""
-    place = 0 if name in ("stepSimulation", "disconnect") else len(args)
-    return options.get("physicsClientId", args[place] if place < len(args) else 0)
+def _engine() -> dict[str, Any]:
+    """Return what the engine itself says of its step and its gravity."""
+    parameters: dict[str, Any] = bullet.getPhysicsEngineParameters(physicsClientId=0)
+    return parameters
 
 
 def _bodies(module: Any) -> list[int]:
@@ -247,14 +285,27 @@ def _object_state(body: int | None) -> bytes:
         return b"\0"
     place, turn = bullet.getBasePositionAndOrientation(body)
     speed, spin = bullet.getBaseVelocity(body)
-    return b"\1" + struct.pack("<13d", *place, *turn, *speed, *spin) + _joints(body)
+    power = struct.pack("<d", _power(body))
+    return b"\1" + struct.pack("<13d", *place, *turn, *speed, *spin) + power + _joints(body)
 
 
 def _robot_state(body: int | None, link: int) -> bytes:
     if body is None or not 0 <= link < bullet.getNumJoints(body):
         return b"\0"
     state = bullet.getLinkState(body, link)
-    return b"\1" + struct.pack("<7d", *state[4], *state[5]) + _joints(body)
+    inertial = bullet.getDynamicsInfo(body, -1)[
+        3:5
+    ]  # PyBullet tells where the centre of mass is, not the frame
+    base, _ = bullet.multiplyTransforms(
+        *bullet.getBasePositionAndOrientation(body), *bullet.invertTransform(*inertial)
+    )
+    return b"\1" + struct.pack("<10d", *state[4], *state[5], *base) + _joints(body)
+
+
+def _power(body: int) -> float:
+    """Return what the motors of a body do, in watts: torque by speed, of all joints."""
+    states = (bullet.getJointState(body, joint) for joint in range(bullet.getNumJoints(body)))
+    return float(sum(velocity * torque for _, velocity, _, torque in states))
 
 
 def _joints(body: int) -> bytes:
@@ -264,7 +315,7 @@ def _joints(body: int) -> bytes:
 
 
 def _contacts(body: int | None) -> bytes:
-    """Return who pushes against the object: body, link, and the normal force of all points together."""
+    """Return who pushes against a body: other body, link, and the normal force of all points together."""
     pushes: dict[tuple[int, int], float] = {}
     for point in () if body is None else bullet.getContactPoints(bodyA=body) or ():
         other = (int(point[2]), int(point[4]))
