@@ -27,6 +27,7 @@ from grader.contracts.errors import (
     SettingsError,
     UnknownAssignmentError,
 )
+from grader.contracts.explanation import Explanation
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.python import UTC
 from grader.contracts.text import Language
@@ -87,8 +88,14 @@ def run(arguments: argparse.Namespace) -> int:
     source = read_handed_in(arguments.file)
     _check_environment(arguments)
     with Slot(SlotConfig(mode=arguments.isolation)) as slot:  # warms up while the assignment is read
-        assignment, result = _grade(slot, arguments, source)
-        _show(arguments, assignment, result)
+        job, result = _grade(slot, arguments, source)
+        if is_explained(arguments, result):
+            _print_table(arguments, job.assignment, result, show_steps=False)
+            _explain(slot, arguments, job, result)
+        else:
+            slot.abort()  # such a large process takes a while to die: let it do so while the table is printed
+            _show_result(arguments, job.assignment, result)
+        _write_files(arguments, job.assignment, result)
     report = result.report
     if arguments.result is not None:
         return EXIT_FULL_MARKS  # other platforms take anything else for a fault of the grader
@@ -140,7 +147,29 @@ def read_source(path: Path) -> bytes:
     return source
 
 
-def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[Assignment, GradingResult]:
+def is_explained(arguments: argparse.Namespace, result: GradingResult) -> bool:
+    """Whether changes are tried: for people who read why marks are lacking."""
+    report = result.report
+    return _for_people(arguments) and report.score is not None and report.score < report.max_score
+
+
+def _explain(slot: Slot, arguments: argparse.Namespace, job: GradingJob, result: GradingResult) -> None:
+    """Print what to do, when the marks are printed; a search that fails leaves the report's own hints."""
+    from grader.render.labels import word
+    from grader.render.terminal import console, render_steps
+
+    output = console()
+    try:
+        with output.status(
+            word("looking", arguments.lang)
+        ):  # shows nothing, unless somebody sits at a terminal
+            explanation = slot.explain(job)
+    except InfrastructureError:
+        explanation = Explanation()
+    output.print(render_steps(result.report, explanation, arguments.lang))
+
+
+def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[GradingJob, GradingResult]:
     from grader.catalog import Catalog
     from grader.catalog.cache import AssignmentCache, default_cache_folder
 
@@ -152,8 +181,7 @@ def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[As
     job = GradingJob(file_name=handed_in_name(arguments.file), source=source, assignment=assignment)
     with faults_explained():
         result = slot.grade(job, _import_output if _for_people(arguments) else lambda: None)
-    slot.abort()  # such a large process takes a while to die: let it do so while the table is printed
-    return assignment, result
+    return job, result
 
 
 @contextmanager
@@ -243,7 +271,7 @@ def _for_people(arguments: argparse.Namespace) -> bool:
     return not arguments.json and arguments.result is None
 
 
-def _show(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
+def _show_result(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
     if arguments.json:
         sys.stdout.write(result.report.canonical_bytes().decode() + "\n")
     elif arguments.result is not None:
@@ -251,6 +279,9 @@ def _show(arguments: argparse.Namespace, assignment: Assignment, result: Grading
             sys.stdout.write(json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n")
     else:
         _print_table(arguments, assignment, result)
+
+
+def _write_files(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
     if arguments.plot is not None:
         _plot(arguments, assignment, result)
     if arguments.record is not None:
@@ -271,7 +302,9 @@ def _documents(arguments: argparse.Namespace, result: GradingResult) -> tuple[di
     return (documents.to_classroom50(report, os.environ, datetime.now(UTC), language),)
 
 
-def _print_table(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
+def _print_table(
+    arguments: argparse.Namespace, assignment: Assignment, result: GradingResult, *, show_steps: bool = True
+) -> None:
     from grader.render.terminal import console, render_report
 
     language: Language = arguments.lang
@@ -284,6 +317,7 @@ def _print_table(arguments: argparse.Namespace, assignment: Assignment, result: 
             title=assignment.title,
             cases={case.id: case.title for case in assignment.cases},
             show_logs=arguments.logs,
+            show_steps=show_steps,
         )
     )
     if not result.measurements.isolation.startswith("strict"):  # weaker than what a service grades under

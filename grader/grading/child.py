@@ -76,7 +76,10 @@ def _serve(channel: Channel, sandbox: Sandbox) -> None:
         while (request := channel.receive()) is not None:
             job = job_from_message(request)
             on_progress = partial(_send_progress, channel) if request.get("tells") else None
-            channel.send(*_answer(pipeline, job, lambda: channel.send({"kind": "running"}), on_progress))
+            if request.get("kind") == "explain":
+                channel.send(_explanation(pipeline, job))
+            else:
+                channel.send(*_answer(pipeline, job, lambda: channel.send({"kind": "running"}), on_progress))
             # Nobody waits now, so do here what would cost time while somebody does. Automatic collection is off
             # (`launch`).
             with suppress(GraderError):  # the next grading meets the fault again, and can report it
@@ -107,6 +110,13 @@ def _answer(
         return result_message(pipeline.grade(job, on_run, on_progress))
     except GraderError as error:
         return _fault(error), []
+
+
+def _explanation(pipeline: Any, job: GradingJob) -> dict[str, Any]:
+    try:
+        return {"kind": "explanation", "explanation": pipeline.explain(job)}
+    except GraderError as error:
+        return _fault(error)
 
 
 def _refuse(channel: Channel, error: GraderError) -> int:

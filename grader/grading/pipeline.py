@@ -4,10 +4,13 @@ import hashlib
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from grader import __version__
 from grader.contracts.assignment import Assignment, Case, WorldKind
+from grader.contracts.errors import GraderError
+from grader.contracts.explanation import Explanation
 from grader.contracts.grading import GradingJob, GradingResult, RunProgress
 from grader.contracts.outcome import Note, RunOutcome, StudentError
 from grader.contracts.package import PackageProblem
@@ -35,6 +38,7 @@ from grader.sim.robot_body import ROBOT_SIMULATOR, RobotBody
 
 if TYPE_CHECKING:
     from grader.checks import Marks
+    from grader.grading.trial import Graded
 
 REPLAY_MODEL: Final = 1  # raised whenever the same calls may give another account
 UNREAD_NOTE = "setup_unread"
@@ -168,6 +172,52 @@ class Pipeline:
             requests={case.id: episode.requests for case, (episode, _) in zip(cases, accounts, strict=True)},
         )
 
+    def explain(self, job: GradingJob) -> Explanation:
+        """Look for changes of a script that gain marks; its report is as if nobody had looked.
+
+        Raises:
+            InfrastructureError, SandboxError: as `grade`.
+        """
+        from grader.grading.trial import Search
+
+        if job.assignment.input != "script" or job.assignment.world.kind == "pybullet":
+            return Explanation()
+        search = Search(job.assignment, partial(self._graded, job.file_name))
+        try:
+            return search.explanation(decoded(job.source))
+        except GraderError:
+            raise
+        except Exception:  # it reads the script's tree and what its process says of itself
+            logging.getLogger(__name__).exception("%s: no explanation of the marks", job.assignment.id)
+            return Explanation()
+
+    def _graded(self, file_name: str, text: str, assignment: Assignment, traced: bool) -> "Graded":
+        """Grade a text for `Search`."""
+        from grader.checks import mark
+        from grader.grading.trial import Graded, run_work_s
+
+        job = GradingJob(file_name=file_name, source=text.encode("utf-8", "replace"), assignment=assignment)
+        script = _script_of(job)
+        accounts = [
+            self._run(assignment, replace(_episode_spec(job, script, case), facts=traced))
+            for case in assignment.cases
+        ]
+        runs = [
+            _scored_run(case, assignment, script, *account)
+            for case, account in zip(assignment.cases, accounts, strict=True)
+        ]
+        first, _ = accounts[0]
+        return Graded(
+            items=mark(assignment, runs).items(assignment),
+            runs=tuple(runs),
+            work_s=sum(
+                run_work_s(episode.command_count, episode.sim_steps, run.outcome.status)
+                for (episode, _), run in zip(accounts, runs, strict=True)
+            ),
+            tree=first.tree,
+            ledger=first.ledger,
+        )
+
     def _read(self, job: GradingJob) -> GradingResult:
         """Score a text."""
         from grader.checks import evaluate_text
@@ -189,26 +239,26 @@ class Pipeline:
 
         Not one that had sent and printed nothing for the second half of its CPU time: it hangs on any host.
         """
-        episode, jail = self._run(job, script, case, on_run, on_progress)
+        spec = _episode_spec(job, script, case)
+        episode, jail = self._run(job.assignment, spec, on_run, on_progress)
         if ended_by_the_clock(episode, jail) and not jail.settled:
-            return self._run(job, script, case, on_run, on_progress)
+            return self._run(job.assignment, spec, on_run, on_progress)
         return episode, jail
 
     def _run(
         self,
-        job: GradingJob,
-        script: "_Script",
-        case: Case,
-        on_run: Callable[[], None],
-        on_progress: OnProgress | None,
+        assignment: Assignment,
+        spec: EpisodeSpec,
+        on_run: Callable[[], None] = lambda: None,
+        on_progress: OnProgress | None = None,
     ) -> Account:
         def meanwhile() -> None:
             on_run()
             import grader.checks  # noqa: F401 - the first run of a process has the time for it now
 
-        limits = job.assignment.limits
-        episode = Episode(_episode_spec(job, script, case), self._car, self._robot)
-        with self._sandbox_for(job.assignment).open(limits) as jail:
+        limits = assignment.limits
+        episode = Episode(spec, self._car, self._robot)
+        with self._sandbox_for(assignment).open(limits) as jail:
 
             def on_note(code: str) -> None:
                 if code == INTERRUPTED_NOTE:  # a script that got Ctrl+C has only its grace left
@@ -220,12 +270,12 @@ class Pipeline:
             if on_progress is not None:
                 from grader.grading.telling import TellingLink
 
-                link = TellingLink(jail, episode, on_progress, job.assignment.release)
+                link = TellingLink(jail, episode, on_progress, assignment.release)
             result, report = episode.run(link, meanwhile, on_note, jail.take_turns), jail.close()
         if result.recorded is not None:
             from grader.grading.replaying import with_replay
 
-            result = with_replay(result, self._sandbox_for(job.assignment), job.assignment)
+            result = with_replay(result, self._sandbox_for(assignment), assignment)
         return result, report
 
     def _robot(self) -> RobotBody:

@@ -17,6 +17,7 @@ from types import TracebackType
 from typing import Any, Final
 
 from grader.contracts.errors import InfrastructureError, NoRoomError, SandboxUnavailableError, lacks_room
+from grader.contracts.explanation import Explanation
 from grader.contracts.grading import GradingJob, GradingResult, RunProgress, WorldRequest
 from grader.contracts.python import Self
 from grader.contracts.record import from_plain, to_plain
@@ -29,6 +30,8 @@ NO_ROOM_CODE: Final = 75
 memory was killed; nobody else kills it."""
 
 _SPARE_S: Final = 30.0  # for importing the physics on a loaded machine, the checks and encoding
+EXPLAIN_RUNS: Final = 8
+"""So many of the longest runs may pass before an explanation comes; counted work ends it long before."""
 _EXIT_S: Final = 1.0  # a child that has closed its pipe is about to end
 _LENGTH_BYTES: Final = 4
 _READ_BYTES: Final = 1 << 20
@@ -191,6 +194,23 @@ class Slot:
                 raise NoRoomError(str(answer.get("message")))
             case _:
                 raise InfrastructureError(answer.get("message", "the grading process answered nonsense"))
+
+    def explain(self, job: GradingJob) -> Explanation:
+        """Look in the child for changes of a graded script that gain marks.
+
+        Raises:
+            InfrastructureError, SandboxUnavailableError: as `grade`. The marks stand, however it ends.
+        """
+        self.start()
+        budget_s = EXPLAIN_RUNS * bounds.longest_run_s(job.assignment.limits.wall_s) + _SPARE_S
+        self._send({**_request(job), "kind": "explain"}, budget_s, [job.source])
+        answer = self._receive(budget_s)
+        if answer.get("kind") != "explanation":
+            raise InfrastructureError(answer.get("message", "the grading process answered nonsense"))
+        try:
+            return from_plain(Explanation, answer["explanation"])
+        except (KeyError, ValueError) as error:
+            raise self._failed(error) from error
 
     def abort(self) -> None:
         """Kill the child, from any thread; a grading under way raises InfrastructureError."""

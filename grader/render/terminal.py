@@ -16,6 +16,7 @@ from rich.rule import Rule
 from rich.table import Table
 from rich.text import Text
 
+from grader.contracts.explanation import Explanation, ProvenChange
 from grader.contracts.outcome import LogRecord, RunOutcome, Stream, StudentError
 from grader.contracts.report import GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
@@ -44,6 +45,7 @@ _STYLE = {
 }
 _SAID_BY_COLUMNS = {ItemStatus.PASSED, ItemStatus.NOT_CHECKED, ItemStatus.NEEDS_MANUAL}
 _WANTED_COLUMNS = 24
+_LONGEST_LINE = 160
 _HEAD_LINES = 12
 _TAIL_LINES = 28
 _NANO = 1e-9
@@ -62,20 +64,36 @@ def render_report(  # noqa: PLR0913
     title: Sentence,
     cases: Mapping[str, Sentence] = MappingProxyType({}),
     show_logs: bool = False,
+    show_steps: bool = True,
 ) -> RenderableType:
     """Return score, next step, the script's errors, rubric table and notes as one renderable.
 
-    What to do comes first, as on the page: below a table it is overlooked. `cases`: titles by id, which stand
-    above the items of each where there are several.
+    What to do comes first, as on the page: below a table it is overlooked. Without `show_steps` it is left for
+    `render_steps`. `cases`: titles by id, which stand above the items of each where there are several.
     """
     return Group(
         _header(report, language, file_name, title),
-        *_next_steps(report, language),
+        *(_next_steps(report, language) if show_steps else ()),
         *_errors(report, language, cases),
         _rubric(report, language, cases),
         *_notes(report, language),
         *(_outputs(report, language, cases) if show_logs else ()),
     )
+
+
+def render_steps(report: GradeReport, explanation: Explanation, language: Language) -> RenderableType:
+    """Return what to do: the changes that were tried and gain, each with its lines; else the report's hints."""
+    if not explanation.changes:
+        return Group(*_next_steps(report, language))
+    return Group(*chain.from_iterable(_change(one, language) for one in explanation.changes))
+
+
+def _change(change: ProvenChange, language: Language) -> Iterator[RenderableType]:
+    yield next_steps((visible(change.text.get(language)),), language)
+    for line in change.lines:
+        for mark, text, style in (("-", line.before, "red"), ("+", line.after, "green")):
+            if text is not None:
+                yield Text(f"{line.number:5} {mark} {visible_line(text, _LONGEST_LINE)}", style=style)
 
 
 def log_line(record: LogRecord) -> str:

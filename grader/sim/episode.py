@@ -19,6 +19,7 @@ from grader.sim.frames import (
     APART,
     CLIENT,
     INTERRUPTED_NOTE,
+    LEDGER,
     LISTENER_NOTE,
     PUBLISHER,
     SERVICE,
@@ -26,12 +27,14 @@ from grader.sim.frames import (
     SUBSCRIPTION,
     SYNTAX_ERROR,
     THREADS_NOTE,
+    TREE,
     UNHEARD_NOTE,
     Advance,
     CallsFrame,
     CarState,
     Entity,
     Exit,
+    Facts,
     Frame,
     Gone,
     Link,
@@ -60,6 +63,7 @@ if TYPE_CHECKING:
 ROSOUT: Final = "/rosout"
 AHEAD_NS: Final = 100_000_000
 """A script that has gone this long without ADVANCE runs ahead. One that subscribes sends it every 16 ms."""
+MAX_FACTS_BYTES: Final = 3 << 20  # of the tree of 20,000 nodes some 2 MB
 MAX_REQUESTS: Final = 200  # whose values are kept
 MAX_DRIVERS: Final = 50
 """A script with more publishers that the world takes from, those of /rosout included, asks for each pose."""
@@ -81,6 +85,7 @@ class EpisodeSpec(Record):
     Attributes:
         horizon_ns: virtual instant of Ctrl+C; the car is not moved beyond it.
         source: the student's file. file_name: its name, for tracebacks.
+        facts: whether the script is traced, to explain its marks.
         package: START's field for a package; `source` then holds its files one after the other. None: a script.
         args: of the command line, without the file. stdin: text for `input()`.
         calls: requests the assignment sends to the script's services.
@@ -104,6 +109,7 @@ class EpisodeSpec(Record):
     steps: int | None = None
     distro: Distro = "humble"
     package: Mapping[str, Any] | None = None
+    facts: bool = False
 
 
 class EpisodeResult(Record):
@@ -118,6 +124,7 @@ class EpisodeResult(Record):
         requests: the first calls of the world's services.
         recorded: the script's calls of PyBullet; None: it is of another world.
         replayed: what became of these, once they were replayed.
+        tree, ledger: of a traced run, as they came. The tree was written before the script's first line ran.
     """
 
     trajectory: Trajectory
@@ -140,6 +147,8 @@ class EpisodeResult(Record):
     requests: tuple[WorldRequest, ...] = ()
     recorded: "RecordedCalls | None" = None
     replayed: "Replayed | None" = None
+    tree: bytes = b""
+    ledger: bytes = b""
 
 
 class Episode:
@@ -172,6 +181,8 @@ class Episode:
         self._in_turn_ns: int | None = None  # of the last ADVANCE, while script and world take turns
         self._exit: Exit | None = None
         self._has_started = False
+        self._may_have_run = False
+        self._facts = {TREE: b"", LEDGER: b""}
         self._motion_commanded = False
         self._motion_heard = False  # at home, too: see DISCOVERY_NS
 
@@ -215,6 +226,7 @@ class Episode:
         spec = self._spec
         return {
             **({} if spec.package is None else {"package": spec.package}),
+            **({"facts": True} if spec.facts else {}),
             "protocol": PROTOCOL,
             "file_name": spec.file_name,
             "args": list(spec.args),
@@ -264,6 +276,8 @@ class Episode:
             self._advance(frame, link)
         elif isinstance(frame, CallsFrame):
             self._take_calls(frame)
+        elif isinstance(frame, Facts):
+            self._take_facts(frame)
         else:
             self._pass_time(frame.t_ns)
             if isinstance(frame, Exit):
@@ -275,7 +289,8 @@ class Episode:
                 self._graph_change(frame)
 
     def _note(self, frame: NoteFrame) -> None:
-        if frame.code == STARTED_NOTE:  # only says that a frame came before the script could send one
+        if frame.code == STARTED_NOTE:  # from now on, frames may be the script's own
+            self._may_have_run = True
             return
         self._on_note(frame.code)
         if frame.code == THREADS_NOTE:  # says nothing of how the script drives
@@ -289,6 +304,14 @@ class Episode:
         if self._bullet is None:
             raise ProtocolError("CALLS came in a world without PyBullet")
         self._bullet.take(frame.recorded)
+
+    def _take_facts(self, frame: Facts) -> None:
+        """Keep a piece of the tree, until the script runs, or of the ledger."""
+        if not self._spec.facts or (frame.what == TREE and self._may_have_run):
+            raise ProtocolError("FACTS.what came where nobody asked for it")
+        self._facts[frame.what] += frame.piece
+        if len(self._facts[frame.what]) > MAX_FACTS_BYTES:
+            raise ProtocolError(f"FACTS has more than {MAX_FACTS_BYTES} bytes")
 
     def _publish(self, identity: int, t_ns: int, payload: bytes) -> None:
         self._pass_time(t_ns)
@@ -510,6 +533,8 @@ class Episode:
             most_steps=self._spec.steps,
             requests=tuple(self._requests),
             recorded=None if self._bullet is None else self._bullet.calls,
+            tree=self._facts[TREE],
+            ledger=self._facts[LEDGER],
         )
 
     def _come_to_rest(self, violation: str | None) -> tuple[int, str | None]:

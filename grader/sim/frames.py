@@ -4,6 +4,7 @@ from typing import NamedTuple, Protocol, TypeAlias
 
 NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = 1, 2, 3, 4, 5
 FINISHED, EXCEPTION, STALLED, SYNTAX_ERROR, PRINTED_TOO_MUCH, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5
+TREE, LEDGER = 1, 2
 MESSAGE_EVENT, RESPONSE_EVENT, REQUEST_EVENT, GRAPH_EVENT = 1, 2, 3, 4
 
 APART = 1 << 20
@@ -113,6 +114,13 @@ class CallsFrame(NamedTuple):
     recorded: bytes
 
 
+class Facts(NamedTuple):
+    """A piece of what a traced run tells of its script: of its tree, or of its ledger."""
+
+    what: int
+    piece: bytes
+
+
 class Exit(NamedTuple):
     """How the script ended. `reason` is one of FINISHED ... TOO_MANY_STEPS."""
 
@@ -126,7 +134,7 @@ class Exit(NamedTuple):
     detail: str
 
 
-RareFrame: TypeAlias = Entity | Gone | Request | Response | Advance | NoteFrame | CallsFrame | Exit
+RareFrame: TypeAlias = Entity | Gone | Request | Response | Advance | NoteFrame | CallsFrame | Facts | Exit
 Frame: TypeAlias = Publish | Repeat | RareFrame
 
 

@@ -17,14 +17,17 @@ from grader.contracts.errors import ProtocolError
 from grader.sim.frames import (
     CLIENT,
     FINISHED,
+    LEDGER,
     NODE,
     TOO_MANY_STEPS,
+    TREE,
     Advance,
     CallsFrame,
     CarState,
     Entity,
     Event,
     Exit,
+    Facts,
     Frame,
     Gone,
     NoteFrame,
@@ -44,6 +47,7 @@ MAX_DETAIL_BYTES: Final = 16_384
 ENTITY, GONE, PUBLISH, REQUEST, RESPONSE, ADVANCE, NOTE, EXIT = 0x10, 0x11, 0x12, 0x13, 0x14, 0x15, 0x20, 0x21
 REPEAT: Final = 0x16
 CALLS: Final = 0x30
+FACTS: Final = 0x32
 START, EVENTS = 0x80, 0x81
 
 _NAME: Final = re.compile(TOPIC_PATTERN, re.ASCII)
@@ -251,6 +255,12 @@ def _read_calls(body: bytes) -> CallsFrame:
     return CallsFrame(t_ns, body[_CALLS_HEAD.size :])
 
 
+def _read_facts(body: bytes) -> Facts:
+    cursor = _Cursor("FACTS", body)
+    what = cursor.choice("what", range(TREE, LEDGER + 1))
+    return Facts(what, body[2:])
+
+
 def _read_exit(body: bytes) -> Exit:
     cursor = _Cursor("EXIT", body)
     ended = Exit(
@@ -277,5 +287,6 @@ _READERS: Final[dict[int, Callable[[bytes], Frame]]] = {
     ADVANCE: _read_advance,
     NOTE: _read_note,
     CALLS: _read_calls,
+    FACTS: _read_facts,
     EXIT: _read_exit,
 }

@@ -1,0 +1,43 @@
+"""Why a script lacks marks, as far as that was proven: changes of its text that were graded like the script."""
+
+from grader.contracts.record import Record
+from grader.contracts.text import Text
+
+
+class ChangedText(Record):
+    """A line before and after a change; None: there was none, or there is none any more.
+
+    Attributes:
+        number: of the line in the script as it was; of a new line the number of the line that it follows.
+    """
+
+    number: int
+    before: str | None
+    after: str | None
+
+
+class ProvenChange(Record):
+    """A change that was tried: it gains points and loses none.
+
+    Attributes:
+        code: which kind of change. text: line, cause, change, and that it was tried.
+        lines: what changes. before, after: scores without and with it.
+    """
+
+    code: str
+    text: Text
+    lines: tuple[ChangedText, ...]
+    before: float
+    after: float
+
+
+class Explanation(Record):
+    """What trials say of a script, beside its report, whose marks they cannot touch.
+
+    Attributes:
+        changes: in the order in which they are to be made; each was tried on top of those before.
+        tried: how many changes were graded.
+    """
+
+    changes: tuple[ProvenChange, ...] = ()
+    tried: int = 0

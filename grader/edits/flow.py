@@ -1,0 +1,328 @@
+"""Changes of what is published, when, and whether a line runs at all."""
+
+import ast
+from collections.abc import Iterator
+from typing import Final
+
+from grader.contracts.outcome import RunStatus
+from grader.edits.situation import Proposal, Situation
+from grader.edits.slices import NameSet, assignments, calls_of, dotted, number_of
+from grader.edits.tree import Edit, ParsedScript
+
+_AXES: Final = {
+    "linear.y": "linear.x",
+    "linear.z": "linear.x",
+    "angular.x": "angular.z",
+    "angular.y": "angular.z",
+    "linear.w": "linear.x",
+}
+_Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
+_Loops: Final = (ast.For, ast.While)
+
+
+def flow_changes(seen: Situation) -> Iterator[Proposal]:
+    """Yield changes of publishes, loops, stops and calls."""
+    known = assignments(seen.script)
+    yield from _axes(seen, known)
+    yield from _for_assignment(seen)
+    yield from _empty_messages(seen, known)
+    yield from _left_over(seen, known)
+    yield from _stops(seen)
+    yield from _moved(seen)
+    yield from _counters(seen, known)
+    yield from _without_call(seen)
+    yield from _never_called(seen)
+    yield from _spins(seen)
+
+
+def _axes(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
+    """Yield the axis that a turtle has, for one that it has not."""
+    edits, line = [], 0
+    for one in known:
+        for wrong, right in _AXES.items():
+            if one.target.endswith(f".{wrong}") and number_of(one.value) != 0.0:
+                target = _target_of(one.statement)
+                if target is not None:
+                    edits.append(seen.script.replaced(target, one.target.removesuffix(wrong) + right))
+                    line = line or one.statement.lineno
+                    yield Proposal("axis", 1.0, (edits[-1],), {"line": line, "old": wrong, "new": right})
+    if len(edits) > 1:
+        yield Proposal("axis", 1.1, tuple(edits), {"line": line, "old": "angular.x", "new": "angular.z"})
+
+
+def _target_of(statement: ast.stmt) -> ast.expr | None:
+    if isinstance(statement, ast.Assign):
+        return statement.targets[0] if len(statement.targets) == 1 else None
+    return statement.target if isinstance(statement, ast.AugAssign | ast.AnnAssign) else None
+
+
+def _for_assignment(seen: Situation) -> Iterator[Proposal]:
+    """Yield `=` for a comparison or an annotation that stands alone, and `+=` for `=+`."""
+    for node in ast.walk(seen.script.tree):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Compare) and len(node.value.ops) == 1:
+            left, right = node.value.left, node.value.comparators[0]
+            if isinstance(node.value.ops[0], ast.Eq):
+                start, end = seen.script.span(left)[1], seen.script.span(right)[0]
+                yield Proposal("assign", 0.5, (Edit(start, end, " = "),), {"line": node.lineno})
+        elif (
+            isinstance(node, ast.AnnAssign) and node.value is None and number_of(node.annotation) is not None
+        ):
+            start, end = seen.script.span(node.target)[1], seen.script.span(node.annotation)[0]
+            yield Proposal("assign", 0.5, (Edit(start, end, " = "),), {"line": node.lineno})
+        elif isinstance(node, ast.Assign) and isinstance(node.value, ast.UnaryOp):
+            start, end = seen.script.span(node.targets[0])[1], seen.script.span(node.value.operand)[0]
+            if isinstance(node.value.op, ast.UAdd):
+                yield Proposal("grow", 0.5, (Edit(start, end, " += "),), {"line": node.lineno})
+
+
+def _empty_messages(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
+    """Yield the message that was filled, where another or a new one is published."""
+    filled = {
+        one.target.partition(".linear")[0].partition(".angular")[0]
+        for one in known
+        if ".linear." in one.target or ".angular." in one.target
+    }
+    fresh = [one for one in known if isinstance(one.value, ast.Call) and dotted(one.value.func) == seen.twist]
+    for call in calls_of(seen.script, "publish"):
+        if not call.args:
+            continue
+        given = call.args[0]
+        is_new = isinstance(given, ast.Call) and dotted(given.func) == seen.twist and not given.args
+        if is_new or (dotted(given) and dotted(given) not in filled):
+            for name in sorted(filled):
+                values = {"line": call.lineno, "old": seen.script.source(given), "new": name}
+                yield Proposal("message", 1.5, (seen.script.replaced(given, name),), values)
+    yield from _filled_nowhere(seen, fresh)
+
+
+def _filled_nowhere(seen: Situation, fresh: list[NameSet]) -> Iterator[Proposal]:
+    """Yield one message for fields that are set on new ones: ``Twist().linear.x = 1.0``."""
+    for node in ast.walk(seen.script.tree):
+        if not isinstance(node, ast.Assign):
+            continue
+        holder = node.targets[0]
+        while isinstance(holder, ast.Attribute):
+            holder = holder.value
+        if not (isinstance(holder, ast.Call) and dotted(holder.func) == seen.twist):
+            continue
+        name = fresh[0].target if fresh else "msg"
+        edits = [seen.script.replaced(holder, name)]
+        if not fresh:
+            edits.append(seen.script.inserted_before(node, f"{name} = {seen.twist}()"))
+        for call in calls_of(seen.script, "publish"):
+            if call.args and isinstance(call.args[0], ast.Call) and dotted(call.args[0].func) == seen.twist:
+                edits.append(seen.script.replaced(call.args[0], name))
+        yield Proposal("one_message", 1.0, tuple(edits), {"line": node.lineno, "new": name})
+
+
+def _left_over(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
+    """Yield a motion without the speed or the turn that it should not have: set to zero, or not set at all."""
+    for driven in seen.distinct:
+        if not driven.is_arc or (published := seen.publish_on(driven.motion.line)) is None:
+            continue
+        _, message = published
+        statement = next(iter(seen.script.statements_on(driven.motion.line)), None)
+        if statement is None:
+            continue
+        for field, value in (("linear.x", driven.motion.v), ("angular.z", driven.motion.w)):
+            for one in known:
+                if one.target.endswith(field) and number_of(one.value) == value:
+                    values = {"line": one.statement.lineno, "field": field}
+                    yield Proposal("left_over", 2.0, (seen.script.replaced(one.value, "0.0"),), values)
+            if message:
+                values = {"line": driven.motion.line, "field": field}
+                line = f"{message}.{field} = 0.0"
+                yield Proposal(
+                    "left_over",
+                    2.4,
+                    (seen.script.inserted_before(_outermost(seen, statement), line),),
+                    values,
+                )
+
+
+def _outermost(seen: Situation, statement: ast.stmt) -> ast.stmt:
+    """Return the loop around a statement, the outermost within its function, or the statement itself."""
+    outermost = statement
+    for node in seen.script.around(statement):
+        if isinstance(node, (*_Functions, ast.ClassDef)):
+            break
+        if isinstance(node, _Loops):
+            outermost = node
+    return outermost
+
+
+def _stops(seen: Situation) -> Iterator[Proposal]:
+    """Yield a stop behind the last motion: behind its loop, or behind what called for it."""
+    if not seen.ledger.motions:
+        return
+    last = next((one for one in reversed(seen.ledger.motions) if not one.is_stop), None)
+    published = None if last is None else seen.publish_on(last.line)
+    if last is None or published is None:
+        return
+    publisher, _ = published
+    stop = f"{publisher}.publish({seen.twist}())"
+    for depth, (line, function, _) in enumerate(last.stack):
+        statement = next(iter(seen.script.statements_on(line)), None)
+        if statement is None:
+            continue
+        behind = _outermost(seen, statement)
+        own = stop if publisher.startswith("self.") == _is_method(seen.script, behind) else ""
+        if own:
+            values = {"line": behind.end_lineno or behind.lineno, "function": function}
+            cost = 2.5 + depth * 0.5
+            yield Proposal("stop", cost, (seen.script.inserted_after(behind, own),), values)
+            wait = "time.sleep(0.1)"
+            if depth and calls_of(seen.script, "sleep"):
+                yield Proposal("stop", cost + 1.0, (seen.script.inserted_after(behind, own, wait),), values)
+
+
+def _is_method(script: ParsedScript, node: ast.AST) -> bool:
+    inside = next((one for one in script.around(node) if isinstance(one, _Functions)), None)
+    return inside is not None and bool(inside.args.args) and inside.args.args[0].arg == "self"
+
+
+def _moved(seen: Situation) -> Iterator[Proposal]:
+    """Yield a statement moved into the loop before it, or out of the loop that it ends."""
+    for node in ast.walk(seen.script.tree):
+        if not isinstance(node, _Loops) or node.lineno not in seen.ledger.ran:
+            continue
+        block = seen.script.block_of(node)
+        place = next((i for i, one in enumerate(block) if one is node), -1)
+        later = block[place + 1 : place + 3]
+        for count in range(1, len(later) + 1):
+            if any(isinstance(one, ast.Expr) for one in later[:count]):
+                edits = _into(seen.script, node.body[-1], later[:count])
+                yield Proposal(
+                    "into_loop", 3.5 + count * 0.2, edits, {"line": later[0].lineno, "loop": node.lineno}
+                )
+        for count in (1, 2):
+            if len(node.body) > count:
+                edits = _out_of(seen.script, node, node.body[-count:])
+                line = node.body[-count].lineno
+                yield Proposal("out_of_loop", 3.7 + count * 0.2, edits, {"line": line, "loop": node.lineno})
+
+
+def _into(script: ParsedScript, last: ast.stmt, moved: list[ast.stmt]) -> tuple[Edit, ...]:
+    texts = [line for one in moved for line in script.source(one).splitlines()]
+    if any("\n" in script.source(one) for one in moved):
+        return ()
+    return (*(script.removed(one) for one in moved), script.inserted_after(last, *texts))
+
+
+def _out_of(script: ParsedScript, loop: ast.stmt, moved: list[ast.stmt]) -> tuple[Edit, ...]:
+    if any("\n" in script.source(one) for one in moved):
+        return ()
+    texts = [script.source(one) for one in moved]
+    return (*(script.removed(one) for one in moved), script.inserted_after(loop, *texts))
+
+
+def _counters(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
+    """Yield a counter that grows where it is set anew, and one that nothing changes."""
+    tests = {
+        dotted(name): node
+        for node in ast.walk(seen.script.tree)
+        if isinstance(node, ast.While | ast.If)
+        for name in ast.walk(node.test)
+        if dotted(name)
+    }
+    for one in known:
+        if one.target in tests and isinstance(one.statement, ast.Assign) and number_of(one.value) == 1.0:
+            start, end = seen.script.span(one.statement.targets[0])[1], seen.script.span(one.value)[0]
+            yield Proposal("grow", 3.0, (Edit(start, end, " += "),), {"line": one.statement.lineno})
+    for name, node in tests.items():
+        if not isinstance(node, ast.While) or node.lineno not in seen.ledger.ran:
+            continue
+        inside = range(node.lineno, (node.end_lineno or node.lineno) + 1)
+        if not any(one.target == name and one.statement.lineno in inside for one in known) and any(
+            one.target == name and isinstance(one.value, ast.Constant) for one in known
+        ):
+            edit = seen.script.inserted_after(node.body[-1], f"{name} += 1")
+            yield Proposal("counter", 3.2, (edit,), {"line": node.lineno, "name": name})
+
+
+def _without_call(seen: Situation) -> Iterator[Proposal]:
+    """Yield the brackets of a call that is only named."""
+    for node in ast.walk(seen.script.tree):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Name | ast.Attribute):
+            name = dotted(node.value)
+            if name:
+                new = f"{name}({'msg' if name.endswith('.publish') else ''})"
+                edit = seen.script.replaced(node.value, new)
+                yield Proposal("brackets", 0.8, (edit,), {"line": node.lineno, "old": name, "new": new})
+
+
+def _never_called(seen: Situation) -> Iterator[Proposal]:
+    """Yield a call of a function that nothing calls."""
+    for node in ast.walk(seen.script.tree):
+        if not isinstance(node, _Functions) or node.name.startswith("__") or _is_used(seen.script, node.name):
+            continue
+        needed = len(node.args.args) - len(node.args.defaults)
+        if _is_method(seen.script, node.body[0]):
+            caller = next(
+                (
+                    one
+                    for one in ast.walk(seen.script.tree)
+                    if isinstance(one, ast.FunctionDef)
+                    and one.name == "__init__"
+                    and seen.script.parent(one) is seen.script.parent(node)
+                ),
+                None,
+            )
+            if caller is not None and needed == 1:
+                edit = seen.script.inserted_after(caller.body[-1], f"self.{node.name}()")
+                yield Proposal("call", 3.0, (edit,), {"line": node.lineno, "name": node.name})
+        elif needed == 0 and isinstance(seen.script.parent(node), ast.Module):
+            edit = seen.script.inserted_after(seen.script.tree.body[-1], "", f"{node.name}()")
+            yield Proposal("call", 1.0, (edit,), {"line": node.lineno, "name": node.name})
+
+
+def _is_used(script: ParsedScript, name: str) -> bool:
+    return any(
+        (isinstance(node, ast.Name) and node.id == name)
+        or (isinstance(node, ast.Attribute) and node.attr == name)
+        for node in ast.walk(script.tree)
+    )
+
+
+def _spins(seen: Situation) -> Iterator[Proposal]:
+    """Yield what lets callbacks run: a look in the loop that waits, or a spin at the end."""
+    node_name = _node_name(seen.script)
+    if any(True for _ in calls_of(seen.script, "spin")):
+        return
+    for line, _, _ in seen.ledger.end[:1]:
+        statement = next(iter(seen.script.statements_on(line)), None)
+        for loop in seen.script.around(statement) if statement is not None else ():
+            if isinstance(loop, ast.While):
+                name = "self" if _is_method(seen.script, loop) else node_name
+                edit = seen.script.inserted_before(loop.body[0], f"rclpy.spin_once({name}, timeout_sec=0.01)")
+                yield Proposal("spin_once", 2.0, (edit,), {"line": loop.lineno})
+    if seen.outcome.status is RunStatus.FINISHED and node_name != "node()":
+        made = [one for one in assignments(seen.script) if one.target == node_name]
+        if made:
+            block = seen.script.block_of(made[-1].statement)
+            ends = [one for one in block if _is_call(one, ("destroy_node", "shutdown"))]
+            spin = f"rclpy.spin({node_name})"
+            if ends:
+                edit = seen.script.inserted_before(ends[0], spin)
+            else:
+                edit = seen.script.inserted_after(block[-1], spin)
+            yield Proposal("spin", 2.2, (edit,), {"line": made[-1].statement.lineno, "name": node_name})
+
+
+def _is_call(statement: ast.stmt, names: tuple[str, ...]) -> bool:
+    return (
+        isinstance(statement, ast.Expr)
+        and isinstance(statement.value, ast.Call)
+        and dotted(statement.value.func).endswith(names)
+    )
+
+
+def _node_name(script: ParsedScript) -> str:
+    """Return the name that the script has for its node."""
+    classes = {node.name for node in ast.walk(script.tree) if isinstance(node, ast.ClassDef)}
+    for one in assignments(script):
+        if isinstance(one.value, ast.Call):
+            called = dotted(one.value.func)
+            if called in classes or called.endswith(("create_node", "Node")):
+                return one.target
+    return "node()"

@@ -1,0 +1,279 @@
+"""Changes of names, imports, types and topics: what an exception, or a command that never came, says is wrong."""
+
+import ast
+import builtins
+import difflib
+import re
+from collections.abc import Iterator
+from typing import Final
+
+from grader.contracts.outcome import RunStatus, StudentError
+from grader.edits.situation import Proposal, Situation
+from grader.edits.slices import assignments, calls_of, dotted, number_of
+from grader.edits.tree import Edit, ParsedScript
+
+MODULES: Final = ("math", "os", "random", "rclpy", "sys", "threading", "time")
+CLASSES: Final = {
+    "Duration": "rclpy.duration",
+    "Float64": "std_msgs.msg",
+    "Node": "rclpy.node",
+    "Pose": "turtlesim.msg",
+    "String": "std_msgs.msg",
+    "Twist": "geometry_msgs.msg",
+    "pi": "math",
+    "radians": "math",
+    "sleep": "time",
+}
+_FIELDS: Final = ("linear", "angular", "x", "y", "z", "theta", "linear_velocity", "angular_velocity", "data")
+_METHODS: Final = (
+    "create_publisher",
+    "create_subscription",
+    "create_timer",
+    "create_client",
+    "create_service",
+    "get_logger",
+    "get_clock",
+    "destroy_node",
+    "publish",
+    "info",
+    "nanoseconds",
+    "now",
+    "shutdown",
+    "spin",
+    "spin_once",
+    "init",
+    "sleep",
+    "ok",
+)
+_NAMES: Final = (*MODULES, *CLASSES, *_FIELDS, *_METHODS)
+_QUOTED: Final = re.compile(r"'([A-Za-z_][\w.]*)'")
+_MEANT: Final = re.compile(r"Did you mean: '([^']+)'")
+
+
+def name_changes(seen: Situation) -> Iterator[Proposal]:
+    """Yield changes of what the exception that ended the script names, and of what no command came through."""
+    error = seen.outcome.error
+    if seen.outcome.status is RunStatus.CRASHED and error is not None and error.line is not None:
+        yield from _of_error(seen, error, error.line)
+    if seen.outcome.command_count == 0:
+        yield from _topics(seen)
+
+
+def _of_error(seen: Situation, error: StudentError, line: int) -> Iterator[Proposal]:
+    quoted = _QUOTED.findall(error.message)
+    if error.type in (
+        "NameError",
+        "UnboundLocalError",
+        "AttributeError",
+        "ImportError",
+        "ModuleNotFoundError",
+    ):
+        for wrong in quoted[:2] if error.type == "NameError" else quoted[-1:] + quoted[:1]:
+            yield from _near(seen, error, line, wrong)
+    if error.type == "NameError" and quoted:
+        yield from _imported(seen, quoted[0])
+        yield from _of_self(seen, line, quoted[0])
+    if error.type in ("AssertionError", "TypeError"):
+        yield from _floats(seen, line)
+        yield from _parameters(seen, error, line)
+        yield from _instances(seen, line)
+    if error.type == "UnboundLocalError" and quoted:
+        yield from _globals(seen, line, quoted[0])
+    if error.type == "NotInitializedException":
+        yield from _init(seen, line)
+
+
+def _near(seen: Situation, error: StudentError, line: int, wrong: str) -> Iterator[Proposal]:
+    """Yield the names that are nearly the one that does not exist, what Python means first."""
+    meant = _MEANT.findall(error.traceback)
+    wrong = wrong.rpartition(".")[2]
+    known = {*_all_names(seen.script), *_NAMES, *dir(builtins)} - {wrong}
+    near = difflib.get_close_matches(wrong, sorted(known), 4, 0.6)
+    alike = [name for name in sorted(known) if name.lower() == wrong.lower()]
+    for place, name in enumerate(dict.fromkeys((*meant, *alike, *near))):
+        edits = tuple(_renamed(seen.script, line, wrong, name))
+        if edits:
+            values = {"line": line, "old": wrong, "new": name}
+            yield Proposal("name", 0.2 + place * 0.1, edits, values)
+        yield from _renamed_everywhere(seen.script, wrong, name, 0.15 + place * 0.1)
+
+
+def _renamed_everywhere(script: ParsedScript, wrong: str, near: str, cost: float) -> Iterator[Proposal]:
+    """Yield the rarer of two names of the script's own written as the other one, wherever it stands."""
+    places = {name: _lines_with(script, name) for name in (wrong, near)}
+    if not places[near]:
+        return
+    old, new = (wrong, near) if len(places[wrong]) < len(places[near]) else (near, wrong)
+    edits = tuple(edit for line in places[old] for edit in _renamed(script, line, old, new))
+    if edits:
+        yield Proposal("name", cost, edits, {"line": places[old][0], "old": old, "new": new})
+
+
+def _lines_with(script: ParsedScript, name: str) -> list[int]:
+    """Return the lines on which a name or attribute stands."""
+    lines = (
+        node.end_lineno or node.lineno
+        for node in ast.walk(script.tree)
+        if (isinstance(node, ast.Name) and node.id == name)
+        or (isinstance(node, ast.Attribute) and node.attr == name)
+    )
+    return sorted(set(lines))
+
+
+def _all_names(script: ParsedScript) -> set[str]:
+    names: set[str] = set()
+    for node in ast.walk(script.tree):
+        if isinstance(node, ast.Name) and isinstance(script.parent(node), ast.Assign | ast.For | ast.With):
+            names.add(node.id)
+        elif isinstance(node, ast.Attribute):
+            names.add(node.attr)
+        elif isinstance(node, ast.FunctionDef | ast.ClassDef | ast.AsyncFunctionDef):
+            names.add(node.name)
+        elif isinstance(node, ast.arg):
+            names.add(node.arg)
+        elif isinstance(node, ast.alias):
+            names.add((node.asname or node.name).partition(".")[0])
+    return names
+
+
+def _renamed(script: ParsedScript, line: int, wrong: str, right: str) -> Iterator[Edit]:
+    """Yield the edits that put one name in the place of another on a line, whatever stands around it."""
+    for statement in script.statements_on(line):
+        for node in ast.walk(statement):
+            if isinstance(node, ast.Name) and node.id == wrong and node.lineno == line:
+                yield script.replaced(node, right)
+            elif isinstance(node, ast.Attribute) and node.attr == wrong and node.end_lineno == line:
+                _, end = script.span(node)
+                yield Edit(end - len(wrong), end, right)
+        if isinstance(statement, ast.Import | ast.ImportFrom):
+            start, end = script.span(statement)
+            found = re.search(rf"\b{re.escape(wrong)}\b", script.text[start:end])
+            if found is not None:
+                yield Edit(start + found.start(), start + found.end(), right)
+
+
+def _imported(seen: Situation, name: str) -> Iterator[Proposal]:
+    """Yield the import of a module or class that everybody means by that name."""
+    if name in MODULES:
+        line = f"import {name}"
+    elif name in CLASSES:
+        line = f"from {CLASSES[name]} import {name}"
+    elif name == "np":
+        line = "import numpy as np"
+    else:
+        return
+    yield Proposal("import", 0.1, (_at_top(seen.script, line),), {"line": 1, "new": line, "name": name})
+
+
+def _at_top(script: ParsedScript, line: str) -> Edit:
+    imports = [one for one in script.tree.body if isinstance(one, ast.Import | ast.ImportFrom)]
+    first = imports[0] if imports else script.tree.body[0]
+    return script.inserted_before(first, line)
+
+
+def _of_self(seen: Situation, line: int, name: str) -> Iterator[Proposal]:
+    """Yield ``self.`` before a name that only the object has."""
+    own = {one.target.partition(".")[2] for one in assignments(seen.script) if one.target.startswith("self.")}
+    own |= {node.name for node in ast.walk(seen.script.tree) if isinstance(node, ast.FunctionDef)}
+    if name in own:
+        edits = tuple(_renamed(seen.script, line, name, f"self.{name}"))
+        yield Proposal("own", 0.1, edits, {"line": line, "old": name, "new": f"self.{name}"})
+
+
+def _floats(seen: Situation, line: int) -> Iterator[Proposal]:
+    """Yield a float for a whole number or a text, on the line of the error."""
+    for statement in seen.script.statements_on(line):
+        value = getattr(statement, "value", None)
+        if isinstance(statement, ast.Assign) and isinstance(value, ast.expr):
+            old = seen.script.source(value)
+            whole = number_of(value)
+            new = f"{old}.0" if whole is not None and old.lstrip("-").isdigit() else f"float({old})"
+            edit = seen.script.replaced(value, new)
+            yield Proposal("float", 0.2, (edit,), {"line": line, "old": old, "new": new})
+    for call in calls_of(seen.script, "input"):
+        old = seen.script.source(call)
+        edit = seen.script.replaced(call, f"float({old})")
+        yield Proposal("float", 0.5, (edit,), {"line": call.lineno, "old": old, "new": f"float({old})"})
+
+
+def _parameters(seen: Situation, error: StudentError, line: int) -> Iterator[Proposal]:
+    """Yield ``self`` for a method without it, and the depth of the queue that a publisher needs."""
+    for node in ast.walk(seen.script.tree):
+        if isinstance(node, ast.FunctionDef) and f"{node.name}()" in error.message:
+            first = node.args.args[0].arg if node.args.args else ""
+            if first != "self" and isinstance(seen.script.parent(node), ast.ClassDef):
+                at = seen.script.text.index("(", seen.script.span(node)[0]) + 1
+                edit = Edit(at, at, "self, " if first else "self")
+                yield Proposal("self", 0.1, (edit,), {"line": node.lineno, "name": node.name})
+    for name in ("create_publisher", "create_subscription"):
+        for call in calls_of(seen.script, name):
+            if call.lineno == line and name in error.message and "qos_profile" in error.message:
+                end = seen.script.span(call)[1] - 1
+                yield Proposal("depth", 0.1, (Edit(end, end, ", 10"),), {"line": line, "name": name})
+
+
+def _instances(seen: Situation, line: int) -> Iterator[Proposal]:
+    """Yield an object of a class, where the class itself is published."""
+    for call in calls_of(seen.script, "publish"):
+        if call.lineno == line and call.args and dotted(call.args[0]) == seen.twist:
+            edit = seen.script.replaced(call.args[0], f"{seen.twist}()")
+            yield Proposal(
+                "brackets", 0.3, (edit,), {"line": line, "old": seen.twist, "new": f"{seen.twist}()"}
+            )
+
+
+def _globals(seen: Situation, line: int, name: str) -> Iterator[Proposal]:
+    """Yield the statement that lets a function change a name of the whole script."""
+    for statement in seen.script.statements_on(line):
+        for node in seen.script.around(statement):
+            if isinstance(node, ast.FunctionDef):
+                edit = seen.script.inserted_before(node.body[0], f"global {name}")
+                yield Proposal("global", 0.3, (edit,), {"line": node.lineno, "name": name})
+                return
+
+
+def _init(seen: Situation, line: int) -> Iterator[Proposal]:
+    """Yield ``rclpy.init()`` before the node that needs it."""
+    places = [
+        statement
+        for statement in (*seen.script.statements_on(line), *_makers(seen.script))
+        if not any(isinstance(one, ast.ClassDef) for one in seen.script.around(statement))
+    ]
+    for place, statement in enumerate(places[:2]):
+        edit = seen.script.inserted_before(statement, "rclpy.init()")
+        yield Proposal("init", 0.1 + place * 0.1, (edit,), {"line": statement.lineno})
+
+
+def _makers(script: ParsedScript) -> Iterator[ast.stmt]:
+    classes = {node.name for node in ast.walk(script.tree) if isinstance(node, ast.ClassDef)}
+    for one in assignments(script):
+        if isinstance(one.value, ast.Call) and dotted(one.value.func) in classes:
+            yield one.statement
+
+
+def _topics(seen: Situation) -> Iterator[Proposal]:
+    """Yield the topic, the type and the message that move the car, for a publisher that does not."""
+    for call in calls_of(seen.script, "create_publisher"):
+        given = [*call.args, *(one.value for one in call.keywords)]
+        for argument in given:
+            topic = argument.value if isinstance(argument, ast.Constant) else None
+            if isinstance(topic, str) and topic.lstrip("/") != seen.topic.lstrip("/"):
+                edit = seen.script.replaced(argument, f"'{seen.topic}'")
+                values = {"line": argument.lineno, "old": topic, "new": seen.topic}
+                yield Proposal("topic", 1.0, (edit,), values)
+        kind = given[0] if given else None
+        if kind is not None and dotted(kind) and dotted(kind) != seen.twist:
+            yield from _of_type(seen, kind)
+
+
+def _of_type(seen: Situation, kind: ast.expr) -> Iterator[Proposal]:
+    """Yield Twist for another type, with its import."""
+    old = dotted(kind)
+    edits = [seen.script.replaced(kind, seen.twist)]
+    for call in calls_of(seen.script, old):
+        edits.append(seen.script.replaced(call.func, seen.twist))
+    if seen.twist not in _all_names(seen.script):
+        edits.append(_at_top(seen.script, f"from geometry_msgs.msg import {seen.twist}"))
+    values = {"line": kind.lineno, "old": old, "new": seen.twist}
+    yield Proposal("type", 0.9, tuple(dict.fromkeys(edits)), values)
+    yield Proposal("type", 0.8, (edits[0], *edits[2:][-1:]), values)

@@ -1,0 +1,133 @@
+"""What a search for a change begins with: the script, what its lines did, and what was wanted of the car."""
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from grader.contracts.outcome import RunOutcome
+from grader.edits.received import Ledger, Motion
+from grader.edits.slices import dotted
+from grader.edits.tree import Edit, ParsedScript
+
+HOLD_NS = 1_000_000_000
+"""For so long turtlesim obeys the last command."""
+_SLOW = 1e-6
+_MOST_MOTIONS = 8
+_MOST_LINES = 12
+
+
+@dataclass(frozen=True)
+class WantedSizes:
+    """Sizes that the assignment names: of turns, of drives, and of how many of something."""
+
+    turns_deg: tuple[float, ...] = ()
+    lengths_m: tuple[float, ...] = ()
+    counts: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Driven:
+    """A motion with its size: how far it drove or turned, and for how long it lasted."""
+
+    motion: Motion
+    seconds: float
+
+    @property
+    def length_m(self) -> float:
+        """How far it drove, backwards negative."""
+        return self.motion.v * self.seconds
+
+    @property
+    def angle_deg(self) -> float:
+        """How far it turned, to the left positive."""
+        return math.degrees(self.motion.w * self.seconds)
+
+    @property
+    def is_turn(self) -> bool:
+        """Whether it turns and does not drive."""
+        return abs(self.motion.v) <= _SLOW < abs(self.motion.w)
+
+    @property
+    def is_drive(self) -> bool:
+        """Whether it drives and does not turn."""
+        return abs(self.motion.w) <= _SLOW < abs(self.motion.v)
+
+    @property
+    def is_arc(self) -> bool:
+        """Whether it does both."""
+        return abs(self.motion.w) > _SLOW and abs(self.motion.v) > _SLOW
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A change that may be the cause of what went wrong.
+
+    Attributes:
+        code: the operator. cost: the less, the more plausible. values: what its sentence names.
+    """
+
+    code: str
+    cost: float
+    edits: tuple[Edit, ...]
+    values: dict[str, object] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Situation:
+    """A script that lacks marks, with what its traced run told.
+
+    Attributes:
+        topic: moves the car. lost: names of the measures that cost points.
+    """
+
+    script: ParsedScript
+    ledger: Ledger
+    outcome: RunOutcome
+    wanted: WantedSizes
+    topic: str = "/turtle1/cmd_vel"
+    lost: frozenset[str] = frozenset()
+
+    @cached_property
+    def driven(self) -> tuple[Driven, ...]:
+        """The motions with their sizes, without stops."""
+        motions = self.ledger.motions
+        ends = [*(one.t for one in motions[1:]), *([self.outcome.duration_ns] if motions else [])]
+        return tuple(
+            Driven(one, max(min(end, one.until + HOLD_NS) - one.t, 0) / 1e9)
+            for one, end in zip(motions, ends, strict=True)
+            if not one.is_stop
+        )
+
+    @cached_property
+    def distinct(self) -> tuple[Driven, ...]:
+        """Of the motions that one line published with one command, the first; few of them."""
+        first: dict[tuple[int, float, float], Driven] = {}
+        for one in self.driven:
+            first.setdefault((one.motion.line, one.motion.v, one.motion.w), one)
+        return tuple(first.values())[:_MOST_MOTIONS]
+
+    @cached_property
+    def lines(self) -> tuple[int, ...]:
+        """The lines that decide about any motion, those of the earliest first."""
+        return tuple(dict.fromkeys(line for one in self.driven for line in one.motion.lines))[:_MOST_LINES]
+
+    @cached_property
+    def twist(self) -> str:
+        """The name under which the script has the class of commands."""
+        import ast
+
+        for node in ast.walk(self.script.tree):
+            if isinstance(node, ast.ImportFrom) and node.module == "geometry_msgs.msg":
+                for one in node.names:
+                    if getattr(one, "name", "") == "Twist":
+                        return getattr(one, "asname", None) or "Twist"
+        return "Twist"
+
+    def publish_on(self, line: int) -> "tuple[str, str] | None":
+        """Return the publisher and the message (a name, or empty) of the publish on a line."""
+        import ast
+
+        for node in ast.walk(self.script.tree):
+            if isinstance(node, ast.Call) and node.lineno == line and dotted(node.func).endswith(".publish"):
+                return dotted(node.func).removesuffix(".publish"), dotted(node.args[0]) if node.args else ""
+        return None

@@ -1,0 +1,215 @@
+"""What decides about a line: the names in it, what is assigned to them, and the numbers in that."""
+
+import ast
+from collections.abc import Iterable, Iterator
+from typing import Final, NamedTuple
+
+from grader.edits.tree import ParsedScript
+
+_MOST_STEPS: Final = 5
+_MOST_NUMBERS: Final = 40
+_MOST_EXPRESSIONS: Final = 600
+_Functions = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+class NumberUse(NamedTuple):
+    """A number that a line depends on. `steps`: over so many assignments. `sign`: -1 behind a minus sign."""
+
+    node: ast.expr
+    value: float
+    steps: int
+
+
+class NameSet(NamedTuple):
+    """An assignment: its statement, the dotted name that it sets, and what it sets it to."""
+
+    statement: ast.stmt
+    target: str
+    value: ast.expr
+
+
+def dotted(node: ast.AST | None) -> str:
+    """Return a name with its attributes (``self.msg.linear.x``); empty for what is no name."""
+    parts: list[str] = []
+    while isinstance(node, ast.Attribute):
+        parts.append(node.attr)
+        node = node.value
+    if not isinstance(node, ast.Name):
+        return ""
+    return ".".join((node.id, *reversed(parts)))
+
+
+def assignments(script: ParsedScript) -> tuple[NameSet, ...]:
+    """Return all assignments to names and attributes, in the order of the text."""
+    found: list[NameSet] = []
+    for node in ast.walk(script.tree):
+        if isinstance(node, ast.Assign):
+            for target in node.targets:
+                found += _pairs(node, target, node.value)
+        elif isinstance(node, ast.AnnAssign | ast.AugAssign) and node.value is not None:
+            found += _pairs(node, node.target, node.value)
+    return tuple(sorted(found, key=lambda one: one.statement.lineno))
+
+
+def _pairs(statement: ast.stmt, target: ast.expr, value: ast.expr) -> Iterator[NameSet]:
+    if isinstance(target, ast.Tuple | ast.List):
+        values = value.elts if isinstance(value, ast.Tuple | ast.List) else []
+        if len(values) == len(target.elts):
+            for one, given in zip(target.elts, values, strict=True):
+                yield from _pairs(statement, one, given)
+    elif name := dotted(target):
+        yield NameSet(statement, name, value)
+
+
+def heads(script: ParsedScript, statement: ast.stmt) -> Iterator[ast.expr]:
+    """Yield what decides whether and how often a statement runs, up to its function: tests, what loops go over."""
+    for node in script.around(statement):
+        if isinstance(node, ast.While | ast.If):
+            yield node.test
+        elif isinstance(node, ast.For):
+            yield node.iter
+        elif isinstance(node, _Functions | ast.ClassDef):
+            return
+
+
+def own_parts(statement: ast.stmt) -> list[ast.AST]:
+    """Return the parts of a statement without the blocks in it."""
+    if isinstance(statement, ast.While | ast.If):
+        return [statement.test]
+    if isinstance(statement, ast.For):
+        return [statement.target, statement.iter]
+    if isinstance(statement, ast.With):
+        return [item.context_expr for item in statement.items]
+    if isinstance(statement, _Functions):
+        return [*statement.args.defaults]
+    return [] if isinstance(statement, ast.ClassDef | ast.Try) else [statement]
+
+
+def numbers_behind(script: ParsedScript, lines: Iterable[int]) -> list[NumberUse]:
+    """Return the numbers that the given lines depend on, nearest first."""
+    numbers = [
+        NumberUse(node, value, steps)
+        for node, steps in expressions_behind(script, lines)
+        if (value := number_of(node)) is not None and not _is_part_of_number(script, node)
+    ]
+    return numbers[:_MOST_NUMBERS]
+
+
+def expressions_behind(script: ParsedScript, lines: Iterable[int]) -> list[tuple[ast.expr, int]]:
+    """Return all expressions that the given lines depend on, with over how many assignments, nearest first."""
+    known = assignments(script)
+    waiting: list[tuple[ast.AST, int]] = []
+    for line in lines:
+        for statement in _statements_over(script, line):
+            waiting += [(part, 0) for part in own_parts(statement)]
+            waiting += [(head, 0) for head in heads(script, statement)]
+    expressions: dict[int, tuple[ast.expr, int]] = {}
+    followed: set[str] = set()
+    while waiting and len(expressions) < _MOST_EXPRESSIONS:
+        part, steps = waiting.pop(0)
+        for node in ast.walk(part):
+            if isinstance(node, ast.expr):
+                expressions.setdefault(id(node), (node, steps))
+        if steps >= _MOST_STEPS:
+            continue
+        for name in _names(part):
+            if name in followed:
+                continue
+            followed.add(name)
+            waiting += [(one.value, steps + 1) for one in known if _sets(one.target, name)]
+            waiting += [(default, steps + 1) for default in _defaults(script, name)]
+            waiting += [(given, steps + 1) for given in _arguments(script, name)]
+            waiting += [(value, steps + 1) for value in _returned(script, name)]
+    return list(expressions.values())
+
+
+def number_of(node: ast.AST) -> float | None:
+    """Return the value of a number in the text, also behind a minus sign; None for anything else."""
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        inner = number_of(node.operand)
+        return None if inner is None else -inner
+    if (
+        isinstance(node, ast.Constant)
+        and isinstance(node.value, int | float)
+        and not isinstance(node.value, bool)
+    ):
+        return float(node.value)
+    return None
+
+
+def _is_part_of_number(script: ParsedScript, node: ast.expr) -> bool:
+    parent = script.parent(node)
+    return isinstance(parent, ast.UnaryOp) and number_of(parent) is not None
+
+
+def _statements_over(script: ParsedScript, line: int) -> list[ast.stmt]:
+    """Return the innermost statement that covers a line, or all that begin there."""
+    if begun := script.statements_on(line):
+        return begun
+    covering = [
+        node
+        for node in ast.walk(script.tree)
+        if isinstance(node, ast.stmt) and node.lineno < line <= (node.end_lineno or node.lineno)
+    ]
+    return covering and [max(covering, key=lambda node: node.lineno)]
+
+
+def _names(part: ast.AST) -> Iterator[str]:
+    """Yield the names in a part: an attribute as a whole, a plain name, and a function that is called."""
+    for node in ast.walk(part):
+        if isinstance(node, ast.Name) and node.id != "self":
+            yield node.id
+        elif isinstance(node, ast.Attribute):
+            yield dotted(node) or node.attr
+
+
+def _sets(target: str, name: str) -> bool:
+    """Whether an assignment to `target` changes what `name` stands for: itself, or a field of it."""
+    return (
+        target == name
+        or target.startswith(f"{name}.")
+        or ("." in name and "." in target and target.split(".")[:2] == name.split(".")[:2])
+    )
+
+
+def _functions(script: ParsedScript) -> Iterator[_Functions]:
+    for node in ast.walk(script.tree):
+        if isinstance(node, _Functions):
+            yield node
+
+
+def _defaults(script: ParsedScript, name: str) -> Iterator[ast.expr]:
+    """Yield the default values of parameters called `name`."""
+    for function in _functions(script):
+        arguments = [*function.args.posonlyargs, *function.args.args]
+        given = zip(reversed(arguments), reversed(function.args.defaults), strict=False)
+        yield from (default for argument, default in given if argument.arg == name)
+
+
+def _arguments(script: ParsedScript, name: str) -> Iterator[ast.expr]:
+    """Yield what callers give for parameters called `name`."""
+    for function in _functions(script):
+        names = [one.arg for one in (*function.args.posonlyargs, *function.args.args)]
+        if name not in names:
+            continue
+        place = names.index(name) - (names[:1] == ["self"])
+        for call in calls_of(script, function.name):
+            if place < len(call.args):
+                yield call.args[place]
+            yield from (one.value for one in call.keywords if one.arg == name)
+
+
+def _returned(script: ParsedScript, name: str) -> Iterator[ast.expr]:
+    """Yield what a function called `name` returns."""
+    for function in _functions(script):
+        if function.name == name.rpartition(".")[2]:
+            for node in ast.walk(function):
+                if isinstance(node, ast.Return) and node.value is not None:
+                    yield node.value
+
+
+def calls_of(script: ParsedScript, name: str) -> Iterator[ast.Call]:
+    """Yield the calls of functions and methods of that name."""
+    for node in ast.walk(script.tree):
+        if isinstance(node, ast.Call) and dotted(node.func).rpartition(".")[2] == name:
+            yield node

@@ -1,0 +1,220 @@
+"""Looks for a change of a script that gains marks, by grading it: the change is then proven, not guessed.
+
+Everything is graded like the script itself, in the same jail under the same limits. How much is tried is counted
+in runs and in what they simulated, never in time, so the same script gets the same explanation on any machine.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import ProtocolError
+from grader.contracts.explanation import ChangedText, Explanation, ProvenChange
+from grader.contracts.outcome import RunStatus
+from grader.contracts.rubric import ItemStatus, RubricItem, summed
+from grader.contracts.scoring import Run
+from grader.contracts.text import Text
+from grader.edits.proposals import Candidate, candidates
+from grader.edits.received import received_ledger, received_script
+from grader.edits.situation import Proposal, Situation, WantedSizes
+from grader.edits.tree import changed_lines
+from grader.messages import say
+from grader.messages.quantity import number, points
+
+MOST_TRIALS: Final = 24
+MOST_WORK_S: Final = 1.5
+MOST_CHANGES: Final = 3
+_RUN_S: Final = 0.03
+_COMMAND_S: Final = 0.000_01
+_STEP_S: Final = 0.000_005
+_SPOILT_S: Final = 0.5
+"""Counted work: of any run, of a command and of a physics step in it, and of a run that reached a limit."""
+_LATER_S: Final = 2.37
+"""A change that is told also gains when Ctrl+C comes this much later: it does not only fit the horizon's phase."""
+_STEP_DEG: Final = 15.0
+_STEP_M: Final = 0.1
+"""What is wanted at least is told as the next number of these steps that people use."""
+_SPOILT: Final = (RunStatus.CPU_LIMIT, RunStatus.STALLED, RunStatus.MEMORY_LIMIT, RunStatus.OUTPUT_LIMIT)
+
+
+@dataclass(frozen=True)
+class Graded:
+    """What grading one text came to.
+
+    Attributes:
+        items: with their points. lost: names of the measures that cost points. tree, ledger: of a traced run.
+    """
+
+    items: tuple[RubricItem, ...]
+    runs: tuple[Run, ...]
+    work_s: float
+    tree: bytes = b""
+    ledger: bytes = b""
+
+    @property
+    def score(self) -> float:
+        """The sum of the points."""
+        return summed(item.earned for item in self.items)
+
+    @property
+    def is_full(self) -> bool:
+        """Whether nothing is lost."""
+        return all(item.status is ItemStatus.PASSED for item in self.items)
+
+    def gains_on(self, other: "Graded") -> bool:
+        """Whether this has more points than `other`, and no item has fewer."""
+        earned = {item.id: item.earned for item in other.items}
+        return self.score > other.score and all(
+            item.earned >= earned.get(item.id, 0.0) for item in self.items
+        )
+
+
+GradeText = Callable[[str, Assignment, bool], Graded]
+"""Grades a text for an assignment; traced, if the last argument says so."""
+
+
+def run_work_s(commands: int, steps: int, status: RunStatus) -> float:
+    """Return the counted work of one run."""
+    return _RUN_S + commands * _COMMAND_S + steps * _STEP_S + (_SPOILT_S if status in _SPOILT else 0.0)
+
+
+class Search:
+    """One search for changes, within its budget."""
+
+    def __init__(self, assignment: Assignment, grade: GradeText) -> None:
+        self._assignment = assignment
+        self._later = replace(assignment, horizon_s=assignment.horizon_s + _LATER_S)
+        self._grade = grade
+        self._tried = 0
+        self._work_s = 0.0
+
+    def explanation(self, text: str) -> Explanation:
+        """Return the proven changes of a script."""
+        changes: list[ProvenChange] = []
+        now = self._traced(text)
+        while len(changes) < MOST_CHANGES and not now.is_full and self._has_budget:
+            found = self._next_change(text, now)
+            if found is None:
+                break
+            candidate, after = found
+            changes.append(_proven(candidate, text, now, after))
+            text = candidate.text
+            now = after if after.is_full else self._traced(text)
+        return Explanation(changes=tuple(changes), tried=self._tried)
+
+    @property
+    def _has_budget(self) -> bool:
+        return self._tried < MOST_TRIALS and self._work_s < MOST_WORK_S
+
+    def _traced(self, text: str) -> Graded:
+        graded = self._grade(text, self._assignment, True)
+        self._work_s += graded.work_s
+        return graded
+
+    def _next_change(self, text: str, now: Graded) -> tuple[Candidate, Graded] | None:
+        """Return the first proposal that gains all, else of those that gain the one that gains most."""
+        gaining: list[tuple[Candidate, Graded]] = []
+        for candidate in self._candidates(text, now):
+            if not self._has_budget:
+                break
+            self._tried += 1
+            after = self._grade(candidate.text, self._assignment, False)
+            self._work_s += after.work_s
+            if not after.gains_on(now):
+                continue
+            if after.is_full and self._gains_later(text, candidate.text):
+                return candidate, after
+            gaining.append((candidate, after))
+        gaining.sort(key=lambda one: -one[1].score)  # stable: of equal ones the more plausible
+        return next((one for one in gaining[:3] if self._gains_later(text, one[0].text)), None)
+
+    def _candidates(self, text: str, now: Graded) -> Iterator[Candidate]:
+        try:
+            script = received_script(text, now.tree)
+            ledger = received_ledger(now.ledger)
+        except ProtocolError:  # the script has told tales: it gets no explanation
+            return
+        if script is None:
+            return
+        lost = frozenset(
+            spec.measure
+            for spec in self._assignment.items
+            for item in now.items
+            if item.id.rpartition("/")[2] == spec.id and item.status is not ItemStatus.PASSED
+        )
+        yield from candidates(
+            Situation(
+                script=script,
+                ledger=ledger,
+                outcome=now.runs[0].outcome,
+                wanted=wanted_of(self._assignment.in_case(now.runs[0].case)),
+                topic=self._assignment.world.cmd_vel_topic,
+                lost=lost,
+            )
+        )
+
+    def _gains_later(self, before: str, after: str) -> bool:
+        """Whether a change also gains at another horizon."""
+        old, new = (self._grade(text, self._later, False) for text in (before, after))
+        self._work_s += old.work_s + new.work_s
+        return new.gains_on(old)
+
+
+def wanted_of(assignment: Assignment) -> WantedSizes:
+    """Return the sizes that an assignment names: in its options, its path and the bands of its items."""
+    from grader.checks.kinds import CHECKS
+
+    turns, lengths, counts = [], [], []
+    options: Mapping[str, object] = assignment.options
+    sides = options.get("sides")
+    if isinstance(sides, int):
+        counts.append(sides)
+        turns.append(360.0 / sides)
+    given = (options.get(name) for name in ("side_m", "other_side_m"))
+    lengths += [float(one) for one in given if isinstance(one, int | float)]
+    for piece in () if assignment.path is None else assignment.path.pieces:
+        turns += [abs(piece.angle_deg)] if piece.angle_deg else []
+        lengths += [abs(piece.length_m)] if piece.length_m else []
+    measures = CHECKS[assignment.check].measures
+    for item in assignment.items:
+        kind, low, high = measures.get(item.measure), item.low, item.high
+        if kind is None or not low or low < 0.0:
+            continue
+        middle = None if high is None else (low + high) / 2.0
+        if kind.unit == "deg":
+            turns.append(middle or _STEP_DEG * math.ceil(low / _STEP_DEG))
+        elif kind.unit == "m":
+            lengths.append(middle or _STEP_M * math.ceil(low * 1.01 / _STEP_M))
+        elif kind.form == "count" and low.is_integer():
+            counts.append(int(low))
+    return WantedSizes(_distinct(turns), _distinct(lengths), tuple(dict.fromkeys(counts)))
+
+
+def _distinct(values: Sequence[float]) -> tuple[float, ...]:
+    return tuple(dict.fromkeys(round(value, 4) for value in values))
+
+
+def _proven(candidate: Candidate, text: str, now: Graded, after: Graded) -> ProvenChange:
+    return ProvenChange(
+        code=candidate.proposal.code,
+        text=_told(candidate.proposal, now.score, after.score),
+        lines=tuple(
+            ChangedText(number=one.number, before=one.before, after=one.after)
+            for one in changed_lines(text, candidate.text)
+        ),
+        before=now.score,
+        after=after.score,
+    )
+
+
+def _told(proposal: Proposal, before: float, after: float) -> Text:
+    values = dict(proposal.values)
+    code = proposal.code
+    if code == "scaled" and "size" in values:
+        code = "scaled_turn" if values["unit"] == "deg" else "scaled_drive"
+        for name in ("size", "wanted"):
+            values[name] = number(float(str(values[name])), values["unit"])  # type: ignore[arg-type]
+    tried = say("change.tried", before=points(before), after=points(after))
+    return say("change.whole", cause=say(f"change.{code}", **values), tried=tried)

@@ -1,0 +1,95 @@
+"""Changes are told only where grading them gains, at another horizon too; what a script forges gains nothing."""
+
+import pytest
+
+from grader.contracts.explanation import Explanation
+from grader.contracts.grading import GradingJob
+from grader.edits.tree import changed_lines
+from grader.grading.slot import Slot
+from tests.e2e.grading_slot import LESSON, catalog, grade
+
+TURNING = "msg.linear.x = 0.0\n        msg.angular.z = float"
+SQUARE = (LESSON / "square_mover.py").read_text(encoding="utf-8")
+
+
+def explained(slot: Slot, source: str, assignment: str = "square") -> Explanation:
+    job = GradingJob(file_name="script.py", source=source.encode(), assignment=catalog().get(assignment))
+    return slot.explain(job)
+
+
+def obeyed(source: str, explanation: Explanation) -> str:
+    """Return the script with all lines changed as it was told."""
+    for change in explanation.changes:
+        lines = source.split("\n")
+        for line in reversed(change.lines):
+            if line.before is None:
+                lines.insert(line.number, line.after or "")
+            else:
+                assert lines[line.number - 1] == line.before
+                lines[line.number - 1 : line.number] = [] if line.after is None else [line.after]
+        source = "\n".join(lines)
+    return source
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        ("1.5708 / self.TURN_SPEED", "90 / self.TURN_SPEED", "degrees"),
+        ("1.5708 / self.TURN_SPEED", "1.0 / self.TURN_SPEED", "scaled"),
+        ("range(4)", "range(3)", "count"),
+        ("msg.angular.z = float", "msg.angular.x = float", "axis"),
+        ("'/turtle1/cmd_vel'", "'/turtle1/cmdvel'", "topic"),
+        (TURNING, TURNING.replace("0.0", "1.0"), "left_over"),
+        ("import time\n", "", "import"),
+        ("self.SPEED = 1.0 ", "self.SPEDE = 1.0 ", "name"),
+    ],
+)
+def test_the_first_change_that_is_told_gains_when_obeyed(slot: Slot, old: str, new: str, code: str) -> None:
+    assert old in SQUARE
+    wrong = SQUARE.replace(old, new, 1)
+    before = grade(slot, "square", wrong).score
+    explanation = explained(slot, wrong)
+    assert [one.code for one in explanation.changes] == [code]
+    (change,) = explanation.changes
+    assert before == change.before < change.after == 100
+    assert str(change.lines[0].number) in change.text.zh or code == "import"
+    assert "100" in change.text.en
+    after = obeyed(wrong, explanation)
+    assert grade(slot, "square", after).score == 100
+    assert len(changed_lines(wrong, after)) == len(change.lines) <= 2
+
+
+def test_one_change_is_looked_for_on_top_of_another(slot: Slot) -> None:
+    wrong = SQUARE.replace("1.5708", "1.0", 1).replace("import time\n", "", 1)
+    explanation = explained(slot, wrong)
+    assert [one.code for one in explanation.changes] == ["import", "scaled"]
+    assert explanation.changes[0].after == explanation.changes[1].before
+    assert grade(slot, "square", obeyed(wrong, explanation)).score == 100
+
+
+def test_the_same_script_gets_the_same_explanation(slot: Slot) -> None:
+    wrong = SQUARE.replace("1.5708", "1.2", 1)
+    assert explained(slot, wrong) == explained(slot, wrong)
+
+
+def test_full_marks_and_what_is_no_python_cost_no_trial(slot: Slot) -> None:
+    assert explained(slot, SQUARE) == Explanation()
+    assert explained(slot, "for\n") == Explanation()
+
+
+FORGERIES = {
+    "a ledger of nonsense": b"\x32\x02" + b'{"ran":[1e9]}',
+    "a ledger that is deep": b"\x32\x02" + b"[" * 50_000,
+    "lines that are not there": b"\x32\x02"
+    + b'{"ran":[1],"motions":[{"v":1.0,"w":0.0,"line":99999,"t":-5,"until":7,"times":1,"topic":""}],"end":[]}',
+    "another tree": b"\x32\x01" + b'[["Module",-1,"",null,{}]]',
+}
+
+
+@pytest.mark.parametrize("frame", FORGERIES.values(), ids=FORGERIES)
+def test_a_script_that_writes_facts_itself_gains_nothing(slot: Slot, frame: bytes) -> None:
+    forger = f"import os\nbody = {frame!r}\nos.write(3, len(body).to_bytes(4, 'little') + body)\n"
+    assert explained(slot, forger).changes == ()
+    report = grade(slot, "square", forger)
+    assert report.score == 0
+    assert grade(slot, "square", SQUARE).score == 100
