@@ -219,8 +219,13 @@ class Spent:
 
 
 def spent(parents: Sequence[int], server: int | None = None) -> Spent:
-    """Return what was spent up to now by `parents`, their grading processes, and the database server `server`."""
-    grading = [child for parent in parents for child in children(parent)]
+    """Return what was spent up to now by `parents`, their grading processes, and the database server `server`.
+
+    The worker process of a service counts as a parent.
+    """
+    beside = [child for parent in parents for child in children(parent) if _is_worker(child)]
+    parents = [*parents, *beside]
+    grading = [child for parent in parents for child in children(parent) if child not in beside]
     below = [one for process in grading for child in children(process) for one in tree(child)]
     return Spent(
         parent=sum(map(cpu_s, parents)),
@@ -228,6 +233,13 @@ def spent(parents: Sequence[int], server: int | None = None) -> Spent:
         scripts=sum(cpu_s(one) + reaped_cpu_s(one) for one in below),
         database=0.0 if server is None else reaped_cpu_s(server) + sum(map(cpu_s, tree(server))),
     )
+
+
+def _is_worker(pid: int) -> bool:
+    try:
+        return b"\0worker\0" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:
+        return False
 
 
 def _ticks_s(pid: int, field: int) -> float:

@@ -21,6 +21,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--data", type=Path, metavar="DIR", help="folder of a database that is a file / 数据库文件所在文件夹"
     )
     parser.add_argument("--slots", type=whole_number, help="gradings at once (one per core) / 同时评几份")
+    parser.add_argument(
+        "--service", type=whole_number, help=argparse.SUPPRESS
+    )  # by `grader serve`: a descriptor
     add_language_option(parser)
 
 
@@ -47,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
     logs.configure(settings.log_format, settings.log_level)
     stopped = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # starting may take as long as an upgrade
-    with running_worker(settings) as worker:
+    with running_worker(settings, arguments.service, stopped) as worker:
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, lambda received, _: _stop(stopped, received))
         gc.collect()

@@ -203,8 +203,8 @@ class Settings(BaseSettings):
         default=None,
         ge=0,
         le=65_535,
-        description="Port where `grader worker` answers `/metrics`, on the address GRADER_HOST, without asking "
-        "for a token; by default none.",
+        description="Port where `grader worker`, or `grader serve` besides its own, answers `/metrics`, on the "
+        "address GRADER_HOST, without asking for a token; by default none.",
     )
     log_format: LogFormat = Field(
         default="text", description="Lines of the log on stderr: `text` for people, `json` for machines."

@@ -2,9 +2,9 @@
 
 import logging
 import sys
+import threading
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager
-from dataclasses import replace
+from contextlib import ExitStack, contextmanager, nullcontext
 from importlib.util import find_spec
 
 from grader.catalog import Catalog, set_root
@@ -22,6 +22,7 @@ from grader.operation.settings import Settings, is_loopback
 from grader.outside.signin import Providers, opened, read_config
 from grader.sandbox import script_sandbox, syntax_sandbox
 from grader.service.worker import Uploads, Worker, WorkerConfig, WorkerParts
+from grader.service.worker.beside import ServiceLink, WorkerProcess
 from grader.store.clock import Clock, clock_of
 from grader.store.courses import Courses
 from grader.store.database import Database, checkpoints
@@ -85,8 +86,12 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
         for one in works:
             stack.callback(one.close)
         stack.enter_context(Sender(services))
+        if settings.metrics_port is not None:
+            stack.enter_context(exported(services.metrics, settings.metrics_port, settings.host))
         if settings.slots:
-            stack.enter_context(_grading(database, settings, services))
+            worker = WorkerProcess(settings, services.doorbell, services.metrics)
+            worker.start()
+            stack.callback(worker.stop)
         yield services
 
 
@@ -95,27 +100,47 @@ def _practice(database: Database, settings: Settings, clock: Clock) -> PracticeR
     return PracticeRuns(settings.practice_runs, lambda: Slot(_BEHIND), queue.is_due)
 
 
-def _grading(database: Database, settings: Settings, services: Services) -> AbstractContextManager[Worker]:
-    """Return the service's own worker."""
-    parts = _parts(database, settings, services.assignments, services.clock, services.metrics)
-    return _working(settings, replace(parts, doorbell=services.doorbell))
-
-
 @contextmanager
-def running_worker(settings: Settings) -> Iterator[Worker]:
+def running_worker(
+    settings: Settings, service: int | None = None, stopped: threading.Event | None = None
+) -> Iterator[Worker]:
     """Open the store, bring it up to date, and grade without serving; put everything away at the end.
+
+    Args:
+        settings: of which a worker needs few.
+        service: descriptor of the link to the service that this worker belongs to; None: it works by itself.
+        stopped: set when that service is gone.
 
     Raises:
         SettingsError, AssignmentError, InfrastructureError: as `running` does.
     """
     with ExitStack() as stack:
+        doorbell = Doorbell()
+        # before anything else: the service may stop while this worker starts
+        link = None if service is None else ServiceLink(service, doorbell, stopped or threading.Event())
         database = stack.enter_context(_store(settings, "grader worker"))
         clock = stack.enter_context(clock_of(database))
-        metrics = Metrics(Measures(database, Workers(database, clock), clock, settings.silent_s).state)
-        if settings.metrics_port is not None:
-            stack.enter_context(exported(metrics, settings.metrics_port, settings.host))
-        parts = _parts(database, settings, assignments_of(settings, database, clock), clock, metrics)
+        parts = WorkerParts(
+            queue=Queue(database, clock, _retries(settings)),
+            workers=Workers(database, clock),
+            assignments=assignments_of(settings, database, clock),
+            make_grader=lambda: Slot(_ISOLATION),
+            probe=_probe,
+            doorbell=doorbell,
+            clock=clock,
+            metrics=link or stack.enter_context(_own_metrics(settings, database, clock)),
+            uploads=Uploads(own=OwnAssignments(database, clock), make_grader=lambda: Slot(_BEHIND)),
+            work=None if database.is_sqlite else _permits(database, settings, clock),
+        )
         yield stack.enter_context(_working(settings, parts))
+
+
+@contextmanager
+def _own_metrics(settings: Settings, database: Database, clock: Clock) -> Iterator[Metrics]:
+    metrics = Metrics(Measures(database, Workers(database, clock), clock, settings.silent_s).state)
+    port = settings.metrics_port
+    with nullcontext() if port is None else exported(metrics, port, settings.host):
+        yield metrics
 
 
 def _providers(settings: Settings, clock: Clock) -> Providers:
@@ -144,7 +169,7 @@ def _store(settings: Settings, who: str) -> Iterator[Database]:
 
 @contextmanager
 def _working(settings: Settings, parts: WorkerParts) -> Iterator[Worker]:
-    """Run a worker in threads of this process, whatever else it does."""
+    """Run a worker in threads of this process."""
     config = WorkerConfig(
         slots=settings.slots,
         heartbeat_s=settings.heartbeat_s,
@@ -158,23 +183,6 @@ def _working(settings: Settings, parts: WorkerParts) -> Iterator[Worker]:
             yield worker
         finally:
             worker.stop()
-
-
-def _parts(
-    database: Database, settings: Settings, assignments: CourseAssignments, clock: Clock, metrics: Metrics
-) -> WorkerParts:
-    return WorkerParts(
-        queue=Queue(database, clock, _retries(settings)),
-        workers=Workers(database, clock),
-        assignments=assignments,
-        make_grader=lambda: Slot(_ISOLATION),
-        probe=_probe,
-        doorbell=Doorbell(),
-        clock=clock,
-        metrics=metrics,
-        uploads=Uploads(own=OwnAssignments(database, clock), make_grader=lambda: Slot(_BEHIND)),
-        work=None if database.is_sqlite else _permits(database, settings, clock),
-    )
 
 
 def _permits(database: Database, settings: Settings, clock: Clock) -> WorkSource:

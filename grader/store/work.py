@@ -101,7 +101,7 @@ class Unannounced:
 
 
 class Doorbell:
-    """A hint, inside one process, that something changed. Missing one costs a poll interval, nothing else.
+    """A hint that something changed. Missing one costs a poll interval, nothing else.
 
     Ringing wakes everybody who waits. A ring between looking and waiting is not missed.
     """
@@ -109,9 +109,20 @@ class Doorbell:
     def __init__(self) -> None:
         self._changed = threading.Condition()
         self._rings = 0
+        self._elsewhere: Callable[[], None] | None = None
+
+    def tell(self, elsewhere: Callable[[], None]) -> None:
+        """Have `elsewhere` called at each ring from now on: it wakes those of another process."""
+        self._elsewhere = elsewhere
 
     def ring(self) -> None:
-        """Wake everybody."""
+        """Wake everybody, those of the other process as well."""
+        self.ring_here()
+        if self._elsewhere is not None:
+            self._elsewhere()
+
+    def ring_here(self) -> None:
+        """Wake those of this process."""
         with self._changed:
             self._rings += 1
             self._changed.notify_all()

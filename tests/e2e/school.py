@@ -21,7 +21,7 @@ from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.rules import LateRule, Rules
 from grader.operation.settings import Settings
 from grader.render.terminal import console
-from grader.service.composition import running
+from grader.service.composition import running, running_worker
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
 from tests.fakes import server
@@ -97,14 +97,15 @@ def school(
     files = folder / "assignments"
     for name in ASSIGNMENTS:
         shutil.copytree(default_root() / name, files / name)
-    settings = Settings(
-        database_url=url, practice_per_minute=600, signin=signin
-    )  # one student's in all tests of a module
+    # 600: one student's in all tests of a module
+    settings = Settings(database_url=url, practice_per_minute=600, signin=signin, slots=0)
+    grading = Settings(database_url=url, poll_s=0.02)  # here, because another process would not be patched
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("grader.catalog.default_root", lambda: files)
         patch.setattr("grader.catalog.refreshed._FRESH_S", 0.0)  # an edited assignment is seen at once
         with (
             running(settings) as services,
+            running_worker(grading),
             server.serving(create_app(lambda: nullcontext(services)), websockets=websockets) as client,
         ):
             opened = School(services, str(client.base_url).rstrip("/"), _enrol(services), files)

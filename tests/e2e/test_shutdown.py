@@ -1,8 +1,11 @@
 """Stopping `grader serve` while it grades and is watched: a real process, the real sandbox."""
 
 import json
+import os
 import signal
 from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
 
 import httpx
 import pytest
@@ -13,6 +16,7 @@ from grader.store.database import Database
 from grader.store.occupancy import alone
 from tests.fakes.prepared import Forked, Prepared
 from tests.fakes.submissions import Submissions
+from tests.fakes.waiting import wait_until
 
 TOKEN = "3q9fKx72LmVb0pTzQQ"
 PATIENCE_S = 120.0  # only ever waited for in full when the test fails
@@ -62,6 +66,30 @@ def test_told_to_stop_it_ends_streams_returns_gradings_and_loses_nothing(
     assert TOKEN not in str(records)
 
 
+def test_a_worker_that_is_killed_is_replaced_and_none_outlives_its_service(
+    process: Forked, database_url: str
+) -> None:
+    said = (json.loads(line)["message"] for line in process.stderr)
+    address = next(one for one in said if one.startswith("listening on ")).removeprefix("listening on ")
+    first, second = _worker(said), None
+    os.kill(first, signal.SIGKILL)
+    second = _worker(said)
+    assert second != first
+    with httpx.Client(base_url=address, timeout=PATIENCE_S, trust_env=False) as client:
+        id_ = _upload(client, 1, b"print(1)\n")
+    with closing(Database(database_url)) as database:
+        submissions = Submissions(database, utc_now)
+        wait_until(lambda: submissions.get(id_).state is SubmissionState.GRADED)
+    process.kill()
+    wait_until(lambda: not Path(f"/proc/{second}").exists())
+
+
+def _worker(said: Iterator[str]) -> int:
+    """Wait until a worker grades; return its process."""
+    line = next(one for one in said if one.startswith("worker ") and " grades" in one)
+    return int(line.split(":")[-2])
+
+
 @pytest.mark.parametrize(
     ("command", "database_url"),
     [(["serve", "--port", "0"], "sqlite_url"), (["worker"], "postgres_url")],
@@ -81,10 +109,10 @@ def test_told_to_stop_while_it_waits_for_the_database_it_stops(
     database.close()
 
 
-def _upload(client: httpx.Client, number: int) -> str:
+def _upload(client: httpx.Client, number: int, source: bytes = b"") -> str:
     response = client.post(
         "/api/v1/submissions",
-        files={"file": ("busy.py", BUSY.format(number).encode())},
+        files={"file": ("busy.py", source or BUSY.format(number).encode())},
         data={"assignment": "hello", "student": f"s{number}"},
     )
     assert response.status_code == 202, response.text

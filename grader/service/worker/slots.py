@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import timedelta
 from itertools import repeat
+from typing import Protocol
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import GraderError, InfrastructureError, NoRoomError, SandboxUnavailableError
@@ -19,10 +20,10 @@ from grader.contracts.grading import (
     GradingResult,
     SandboxState,
 )
+from grader.contracts.report import GradeStatus
 from grader.contracts.submission import Claim, SubmissionState
 from grader.grading.slot import Slot
 from grader.operation.logs import about
-from grader.operation.metrics import Metrics
 from grader.service.worker.examiner import Uploads
 from grader.store.clock import Clock
 from grader.store.queue import Finished, Queue
@@ -40,6 +41,19 @@ _TIMES_ORDINARY = 4.0
 """A grading counts as long when it takes this many times as long as an ordinary one."""
 _ROOM_PAUSE_S = 1.0
 """A script that holds every process id is ended within milliseconds, but the kernel frees them later."""
+
+
+class GradingCounts(Protocol):
+    """What a worker counts. `grader.operation.metrics.Metrics` says what each of it means."""
+
+    def graded(self, verdict: GradeStatus, grading_s: float, waited_s: float) -> None:
+        """Count a grading that was stored."""
+
+    def retried(self, tries: int = 1) -> None:
+        """Count tries that failed and are made again."""
+
+    def given_up(self, submissions: int = 1) -> None:
+        """Count submissions that end without a grade."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,7 +75,7 @@ class WorkerParts:
     probe: Callable[[], SandboxState]
     doorbell: Doorbell
     clock: Clock
-    metrics: Metrics
+    metrics: GradingCounts
     work: WorkSource | None = None
     uploads: Uploads | None = None
 

@@ -49,7 +49,7 @@ def test_garbage_is_collected_once_a_worker_has_started(
             return "w"
 
     @contextmanager
-    def running_worker(settings: object) -> Iterator[Worker]:
+    def running_worker(*_: object) -> Iterator[Worker]:
         yield Worker()
 
     found: list[bool] = []
