@@ -102,6 +102,70 @@ ONE_TOOL = Text(
     zh="publish、call、goal、read 只写一个",
     en="give one of publish, call, goal, read",
 )
+ONE_STEP = Text(
+    zh="publish、call、goal、set、get、serve 只写一个",
+    en="give one of publish, call, goal, set, get, serve",
+)
+STEP_NEEDS_TYPE = Text(
+    zh="publish、call、goal、serve 要写 type；set、get 不写",
+    en="publish, call, goal and serve have a type; set and get have none",
+)
+ONE_EXPECTATION = Text(
+    zh="每一条写期望什么，写一个：topic、answer、goal、set、parameter、frame、log、node、listener、service、"
+    "client、action、served、turtle",
+    en="say what is expected: one of topic, answer, goal, set, parameter, frame, log, node, listener, service, "
+    "client, action, served, turtle",
+)
+NO_COUNT = Text(
+    zh="写成一个整数 3（正好）、[2, 4]（2 到 4）或 [2, null]（至少 2）",
+    en="write a whole number such as 3 (exactly), [2, 4], or [2, null] (two at least)",
+)
+MEASURE_OR_EXPECT = Text(
+    zh="写 measure（和 low、high），或者写 expect，只写一种",
+    en="give a measure (with low, high), or expect; one of the two",
+)
+SAME_TYPE = Text(
+    zh="前面的一条给同一个话题写了另一种 type：改成一样的",
+    en="an earlier one gives this topic another type; give it the same",
+)
+TOO_MANY_SENT = Text(
+    zh="所有 steps 加起来最多发 1000 次：减小 count",
+    en="the steps send more than 1000 messages, calls and goals in all; make count smaller",
+)
+
+
+def bad_formula(why: str) -> Text:
+    """Say that a formula cannot be read."""
+    return Text(zh=f"公式看不懂：{why}", en=f"this formula is not understood: {why}")
+
+
+def unknown_name(name: str, known: Iterable[str]) -> Text:
+    """Say that a formula asks for what it is not given."""
+    names = ", ".join(known)
+    return Text(
+        zh=f"公式里没有 {name!r}；有：{names}，以及 turtle1 等小乌龟",
+        en=f"a formula knows no {name!r} here; there are {names}, and turtles such as turtle1",
+    )
+
+
+def not_of_step(kind: str, known: Iterable[str]) -> Text:
+    """Say that a step of this kind has no such field."""
+    names = ", ".join(("id", "at_s", *known))
+    return Text(
+        zh=f"{kind} 没有这个字段：删掉；可以写 {names}",
+        en=f"a step of {kind} has no such field; remove it; there are {names}",
+    )
+
+
+def unknown_step(name: str, kind: str | None, known: Iterable[str]) -> Text:
+    """Say that there is no step with this id, or that it is of another kind."""
+    names, of_kind = ", ".join(known) or "—", f" {kind}" if kind else ""
+    return Text(
+        zh=f"没有 id 是 {name!r} 的{of_kind} 步骤；有：{names}",
+        en=f"there is no{of_kind} step with the id {name!r}; there are: {names}",
+    )
+
+
 ONE_PATH = Text(
     zh="写 pieces（每段路），或 reference: solution（答案走的路），只写一个",
     en="give pieces, or reference: solution (what the solution drives); one of the two",
@@ -270,8 +334,8 @@ class MisfitError(ValueError):
         self.field = field
 
 
-_BRANCH: Final = re.compile(r"(constrained-)?float|tuple\[.*\]")
-"""How pydantic calls a number, and a pair of numbers, where either may stand."""
+_BRANCH: Final = re.compile(r"(constrained-)?float|tuple\[.*\]|<\w+>|(float|str|int|none|json-\w+)")
+"""How pydantic calls one of several types, where either may stand."""
 
 
 def root_causes(errors: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
@@ -301,13 +365,16 @@ def _models(annotation: object) -> Iterator[type[BaseModel]]:
 
 def _fields_at(model: type[BaseModel], place: Sequence[int | str]) -> tuple[str, ...]:
     """Return the fields that the part of the file at `place` may have; none where it is no model's."""
-    found: type[BaseModel] | None = model
+    models: list[type[BaseModel]] = [model]
     for step in place:
         if isinstance(step, str):  # a number leads to an entry of a list, which is of the list's model
-            fields = {} if found is None else found.model_fields
-            named = next((one for name, one in fields.items() if step in (name, one.alias)), None)
-            found = None if named is None else next(_models(named.annotation), None)
-    return () if found is None else tuple(one.alias or name for name, one in found.model_fields.items())
+            named = [
+                one for each in models for name, one in each.model_fields.items() if step in (name, one.alias)
+            ]
+            models = [each for one in named for each in _models(one.annotation)]
+    return tuple(
+        dict.fromkeys(one.alias or name for each in models for name, one in each.model_fields.items())
+    )
 
 
 def _no_such_field(name: str, known: Sequence[str]) -> Text:

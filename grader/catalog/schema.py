@@ -17,6 +17,7 @@ from pydantic import (
     model_validator,
 )
 
+from grader.catalog.conversation import ExpectationModel, StepModel, steps_named
 from grader.catalog.misfits import (
     ANY_TYPE_PATTERN,
     ARC,
@@ -24,6 +25,7 @@ from grader.catalog.misfits import (
     CENTS,
     ID_PATTERN,
     INTERFACE_PATTERN,
+    MEASURE_OR_EXPECT,
     NO_BAND,
     NO_FREE_PLACE,
     NO_PYBULLET,
@@ -38,8 +40,10 @@ from grader.catalog.misfits import (
     ONE_PIECE,
     ONE_REGION,
     ONE_TOOL,
+    SAME_TYPE,
     SCORE,
     TOO_LARGE,
+    TOO_MANY_SENT,
     TOO_SMALL,
     WRONG_FILE_PATTERN,
     MisfitError,
@@ -49,6 +53,7 @@ from grader.catalog.misfits import (
     too_late,
     twice,
     unknown_item,
+    unknown_step,
     unknown_topic,
     wrong_ending,
 )
@@ -56,6 +61,7 @@ from grader.catalog.rooms import NoPlaceError, RoomModel
 from grader.catalog.spec import Metres, SpecModel, drawn, number_or_range
 from grader.contracts.assignment import (
     BY_PERSON,
+    EXPECTED,
     MIB,
     ROBOT_COMMANDS,
     ROBOT_TOPICS,
@@ -86,6 +92,7 @@ from grader.contracts.assignment import (
     WrongAttempt,
     outside_m,
 )
+from grader.contracts.conversation import MOST_SENT, MOST_STEPS
 from grader.contracts.python import Self
 from grader.contracts.text import Text
 
@@ -133,7 +140,8 @@ class ItemModel(SpecModel):
     id: Id
     title: TextModel
     points: Annotated[float, Field(gt=0.0, le=1000.0), AfterValidator(_in_cents)]
-    measure: str
+    measure: str = ""
+    expect: Annotated[tuple[ExpectationModel, ...], Field(max_length=20)] = ()
     low: float | None = None
     high: float | None = None
     ramp: Annotated[float, Field(ge=0.0)] = 0.0
@@ -144,7 +152,12 @@ class ItemModel(SpecModel):
 
     @model_validator(mode="after")
     def _has_band(self) -> Self:
-        if self.measure == BY_PERSON:
+        if bool(self.measure) == bool(self.expect):
+            raise MisfitError(MEASURE_OR_EXPECT, "expect" if self.measure else "measure")
+        if self.expect:
+            if self.low is not None or self.high is not None or self.ramp:
+                raise MisfitError(MEASURE_OR_EXPECT, "expect")
+        elif self.measure == BY_PERSON:
             if self.low is not None or self.high is not None or self.ramp or self.limit:
                 raise MisfitError(NO_BAND)
         elif self.low is None and self.high is None:
@@ -155,7 +168,11 @@ class ItemModel(SpecModel):
 
     def to_contract(self) -> ItemSpec:
         """Return the contract."""
-        return ItemSpec(**{**dict(self), "title": self.title.to_contract()})
+        own: dict[str, Any] = {"title": self.title.to_contract()}
+        if self.expect:
+            own |= {"measure": f"{EXPECTED}.{self.id}", "low": 100.0, "ramp": 100.0}
+            own["expect"] = tuple(one.to_contract() for one in self.expect)
+        return ItemSpec(**{**dict(self), **own})
 
 
 class StartModel(SpecModel):
@@ -542,6 +559,7 @@ class AssignmentModel(SpecModel):
     cases: Annotated[tuple[CaseModel, ...], Field(min_length=1)] = (CaseModel(),)
     calls: tuple[CallModel, ...] = ()
     agent: Annotated[tuple[AgentStepModel, ...], Field(max_length=40)] = ()
+    steps: Annotated[tuple[StepModel, ...], Field(max_length=MOST_STEPS)] = ()
     answers: tuple[AnswerModel, ...] = ()
     path: PathModel | None = None
     places: PlacesModel | None = None
@@ -592,12 +610,34 @@ class AssignmentModel(SpecModel):
     def _comes_before_the_end(self) -> Self:
         asked = [("calls", i, call.at_s) for i, call in enumerate(self.calls)]
         asked += [("agent", i, step.at_s) for i, step in enumerate(self.agent)]
+        asked += [("steps", i, step.at_s) for i, step in enumerate(self.steps)]
         for name, i, at_s in asked:
             if at_s >= self.horizon_s:
                 raise MisfitError(too_late("at_s", self.horizon_s), name, i, "at_s")
         for i, goal in enumerate(self.places.visit if self.places else ()):
             if goal.by_s is not None and goal.by_s > self.horizon_s:
                 raise MisfitError(too_late("by_s", self.horizon_s), "places", "visit", i, "by_s")
+        return self
+
+    @model_validator(mode="after")
+    def _conversation_fits(self) -> Self:
+        steps = [step.to_contract(i) for i, step in enumerate(self.steps, 1)]
+        kinds = {step.id: step.kind for step in steps}
+        for i, step in enumerate(steps):
+            if step.id in [earlier.id for earlier in steps[:i]]:
+                raise MisfitError(twice(step.id), "steps", i, "id")
+        if sum(step.sends for step in steps) > MOST_SENT:
+            raise MisfitError(TOO_MANY_SENT, "steps")
+        types: dict[str, str | None] = {}
+        for i, item in enumerate(self.items):
+            for k, model in enumerate(item.expect):
+                one = model.to_contract()
+                for name, kind, step_id in steps_named(one):
+                    if step_id not in kinds or (kind is not None and kinds[step_id] != kind):
+                        known = [each for each in kinds if kind in (None, kinds[each])]
+                        raise MisfitError(unknown_step(step_id, kind, known), "items", i, "expect", k, name)
+                if one.kind == "topic" and types.setdefault(one.target, one.type) != one.type:
+                    raise MisfitError(SAME_TYPE, "items", i, "expect", k, "type")
         return self
 
     @model_validator(mode="after")
@@ -623,8 +663,11 @@ class AssignmentModel(SpecModel):
         """Return the contract."""
         cases = tuple(case.to_contract(self.world, self.places) for case in self.cases)
         others = {
-            name: _as_contract(value) for name, value in self if name not in ("world", "cases", "wrong")
+            name: _as_contract(value)
+            for name, value in self
+            if name not in ("world", "cases", "wrong", "steps")
         }
+        others["steps"] = tuple(step.to_contract(i) for i, step in enumerate(self.steps, 1))
         return Assignment(**others, world=self.world.to_contract(cases[0]), cases=cases)
 
     def attempts(self) -> tuple[WrongAttempt, ...]:

@@ -9,8 +9,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from grader.checks.causes import with_causes
+from grader.checks.expectations import expected_measures, with_expectations, with_expected_mistakes
 from grader.checks.fit import misfits
-from grader.checks.kinds import CHECKS, KINDS, TEXT_CHECKS
+from grader.checks.kinds import CHECKS, KINDS, OLDER_NAMES, TEXT_CHECKS
 from grader.checks.measure import Check, Findings, Kind, Measures, first_causes
 from grader.checks.package import package_measures, with_package, with_package_mistakes
 from grader.checks.scoring import (
@@ -61,7 +62,7 @@ def mark(assignment: Assignment, runs: Sequence[Run]) -> Marks:
         AssignmentError: the assignment does not fit its check (see `problems`).
     """
     check = _script_check(assignment)
-    measures = [{**check.measure(assignment.in_case(run.case), run), **package_measures(run)} for run in runs]
+    measures = [_measured(check, assignment.in_case(run.case), run) for run in runs]
     portions = [
         Portion(f"{run.case}/", part, len(runs)) if len(runs) > 1 else WHOLE for part, run in enumerate(runs)
     ]
@@ -71,6 +72,10 @@ def mark(assignment: Assignment, runs: Sequence[Run]) -> Marks:
     ]
     together = together_scored(check, assignment, runs, measures) if len(runs) > 1 else {}
     return Marks(tuple(measures), tuple(scored), together)
+
+
+def _measured(check: Check, case: Assignment, run: Run) -> Measures:
+    return {**check.measure(case, run), **expected_measures(case, run), **package_measures(run)}
 
 
 def unexplained(assignment: Assignment, runs: Sequence[Run], marks: Marks) -> Scoring:
@@ -114,7 +119,8 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
 
 def _findings(check: Check, assignment: Assignment, run: Run, measures: Measures) -> Findings:
     case = assignment.in_case(run.case)
-    findings = Findings(measures, check.explain(case, run, measures))
+    own = check.explain(case, run, measures)
+    findings = Findings(measures, with_expected_mistakes(own, case, run))
     return replace(
         findings, mistakes=with_package_mistakes(check, with_causes(case, run, findings).mistakes, run)
     )
@@ -191,7 +197,7 @@ def published_rubric(assignment: Assignment) -> PublishedRubric:
 
 def problems(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
     """Return (field, problem) for all that does not fit the assignment's check; empty when it fits."""
-    if assignment.check not in KINDS:
+    if _kind_name(assignment) not in KINDS:
         name, known = repr(assignment.check), ", ".join(KINDS)
         told = Text(zh=f"没有 {name} 这种检查，可用：{known}", en=f"unknown check {name}; use one of {known}")
         return (("check", told),)
@@ -200,14 +206,20 @@ def problems(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
 
 def _script_check(assignment: Assignment) -> Check:
     _raise_problem(assignment)
-    if assignment.check not in CHECKS:
+    if _kind_name(assignment) not in CHECKS:
         raise AssignmentError(f"{assignment.id}: check: {assignment.check!r} scores texts, not scripts")
-    return with_package(CHECKS[assignment.check], assignment)
+    return with_expectations(with_package(CHECKS[_kind_name(assignment)], assignment), assignment)
 
 
 def _kind(assignment: Assignment) -> Kind:
-    check = KINDS[assignment.check]
-    return with_package(check, assignment) if isinstance(check, Check) else check
+    check = KINDS[_kind_name(assignment)]
+    if not isinstance(check, Check):
+        return check
+    return with_expectations(with_package(check, assignment), assignment)
+
+
+def _kind_name(assignment: Assignment) -> str:
+    return OLDER_NAMES.get(assignment.check, assignment.check)
 
 
 def _raise_problem(assignment: Assignment) -> None:

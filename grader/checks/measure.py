@@ -25,11 +25,13 @@ class MeasureKind(Record, kw_only=False):
         unit: of its values; empty for counts and flags.
         form: how it reads: a number with a unit, a whole number, or yes (1) and no (0).
         of: what its texts begin with instead of the check's kind, where several checks have it.
+        text: what they begin with instead of kind and name, where several measures have it.
     """
 
     unit: Unit = ""
     form: Form = "quantity"
     of: str = ""
+    text: str = ""
 
 
 class Measure(Record, kw_only=False):
@@ -136,7 +138,8 @@ class Check(Kind):
 
 def text_id(check: Kind, name: str) -> str:
     """Return what the ids of a measure's texts begin with."""
-    return f"{check.measures[name].of or check.kind}.{name}"
+    measure = check.measures[name]
+    return measure.text or f"{measure.of or check.kind}.{name}"
 
 
 class TextCheck(Kind):

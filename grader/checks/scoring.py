@@ -40,6 +40,8 @@ def wanted(kind: MeasureKind, spec: ItemSpec) -> Text:
     """Say what earns full credit: ``90° ± 3°``, ``at least 0.5 m``, ``yes``."""
     if spec.measure == BY_PERSON:
         return say("wanted.by_person")
+    if spec.expect:
+        return say("wanted.expected", count=len(spec.expect))
     if kind.form == "flag":
         return say("word.yes")
     low, high = _number(spec.low, kind.unit), _number(spec.high, kind.unit)
@@ -88,6 +90,8 @@ def _measure(check: Kind, spec: ItemSpec) -> Text:
 
 def _partial(kind: MeasureKind, spec: ItemSpec) -> Text:
     """Say at which values an item earns nothing, or that it earns all or nothing."""
+    if spec.expect:
+        return say("rubric.by_share")
     if spec.ramp <= 0.0 or kind.form == "flag":
         return say("rubric.all_or_nothing")
     edges = []
@@ -165,6 +169,8 @@ def credit(spec: ItemSpec, value: float) -> float:
     if not distance < spec.ramp:
         return 0.0
     x = distance / spec.ramp
+    if spec.expect:
+        return 1.0 - x  # a share of what is expected earns that share
     return 1.0 - x * x * (3.0 - 2.0 * x)  # flat at both ends: nobody loses much by a hair
 
 

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from typing import Any, Final, Literal, get_args
 
+from grader.contracts.conversation import Expectation, Step
 from grader.contracts.record import Record, field, to_plain
 from grader.contracts.rubric import summed
 from grader.contracts.text import EMPTY, Language, Text
@@ -25,6 +26,9 @@ SUFFIXES: dict[Input, tuple[str, ...]] = {
 
 BY_PERSON = "by_person"
 """The measure of rubric items that a person judges. They have no band and earn nothing until then."""
+
+EXPECTED = "expected"
+"""Begins the measures of items that expect something, before their ids."""
 
 
 # Within a second, as any program starts: who counts whole seconds only is wrong here as at home. Five eighths, so
@@ -398,6 +402,7 @@ class ItemSpec(Record):
             count against them a second time.
         across: with several cases, ``each`` earns its share of the points; or the ``worst`` of them, or the
             ``mean`` of what was measured in them, earns all.
+        expect: what is wanted of the script, in place of a measure: the item earns the share that is met.
         limit: why a motion may differ without any loss, within the band or in what nothing measures; empty: it
             should not by much.
     """
@@ -413,6 +418,7 @@ class ItemSpec(Record):
     scaled_by: tuple[str, ...] = ()
     across: Across = "each"
     limit: str = ""
+    expect: tuple[Expectation, ...] = ()
 
 
 class Answer(Record):
@@ -444,6 +450,7 @@ class Assignment(Record):
         order: position on the checklist.
         calls: requests sent to the script's services in every run.
         agent: tool calls that a chat agent sends in every run.
+        steps: what is said to the script in every run.
         answers: of a question whose answer is a number.
         package: what of a package is run; None: its only executable.
         path: what the check ``path`` compares with. places: where the check ``places`` looks.
@@ -467,6 +474,7 @@ class Assignment(Record):
     input: Input = "script"
     calls: tuple[ServiceCall, ...] = ()
     agent: tuple[AgentStep, ...] = ()
+    steps: tuple[Step, ...] = ()
     answers: tuple[Answer, ...] = ()
     interfaces: tuple[InterfaceDefinition, ...] = ()
     distro: Distro | None = None
@@ -482,6 +490,11 @@ class Assignment(Record):
     def of_course(self, distro: Distro | None) -> "Assignment":
         """Return the assignment as a course of the release `distro` grades it; its own release comes first."""
         return self if distro is None or self.distro is not None else replace(self, distro=distro)
+
+    @property
+    def expectations(self) -> tuple[Expectation, ...]:
+        """What the rubric's items expect of the script."""
+        return tuple(one for item in self.items for one in item.expect)
 
     @property
     def max_score(self) -> float:

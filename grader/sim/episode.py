@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from grader.contracts.assignment import EPOCH_NS, AgentStep, Distro, InterfaceDefinition, ServiceCall, World
+from grader.contracts.conversation import Conversation, Expectation, Step
 from grader.contracts.errors import AssignmentError, ProtocolError
 from grader.contracts.grading import WorldRequest
 from grader.contracts.outcome import AgentResult, Endpoint, LogRecord, Note, ServiceResult
@@ -57,6 +58,7 @@ from grader.sim.wire import PROTOCOL, decode, encode_events, encode_start
 if TYPE_CHECKING:
     from grader.contracts.replay import Replayed
     from grader.sim.agent import Agent
+    from grader.sim.conversation import Talk
     from grader.sim.pybullet_world import PybulletWorld
     from grader.sim.recorded_calls import RecordedCalls
 
@@ -90,6 +92,7 @@ class EpisodeSpec(Record):
         args: of the command line, without the file. stdin: text for `input()`.
         calls: requests the assignment sends to the script's services.
         agent: tool calls that a chat agent sends.
+        said: what is said to the script. expectations: what is wanted of it.
         interfaces: what the script can import besides ROS's own.
         output_bytes: what the script may print before the shim ends it; None: no bound.
         steps: what it may do before the shim ends it (`Limits.steps`); None: no bound.
@@ -104,6 +107,8 @@ class EpisodeSpec(Record):
     stdin: str = ""
     calls: tuple[ServiceCall, ...] = ()
     agent: tuple[AgentStep, ...] = ()
+    said: tuple[Step, ...] = ()
+    expectations: tuple[Expectation, ...] = ()
     interfaces: tuple[InterfaceDefinition, ...] = ()
     output_bytes: int | None = None
     steps: int | None = None
@@ -143,6 +148,7 @@ class EpisodeResult(Record):
     sim_steps: int
     calls: tuple[ServiceResult, ...] = ()
     agent: tuple[AgentResult, ...] = ()
+    conversation: Conversation | None = None
     most_steps: int | None = None
     requests: tuple[WorldRequest, ...] = ()
     recorded: "RecordedCalls | None" = None
@@ -174,6 +180,7 @@ class Episode:
         self._journal = Journal()
         self._calls = ServiceCalls(spec.calls, self._graph, spec.interfaces)
         self._agent = _agent(spec, self._world, self._graph) if spec.agent else None
+        self._talk = _talk(spec, self._world, self._graph) if spec.said or spec.expectations else None
         self._sinks: dict[int, Callable[[Sequence[int], bytes], None]] = {}
         self._published: Publish | None = None  # the last one, as long as only its REPEATs have followed
         self._now_ns = 0
@@ -249,7 +256,10 @@ class Episode:
             calls += [list(each) for each in self._agent.services.items()]
             for topic, kind in self._agent.topics.items():
                 world["publishes" if topic in self._agent.published else "subscribes"].append([topic, kind])
-        return {**world, "calls": calls}
+        world["calls"] = calls
+        if self._talk is not None:
+            self._talk.add_to(world)
+        return world
 
     def _script_seed(self) -> int:
         """Return the seed of the script's randomness: not that of the rough noise, which it could foresee."""
@@ -317,7 +327,9 @@ class Episode:
         self._pass_time(t_ns)
         if t_ns > self._now_ns:  # beyond the horizon
             return
-        self._graph.get(identity, PUBLISHER)
+        entity = self._graph.get(identity, PUBLISHER)
+        if self._talk is not None:
+            self._talk.hear(entity, (t_ns,), payload)
         if sink := self._sinks.get(identity):
             sink((t_ns,), payload)
 
@@ -337,7 +349,9 @@ class Episode:
         self._pass_time(times_ns[-1])
         if not (taken := _up_to(self._spec.horizon_ns, times_ns)):
             return
-        self._graph.get(identity, PUBLISHER, uses=len(taken))
+        entity = self._graph.get(identity, PUBLISHER, uses=len(taken))
+        if self._talk is not None:
+            self._talk.hear(entity, taken, payload)
         if sink := self._sinks.get(identity):
             sink(taken, payload)
 
@@ -346,6 +360,8 @@ class Episode:
         self._check_time(t_ns)
         if self._agent is not None:
             self._run_agent(self._agent, min(t_ns, self._spec.horizon_ns))
+        if self._talk is not None:
+            self._go_on(self._talk, min(t_ns, self._spec.horizon_ns))
         self._now_ns = min(t_ns, self._spec.horizon_ns)
         if self._in_turn_ns is not None and self._now_ns - self._in_turn_ns > AHEAD_NS:
             self._in_turn_ns = None
@@ -358,6 +374,17 @@ class Episode:
             agent.run(due_ns)
         agent.reach(t_ns)
 
+    def _go_on(self, talk: "Talk", t_ns: int) -> None:
+        """Let the conversation go on up to `t_ns`, the time that a script which runs ahead has reached."""
+        while (due_ns := self._said_next(talk)) is not None and due_ns <= t_ns:
+            self._world.advance(due_ns)
+            talk.run(due_ns)
+
+    def _said_next(self, talk: "Talk") -> int | None:
+        """Return when the conversation goes on; at once where what a step waited for has come."""
+        due_ns = talk.next_ns()
+        return None if due_ns is None else max(due_ns, self._now_ns)
+
     def _check_time(self, t_ns: int) -> None:
         if t_ns < self._now_ns:
             raise ProtocolError(f"time went back from {self._now_ns} to {t_ns} ns")
@@ -367,8 +394,12 @@ class Episode:
         if isinstance(frame, Entity):
             self._graph.add(frame)
             self._connect(frame)
+            if self._talk is not None:
+                self._talk.meet(frame)
         elif isinstance(frame, Gone):
             self._graph.remove(frame.id)
+            if self._talk is not None:
+                self._talk.part(frame.id, frame.t_ns)
             self._sinks.pop(frame.id, None)
             self._world.outbox.unsubscribe(frame.id)
         elif isinstance(frame, Request):
@@ -377,11 +408,15 @@ class Episode:
             self._graph.get(frame.id, SERVICE)
             if self._agent is not None and frame.sequence >= APART:
                 self._agent.answer(frame)
+            elif self._talk is not None:
+                self._talk.answer(frame)
             else:
                 self._calls.answer(frame)
 
     def _request(self, client: Entity, frame: Request) -> None:
         """Hand a request to the world, if it offers the service."""
+        if self._talk is not None and self._talk.request(client, frame):
+            return
         if self._world.services.get(client.name) != client.type:
             return
         if len(self._requests) < MAX_REQUESTS:
@@ -468,7 +503,10 @@ class Episode:
     def _let_reckon(self) -> CarState | None:
         """Return what the script needs to compute the poses itself; None if anything else may become due."""
         must_ask = (
-            self._agent is not None or self._calls.next_ns() is not None or len(self._sinks) > MAX_DRIVERS
+            self._agent is not None
+            or self._talk is not None
+            or self._calls.next_ns() is not None
+            or len(self._sinks) > MAX_DRIVERS
         )
         car = None if must_ask else self._world.let_reckon()
         if car is None:
@@ -480,8 +518,9 @@ class Episode:
         """Return the next instant at which something may become due, whatever is commanded until then."""
         world_ns, call_ns = self._world.next_due(), self._calls.next_ns()
         agent_ns = None if self._agent is None else self._agent.next_ns()
+        talk_ns = None if self._talk is None else self._said_next(self._talk)
         due_ns = NEVER_NS
-        for each_ns in (world_ns, call_ns, agent_ns):  # asked at each pose: a generator costs more
+        for each_ns in (world_ns, call_ns, agent_ns, talk_ns):  # asked at each pose: a generator costs more
             if each_ns is not None and each_ns < due_ns:
                 due_ns = each_ns
         return due_ns
@@ -494,6 +533,8 @@ class Episode:
             self._world.outbox.add(event)
         if self._agent is not None:
             self._agent.run(now_ns)
+        if self._talk is not None:
+            self._talk.run(now_ns)
         return now_ns >= limit_ns
 
     def _finish(self, violation: str | None) -> EpisodeResult:
@@ -530,6 +571,7 @@ class Episode:
             sim_steps=self._world.steps_run,
             calls=self._calls.results,
             agent=() if self._agent is None else self._agent.results,
+            conversation=None if self._talk is None else self._talk.result(),
             most_steps=self._spec.steps,
             requests=tuple(self._requests),
             recorded=None if self._bullet is None else self._bullet.calls,
@@ -561,6 +603,13 @@ def _agent(spec: EpisodeSpec, world: SimulatedWorld, graph: ScriptGraph) -> "Age
     if not isinstance(world, TurtleWorld):
         raise AssignmentError("an agent drives turtlesim's car only")
     return Agent(spec.agent, world, graph, spec.interfaces, EPOCH_NS)
+
+
+def _talk(spec: EpisodeSpec, world: SimulatedWorld, graph: ScriptGraph) -> "Talk":
+    from grader.sim.conversation import Plan, Talk  # only scripts that are spoken to need it
+
+    seed = f"{spec.world.seed}/{hashlib.sha256(spec.source).hexdigest()}"
+    return Talk(Plan(spec.said, spec.expectations, spec.interfaces, seed), world, graph)
 
 
 def _seen_in(received: ReceivedCommands, trajectory: Trajectory) -> Iterator[str]:

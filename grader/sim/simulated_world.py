@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from grader.contracts.conversation import TurtleSample
 from grader.sim.feeds import Outbox
 from grader.sim.frames import CarState, Entity, Request
 from grader.sim.recorder import ReceivedCommands
@@ -61,6 +62,14 @@ class SimulatedWorld:
         self, topic: str, times_ns: Sequence[int], linear_x: float, linear_y: float, angular_z: float
     ) -> None:
         """Take a message on a command topic, which was published at each of these times in order."""
+
+    def say(self, topic: str, t_ns: int, payload: bytes) -> None:
+        """Publish a message of a conversation: to the script, and to what takes commands on the topic."""
+        self.outbox.publish(topic, t_ns, payload)
+
+    def turtles(self, t_ns: int) -> dict[str, TurtleSample]:
+        """Return where the turtles of turtlesim's window are at `t_ns`, by name."""
+        return {}
 
     def request(self, service: str, request: Request) -> bool:
         """Queue a request to one of `services`; false when too many wait."""

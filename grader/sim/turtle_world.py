@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
 from grader.contracts.assignment import Distro, World
+from grader.contracts.conversation import TurtleSample
 from grader.sim import parameters
 from grader.sim.car import UPDATE_NS, PlanarPose, fold, next_update
 from grader.sim.cdr import Values, decode, encode
@@ -185,6 +186,23 @@ class TurtleWorld(SimulatedWorld):
                 self.turtle.receive((t_ns,), linear_x, linear_y, angular_z)
             else:
                 self._others[commanded.name].receive(t_ns, linear_x, angular_z)
+
+    def say(self, topic: str, t_ns: int, payload: bytes) -> None:
+        """Publish a message of a conversation; one on a command topic moves its turtle."""
+        if topic in self._commands:
+            twist = decode(TWIST, payload)
+            self.command(topic, (t_ns,), twist["linear"]["x"], twist["linear"]["y"], twist["angular"]["z"])
+        super().say(topic, t_ns, payload)
+
+    def turtles(self, t_ns: int) -> dict[str, TurtleSample]:
+        """Return where each turtle is at `t_ns`, and its pen."""
+        self.advance(t_ns)
+        self._move(t_ns)
+        return {
+            name: TurtleSample(t_ns, *each.turtle.pose, pen=each.feeds.pen.color, pen_off=each.feeds.pen.off)
+            for name, each in self._present.items()
+            if each.turtle.alive
+        }
 
     def request(self, service: str, request: Request) -> bool:
         """Queue a request to one of `services` for the next update; false when too many wait."""

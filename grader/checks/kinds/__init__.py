@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from grader.checks.kinds import (
     agent,
     bodies,
+    conversation,
     essay,
     motion,
-    node,
     number,
     path,
     places,
@@ -24,7 +24,7 @@ from grader.checks.measure import Check, Kind, TextCheck
 CHECKS: Mapping[str, Check] = {
     check.kind: check
     for check in (
-        node.CHECK,
+        conversation.CHECK,
         motion.CHECK,
         rotation.CHECK,
         polygon.CHECK,
@@ -38,3 +38,5 @@ CHECKS: Mapping[str, Check] = {
 }
 TEXT_CHECKS: Mapping[str, TextCheck] = {check.kind: check for check in (number.CHECK, essay.CHECK)}
 KINDS: Mapping[str, Kind] = {**CHECKS, **TEXT_CHECKS}
+OLDER_NAMES: Mapping[str, str] = {"node": "conversation"}
+"""What checks were called before, in assignments that are stored."""

@@ -133,6 +133,7 @@ class Link:
             key: {(name, kind) for name, kind in self.world[key]}
             for key in ("publishes", "subscribes", "services")
         }
+        self._names["subscribes"] |= {(name, kind) for name, kind in self.world.get("listens", ())}
         self._names["calls"] = {(name, kind) for name, kind in self.world.get("calls", ())}
         self._kernel.connect(self)
 

@@ -286,7 +286,7 @@ def test_problems_with_the_use_of_a_check_are_told_in_both_languages(tmp_path: P
     catalog = write(tmp_path, GOOD.replace("measure: info_logs", "measure: logs"))
     with pytest.raises(AssignmentError) as refusal:
         fitting(catalog, "demo")
-    assert "assignment.yaml:16: items.1.measure: 'logs' is no measure of 'node'" in str(refusal.value)
+    assert "assignment.yaml:16: items.1.measure: 'logs' is no measure of 'conversation'" in str(refusal.value)
     assert "assignment.yaml:16: items.1.measure: 检查 'node' 没有测量值 'logs'" in refusal.value.told("zh")
 
 

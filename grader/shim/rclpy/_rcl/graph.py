@@ -153,6 +153,8 @@ class Graph:
             self.add_writer(WorldEndpoint(name, kind, self._owner, offered.get(name)))
         for name, kind in world["subscribes"]:
             self.add_reader(WorldEndpoint(name, kind, self._owner))
+        for name, kind in world.get("listens", ()):
+            self.add_reader(WorldEndpoint(name, kind, self._owner, [False, False]))
         for members, key in ((self.servers, "services"), (self.clients, "calls")):
             for name, kind in world.get(key, ()):
                 members.add(WorldEndpoint(name, kind, self._owner))

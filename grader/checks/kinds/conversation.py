@@ -1,4 +1,4 @@
-"""Check ``node``: a node starts, logs, and stays alive until Ctrl+C."""
+"""Check ``conversation``: nodes start, log and stay alive until Ctrl+C. What they say, items expect."""
 
 from collections.abc import Iterator
 
@@ -14,9 +14,9 @@ from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
 MEASURES = {
-    "nodes": MeasureKind(form="count"),
-    "info_logs": MeasureKind(form="count"),
-    "alive": MeasureKind(form="flag"),
+    "nodes": MeasureKind(form="count", of="node"),
+    "info_logs": MeasureKind(form="count", of="node"),
+    "alive": MeasureKind(form="flag", of="node"),
 }
 
 
@@ -91,4 +91,4 @@ def _logging(run: Run) -> Iterator[Mistake]:
         yield mistake("never_logged", ("info_logs",))
 
 
-CHECK = Check(kind="node", measures=MEASURES, measure=measure, explain=explain, sketch=sketch)
+CHECK = Check(kind="conversation", measures=MEASURES, measure=measure, explain=explain, sketch=sketch)

@@ -1,0 +1,108 @@
+"""What a rubric item expects of the script, which any check of scripts can have beside its own measures.
+
+Each such item has a measure of its own: the share of its expectations that is met, in percent.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+from grader.checks.expectations import answers, frames, graph, topics
+from grader.checks.expectations.verdict import Evidence, Verdict
+from grader.checks.measure import Check, Measure, MeasureKind, Measures, Mistake
+from grader.contracts.assignment import Assignment, ItemSpec
+from grader.contracts.conversation import Expectation, ExpectationKind
+from grader.contracts.outcome import RunStatus
+from grader.contracts.scoring import Run
+from grader.contracts.text import EMPTY, Text
+from grader.messages import join, say
+from grader.messages.quantity import number
+
+MEASURE: Final = MeasureKind(unit="%", text="expected.share")
+_MOST_ROWS: Final = 4
+_ROWS: Final = Text(zh="；", en="; ")
+
+_JUDGES: Final[Mapping[ExpectationKind, Callable[[Expectation, Evidence], Verdict]]] = {
+    "topic": topics.topic,
+    "log": topics.log,
+    "answer": answers.answer,
+    "goal": answers.goal,
+    "set": answers.settings,
+    "parameter": answers.parameter,
+    "served": answers.served,
+    "frame": frames.frame,
+    "node": graph.node,
+    "listener": graph.endpoint,
+    "service": graph.endpoint,
+    "client": graph.endpoint,
+    "action": graph.endpoint,
+    "turtle": graph.turtle,
+}
+
+
+def with_expectations(check: Check, assignment: Assignment) -> Check:
+    """Return the check with a measure for each item that expects something."""
+    own = {item.measure: MEASURE for item in assignment.items if item.expect}
+    return replace(check, measures={**check.measures, **own}) if own else check
+
+
+def expected_measures(assignment: Assignment, run: Run) -> Measures:
+    """Return how much is met of what each item expects."""
+    return {item.measure: _measure(item, verdicts) for item, verdicts in _judged(assignment, run)}
+
+
+def with_expected_mistakes(
+    mistakes: Sequence[Mistake], assignment: Assignment, run: Run
+) -> tuple[Mistake, ...]:
+    """Return the mistakes of the check, and why items do not have what they expect.
+
+    What spoils everything comes first. A reason that several items have is told once.
+    """
+    reasons = dict[str, Mistake]()
+    for item, verdicts in _judged(assignment, run):
+        for one, verdict in zip(item.expect, verdicts, strict=True):
+            found = None if verdict.share >= 1.0 or one.secret else verdict.why()
+            if found is not None:
+                before = reasons.get(found.code)
+                spoilt = (*(before.measures if before else ()), item.measure)
+                reasons[found.code] = replace(before or found, measures=spoilt)
+    if run.outcome.status not in (RunStatus.INTERRUPTED, RunStatus.FINISHED):
+        return (*mistakes, *reasons.values())
+    return (*_whole(mistakes), *reasons.values(), *_parts(mistakes))
+
+
+def _judged(assignment: Assignment, run: Run) -> Iterator[tuple[ItemSpec, list[Verdict]]]:
+    items = [item for item in assignment.items if item.expect]
+    evidence = Evidence(assignment, run) if items else None
+    for item in items:
+        assert evidence is not None
+        yield item, [_JUDGES[one.kind](one, evidence) for one in item.expect]
+
+
+def _whole(mistakes: Sequence[Mistake]) -> list[Mistake]:
+    """Return the mistakes that spoil everything: they come before what follows from them."""
+    return [each for each in mistakes if not each.measures]
+
+
+def _parts(mistakes: Sequence[Mistake]) -> list[Mistake]:
+    return [each for each in mistakes if each.measures]
+
+
+def _measure(item: ItemSpec, verdicts: Sequence[Verdict]) -> Measure:
+    share = sum(each.share for each in verdicts) / len(verdicts)
+    met = sum(each.share >= 1.0 for each in verdicts)
+    rows = [_row(one, each) for one, each in zip(item.expect, verdicts, strict=True) if each.share < 1.0]
+    more = [say("expected.more", count=len(rows) - _MOST_ROWS)] if len(rows) > _MOST_ROWS else []
+    told = join([*rows[:_MOST_ROWS], *more], _ROWS) if rows else EMPTY
+    percent = min(100.0, round(100.0 * share, 2))
+    return Measure(percent, {"met": met, "count": len(verdicts), "rows": told})
+
+
+def _row(one: Expectation, verdict: Verdict) -> Text:
+    """Say what was sent, what was wanted and what came."""
+    what = f"{one.kind} {one.target if len(one.target) <= 40 else one.target[:39] + '…'}"
+    if one.secret:
+        return say("expected.row_secret")
+    code = "expected.row_sent" if verdict.sent else "expected.row"
+    share = number(100.0 * verdict.share, "%")
+    return say(code, what=what, sent=verdict.sent, wanted=verdict.wanted, came=verdict.came, share=share)

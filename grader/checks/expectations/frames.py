@@ -1,0 +1,221 @@
+"""Expectations of tf2's frames: who is whose parent, where, how turned, how often, at each time."""
+
+import math
+from bisect import bisect_right
+from collections.abc import Sequence
+from functools import partial
+from typing import Any, Final
+
+from grader.checks.expectations.topics import _quantity
+from grader.checks.expectations.verdict import (
+    NS_PER_S,
+    Evidence,
+    Reason,
+    Verdict,
+    because,
+    named,
+    plain,
+    unknown,
+    wanted_of,
+)
+from grader.checks.measure import Mistake, mistake
+from grader.contracts.conversation import Expectation
+from grader.contracts.record import Record
+from grader.contracts.text import EMPTY, Text
+from grader.messages import join, say
+
+_AND = Text(zh="；", en="; ")
+_STEP_NS: Final = 500_000_000
+_MOST_LINKS: Final = 20
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+
+class _Link(Record, kw_only=False):
+    """One transform of a frame to its parent, as it was sent."""
+
+    t_ns: int
+    parent: str
+    child: str
+    translation: Vector
+    rotation: Quaternion
+    static: bool
+
+
+def frame(one: Expectation, evidence: Evidence) -> Verdict:
+    """Judge a frame, as its parent sees it."""
+    links = _links(evidence)
+    own = [each for each in links if each.child == one.target and evidence.looks_at(one, each.t_ns)]
+    direct = [each for each in own if each.parent == one.parent]
+    wanted = _wanted(one)
+    poses = _poses(one, evidence, links, direct)
+    if not poses:
+        used = named(f"{each.parent} → {each.child}" for each in links)
+        came = plain(used) if links else say("expected.no_frames")
+        return Verdict(share=0.0, wanted=wanted, came=came, why=lambda: _missing(one, evidence, links))
+    if one.static is not None and direct and any(each.static is not one.static for each in direct):
+        code = "frame_not_static" if one.static else "frame_static"
+        topic = "/tf_static" if direct[0].static else "/tf"
+        return Verdict(share=0.0, wanted=wanted, came=plain(topic), why=because(code, frame=one.target))
+    share, came, why = _where(one, evidence, poses)
+    if one.rate_hz is not None or one.count is not None:
+        often = _quantity(one, evidence, [each.t_ns for each in direct], 0)
+        share, came, why = min((share, came, why), often, key=lambda each: each[0])
+    return Verdict(share=share, wanted=wanted, came=came, why=why)
+
+
+def _links(evidence: Evidence) -> list[_Link]:
+    found = []
+    for topic in ("/tf_static", "/tf"):
+        for message in evidence.talk.heard.get(topic, ()):
+            for each in (message.values or {}).get("transforms", ())[:50]:
+                move, turn = each["transform"]["translation"], each["transform"]["rotation"]
+                translation = (move["x"], move["y"], move["z"])
+                rotation = (turn["x"], turn["y"], turn["z"], turn["w"])
+                names = each["header"]["frame_id"].lstrip("/"), each["child_frame_id"].lstrip("/")
+                found.append(_Link(message.t_ns, *names, translation, rotation, topic == "/tf_static"))
+    return sorted(found, key=lambda each: each.t_ns)
+
+
+def _poses(
+    one: Expectation, evidence: Evidence, links: Sequence[_Link], direct: Sequence[_Link]
+) -> list[tuple[int, Vector, Quaternion]]:
+    """Return where the frame is: each time that it is sent, or each half second where frames lie between."""
+    if one.at_s is None and direct:
+        return [(each.t_ns, each.translation, each.rotation) for each in direct]
+    from_ns, until_ns = round(one.from_s * NS_PER_S), round(evidence.until_s(one) * NS_PER_S)
+    times = range(from_ns, until_ns + 1, _STEP_NS) if one.at_s is None else [round(one.at_s * NS_PER_S)]
+    last: dict[str, list[_Link]] = {}
+    for each in links:
+        last.setdefault(each.child, []).append(each)
+    poses = ((t_ns, _looked_up(last, one, t_ns)) for t_ns in times)
+    return [(t_ns, *pose) for t_ns, pose in poses if pose is not None]
+
+
+def _looked_up(
+    links: dict[str, list[_Link]], one: Expectation, t_ns: int
+) -> tuple[Vector, Quaternion] | None:
+    """Return the transform from the frame up to the parent at a time; None where they are not connected."""
+    name, translation, rotation = one.target, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
+    for _ in range(_MOST_LINKS):
+        if name == one.parent:
+            return translation, rotation
+        own = links.get(name, ())
+        index = bisect_right([each.t_ns for each in own], t_ns)
+        if not index:
+            return None
+        link = own[index - 1]
+        moved = _turned(translation, link.rotation)
+        x, y, z = (a + b for a, b in zip(moved, link.translation, strict=True))
+        translation, rotation, name = (x, y, z), _product(link.rotation, rotation), link.parent
+    return None
+
+
+def _product(a: Quaternion, b: Quaternion) -> Quaternion:
+    ax, ay, az, aw = a
+    bx, by, bz, bw = b
+    return (
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    )
+
+
+def _turned(vector: Vector, by: Quaternion) -> Vector:
+    x, y, z, _ = _product(_product(by, (*vector, 0.0)), (-by[0], -by[1], -by[2], by[3]))
+    return x, y, z
+
+
+def _where(
+    one: Expectation, evidence: Evidence, poses: Sequence[tuple[int, Vector, Quaternion]]
+) -> tuple[float, Text, Reason]:
+    """Return at which share of the times the frame is where it should be, and where it first is not."""
+    good, first = 0, EMPTY
+    why: Reason = unknown
+    for n, (t_ns, translation, rotation) in enumerate(poses):
+        names = evidence.names(t_ns, n=n)
+        place = wanted_of(one.translation, names) if one.translation is not None else None
+        turn = _wanted_turn(one, names)
+        far = place is not None and not _near(place, translation, one.within)
+        askew = turn is not None and not _angle_deg(turn, rotation) <= one.within_deg
+        good += not (far or askew)
+        if (far or askew) and first == EMPTY:
+            told = f"({', '.join(f'{each:.2f}' for each in translation)}), yaw {_yaw_deg(rotation):.1f}°"
+            time = f"{t_ns / NS_PER_S:.1f}"
+            first = say("expected.frame", time=time, place=told)
+            why = partial(_askew, one, turn, rotation) if askew and not far else unknown
+    return good / len(poses), first, why
+
+
+def _near(place: Any, translation: Vector, within: float) -> bool:
+    numbers = isinstance(place, list) and all(isinstance(each, int | float) for each in place)
+    return numbers and round(math.dist(place, translation), 9) <= within
+
+
+def _wanted_turn(one: Expectation, names: dict[str, Any]) -> Quaternion | None:
+    if one.rotation is not None:
+        x, y, z, w = (float(each) for each in wanted_of(list(one.rotation), names) or (0.0, 0.0, 0.0, 0.0))
+        return x, y, z, w
+    if one.yaw_deg is None:
+        return None
+    yaw = wanted_of(one.yaw_deg, names)
+    half = math.radians(yaw) / 2.0 if isinstance(yaw, int | float) else math.nan
+    return 0.0, 0.0, math.sin(half), math.cos(half)
+
+
+def _angle_deg(one: Quaternion, other: Quaternion) -> float:
+    """Return the angle between two rotations; infinite where one is none."""
+    lengths = math.hypot(*one) * math.hypot(*other)
+    if not math.isfinite(lengths) or not 0.5 < math.hypot(*other) < 2.0 or lengths == 0.0:
+        return math.inf
+    dot = abs(sum(a * b for a, b in zip(one, other, strict=True))) / lengths
+    return round(math.degrees(2.0 * math.acos(min(dot, 1.0))), 4)
+
+
+def _yaw_deg(rotation: Quaternion) -> float:
+    x, y, z, w = rotation
+    return math.degrees(math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+
+
+def _askew(one: Expectation, turn: Quaternion | None, rotation: Quaternion) -> Mistake | None:
+    """Return why a frame is turned otherwise: degrees for radians, an angle for a quaternion, the wrong way."""
+    if turn is None:
+        return None
+    x, y, z, w = rotation
+    yaw = math.radians(_yaw_deg(turn))
+    if not 0.9 < math.hypot(x, y, z, w) < 1.1:
+        return mistake("frame_no_quaternion", frame=one.target, length=f"{math.hypot(x, y, z, w):.2f}")
+    if abs(z - yaw) < 1e-3 and abs(yaw) > 0.05:
+        return mistake("frame_no_quaternion", frame=one.target, length=f"{math.hypot(x, y, z, w):.2f}")
+    degrees = math.degrees(yaw) / 2.0
+    if _angle_deg((0.0, 0.0, math.sin(degrees), math.cos(degrees)), rotation) < 2.0:
+        return mistake("frame_degrees", frame=one.target)
+    if _angle_deg((-turn[0], -turn[1], -turn[2], turn[3]), rotation) < 2.0:
+        return mistake("frame_turned_back", frame=one.target)
+    return None
+
+
+def _missing(one: Expectation, evidence: Evidence, links: Sequence[_Link]) -> Mistake:
+    pairs = {(each.parent, each.child) for each in links}
+    if (one.target, one.parent) in pairs:
+        return mistake("frame_swapped", frame=one.target, parent=one.parent)
+    if pairs:
+        used = named(f"{parent} → {child}" for parent, child in sorted(pairs))
+        return mistake("frame_other", frame=one.target, parent=one.parent, used=used)
+    sends = [each for each in evidence.parties("publisher") if each.name in ("/tf", "/tf_static")]
+    return mistake("frame_unsent" if sends else "frame_missing", frame=one.target, parent=one.parent)
+
+
+def _wanted(one: Expectation) -> Text:
+    parts = [plain(f"{one.parent} → {one.target}")]
+    if one.translation is not None:
+        parts.append(plain(f"({', '.join(str(each).lstrip('= ') for each in one.translation)})"))
+    if one.yaw_deg is not None:
+        parts.append(plain(f"yaw {str(one.yaw_deg).lstrip('= ')}°"))
+    if one.rotation is not None:
+        parts.append(plain(f"[{', '.join(str(each).lstrip('= ') for each in one.rotation)}]"))
+    if one.rate_hz is not None:
+        parts.append(plain(f"{one.rate_hz:g} Hz"))
+    return join(parts, _AND)

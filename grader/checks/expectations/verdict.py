@@ -1,0 +1,287 @@
+"""What an expectation is judged by, and the judgement: how much of it is met, what was sent and what came."""
+
+import bisect
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, Final
+
+from grader.checks.measure import Mistake, mistake
+from grader.contracts.assignment import Assignment
+from grader.contracts.conversation import (
+    FORMULA_MARK,
+    PATTERN_MARK,
+    Conversation,
+    Expectation,
+    Message,
+    Party,
+    Sent,
+    Step,
+    TurtleSample,
+)
+from grader.contracts.formula import FormulaError, formula, matches
+from grader.contracts.record import Record
+from grader.contracts.scoring import Run
+from grader.contracts.text import EMPTY, Text
+from grader.messages import say
+
+NS_PER_S: Final = 1e9
+_SHOWN: Final = 90  # characters of one side of a row
+_PRECISE: Final = 9  # decimals that count: more of them differ between processors
+
+
+Reason = Callable[[], Mistake | None]
+"""Looks for the reason why something is not met. It is called when the points are final."""
+
+
+def unknown() -> Mistake | None:
+    """Return no reason."""
+    return None
+
+
+def because(code: str, /, **values: object) -> Reason:
+    """Return a reason that is known already."""
+    return lambda: mistake(code, **values)
+
+
+class Verdict(Record):
+    """How much of an expectation is met.
+
+    Attributes:
+        share: from 0 to 1.
+        sent: what the script was told, empty where it was told nothing. wanted, came: what was to come, and did.
+        why: looks for the reason.
+    """
+
+    share: float
+    sent: str = ""
+    wanted: Text = EMPTY
+    came: Text = EMPTY
+    why: Reason = unknown
+
+
+class Evidence:
+    """One run with its conversation, as the judges of expectations look at it."""
+
+    def __init__(self, assignment: Assignment, run: Run) -> None:
+        self.assignment = assignment
+        self.run = run
+        self.talk = run.conversation or Conversation()
+        self.horizon_s = assignment.horizon_s
+        self._parties = {party.id: party for party in self.talk.parties}
+        self._times = {
+            name: [sample.t_ns for sample in samples] for name, samples in self.talk.turtles.items()
+        }
+
+    def step(self, step_id: str) -> Step:
+        """Return a step of the assignment."""
+        return next(step for step in self.assignment.steps if step.id == step_id)
+
+    def exchanges(self, step_id: str) -> list[Sent]:
+        """Return what a step's messages, calls or goals came to."""
+        return [each for each in self.talk.exchanges if each.step == step_id]
+
+    def messages(self, one: Expectation) -> list[Message]:
+        """Return the messages on the expectation's topic that it looks at."""
+        found = [each for each in self.talk.heard.get(one.target, ()) if self.looks_at(one, each.t_ns)]
+        if one.node is not None:
+            found = [each for each in found if self._parties[each.party].node == one.node]
+        return [each for each in found if one.joins_s is None or self._reaches(one, each, found)]
+
+    def _reaches(self, one: Expectation, message: Message, found: Sequence[Message]) -> bool:
+        """Whether a message reaches a listener that comes late: later ones do, earlier ones if they are kept."""
+        joins_ns = (one.joins_s or 0.0) * NS_PER_S
+        if message.t_ns >= joins_ns:
+            return True
+        party = self._parties[message.party]
+        gone = party.until_ns is not None and party.until_ns < joins_ns
+        later = [
+            each for each in found if each.party == message.party and message.t_ns < each.t_ns < joins_ns
+        ]
+        return party.transient_local and not gone and len(later) < party.depth
+
+    def looks_at(self, one: Expectation, t_ns: int) -> bool:
+        """Whether an instant lies in what the expectation looks at."""
+        return one.from_s * NS_PER_S <= t_ns <= self.until_s(one) * NS_PER_S
+
+    def until_s(self, one: Expectation) -> float:
+        """Return the end of what the expectation looks at."""
+        return self.horizon_s if one.until_s is None else one.until_s
+
+    def parties(self, kind: str, name: str | None = None) -> list[Party]:
+        """Return the script's endpoints of a kind, and of that name."""
+        return [each for each in self.talk.parties if each.kind == kind and name in (None, each.name)]
+
+    def names(self, t_ns: int | None, **others: Any) -> dict[str, Any]:
+        """Return what a formula is given: the time, the turtles' poses then, and `others`."""
+        if t_ns is None:
+            return others
+        turtles = {name: self.turtle(name, t_ns) for name in self.talk.turtles}
+        poses = {name: _pose(sample) for name, sample in turtles.items() if sample is not None}
+        return {"t": t_ns / NS_PER_S, **poses, **others}
+
+    def turtle(self, name: str, t_ns: int) -> TurtleSample | None:
+        """Return where a turtle was, between two samples by their mean; None before it came."""
+        samples, times = self.talk.turtles.get(name, ()), self._times.get(name, [])
+        after = bisect.bisect_left(times, t_ns)
+        if after == len(times):
+            return samples[-1] if samples else None
+        if times[after] == t_ns or after == 0:
+            return samples[after] if times[after] <= t_ns + 200_000_000 else None
+        return _between(samples[after - 1], samples[after], t_ns)
+
+
+def _between(before: TurtleSample, after: TurtleSample, t_ns: int) -> TurtleSample:
+    part = (t_ns - before.t_ns) / (after.t_ns - before.t_ns)
+    turn = math.remainder(after.heading_rad - before.heading_rad, math.tau)
+    return TurtleSample(
+        t_ns,
+        before.x + part * (after.x - before.x),
+        before.y + part * (after.y - before.y),
+        math.remainder(before.heading_rad + part * turn, math.tau),
+        pen=before.pen,
+        pen_off=before.pen_off,
+    )
+
+
+def _pose(sample: TurtleSample) -> dict[str, float]:
+    return {"x": sample.x, "y": sample.y, "theta": sample.heading_rad}
+
+
+def resolved(wanted: Any, names: Mapping[str, Any]) -> Any:
+    """Return what is wanted, with formulas carried out.
+
+    Raises:
+        FormulaError: a formula has no value.
+    """
+    if isinstance(wanted, Mapping):
+        return {name: resolved(each, names) for name, each in wanted.items()}
+    if isinstance(wanted, list | tuple):
+        return [resolved(each, names) for each in wanted]
+    if isinstance(wanted, str) and wanted.startswith(FORMULA_MARK):
+        return formula(wanted[1:]).value(names)
+    return wanted
+
+
+def equals(wanted: Any, came: Any, within: float) -> bool:
+    """Whether what came is what is wanted: texts may be patterns, fields that are not named may be anything."""
+    if isinstance(wanted, Mapping):
+        return isinstance(came, Mapping) and all(
+            name in came and equals(each, came[name], within) for name, each in wanted.items()
+        )
+    if isinstance(came, bytes):
+        came = list(came)
+    if isinstance(wanted, list | tuple):
+        return (
+            isinstance(came, list)
+            and len(came) == len(wanted)
+            and all(equals(each, other, within) for each, other in zip(wanted, came, strict=True))
+        )
+    if isinstance(wanted, str) and isinstance(came, str):
+        return matches(wanted[1:], came) if wanted.startswith(PATTERN_MARK) else wanted == came
+    if isinstance(wanted, int | float) and isinstance(came, int | float):
+        if isinstance(came, bool) or isinstance(wanted, bool):
+            return wanted == came
+        return wanted == came or round(abs(wanted - came), _PRECISE) <= max(within, _float32(wanted))
+    return bool(wanted == came)
+
+
+def _float32(wanted: float) -> float:
+    """Return how far a number may be off because its field has only 32 bits: 24 binary digits."""
+    return abs(wanted) * 2.0**-23 if isinstance(wanted, float) else 0.0
+
+
+def holds(condition: str | None, names: Mapping[str, Any]) -> bool:
+    """Whether a condition is true; one without a value is not."""
+    if condition is None:
+        return True
+    try:
+        return bool(formula(condition).value(names))
+    except FormulaError:
+        return False
+
+
+def wanted_of(wanted: Any, names: Mapping[str, Any]) -> Any:
+    """Return what is wanted; None where a formula has no value."""
+    try:
+        return resolved(wanted, names)
+    except FormulaError:
+        return None
+
+
+def closeness(measured: float, wanted: float, tolerance_pct: float = 0.0) -> float:
+    """Return 1 within the tolerance, and else how many times one is in the other."""
+    if abs(measured - wanted) <= wanted * tolerance_pct / 100.0 + 1e-9:
+        return 1.0
+    if measured <= 0.0 or wanted <= 0.0:
+        return 0.0
+    return min(measured / wanted, wanted / measured)
+
+
+def in_count(number: int, count: tuple[int, int | None] | None) -> float:
+    """Return 1 for a number within the bounds, and else how near it comes; without bounds one is enough."""
+    least, most = count or (1, None)
+    if number < least:
+        return number / least
+    return 1.0 if most is None or number <= most else most / number
+
+
+def clip(text: str) -> str:
+    """Return a text short enough for a row."""
+    return text if len(text) <= _SHOWN else text[: _SHOWN - 1] + "…"
+
+
+def shown(value: Any) -> str:
+    """Return a value as a row shows it: ``a = 3, b = 4``."""
+    return clip(", ".join(_fields("", value))) or "—"
+
+
+def _fields(name: str, value: Any) -> Iterator[str]:
+    if isinstance(value, Mapping):
+        for field, each in value.items():
+            yield from _fields(f"{name}.{field}" if name else str(field), each)
+    else:
+        text = _plain(value)
+        yield f"{name} = {text}" if name else text
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, list | tuple | bytes):
+        listed = [_plain(each) for each in value[:12]]
+        return f"[{', '.join(listed)}{', …' if len(value) > 12 else ''}]"
+    return str(value) if not isinstance(value, dict) else ", ".join(_fields("", value))
+
+
+def only(wanted: Any, came: Any) -> Any:
+    """Return the fields of what came that something was wanted of."""
+    if isinstance(wanted, Mapping) and isinstance(came, Mapping):
+        return {name: only(each, came.get(name)) for name, each in wanted.items()}
+    return came
+
+
+def plain(text: str) -> Text:
+    """Return a text that is the same in both languages."""
+    return Text(zh=text, en=text)
+
+
+def counted(count: tuple[int, int | None] | None) -> str:
+    """Return the bounds of a number as they are said: ``3``, ``2–4``, ``≥ 2``."""
+    least, most = count or (1, None)
+    if most is None:
+        return f"≥ {least}"
+    return str(least) if least == most else f"{least}–{most}"
+
+
+def nothing(why: str, /, **values: object) -> Text:
+    """Return what is said where nothing came."""
+    return say(f"expected.{why}", **values)
+
+
+def named(found: Iterable[str], most: int = 4) -> str:
+    """Return some names as they stand in a sentence."""
+    return ", ".join(list(dict.fromkeys(found))[:most]) or "—"

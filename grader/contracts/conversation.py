@@ -1,0 +1,224 @@
+"""A conversation with a script: what an assignment says to it, what it should say, and what was said.
+
+An assignment has *steps* (publish, call, send a goal, set and get parameters, serve) and, in its rubric items,
+*expectations*. Carrying the steps out gives a `Conversation`, by which the expectations are judged.
+"""
+
+from typing import Any, Final, Literal
+
+from grader.contracts.record import Record, field
+
+Values = dict[str, Any]
+"""Fields of a message, by name; those of a step may be formulas ("= 2 * n")."""
+
+StepKind = Literal["publish", "call", "goal", "set", "get", "serve"]
+ExpectationKind = Literal[
+    "topic",
+    "answer",
+    "goal",
+    "set",
+    "parameter",
+    "frame",
+    "log",
+    "node",
+    "listener",
+    "service",
+    "client",
+    "action",
+    "served",
+    "turtle",
+]
+PartyKind = Literal["node", "publisher", "subscription", "service", "client"]
+
+MOST_STEPS: Final = 40
+MOST_SENT: Final = 1_000
+"""Most messages, calls and goals that the steps of an assignment send in one run."""
+
+FORMULA_MARK: Final = "="
+PATTERN_MARK: Final = "~"
+
+
+class Step(Record):
+    """Something that is said to the script, at `at_ns` or as soon after as it offers what is called.
+
+    Attributes:
+        id: what expectations call it.
+        target: the topic, service, action, or node with the parameters.
+        type: of that, such as ``example_interfaces/srv/AddTwoInts``; empty for parameters.
+        values: of the message, request or goal; the parameters to set; what a served request is answered.
+        each: several of these, one after the other; else `count` times `values`.
+        every_ns: time from one to the next; 0: all at once.
+        latched: a message is kept for subscriptions that come later. best_effort: it does not suit reliable ones.
+        cancel_after_ns: when a goal is cancelled, from its acceptance on; None: it is not.
+        names: of the parameters to get.
+        after_ns: how long a served request waits for its answer.
+    """
+
+    id: str
+    kind: StepKind
+    target: str
+    type: str = ""
+    at_ns: int = 0
+    values: Values = field(default_factory=dict)
+    each: tuple[Values, ...] = ()
+    every_ns: int = 0
+    count: int = 1
+    latched: bool = False
+    best_effort: bool = False
+    cancel_after_ns: int | None = None
+    names: tuple[str, ...] = ()
+    after_ns: int = 0
+
+    @property
+    def sends(self) -> int:
+        """How many messages, calls or goals it is."""
+        return 0 if self.kind == "serve" else len(self.each) or self.count
+
+
+class Expectation(Record):
+    """Something that is wanted of the script. Which fields there are depends on the kind; None: any will do.
+
+    Attributes:
+        target: topic, service, action, node, frame, turtle or parameter; of a log message its text; the step whose
+            answers, goals, settings or requests are looked at.
+        step: the step that the parameter was got in; the step to whose messages there is to be an answer.
+        values: fields of each message, answer, request, result; numbers within `within`.
+        that: a formula that must be true of each.
+        within_s: time that an answer may take.
+        count: least and most number.
+        rate_hz: how often, within `tolerance_pct`. least_s: shortest time between two.
+        from_s, until_s: what is looked at. joins_s: a listener that comes only then.
+        increasing: a field that grows from message to message.
+        secret: what was wanted and what came is not told.
+    """
+
+    kind: ExpectationKind
+    target: str
+    step: str = ""
+    type: str | None = None
+    node: str | None = None
+    values: Values | None = None
+    that: str | None = None
+    within: float = 1e-6
+    within_s: float | None = None
+    count: tuple[int, int | None] | None = None
+    rate_hz: float | None = None
+    tolerance_pct: float = 10.0
+    least_s: float | None = None
+    from_s: float = 0.0
+    until_s: float | None = None
+    joins_s: float | None = None
+    increasing: str | None = None
+    reliability: str | None = None
+    durability: str | None = None
+    depth: int | None = None
+    level: str | None = None
+    accepted: bool | None = None
+    status: str | None = None
+    feedback: Values | None = None
+    feedback_count: tuple[int, int | None] | None = None
+    feedback_that: str | None = None
+    successful: bool | None = None
+    reason: str | None = None
+    value: Any = None
+    low: float | None = None
+    high: float | None = None
+    read_only: bool | None = None
+    parent: str | None = None
+    static: bool | None = None
+    translation: tuple[float | str, float | str, float | str] | None = None
+    rotation: tuple[float | str, float | str, float | str, float | str] | None = None
+    yaw_deg: float | str | None = None
+    within_deg: float = 2.0
+    at_s: float | None = None
+    x: float | None = None
+    y: float | None = None
+    heading_deg: float | None = None
+    pen: tuple[int, int, int] | None = None
+    pen_off: bool | None = None
+    secret: bool = False
+
+
+class Message(Record, kw_only=False):
+    """A message, feedback or request that the script sent. `values` is None where it could not be read."""
+
+    t_ns: int
+    values: Values | None
+    party: int = 0
+
+
+class Party(Record):
+    """A node, publisher, subscription, service or client of the script; `id` is what its messages name."""
+
+    id: int
+    kind: PartyKind
+    node: str
+    name: str
+    type: str
+    reliable: bool = True
+    transient_local: bool = False
+    depth: int = 10
+    since_ns: int = 0
+    until_ns: int | None = None
+
+
+class Sent(Record):
+    """What one message, call or goal of a step came to.
+
+    Attributes:
+        step, n: of which step, and which of it, from 0.
+        values: what was sent, formulas carried out.
+        sent_ns: None: nobody was there to be asked.
+        answer: of a service; the result of a goal; of parameters the answers of the services that were asked.
+        accepted, status: of a goal; the status is the name that ROS has for it.
+    """
+
+    step: str
+    n: int
+    values: Values
+    sent_ns: int | None = None
+    answered_ns: int | None = None
+    answer: Values | None = None
+    accepted: bool | None = None
+    accepted_ns: int | None = None
+    feedback: tuple[Message, ...] = ()
+    status: str = ""
+    cancelled_ns: int | None = None
+
+
+class Served(Record):
+    """A request of the script to a service that a step offers."""
+
+    step: str
+    t_ns: int
+    values: Values
+    answered_ns: int | None = None
+    answer: Values | None = None
+
+
+class TurtleSample(Record, kw_only=False):
+    """Where a turtle was, and its pen."""
+
+    t_ns: int
+    x: float
+    y: float
+    heading_rad: float
+    pen: tuple[int, int, int]
+    pen_off: bool
+
+
+class Conversation(Record):
+    """What was said in one run, as the trusted side saw it.
+
+    Attributes:
+        heard: messages by topic, of the topics that an expectation is about, in order.
+        lost: how many more came on a topic than are kept, by topic.
+        turtles: samples by name, in order.
+    """
+
+    exchanges: tuple[Sent, ...] = ()
+    heard: dict[str, tuple[Message, ...]] = field(default_factory=dict)
+    lost: dict[str, int] = field(default_factory=dict)
+    parties: tuple[Party, ...] = ()
+    served: tuple[Served, ...] = ()
+    turtles: dict[str, tuple[TurtleSample, ...]] = field(default_factory=dict)
