@@ -545,15 +545,7 @@ class Episode:
         end_ns, violation = self._come_to_rest(violation)
         self._world.finish(end_ns)
         trajectory = self._recorder.finish(end_ns)
-        for contact in trajectory.contacts:
-            journal.note("wall", contact.wall)
-        for code in _seen_in(received, trajectory):
-            journal.note(code)
-        looked_for_listeners = any(note.code == LISTENER_NOTE for note in journal.notes)
-        if self._motion_commanded and not self._motion_heard and not looked_for_listeners:
-            journal.note(UNHEARD_NOTE)
-        if received.clamped:
-            journal.note("clamped_robot" if self._spec.world.kind == "robot" else "clamped_command")
+        self._note_motion(trajectory)
         return EpisodeResult(
             trajectory=trajectory,
             exit=self._exit,
@@ -578,6 +570,19 @@ class Episode:
             tree=self._facts[TREE],
             ledger=self._facts[LEDGER],
         )
+
+    def _note_motion(self, trajectory: Trajectory) -> None:
+        """Note what is worth telling of the commands and of what the car met."""
+        received, journal = self._world.received, self._journal
+        for contact in trajectory.contacts:
+            journal.note("wall", contact.wall)
+        for code in _seen_in(received, trajectory):
+            journal.note(code)
+        looked_for_listeners = any(note.code == LISTENER_NOTE for note in journal.notes)
+        if self._motion_commanded and not self._motion_heard and not looked_for_listeners:
+            journal.note(UNHEARD_NOTE)
+        if received.clamped:
+            journal.note("clamped_robot" if self._spec.world.kind == "robot" else "clamped_command")
 
     def _come_to_rest(self, violation: str | None) -> tuple[int, str | None]:
         """Run the world on without the script; return when it rests, and the violation until then, if any."""

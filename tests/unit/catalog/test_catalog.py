@@ -287,7 +287,9 @@ def test_problems_with_the_use_of_a_check_are_told_in_both_languages(tmp_path: P
     with pytest.raises(AssignmentError) as refusal:
         fitting(catalog, "demo")
     assert "assignment.yaml:16: items.1.measure: 'logs' is no measure of 'conversation'" in str(refusal.value)
-    assert "assignment.yaml:16: items.1.measure: 检查 'conversation' 没有测量值 'logs'" in refusal.value.told("zh")
+    assert "assignment.yaml:16: items.1.measure: 检查 'conversation' 没有测量值 'logs'" in refusal.value.told(
+        "zh"
+    )
 
 
 @pytest.mark.parametrize("text", ["", "- a list", "just words"])
