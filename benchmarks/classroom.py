@@ -128,15 +128,14 @@ def scripts() -> Iterator[Script]:
     """Yield every script, not graded yet."""
     catalog = Catalog()
     for assignment in ASSIGNMENTS:
-        folder = catalog.folder(assignment)
-        own = [folder / "solution.py"]
+        (name, solution), _, *wrong = catalog.scripts(assignment).items()
+        yield Script(assignment, name, solution, right=True)
         if assignment in _LESSON:
-            own.append(ROOT / "lesson" / _LESSON[assignment])
-        for path in own:
-            yield Script(assignment, path.name, path.read_bytes(), right=True)
-        for path in sorted((folder / "wrong").glob("*.py")):
-            if _is_python(path.read_bytes()):
-                yield Script(assignment, path.name, path.read_bytes(), right=False)
+            lesson = ROOT / "lesson" / _LESSON[assignment]
+            yield Script(assignment, lesson.name, lesson.read_bytes(), right=True)
+        for path, source in sorted(wrong):
+            if _is_python(source):
+                yield Script(assignment, path.removeprefix("wrong/"), source, right=False)
 
 
 def _is_python(source: bytes) -> bool:

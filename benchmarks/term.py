@@ -171,15 +171,13 @@ def works(folder: Path) -> dict[str, list[Work]]:
     with Slot(SlotConfig()) as slot:
         for name, catalog in catalogs.items():
             assignment = catalog.get(name).of_course("humble")
-            place = catalog.folder(name)
-            suffix = "txt" if assignment.input == "text" else "py"
-            paths = [place / f"solution.{suffix}", *sorted((place / "wrong").glob(f"*.{suffix}"))[:4]]
-            for path in paths:
-                source = path.read_bytes()
-                if suffix == "py" and not _compiles(source):
+            (right, solution), _, *wrong = catalog.scripts(name).items()
+            for script, source in [(right, solution), *sorted(wrong)[:4]]:
+                if assignment.input == "script" and not _compiles(source):
                     continue
-                job = GradingJob(file_name=path.name, source=source, assignment=assignment)
-                found.setdefault(name, []).append(Work(name, path.name, source, slot.grade(job), assignment))
+                file = script.removeprefix("wrong/")
+                job = GradingJob(file_name=file, source=source, assignment=assignment)
+                found.setdefault(name, []).append(Work(name, file, source, slot.grade(job), assignment))
     return found
 
 

@@ -53,9 +53,8 @@ def main() -> None:
 
 
 def _picture(catalog: Catalog, slot: Slot, name: str, script: str) -> bytes:
-    path = catalog.folder(name) / f"{script}.py"
-    task = catalog.get(name)
-    result = slot.grade(GradingJob(file_name=path.name, source=path.read_bytes(), assignment=task))
+    task, source = catalog.get(name), catalog.scripts(name)[f"{script}.py"]
+    result = slot.grade(GradingJob(file_name=f"{Path(script).name}.py", source=source, assignment=task))
     return draw(task, result.report, result.trajectories[result.report.runs[0].case], "zh")
 
 

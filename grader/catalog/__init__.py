@@ -115,17 +115,42 @@ class Catalog:
             UnknownAssignmentError: no assignment has that id.
             AssignmentError: its file is wrong, or names a script that does not exist.
         """
+        self.changed_scripts(assignment_id)
+        return self._named(assignment_id).wrong_attempts()
+
+    def changed_scripts(self, assignment_id: str) -> dict[str, bytes]:
+        """Return by name the wrong scripts of an assignment that are written as changes of others.
+
+        Raises:
+            UnknownAssignmentError: no assignment has that id.
+            AssignmentError: its file is wrong, names a script that does not exist, or a change does not fit.
+        """
         document = self._named(assignment_id)
-        attempts = document.wrong_attempts()
-        for i, attempt in enumerate(attempts):
+        changed = document.changed_scripts()
+        for i, attempt in enumerate(document.wrong_attempts()):
             path = self.folder(assignment_id) / "wrong" / attempt.file
-            if not is_there(path):
-                told = Text(
-                    zh=f"没有文件 {path}：补上，或者删掉这一项",
-                    en=f"no file {path}; add it or remove the entry",
-                )
-                raise _refused(document.place(f"wrong.{i}.file"), told)
-        return attempts
+            if is_there(path) and attempt.file in changed:
+                raise _refused(document.place(f"wrong.{i}.change"), _both(path))
+            if not is_there(path) and attempt.file not in changed:
+                raise _refused(document.place(f"wrong.{i}.file"), _not_there(path))
+        return changed
+
+    def scripts(self, assignment_id: str) -> dict[str, bytes]:
+        """Return all scripts that come with an assignment: ``solution.py``, ``starter.py``, ``wrong/<file>``.
+
+        Raises:
+            UnknownAssignmentError: no assignment has that id.
+            AssignmentError: its file is wrong, or one of the scripts is missing.
+            OSError: one cannot be read.
+        """
+        changed = self.changed_scripts(assignment_id)
+        folder = self.folder(assignment_id)
+        own = [self.own_file(self.get(assignment_id), name) for name in ("solution", "starter")]
+        wrong = [folder / "wrong" / attempt.file for attempt in self._named(assignment_id).wrong_attempts()]
+        return {
+            str(path.relative_to(folder)): changed[path.name] if path.name in changed else handed_in(path)
+            for path in (*own, *wrong)
+        }
 
     def guess_assignment(self, file_name: str) -> str | None:
         """Return the id of the assignment whose file patterns match `file_name`, or None.
@@ -231,6 +256,20 @@ class Catalog:
         from grader.catalog.document import Document
 
         return Document.read(folder / SPEC_NAME).with_seeds(self._shift)
+
+
+def _not_there(path: Path) -> Text:
+    return Text(
+        zh=f"没有文件 {path}：补上，写成 change，或者删掉这一项",
+        en=f"no file {path}; add it, write a change or remove the entry",
+    )
+
+
+def _both(path: Path) -> Text:
+    return Text(
+        zh=f"已经有文件 {path}：删掉文件，或者删掉 change",
+        en=f"there is a file {path}, too; remove it or the change",
+    )
 
 
 def _refused(place: str, told: Text) -> AssignmentError:

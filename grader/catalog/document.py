@@ -8,8 +8,10 @@ from typing import Any
 import yaml
 from pydantic import ValidationError
 
+from grader.catalog.attempts import LARGE, MOST_BYTES
 from grader.catalog.interfaces import read_interfaces, standard_types, types_of
 from grader.catalog.misfits import (
+    MisfitError,
     WrongKeyError,
     misfit,
     refusals,
@@ -22,7 +24,7 @@ from grader.catalog.misfits import (
 )
 from grader.catalog.reference import with_reference
 from grader.catalog.schema import AssignmentModel
-from grader.contracts.assignment import Assignment, InterfaceDefinition, WrongAttempt
+from grader.contracts.assignment import SUFFIXES, Assignment, InterfaceDefinition, WrongAttempt
 from grader.contracts.text import Text, trouble
 
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times faster where libyaml is there
@@ -140,6 +142,42 @@ class Document:
         """
         return self._validated().attempts()
 
+    def changed_scripts(self) -> dict[str, bytes]:
+        """Return by name the wrong scripts that are changes of others.
+
+        Raises:
+            AssignmentError: as `assignment`; or a change does not fit the script that it changes.
+        """
+        model = self._validated()
+        solution = "solution" + SUFFIXES[model.input][0]
+        texts: dict[str, str] = {}
+        refused = []
+        for i, wrong in enumerate(model.wrong):
+            if wrong.change:
+                try:
+                    texts[wrong.file] = wrong.made_of(self._base(wrong.base or solution, texts))
+                    if sum(map(len, texts.values())) > MOST_BYTES:
+                        raise MisfitError(LARGE, "change")
+                except MisfitError as error:
+                    refused.append((self.place(f"wrong.{i}.{error.field[0]}", *error.field[1:]), error.told))
+                    texts.setdefault(wrong.file, "")
+        if refused:
+            raise refusals(refused)
+        return {name: text.encode() for name, text in texts.items()}
+
+    def _base(self, name: str, changed: Mapping[str, str]) -> str:
+        """Return the text of the script that an attempt is a change of; each of its lines ends as Unix's do."""
+        if name in changed:
+            return changed[name]
+        own = name.startswith(("solution.", "starter."))
+        path = self.path.with_name(name) if own else self.path.parent / "wrong" / name
+        try:
+            return path.read_text(encoding="utf-8-sig")
+        except OSError as error:
+            raise MisfitError(trouble(error).about(path), "base") from error
+        except UnicodeDecodeError as error:
+            raise MisfitError(_NOT_UTF8.about(path), "base") from error
+
     def line_of(self, field: tuple[int | str, ...]) -> int:
         """Return the 1-based line where `field` stands, or of the nearest enclosing one that does."""
         node = yaml.compose(self.text, Loader=_Loader)
@@ -202,10 +240,13 @@ class Document:
         if found:
             raise refusals(found)
 
-    def place(self, field: str) -> str:
-        """Return where `field` (``items.2.measure``) stands: file, line and field."""
+    def place(self, field: str, *keys: int | str) -> str:
+        """Return where `field` (``items.2.measure``) stands: file, line and field.
+
+        `keys`: steps to the line within the field, which are not named.
+        """
         steps = tuple(int(step) if step.isdecimal() else step for step in field.split("."))
-        return f"{self.path}:{self.line_of(steps)}: {field}"
+        return f"{self.path}:{self.line_of((*steps, *keys))}: {field}"
 
     def _problem(self, error: Any) -> tuple[str, Text]:
         field, told = misfit(error, AssignmentModel)

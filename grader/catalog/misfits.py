@@ -17,6 +17,7 @@ ID_PATTERN: Final = r"^[a-z][a-z0-9_]{0,39}$"
 INTERFACE_PATTERN: Final = r"^[a-z][a-z0-9_]*/srv/[A-Z][A-Za-z0-9]*$"
 ANY_TYPE_PATTERN: Final = r"^[a-z][a-z0-9_]*/(msg|srv|action)/[A-Z][A-Za-z0-9]*$"
 WRONG_FILE_PATTERN: Final = r"^[a-z][a-z0-9_]*\.(py|txt|md|zip)$"
+ABOUT_PATTERN: Final = r"""^[^\\"']*$"""
 
 _NUMBER: Final = Text(zh="要写一个数，不带单位和引号", en="write a number, without a unit or quotes")
 _WHOLE: Final = Text(zh="要写一个整数，不带单位和引号", en="write a whole number, without a unit or quotes")
@@ -43,6 +44,9 @@ _FORMS: Mapping[str, Text] = {
     WRONG_FILE_PATTERN: Text(
         zh="文件名用小写英文字母、数字和 _，以 .py、.txt、.md 或 .zip 结尾",
         en="use small letters, digits and _, ending in .py, .txt, .md or .zip",
+    ),
+    ABOUT_PATTERN: Text(
+        zh="写一句话，不用引号和反斜杠", en="write a sentence without quotes and backslashes"
     ),
     ANY_TYPE_PATTERN: Text(
         zh="写成 geometry_msgs/msg/Twist 这样的类型",
@@ -236,7 +240,7 @@ def swapped(low: float, high: float) -> Text:
 
 def twice(name: str) -> Text:
     """Say that an earlier entry has this id."""
-    return Text(zh=f"前面已经有 {name!r}：换一个 id", en=f"an earlier one is {name!r}, too; rename one")
+    return Text(zh=f"前面已经有 {name!r}：换一个名字", en=f"an earlier one is {name!r}, too; rename one")
 
 
 def unknown_topic(name: str, known: Iterable[str]) -> Text:
@@ -268,6 +272,15 @@ def unknown_item(name: str, known: Iterable[str]) -> Text:
     names = ", ".join(known)
     return Text(
         zh=f"没有 id 是 {name!r} 的评分项；有：{names}", en=f"no item has the id {name!r}; there are: {names}"
+    )
+
+
+def unknown_base(name: str, known: Iterable[str]) -> Text:
+    """Say that no script above a wrong attempt, which is a change of one, has this name."""
+    names = ", ".join(known)
+    return Text(
+        zh=f"前面没有脚本 {name!r}；有：{names}",
+        en=f"no script above this one is {name!r}; there are: {names}",
     )
 
 

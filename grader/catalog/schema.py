@@ -10,6 +10,7 @@ from pydantic import (
     BeforeValidator,
     Field,
     JsonValue,
+    PlainValidator,
     StrictBool,
     StrictFloat,
     StrictInt,
@@ -17,8 +18,17 @@ from pydantic import (
     model_validator,
 )
 
+from grader.catalog.attempts import (
+    MOST_ATTEMPTS,
+    NEEDS_CHANGE,
+    NO_CHANGE_OF_PACKAGE,
+    Replacement,
+    changed,
+    edits_of,
+)
 from grader.catalog.conversation import ExpectationModel, StepModel, steps_named
 from grader.catalog.misfits import (
+    ABOUT_PATTERN,
     ANY_TYPE_PATTERN,
     ARC,
     BAND_MISSING,
@@ -52,6 +62,7 @@ from grader.catalog.misfits import (
     swapped,
     too_late,
     twice,
+    unknown_base,
     unknown_item,
     unknown_step,
     unknown_topic,
@@ -514,9 +525,12 @@ class AnswerModel(SpecModel):
 
 
 class WrongModel(SpecModel):
-    """A wrong file and the score it must get."""
+    """A wrong attempt and the score it must get: a file, or a change of the solution or of another script."""
 
     file: Annotated[str, Field(pattern=WRONG_FILE_PATTERN)]
+    base: str = ""
+    about: Annotated[str, Field(pattern=ABOUT_PATTERN)] | None = None
+    change: Annotated[tuple[Replacement, ...], PlainValidator(edits_of)] = ()
     score: tuple[float, float]
     fails: str
     mistake: str = ""
@@ -526,6 +540,21 @@ class WrongModel(SpecModel):
         if not 0.0 <= self.score[0] <= self.score[1]:
             raise MisfitError(SCORE, "score")
         return self
+
+    @model_validator(mode="after")
+    def _belongs_to_a_change(self) -> Self:
+        for name, given in (("base", self.base != ""), ("about", self.about is not None)):
+            if given and not self.change:
+                raise MisfitError(NEEDS_CHANGE, name)
+        return self
+
+    def made_of(self, base: str) -> str:
+        """Return the changed script.
+
+        Raises:
+            MisfitError: the change does not fit `base`.
+        """
+        return changed(base, self.change, self.about)
 
     def to_contract(self) -> WrongAttempt:
         """Return the contract."""
@@ -565,7 +594,7 @@ class AssignmentModel(SpecModel):
     places: PlacesModel | None = None
     package: PackageModel | None = None
     items: Annotated[tuple[ItemModel, ...], Field(min_length=1)]
-    wrong: tuple[WrongModel, ...] = ()
+    wrong: Annotated[tuple[WrongModel, ...], Field(max_length=MOST_ATTEMPTS)] = ()
 
     @model_validator(mode="after")
     def _items_fit(self) -> Self:
@@ -655,8 +684,22 @@ class AssignmentModel(SpecModel):
         for i, wrong in enumerate(self.wrong):
             if wrong.fails not in names:
                 raise MisfitError(unknown_item(wrong.fails, names), "wrong", i, "fails")
-            if not wrong.file.endswith(endings := SUFFIXES[self.input]):
+        return self
+
+    @model_validator(mode="after")
+    def _attempts_fit(self) -> Self:
+        endings = SUFFIXES[self.input]
+        bases = [name + endings[0] for name in ("solution", "starter")]
+        for i, wrong in enumerate(self.wrong):
+            if not wrong.file.endswith(endings):
                 raise MisfitError(wrong_ending(self.input, endings), "wrong", i, "file")
+            if wrong.file in bases:
+                raise MisfitError(twice(wrong.file), "wrong", i, "file")
+            if wrong.change and self.input == "package":
+                raise MisfitError(NO_CHANGE_OF_PACKAGE, "wrong", i, "change")
+            if wrong.base and wrong.base not in bases:
+                raise MisfitError(unknown_base(wrong.base, bases), "wrong", i, "base")
+            bases.append(wrong.file)
         return self
 
     def to_contract(self) -> Assignment:

@@ -18,21 +18,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "show", help="what one asks for and how it earns points / 查看一个作业的要求和评分标准"
     )
     show.add_argument("id")
-    validate = actions.add_parser(
-        "validate", help="run solutions and wrong scripts, report wrong scores / 用自带脚本检验作业"
-    )
-    validate.add_argument(
-        "ids",
-        nargs="*",
-        metavar="id",
-        help="these, with margins and sensitivity (default: all, without) / 只检验这些，给出细节",
-    )
-    validate.add_argument(
-        "--seeds",
-        type=whole_number,
-        default=1,
-        metavar="N",
-        help="with N different seeds: other starts, rooms, noise (default: 1) / 换 N 组种子",
+    _configure_validate(
+        actions.add_parser(
+            "validate", help="run solutions and wrong scripts, report wrong scores / 用自带脚本检验作业"
+        )
     )
     new = actions.add_parser("new", help="start a new assignment from a working example / 从例子新建一个作业")
     new.add_argument("name", help="its id, e.g. heptagon / 作业 id")
@@ -52,6 +41,28 @@ def configure(parser: argparse.ArgumentParser) -> None:
         )
 
 
+def _configure_validate(validate: argparse.ArgumentParser) -> None:
+    validate.add_argument(
+        "ids",
+        nargs="*",
+        metavar="id",
+        help="these, with margins and sensitivity (default: all, without) / 只检验这些，给出细节",
+    )
+    validate.add_argument(
+        "--seeds",
+        type=whole_number,
+        default=1,
+        metavar="N",
+        help="with N different seeds: other starts, rooms, noise (default: 1) / 换 N 组种子",
+    )
+    validate.add_argument(
+        "--write",
+        type=Path,
+        metavar="DIR",
+        help="also write their scripts to DIR/<id>, changes carried out / 把脚本（含改动后的）写到 DIR/<id>",
+    )
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Run the chosen action; validate returns 0 when every file scores as expected, else 1."""
     if arguments.action == "new":
@@ -61,9 +72,11 @@ def run(arguments: argparse.Namespace) -> int:
         return _list(catalog, arguments)
     if arguments.action == "show":
         return _show(catalog, arguments)
-    from grader.commands.validation import validate, validate_seeds
+    from grader.commands.validation import validate, validate_seeds, write_scripts
 
     ids = arguments.ids or [each.id for each in catalog.all()]
+    if arguments.write is not None:
+        write_scripts(catalog, ids, arguments.write)
     if arguments.seeds > 1:
         return validate_seeds(catalog, ids, arguments.lang, arguments.seeds)
     return validate(catalog, ids, arguments.lang, details=bool(arguments.ids))

@@ -18,7 +18,6 @@ from rich.console import Console
 from rich.progress import Progress
 
 from grader.catalog import Catalog
-from grader.catalog.files import handed_in
 from grader.commands.options import add_language_option
 from grader.contracts.errors import InfrastructureError
 from grader.render.dashboard import render_dashboard
@@ -39,7 +38,8 @@ class DemoUpload:
 
     student: str
     assignment: str
-    path: Path
+    file: str
+    source: bytes
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
             _save_plots(
                 client,
                 location,
-                plots / f"{upload.student}-{upload.assignment}-{upload.path.stem}",
+                plots / f"{upload.student}-{upload.assignment}-{Path(upload.file).stem}",
                 arguments.lang,
             )
         wanted = {"lang": arguments.lang}
@@ -102,16 +102,18 @@ def _uploads_of_the_class() -> Iterator[DemoUpload]:
     catalog = Catalog()
     lesson = catalog.lesson()
     if lesson is not None:
-        yield DemoUpload("lesson", "hello", lesson / "hello_node.py")
-        yield DemoUpload("lesson", "straight", lesson / "straight_mover.py")
-        yield DemoUpload("lesson", "square", lesson / "square_mover.py")
+        for name, file in (
+            ("hello", "hello_node"),
+            ("straight", "straight_mover"),
+            ("square", "square_mover"),
+        ):
+            yield DemoUpload("lesson", name, f"{file}.py", (lesson / f"{file}.py").read_bytes())
     for assignment in catalog.all():
-        folder = catalog.folder(assignment.id)
-        yield DemoUpload("ada", assignment.id, catalog.own_file(assignment, "solution"))
-        wrong = [folder / "wrong" / attempt.file for attempt in catalog.wrong_attempts(assignment.id)]
-        for student, path in zip(("bo", "chen", "dai"), wrong, strict=False):
-            yield DemoUpload(student, assignment.id, path)
-        yield DemoUpload("chen", assignment.id, catalog.own_file(assignment, "solution"))
+        (solution, right), _, *wrong = catalog.scripts(assignment.id).items()
+        yield DemoUpload("ada", assignment.id, solution, right)
+        for student, (path, source) in zip(("bo", "chen", "dai"), wrong, strict=False):
+            yield DemoUpload(student, assignment.id, path.removeprefix("wrong/"), source)
+        yield DemoUpload("chen", assignment.id, solution, right)
 
 
 @contextmanager
@@ -174,13 +176,13 @@ def hand_in(client: httpx.Client, upload: DemoUpload) -> str:
         response = client.post(
             "/api/v1/submissions",
             data={"student": upload.student, "assignment": upload.assignment},
-            files={"file": (upload.path.name, handed_in(upload.path), "text/x-python")},
+            files={"file": (upload.file, upload.source, "text/x-python")},
         )
         if response.status_code != httpx.codes.TOO_MANY_REQUESTS or time.monotonic() > deadline:
             break
         time.sleep(int(response.headers["Retry-After"]))
     if response.status_code != httpx.codes.ACCEPTED:
-        raise InfrastructureError(f"{upload.path.name} was refused: {response.text}")
+        raise InfrastructureError(f"{upload.file} was refused: {response.text}")
     return str(response.headers["Location"])
 
 

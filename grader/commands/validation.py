@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from contextlib import closing
+from pathlib import Path
 
 from rich import text as styled
 from rich.table import Table
@@ -11,12 +12,13 @@ from grader.catalog.files import handed_in
 from grader.catalog.misfits import refusals
 from grader.catalog.reference import record
 from grader.checks import problems as check_problems
+from grader.commands.plots import file_error
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError
 from grader.contracts.grading import Grader
 from grader.contracts.notation import written
 from grader.contracts.text import EMPTY, Language, Text, trouble
-from grader.grading.examination import Examination, Finding, OwnScript, OwnScripts
+from grader.grading.examination import Examination, Finding, own_scripts
 from grader.grading.examination import examine as examine_scripts
 from grader.grading.examination.reference import traced, wants_reference
 from grader.grading.examination.sensitivity import Sensitivity
@@ -72,6 +74,22 @@ def validate(
         for assignment_id, examination in examinations.items():
             _print_details(assignment_id, examination, language)
     return 1 if any(finding.problem != EMPTY for finding in findings) else 0
+
+
+def write_scripts(catalog: Catalog, assignment_ids: Iterable[str], folder: Path) -> None:
+    """Write all scripts of the assignments, also those that are changes of others, to folders called by the ids.
+
+    Raises:
+        GraderError: an assignment cannot be read, or a script cannot be written.
+    """
+    for assignment_id in assignment_ids:
+        for name, source in catalog.scripts(assignment_id).items():
+            path = folder / assignment_id / name
+            try:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_bytes(source)
+            except OSError as error:
+                raise file_error("output_file", str(path), error) from error
 
 
 def unusual_totals(findings: Iterable[Finding]) -> list[Text]:
@@ -142,27 +160,9 @@ def examine(catalog: Catalog, assignment_id: str, grader: Grader, *, sensitive: 
         GraderError: the assignment cannot be read, or the grader failed.
     """
     record_reference(catalog, assignment_id, grader)
-    own = own_scripts(catalog, fitting(catalog, assignment_id))
+    assignment, attempts = fitting(catalog, assignment_id), catalog.wrong_attempts(assignment_id)
+    own = own_scripts(assignment, attempts, catalog.scripts(assignment_id))
     return examine_scripts(own, grader, sensitive=sensitive)
-
-
-def own_scripts(catalog: Catalog, assignment: Assignment) -> OwnScripts:
-    """Return an assignment with its own files.
-
-    Raises:
-        AssignmentError: one of them is missing.
-    """
-    solution, starter = (catalog.own_file(assignment, name) for name in ("solution", "starter"))
-    wrong = catalog.folder(assignment.id) / "wrong"
-    return OwnScripts(
-        assignment=assignment,
-        solution=OwnScript(name=solution.name, source=handed_in(solution)),
-        starter=OwnScript(name=starter.name, source=handed_in(starter)),
-        wrong=tuple(
-            (one, OwnScript(name=one.file, source=handed_in(wrong / one.file)))
-            for one in catalog.wrong_attempts(assignment.id)
-        ),
-    )
 
 
 def record_reference(catalog: Catalog, assignment_id: str, grader: Grader) -> None:

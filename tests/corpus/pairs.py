@@ -6,9 +6,9 @@ earns more than 60 is printed. docs/feedback.md says why each of them does.
 
 import sys
 from collections.abc import Iterator
-from pathlib import Path
+from pathlib import PurePath
 
-from grader.catalog import Catalog, default_root
+from grader.catalog import Catalog
 from grader.contracts.grading import GradingJob
 from grader.grading.slot import Slot, SlotConfig
 
@@ -19,23 +19,22 @@ UNDER = (
 TOLD_FROM = 60.0
 
 
-def scripts() -> Iterator[tuple[str, Path]]:
-    """Yield the assignment and the file of every script that comes with one."""
+def scripts() -> Iterator[tuple[str, str, bytes]]:
+    """Yield the assignment, the name and the text of every script that comes with one, but for the starters."""
     for one in Catalog().all():
         if one.input == "script":
-            folder = default_root() / one.id
-            yield from (
-                (one.id, path) for path in (folder / "solution.py", *sorted(folder.glob("wrong/*.py")))
-            )
+            for name, source in Catalog().scripts(one.id).items():
+                if name != "starter.py":
+                    yield one.id, PurePath(name).name, source
 
 
 def main(under: list[str]) -> None:
     """Print a line for each pair above the bound."""
     catalog = Catalog()
     with Slot(SlotConfig()) as slot:
-        for home, path in scripts():
+        for home, file, source in scripts():
             for name in under or UNDER:
-                job = GradingJob(file_name=path.name, source=path.read_bytes(), assignment=catalog.get(name))
+                job = GradingJob(file_name=file, source=source, assignment=catalog.get(name))
                 report = slot.grade(job).report
                 if (report.score or 0.0) > TOLD_FROM:
                     lost = ", ".join(
@@ -43,7 +42,7 @@ def main(under: list[str]) -> None:
                         for one in report.items
                         if one.earned < one.points
                     )
-                    print(f"{home}/{path.stem}\t{name}\t{report.score:g}\t{lost}", flush=True)
+                    print(f"{home}/{PurePath(file).stem}\t{name}\t{report.score:g}\t{lost}", flush=True)
 
 
 if __name__ == "__main__":

@@ -3,9 +3,9 @@
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from pathlib import PurePath
 
 from grader.catalog import SETS, Catalog, set_root
-from grader.commands.validation import own_scripts
 from grader.contracts.assignment import Limits
 from grader.contracts.grading import GradingJob
 from tests.corpus.attempts import corpus, near_edges
@@ -37,12 +37,10 @@ def gradings() -> list[Grading]:
 def _of_assignments() -> Iterator[Grading]:
     for catalog in (Catalog(), *(Catalog(set_root(name)) for name in SETS)):
         for assignment in catalog.all():
-            own = own_scripts(catalog, assignment)
-            named = [("solution", own.solution), ("starter", own.starter)]
-            named += [(f"wrong/{attempt.file}", one) for attempt, one in own.wrong]
-            for name, one in named:
-                job = GradingJob(file_name=one.name, source=one.source, assignment=assignment)
-                yield Grading(f"{assignment.id}/{name}", job)
+            for name, source in catalog.scripts(assignment.id).items():
+                job = GradingJob(file_name=PurePath(name).name, source=source, assignment=assignment)
+                own = name if name.startswith("wrong/") else PurePath(name).stem
+                yield Grading(f"{assignment.id}/{own}", job)
 
 
 def _of_beginners() -> Iterator[Grading]:

@@ -15,7 +15,7 @@ import httpx
 import pytest
 
 from grader.api import create_app
-from grader.catalog import default_root
+from grader.catalog import Catalog, default_root
 from grader.commands.demo import await_grades
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.rules import LateRule, Rules
@@ -126,12 +126,12 @@ def _enrol(services: Services) -> dict[str, str]:
 def _hand_in(opened: School, work: tuple[tuple[str, str, str], ...]) -> None:
     locations = []
     for student, assignment, file in work:
-        path = opened.files / assignment / file
+        source = Catalog(opened.files).scripts(assignment)[file]
         with opened.client(student) as client:
             answer = client.post(
                 "/api/v1/submissions",
                 data={"assignment": assignment},
-                files={"file": (path.name, path.read_bytes())},
+                files={"file": (file.removeprefix("wrong/"), source)},
             )
             locations.append(str(answer.raise_for_status().headers["Location"]))
     with opened.client("wang") as client:

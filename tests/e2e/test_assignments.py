@@ -9,11 +9,11 @@ from _pytest.mark import ParameterSet
 
 from grader.catalog import Catalog
 from grader.catalog.authoring import create
-from grader.commands.validation import examine, fitting, own_scripts
+from grader.commands.validation import examine, fitting
 from grader.contracts.grading import Grader, GradingJob
 from grader.contracts.text import EMPTY
 from grader.grading.examination import examine as examine_scripts
-from grader.grading.examination import sensitivity
+from grader.grading.examination import own_scripts, sensitivity
 from tests.e2e.grading_slot import LESSON, catalog, grade
 from tests.hints.named import named_by_checks
 
@@ -48,7 +48,8 @@ def shares() -> Iterator[ParameterSet]:
 
 @pytest.mark.parametrize(("name", "files"), [*shares()])
 def test_own_scripts_get_what_they_must(grader: Grader, name: str, files: list[str]) -> None:
-    own = own_scripts(catalog(), fitting(catalog(), name))
+    attempts = catalog().wrong_attempts(name)
+    own = own_scripts(fitting(catalog(), name), attempts, catalog().scripts(name))
     wrong = tuple(each for each in own.wrong if each[0].file in files)
     findings = examine_scripts(replace(own, wrong=wrong), grader).findings
     assert [finding.problem for finding in findings] == [EMPTY] * (2 + len(files))

@@ -42,13 +42,13 @@ raise RuntimeError(EVIL)
 @pytest.fixture(scope="module")
 def service(programs: tuple[str, str], tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
     """The real service with a small class in it."""
-    folder = Catalog().folder("square")
+    squares = Catalog().scripts("square")
     with serving(tmp_path_factory.mktemp("service")) as client:
         uploads = [
-            DemoUpload("ada", "square", folder / "solution.py"),
-            DemoUpload("bo", "square", folder / "wrong" / "one_radian.py"),
-            DemoUpload("bo", "square", folder / "wrong" / "five_sides.py"),
-            DemoUpload("chen", "spin", Catalog().folder("spin") / "wrong" / "one_radian.py"),
+            DemoUpload("ada", "square", "solution.py", squares["solution.py"]),
+            DemoUpload("bo", "square", "one_radian.py", squares["wrong/one_radian.py"]),
+            DemoUpload("bo", "square", "five_sides.py", squares["wrong/five_sides.py"]),
+            DemoUpload("chen", "spin", "one_radian.py", Catalog().scripts("spin")["wrong/one_radian.py"]),
         ]
         await_grades(client, [hand_in(client, upload) for upload in uploads], console())
         yield client
@@ -64,11 +64,13 @@ def token(service: httpx.Client) -> str:
     return service.headers["Authorization"].removeprefix("Bearer ")
 
 
-def test_the_students_way(browser: Browser) -> None:
+def test_the_students_way(browser: Browser, tmp_path: Path) -> None:
+    script = tmp_path / "one_radian.py"
+    script.write_bytes(Catalog().scripts("square")["wrong/one_radian.py"])
     browser.open("/")
     browser.click('a[href="/assignments/square"]')
     browser.type("#student", "20260123")
-    browser.one("#file").send_keys(str(Catalog().folder("square") / "wrong" / "one_radian.py"))
+    browser.one("#file").send_keys(str(script))
     assert "one_radian.py" in browser.one("#chosen").text
     browser.one("#upload button").click()
     browser.until(lambda: browser.all("#score"))

@@ -36,7 +36,10 @@ def graded(client: httpx.Client, *uploads: DemoUpload) -> list[str]:
 @pytest.fixture(scope="module")
 def lesson(client: httpx.Client) -> dict[str, str]:
     """Where the submissions of the lesson's scripts are found, by assignment."""
-    uploads = [DemoUpload(STUDENT, assignment, LESSON / name) for assignment, name in SCRIPTS.items()]
+    uploads = [
+        DemoUpload(STUDENT, assignment, name, (LESSON / name).read_bytes())
+        for assignment, name in SCRIPTS.items()
+    ]
     return dict(zip(SCRIPTS, graded(client, *uploads), strict=True))
 
 
@@ -74,11 +77,11 @@ def test_what_was_driven_can_be_looked_at(client: httpx.Client, lesson: dict[str
     assert plot.content.startswith(b"\x89PNG")
 
 
-def test_a_square_is_no_pentagon_and_a_crash_is_the_students(client: httpx.Client, tmp_path: Path) -> None:
-    crash = tmp_path / "crash.py"
-    crash.write_text("import rclpy\n\nrclpy.init()\nrclpy.crete_node('x')\n")
-    square = DemoUpload(STUDENT, "pentagon", LESSON / "square_mover.py")
-    other, crashed = graded(client, square, DemoUpload(STUDENT, "hello", crash))
+def test_a_square_is_no_pentagon_and_a_crash_is_the_students(client: httpx.Client) -> None:
+    crash = b"import rclpy\n\nrclpy.init()\nrclpy.crete_node('x')\n"
+    square = (LESSON / "square_mover.py").read_bytes()
+    uploads = (("pentagon", "square_mover.py", square), ("hello", "crash.py", crash))
+    other, crashed = graded(client, *(DemoUpload(STUDENT, *one) for one in uploads))
     document = client.get(other, params={"lang": "en"}).json()
     assert document["score"] < document["max_score"]
     failed = [item for item in document["rubric"] if item["status"] == "failed"]
@@ -91,9 +94,9 @@ def test_a_square_is_no_pentagon_and_a_crash_is_the_students(client: httpx.Clien
 
 def test_a_text_is_accepted_graded_or_kept_for_a_person(client: httpx.Client) -> None:
     solutions = {
-        name: catalog().folder(name) / "solution.txt" for name in ("calculation", "theory_keep_publishing")
+        name: catalog().scripts(name)["solution.txt"] for name in ("calculation", "theory_keep_publishing")
     }
-    places = graded(client, *(DemoUpload("s004", name, path) for name, path in solutions.items()))
+    places = graded(client, *(DemoUpload("s004", name, "a.txt", text) for name, text in solutions.items()))
     number, essay = (client.get(place).raise_for_status().json() for place in places)
     assert (number["verdict"], number["score"]) == ("graded", 100)
     assert (essay["verdict"], essay["score"]) == ("needs_manual", None)

@@ -4,11 +4,11 @@ The scripts come as data: of a folder of the operator's by `grader assignments v
 database. Whoever grades them confines them as it confines students' scripts.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from grader.checks import problems as check_problems
-from grader.contracts.assignment import Assignment, ItemSpec, WrongAttempt
+from grader.contracts.assignment import SUFFIXES, Assignment, ItemSpec, WrongAttempt
 from grader.contracts.grading import Grader, GradingJob, GradingResult
 from grader.contracts.notation import written
 from grader.contracts.report import GradeReport, GradeStatus
@@ -79,6 +79,19 @@ class Examination:
     findings: list[Finding]
     margins: list[Margin] = field(default_factory=list)
     sensitivity: dict[str, list[Sensitivity]] = field(default_factory=dict)
+
+
+def own_scripts(
+    assignment: Assignment, attempts: Iterable[WrongAttempt], scripts: Mapping[str, bytes]
+) -> OwnScripts:
+    """Return an assignment with its `scripts`, given by their paths in its folder."""
+    names = [own + SUFFIXES[assignment.input][0] for own in ("solution", "starter")]
+    solution, starter = (OwnScript(name=name, source=scripts[name]) for name in names)
+    wrong = tuple(
+        (attempt, OwnScript(name=attempt.file, source=scripts[f"wrong/{attempt.file}"]))
+        for attempt in attempts
+    )
+    return OwnScripts(assignment=assignment, solution=solution, starter=starter, wrong=wrong)
 
 
 def examine(

@@ -47,12 +47,14 @@ def _read(folder: Path) -> Reading:
         document = Document.read(folder / SPEC_NAME)
         assignment = document.assignment()
         wrong = catalog.wrong_attempts(folder.name)
+        changed = catalog.changed_scripts(folder.name)
         for name in ("solution", "starter"):
             catalog.own_file(assignment, name)
         _check(catalog, assignment)
     except AssignmentError as error:
         return Reading(misfits=misfits_of(error, str(folder)))
-    return Reading(assignment=assignment, wrong=wrong)
+    texts = {name: text.decode() for name, text in changed.items()}
+    return Reading(assignment=assignment, wrong=wrong, changed=texts)
 
 
 def _check(catalog: Catalog, assignment: Assignment) -> None:

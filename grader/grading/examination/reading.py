@@ -15,12 +15,11 @@ from pathlib import Path
 from typing import Final
 
 from grader.catalog.files import SPEC_NAME
-from grader.contracts.assignment import SUFFIXES, Assignment, WrongAttempt
+from grader.contracts.assignment import Assignment, WrongAttempt
 from grader.contracts.errors import AssignmentError, InfrastructureError
 from grader.contracts.own_assignment import Misfit
-from grader.contracts.record import Record, from_json
+from grader.contracts.record import Record, field, from_json
 from grader.contracts.text import Text
-from grader.grading.examination import OwnScript, OwnScripts
 from grader.grading.launch import import_path
 from grader.jail import readers
 
@@ -45,10 +44,20 @@ TOO_MUCH: Final = 3
 
 
 class Reading(Record):
-    """What reading a folder gave: the assignment with the scripts that must go wrong, or what is wrong with it."""
+    """What reading a folder gave: the assignment with the scripts that must go wrong, or what is wrong with it.
+
+    Attributes:
+        changed: by name the wrong scripts that are written as changes of others.
+    """
 
     assignment: Assignment | None = None
     wrong: tuple[WrongAttempt, ...] = ()
+    changed: Mapping[str, str] = field(default_factory=dict)
+
+    def scripts(self, files: Mapping[str, bytes]) -> dict[str, bytes]:
+        """Return the folder's files and the changed scripts, by their paths in the folder."""
+        return {**files, **{f"wrong/{name}": text.encode() for name, text in self.changed.items()}}
+
     misfits: tuple[Misfit, ...] = ()
 
 
@@ -71,25 +80,6 @@ def declared_id(files: Mapping[str, bytes]) -> str:
     """Return the id that the specification says, by which its folder is called; some name where it says none."""
     found = _ID.search(files.get(SPEC_NAME, b""))
     return found[1].decode() if found else _UNNAMED
-
-
-def own_scripts(reading: Reading, assignment: Assignment, files: Mapping[str, bytes]) -> OwnScripts:
-    """Return what was read and `assignment`, which was made of it, with the files to examine it by."""
-    names = [own_name(assignment, one) for one in ("solution", "starter")]
-    solution, starter = (OwnScript(name=name, source=files[name]) for name in names)
-    return OwnScripts(
-        assignment=assignment,
-        solution=solution,
-        starter=starter,
-        wrong=tuple(
-            (one, OwnScript(name=one.file, source=files[f"wrong/{one.file}"])) for one in reading.wrong
-        ),
-    )
-
-
-def own_name(assignment: Assignment, name: str) -> str:
-    """Return the name of an assignment's solution or starter in its folder."""
-    return name + SUFFIXES[assignment.input][0]
 
 
 def misfits_of(error: AssignmentError, root: str = "") -> tuple[Misfit, ...]:

@@ -19,9 +19,9 @@ from grader.contracts.errors import AssignmentError, GraderError, Infrastructure
 from grader.contracts.own_assignment import Examined, Misfit, ScriptVerdict
 from grader.contracts.record import from_json, to_plain
 from grader.contracts.text import EMPTY, Text
-from grader.grading.examination import Examination, examine
+from grader.grading.examination import Examination, examine, own_scripts
 from grader.grading.examination import misfits as misfits_with_check
-from grader.grading.examination.reading import Reading, misfits_of, own_scripts
+from grader.grading.examination.reading import Reading, misfits_of
 from grader.grading.examination.reference import traced, wants_reference
 from grader.grading.examination.zipped import unpacked
 from grader.grading.slot import Slot
@@ -135,7 +135,7 @@ class Examiner:
         except AssignmentError as error:
             self._finish(claim, Examined(misfits=misfits_of(error)), ready=False)
             return
-        own = own_scripts(reading, assignment, files)
+        own = own_scripts(assignment, reading.wrong, reading.scripts(files))
         examination = examine(own, grader, before_each=lambda: self._give_way(claim))
         verdicts = _verdicts(examination)
         fine = all(one.problem == EMPTY for one in verdicts)

@@ -1,7 +1,5 @@
 """`grader demo` as a client of the service."""
 
-from pathlib import Path
-
 import httpx
 import pytest
 
@@ -16,18 +14,15 @@ def client_answered(*answers: httpx.Response) -> httpx.Client:
     )
 
 
-@pytest.fixture
-def upload(tmp_path: Path) -> DemoUpload:
-    (tmp_path / "a.py").write_text("x = 1\n")
-    return DemoUpload("ada", "square", tmp_path / "a.py")
+UPLOAD = DemoUpload("ada", "square", "a.py", b"x = 1\n")
 
 
-def test_an_upload_waits_while_the_student_has_too_many_open(upload: DemoUpload) -> None:
+def test_an_upload_waits_while_the_student_has_too_many_open() -> None:
     full = httpx.Response(429, headers={"Retry-After": "0"})
     taken = httpx.Response(202, headers={"Location": "/api/v1/submissions/7"})
-    assert hand_in(client_answered(full, full, taken), upload) == "/api/v1/submissions/7"
+    assert hand_in(client_answered(full, full, taken), UPLOAD) == "/api/v1/submissions/7"
 
 
-def test_a_refused_upload_ends_the_demo(upload: DemoUpload) -> None:
+def test_a_refused_upload_ends_the_demo() -> None:
     with pytest.raises(InfrastructureError, match=r"a\.py was refused: no such"):
-        hand_in(client_answered(httpx.Response(404, text="no such")), upload)
+        hand_in(client_answered(httpx.Response(404, text="no such")), UPLOAD)

@@ -21,7 +21,6 @@ from grader.similarity.tokens import MOST_TOKENS, tokens_of
 from tests.unit.similarity.students import DISGUISES, ROOT, SQUARE, changed_square, own_code, renamed
 
 SOLUTIONS = {path.parent.name: path.read_text() for path in sorted(ROOT.glob("assignments/*/solution.py"))}
-WRONG = sorted(ROOT.glob("assignments/*/wrong/*.py"))
 
 
 def prints(source: str) -> Fingerprints:
@@ -82,8 +81,14 @@ def test_tokens_are_those_of_python() -> None:
     told = {tokenize.INDENT, tokenize.DEDENT, tokenize.NEWLINE, tokenize.OP}
     told |= {tokenize.NAME, tokenize.NUMBER, tokenize.STRING}
     on_purpose = ('"""', "f'", 'f"', ",\n", ",)")
-    paths = (*WRONG, *ROOT.glob("lesson/*.py"), *ROOT.glob("tests/styles/scripts/*.py"))
-    sources = [path.read_text("utf-8-sig") for path in paths]
+    catalog, paths = Catalog(), (*ROOT.glob("lesson/*.py"), *ROOT.glob("tests/styles/scripts/*.py"))
+    own = [
+        source
+        for one in catalog.all()
+        if one.input == "script"
+        for source in catalog.scripts(one.id).values()
+    ]
+    sources = [source.decode("utf-8-sig") for source in (*own, *(path.read_bytes() for path in paths))]
     compared = [one for one in sources if not any(text in one for text in on_purpose)]
     for source in compared:
         try:

@@ -202,6 +202,21 @@ def test_a_package_is_asked_for_examined_and_graded(
 
 
 @pytest.mark.usefixtures("confined")
+def test_an_attempt_that_is_a_change_is_examined_as_the_script_that_it_makes(desk: Desk) -> None:
+    change = b'{file: changed.txt, change: {"= 12 s": "= 9 s", "12 \xe7\xa7\x92": "9 s"}, '
+    spec = SPEC.replace(b"{file: area.txt, ", change)
+    assert spec != SPEC
+    assert desk.upload(folder(spec)).status_code == 202
+    assert desk.examiner.step()
+    (ready,) = desk.listed()
+    scores = {one["script"]: (one["score"], one["problem"]) for one in ready["scripts"]}
+    assert scores["wrong/changed.txt"] == (20.0, "")
+    answer = desk.upload(folder(spec.replace(b"= 12 s", b"= 13 s")))
+    assert answer.status_code == 422
+    assert "wrong.1.change: what is changed does not have '= 13 s'" in answer.text
+
+
+@pytest.mark.usefixtures("confined")
 def test_what_is_wrong_is_told_by_file_line_and_field(desk: Desk) -> None:
     spec = SPEC.replace(b"points: 80", b"points: many")
     answer = desk.upload(folder(spec))
