@@ -3,12 +3,19 @@
 `expected.tsv` names for each the verdict (right, harmless or wrong), the lowest and the highest score that a
 teacher would give, the code of the mistake that must be told first (``refused``: not taken), and in
 words what is wrong and what the first hint should say; `reason` where the score is not what one would guess.
+
+A script is a file in `scripts`, or an entry in `changes.yaml` if it is close to an earlier one.
 """
 
 import csv
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from typing import Any
 
+import yaml
+
+from grader.catalog.attempts import changed, edits_of
 from grader.contracts.assignment import SUFFIXES
 from grader.contracts.errors import RefusedError
 from grader.contracts.grading import Grader
@@ -35,7 +42,11 @@ class Beginner:
 
     @property
     def source(self) -> bytes:
-        return (FOLDER / "scripts" / self.file).read_bytes()
+        if self.file not in changes():
+            return (FOLDER / "scripts" / self.file).read_bytes()
+        change = changes()[self.file]
+        base = (FOLDER / "scripts" / change["base"]).read_text(encoding="utf-8")
+        return changed(base, edits_of(change["change"]), change.get("about")).encode()
 
 
 @dataclass(frozen=True)
@@ -57,6 +68,13 @@ class Answer:
         if bool(self.zh) != bool(self.en):
             told.append("a hint in one language only")
         return told
+
+
+@cache
+def changes() -> dict[str, Any]:
+    """Return by name the scripts that are another one with a change."""
+    entries: dict[str, Any] = yaml.safe_load((FOLDER / "changes.yaml").read_text(encoding="utf-8"))
+    return entries
 
 
 def beginners() -> list[Beginner]:

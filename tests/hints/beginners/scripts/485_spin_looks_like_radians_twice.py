@@ -1,9 +1,0 @@
-import rclpy, math
-from rclpy.node import Node
-from geometry_msgs.msg import Twist
-class S(Node):
-    def __init__(self):
-        super().__init__('s'); self.p=self.create_publisher(Twist,'/turtle1/cmd_vel',10); self.create_timer(0.1,self.cb)
-    def cb(self):
-        m=Twist(); m.angular.z=math.radians(6); self.p.publish(m)
-rclpy.init(); rclpy.spin(S())
