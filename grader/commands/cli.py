@@ -188,6 +188,12 @@ def run(argv: Sequence[str]) -> int:
         return code
     except GraderError as error:
         return _told(error)
+    except ModuleNotFoundError as error:
+        from grader.contracts.extras import MissingExtraError
+
+        if (missing := MissingExtraError.of(error)) is None:
+            raise
+        return _told(missing)
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
     except OSError as error:

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
-import grader
 from grader.catalog import Catalog
 from grader.catalog.files import handed_in, is_there
 from grader.commands.handed_in import ChosenFile, graded, pick, write_results
@@ -21,18 +20,17 @@ from grader.contracts.errors import (
     GraderError,
     InfrastructureError,
     RefusedError,
-    SettingsError,
 )
 from grader.contracts.report import GradeReport
 from grader.contracts.text import Language, Text
+from grader.formats.installation import add_file, package_files
 from grader.grading.slot import Slot, SlotConfig
 from grader.render.documents import to_gradescope
 
 _ROOT: Final = Path("/autograder")
-_STAMP: Final = (2020, 1, 1, 0, 0, 0)  # of all files of the zip: the same parts make the same bytes
 _LOCK: Final = "requirements.lock"
 _OF_PYTHON: Final = re.compile(rb"^(\S+) ; python_full_version (<|>=) '3\.\d+'", re.MULTILINE)
-_LEFT_OUT: Final = ("__pycache__", "assignments", "lesson", "docs", _LOCK)
+_LEFT_OUT: Final = ("assignments", "lesson", "docs")
 
 _SETUP: Final = """\
 #!/usr/bin/env bash
@@ -113,10 +111,10 @@ def _pack(arguments: argparse.Namespace, folder: Path, assignment: Assignment) -
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, text in (("setup.sh", _SETUP), ("run_autograder", _RUN)):
             script = text.replace("@LANGUAGE@", arguments.lang).replace("@ASSIGNMENT@", assignment.id)
-            _add(archive, name, script.encode(), executable=True)
+            add_file(archive, name, script.encode(), executable=True)
         for name, path in _files(folder, assignment):
             content = path.read_bytes()
-            _add(archive, name, _for_python_311(content) if name == _LOCK else content)
+            add_file(archive, name, _for_python_311(content) if name == _LOCK else content)
     try:
         out.write_bytes(packed.getvalue())
     except OSError as error:
@@ -130,12 +128,9 @@ def _pack(arguments: argparse.Namespace, folder: Path, assignment: Assignment) -
 
 def _files(folder: Path, assignment: Assignment) -> Iterator[tuple[str, Path]]:
     """Yield name and path of what goes into the zip: this grader, its packages by version, the assignment."""
-    package = Path(grader.__file__).resolve().parent
-    for path in sorted(package.rglob("*")):
-        parts = path.relative_to(package).parts
-        if path.is_file() and not any(part in _LEFT_OUT for part in (parts[0], *parts[:-1])):
-            yield f"grader/{'/'.join(parts)}", path
-    yield _LOCK, _lock(package)
+    for name, path in package_files():
+        if name.partition("/")[0] not in _LEFT_OUT:
+            yield (name if name == _LOCK else f"grader/{name}"), path
     for path in sorted(folder.rglob("*")):
         parts = path.relative_to(folder).parts
         if (
@@ -146,16 +141,6 @@ def _files(folder: Path, assignment: Assignment) -> Iterator[tuple[str, Path]]:
             yield f"assignments/{assignment.id}/{'/'.join(parts)}", path
 
 
-def _lock(package: Path) -> Path:
-    for path in (package / _LOCK, package.parent / _LOCK):
-        if path.is_file():
-            return path
-    raise SettingsError(
-        "requirements.lock is missing from this installation; reinstall the grader",
-        "安装里缺少 requirements.lock：请重新安装 grader",
-    )
-
-
 def _for_python_311(lock: bytes) -> bytes:
     """Return the packages for the Python that `_SETUP` installs, without conditions.
 
@@ -164,13 +149,6 @@ def _for_python_311(lock: bytes) -> bytes:
     entries = re.split(rb"^(?=\S)", lock, flags=re.MULTILINE)
     found = [(one, _OF_PYTHON.match(one)) for one in entries]
     return b"".join(_OF_PYTHON.sub(rb"\1", one) for one, of in found if of is None or of[2] == b"<")
-
-
-def _add(archive: zipfile.ZipFile, name: str, content: bytes, *, executable: bool = False) -> None:
-    entry = zipfile.ZipInfo(name, _STAMP)
-    entry.compress_type = zipfile.ZIP_DEFLATED
-    entry.external_attr = (0o100755 if executable else 0o100644) << 16
-    archive.writestr(entry, content)
 
 
 # ---------------------------------------------------------------------------------------------- containers

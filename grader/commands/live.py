@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 
 from grader.commands.cli import EXIT_NOT_DONE
 from grader.commands.options import add_language_option, whole_number
-from grader.contracts.errors import SettingsError
+from grader.contracts.extras import MissingExtraError
 
 _CLIENTS: Final = 64
 _CONNECTIONS: Final = 128
@@ -39,10 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         from grader.live.protocol import SETTINGS, BoundedWebSocket
     except ModuleNotFoundError as error:
-        raise SettingsError(
-            f"the package {error.name} is missing: pip install 'grader[live]'",
-            f"缺少软件包 {error.name}：请运行 pip install 'grader[live]'",
-        ) from error
+        raise MissingExtraError.named("live") from error
     from grader.commands.serve import BoundedConnection, listening
 
     app = _App(frozenset(arguments.allow_origin), arguments.lang)

@@ -1,4 +1,4 @@
-"""The guide for students (``docs/student.md``) as a page: how to check, hand in and read a result."""
+"""The guide for students (``docs/student.md``) as a page, and the pre-check that it tells them to install."""
 
 import re
 from functools import cache
@@ -6,15 +6,20 @@ from pathlib import Path
 from typing import Final
 
 from fastapi import APIRouter, Request, Response
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
+from grader.contracts.errors import RefusedError
 from grader.contracts.text import Language
+from grader.formats.installation import wheel, wheel_name
 from grader.service.web.access import language_of
 from grader.service.web.pages import page
 
 router = APIRouter(include_in_schema=False)
 ADDRESS: Final = "/guide"
 _FILES: Final[dict[Language, str]] = {"zh": "student.zh.md", "en": "student.md"}
+_WHEEL: Final = "ADDRESS/download/grader.whl"
+"""What the guide has where its page names this service and its version."""
+
 _TITLE: Final = re.compile(r"\A# (.+)\n+\[[^\]]+\]\([\w.]+\)\n")
 """The heading, and the link to the other language, which the page's own switch replaces."""
 
@@ -26,7 +31,17 @@ _BETWEEN_CHINESE: Final = re.compile(r"(?<=[\u3000-\u9fff\uff00-\uffef])\n(?=[\u
 def read(request: Request) -> Response:
     """Show the guide."""
     title, content = guide(language_of(request))
-    return page(request, "guide.html", title=title, content=content)
+    address = escape(f"{request.base_url}download/{wheel_name()}")
+    return page(request, "guide.html", title=title, content=content.replace(_WHEEL, address))
+
+
+@router.get("/download/{name}")
+def download(name: str) -> Response:
+    """Return this service's own version as a wheel, which grades on a student's machine as the service does."""
+    content = wheel() if name == wheel_name() else None
+    if content is None:
+        raise RefusedError("not_found")
+    return Response(content, media_type="application/octet-stream")
 
 
 @cache

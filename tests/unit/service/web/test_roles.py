@@ -45,6 +45,7 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /": MEMBERS,
     "GET /enter": EVERYBODY,
     "GET /guide": EVERYBODY,
+    "GET /download/{name}": (404,) * 6,  # no version of that name
     "POST /enter": (303,) * 6,
     "POST /leave": (303,) * 6,
     "GET /enter/with/{provider_id}": (404,) * 6,  # there is no such provider
@@ -212,7 +213,7 @@ def sqlite_url(tmp_path: Path, prepared: Prepared) -> str:
 def school(services: Services, prepared: Prepared) -> dict[str, str]:
     """Ids that stand in the addresses, and everybody's session."""
     services.clock.now = prepared.now
-    return {**prepared.school, "secret": "x" * 43}
+    return {**prepared.school, "secret": "x" * 43, "name": "grader-0.0.0-py3-none-any.whl"}
 
 
 def test_every_page_has_a_line() -> None:
