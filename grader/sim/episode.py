@@ -130,6 +130,7 @@ class EpisodeResult(Record):
         recorded: the script's calls of PyBullet; None: it is of another world.
         replayed: what became of these, once they were replayed.
         tree, ledger: of a traced run, as they came. The tree was written before the script's first line ran.
+        heard: whether the process sent a frame; its first one comes before any code of the script runs.
     """
 
     trajectory: Trajectory
@@ -155,6 +156,7 @@ class EpisodeResult(Record):
     replayed: "Replayed | None" = None
     tree: bytes = b""
     ledger: bytes = b""
+    heard: bool = True
 
 
 class Episode:
@@ -569,6 +571,7 @@ class Episode:
             recorded=None if self._bullet is None else self._bullet.calls,
             tree=self._facts[TREE],
             ledger=self._facts[LEDGER],
+            heard=self._has_started,
         )
 
     def _note_motion(self, trajectory: Trajectory) -> None:

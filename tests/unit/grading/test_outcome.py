@@ -126,6 +126,14 @@ SEEN = {
 }
 
 
+def test_a_process_that_ends_before_the_script_begins_is_no_fault_of_the_script() -> None:
+    silent = replace(EPISODE, heard=False)
+    with pytest.raises(InfrastructureError, match="ended with 70 before the script began"):
+        merge(silent, JailReport(end=RunEnd.FINISHED, exit_code=70))
+    killed = merge(silent, JailReport(end=RunEnd.MEMORY_LIMIT))  # a file that is too much to compile
+    assert killed.status is RunStatus.MEMORY_LIMIT
+
+
 @pytest.mark.sweep(66)
 @pytest.mark.parametrize(
     ("name", "violation", "end"), list(product(EXITS, [None, "ENTITY.t is negative"], RunEnd))
