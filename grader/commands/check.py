@@ -28,6 +28,7 @@ from grader.contracts.errors import (
     UnknownAssignmentError,
 )
 from grader.contracts.explanation import Explanation
+from grader.contracts.extras import MissingExtraError
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.python import UTC
 from grader.contracts.text import Language
@@ -195,6 +196,8 @@ def faults_explained() -> Iterator[None]:
             f"这台电脑缺少安全运行脚本所需的隔离（{error}）。\n"
             "详情见 `grader doctor`。自己的代码可以用 `--isolation dev` 不加保护地运行。",
         ) from error
+    except MissingExtraError:
+        raise
     except InfrastructureError as error:
         raise InfrastructureError(
             f"{error}\nThe grader failed, not your script: try again.",

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from grader.contracts.errors import GraderError
+from grader.contracts.errors import InfrastructureError
 
 _MODULES: Final = {
     "physics": ("pybullet", "pybullet_data"),
@@ -15,8 +15,14 @@ _MODULES: Final = {
 _OF_MODULE: Final = {module: extra for extra, modules in _MODULES.items() for module in modules}
 
 
-class MissingExtraError(GraderError):
-    """Something was asked for that needs an extra which is not installed."""
+class MissingExtraError(InfrastructureError):
+    """Something was asked for that needs an extra which is not installed.
+
+    Attributes:
+        extra: its name.
+    """
+
+    extra: str = ""
 
     @classmethod
     def of(cls, error: ModuleNotFoundError) -> "MissingExtraError | None":
@@ -29,8 +35,10 @@ class MissingExtraError(GraderError):
     @classmethod
     def named(cls, extra: str) -> "MissingExtraError":
         """Return the error for an extra."""
-        return cls(
+        error = cls(
             f"this needs the extra '{extra}', which is not installed: install the grader again as you did, with "
             f"[{extra}] behind its name",
             f"这里需要附加组件 {extra}，还没有安装：用原来的方法重新安装评分程序，在名字后面加上 [{extra}]",
         )
+        error.extra = extra
+        return error

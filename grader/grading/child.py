@@ -15,6 +15,7 @@ from typing import Any
 
 from grader.contracts.assignment import Limits
 from grader.contracts.errors import GraderError, NoRoomError, SandboxUnavailableError, lacks_room
+from grader.contracts.extras import MissingExtraError
 from grader.contracts.grading import GradingJob, RunProgress
 from grader.grading.slot import NO_ROOM_CODE, Channel, SlotConfig, job_from_message, result_message
 from grader.jail.supervisor import yield_session
@@ -127,5 +128,7 @@ def _refuse(channel: Channel, error: GraderError) -> int:
 
 
 def _fault(error: GraderError) -> dict[str, Any]:
+    if isinstance(error, MissingExtraError):
+        return {"kind": "missing_extra", "message": error.extra}
     kinds: dict[type[GraderError], str] = {SandboxUnavailableError: "unavailable", NoRoomError: "no_room"}
     return {"kind": kinds.get(type(error), "fault"), "message": str(error)}

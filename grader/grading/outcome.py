@@ -111,7 +111,9 @@ def merge(episode: EpisodeResult, jail: JailReport, distro: Distro = "humble") -
     if jail.end is RunEnd.INFRASTRUCTURE:
         raise InfrastructureError(f"the sandbox failed: {jail.detail or 'no reason given'}")
     if jail.end is RunEnd.FINISHED and not episode.heard and episode.violation is None:
-        raise InfrastructureError(f"the sandbox's process ended with {jail.exit_code} before the script began")
+        raise InfrastructureError(
+            f"the sandbox's process ended with {jail.exit_code} before the script began"
+        )
     status = _status(episode, jail)
     exit_frame = episode.exit if episode.violation is None else None
     error = _error(exit_frame, distro)

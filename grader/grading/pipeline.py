@@ -8,9 +8,10 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from grader import __version__
-from grader.contracts.assignment import Assignment, Case, WorldKind
+from grader.contracts.assignment import Assignment, Case, World, WorldKind
 from grader.contracts.errors import GraderError
 from grader.contracts.explanation import Explanation
+from grader.contracts.extras import MissingExtraError
 from grader.contracts.grading import GradingJob, GradingResult, RunProgress
 from grader.contracts.outcome import Note, RunOutcome, StudentError
 from grader.contracts.package import PackageProblem
@@ -31,23 +32,24 @@ from grader.contracts.upload import decoded
 from grader.grading.budget import outputs_within_budget, within_budget
 from grader.grading.outcome import ended_by_the_clock, is_repeatable, masked_stream, merge
 from grader.sandbox import JailReport, Sandbox, pybullet_sandbox
-from grader.sim.bullet import SIMULATOR, BulletCar
+from grader.sim.driving import CAR_MODEL, Car
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from grader.sim.frames import INTERRUPTED_NOTE, THREADS_NOTE, Link
-from grader.sim.robot_body import ROBOT_SIMULATOR, RobotBody
+from grader.sim.robot import ROBOT_MODEL
 
 if TYPE_CHECKING:
     from grader.checks import Marks
     from grader.grading.trial import Graded
+    from grader.sim.robot_body import RobotBody
 
 REPLAY_MODEL: Final = 1  # raised whenever the same calls may give another account
 UNREAD_NOTE = "setup_unread"
 """Names what of a setup.py only running it would tell."""
 
-_SIMULATORS: Final[Mapping[WorldKind, str]] = {
-    "turtle": SIMULATOR,
-    "robot": ROBOT_SIMULATOR,
-    "pybullet": f"replay {REPLAY_MODEL}, {SIMULATOR.partition(', ')[2]}",
+_MODELS: Final[Mapping[WorldKind, str]] = {
+    "turtle": f"turtle-car {CAR_MODEL}",
+    "robot": f"robot {ROBOT_MODEL}",
+    "pybullet": f"replay {REPLAY_MODEL}",
 }
 
 Account: TypeAlias = tuple[EpisodeResult, JailReport]
@@ -101,7 +103,7 @@ class Pipeline:
 
     def __init__(self, sandbox: Sandbox) -> None:
         self._sandbox = sandbox
-        self._car = BulletCar()
+        self._car = Car()
         self._body: RobotBody | None = None
         self._with_pybullet: Sandbox | None = None
 
@@ -143,10 +145,12 @@ class Pipeline:
 
         Raises:
             InfrastructureError, SandboxError: a fault of the grader or its host; nothing was scored.
+            MissingExtraError: the assignment's world needs PyBullet, which is not installed.
             AssignmentError: the assignment does not fit its check.
         """
         if job.assignment.input == "text":
             return self._read(job)
+        _simulator(job.assignment.world)  # before anything runs
         from grader.checks import mark
 
         script = _script_of(job)
@@ -278,8 +282,10 @@ class Pipeline:
             result = with_replay(result, self._sandbox_for(assignment), assignment)
         return result, report
 
-    def _robot(self) -> RobotBody:
+    def _robot(self) -> "RobotBody":
         """Return the robot's body, which most gradings do not need."""
+        from grader.sim.robot_body import RobotBody
+
         if self._body is None:
             self._body = RobotBody()
         return self._body
@@ -375,6 +381,21 @@ def _with_remarks(run: Run, outcomes: Sequence[RunOutcome]) -> list[RunOutcome]:
     return [replace(first, notes=(*first.notes, *remarks(run))), *others]
 
 
+def _simulator(world: World) -> str:
+    """Return what computed a run's motion, with PyBullet's version where its numbers are scored.
+
+    Raises:
+        MissingExtraError: that needs PyBullet, which is not installed.
+    """
+    if world.kind == "turtle" and world.profile == "nominal":
+        return _MODELS["turtle"]
+    try:
+        from grader.sim.bullet import ENGINE
+    except ModuleNotFoundError as error:
+        raise MissingExtraError.named("physics") from error
+    return f"{_MODELS[world.kind]}, {ENGINE}"
+
+
 def _report(
     job: GradingJob, runs: list[Run], scoring: Scoring, trajectories: dict[str, bytes]
 ) -> GradeReport:
@@ -389,7 +410,7 @@ def _report(
         assignment=assignment.id,
         assignment_version=assignment.version,
         grader_version=__version__,
-        simulator=_SIMULATORS[assignment.world.kind],
+        simulator=_simulator(assignment.world),
         seed=assignment.world.seed,
         status=status,
         score=None if status is GradeStatus.NEEDS_MANUAL else score,

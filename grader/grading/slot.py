@@ -18,6 +18,7 @@ from typing import Any, Final
 
 from grader.contracts.errors import InfrastructureError, NoRoomError, SandboxUnavailableError, lacks_room
 from grader.contracts.explanation import Explanation
+from grader.contracts.extras import MissingExtraError
 from grader.contracts.grading import GradingJob, GradingResult, RunProgress, WorldRequest
 from grader.contracts.python import Self
 from grader.contracts.record import from_plain, to_plain
@@ -190,6 +191,8 @@ class Slot:
                 return self._result(answer)
             case "unavailable":
                 raise SandboxUnavailableError(str(answer.get("message")))
+            case "missing_extra":
+                raise MissingExtraError.named(str(answer.get("message")))
             case "no_room":
                 raise NoRoomError(str(answer.get("message")))
             case _:

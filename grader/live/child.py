@@ -11,7 +11,7 @@ import time
 from typing import Final
 
 from grader.live.pipe import CLOSE, HEAD, OPEN, TEXT, Parcel, pack, unpack_head
-from grader.sim.bullet import BulletCar
+from grader.sim.driving import Car
 from grader.sim.rosbridge.bridge import FIRST_ID, Out
 from grader.sim.rosbridge.session import LiveSession
 
@@ -48,7 +48,7 @@ def main(descriptor: int) -> int:
     _bound()
     link = socket.socket(fileno=descriptor)
     link.setblocking(True)
-    car = BulletCar()
+    car = Car()
     session = LiveSession(car, time.time_ns())
     clock = _Clock()
     link.sendall(pack(Parcel(OPEN, 0)))

@@ -13,9 +13,9 @@ from grader.contracts.grading import WorldRequest
 from grader.contracts.outcome import AgentResult, Endpoint, LogRecord, Note, ServiceResult
 from grader.contracts.record import Record
 from grader.contracts.trajectory import Trajectory
-from grader.sim.bullet import BulletCar
 from grader.sim.cdr import HEADER
 from grader.sim.cdr import decode as read
+from grader.sim.driving import Car
 from grader.sim.frames import (
     APART,
     CLIENT,
@@ -47,8 +47,6 @@ from grader.sim.frames import (
     Response,
 )
 from grader.sim.recorder import LOG, Journal, ReceivedCommands, Recorder
-from grader.sim.robot_body import RobotBody
-from grader.sim.robot_world import RobotWorld
 from grader.sim.script_graph import ScriptGraph, ServiceCalls
 from grader.sim.simulated_world import SimulatedWorld
 from grader.sim.turtle import Turtle
@@ -61,6 +59,8 @@ if TYPE_CHECKING:
     from grader.sim.conversation import Talk
     from grader.sim.pybullet_world import PybulletWorld
     from grader.sim.recorded_calls import RecordedCalls
+    from grader.sim.robot_body import RobotBody
+    from grader.sim.robot_world import RobotWorld
 
 ROSOUT: Final = "/rosout"
 AHEAD_NS: Final = 100_000_000
@@ -165,7 +165,7 @@ class Episode:
     In the robot's world it is run on what `robot` returns, which is not called in turtlesim's.
     """
 
-    def __init__(self, spec: EpisodeSpec, car: BulletCar, robot: Callable[[], RobotBody] = RobotBody) -> None:
+    def __init__(self, spec: EpisodeSpec, car: Car, robot: "Callable[[], RobotBody] | None" = None) -> None:
         self._spec = spec
         self._recorder = Recorder()
         self._world: SimulatedWorld
@@ -173,7 +173,7 @@ class Episode:
         if spec.world.kind == "pybullet":
             self._world = self._bullet = _pybullet_world(self._recorder, spec.horizon_ns)
         elif spec.world.kind == "robot":
-            self._world = RobotWorld(robot(), self._recorder, spec.world, spec.horizon_ns)
+            self._world = _robot_world(robot, self._recorder, spec)
         else:
             turtle = Turtle(car, self._recorder, spec.world, spec.horizon_ns)
             self._world = TurtleWorld(turtle, spec.world, EPOCH_NS, spec.distro)
@@ -597,6 +597,15 @@ class Episode:
                 violation = str(error)
         self._world.forget_requests()
         return self._world.settle(self._now_ns, horizon_ns), violation
+
+
+def _robot_world(
+    robot: "Callable[[], RobotBody] | None", recorder: Recorder, spec: EpisodeSpec
+) -> "RobotWorld":
+    from grader.sim.robot_body import RobotBody  # of the extra "physics"
+    from grader.sim.robot_world import RobotWorld
+
+    return RobotWorld((robot or RobotBody)(), recorder, spec.world, spec.horizon_ns)
 
 
 def _pybullet_world(recorder: Recorder, horizon_ns: int) -> "PybulletWorld":

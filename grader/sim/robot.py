@@ -13,6 +13,7 @@ from typing import Final
 from grader.contracts.robot import MAX_SPEED_MPS, MAX_YAW_RATE_RADPS, TRACK_M, WHEEL_RADIUS_M
 from grader.sim.car import STEPS_PER_S, clamp_command, last_step_at, step_time_ns
 
+ROBOT_MODEL: Final = 1  # raised whenever the same commands may give another trajectory
 ROBOT_URDF: Final = Path(__file__).with_name("robot.urdf")
 
 STEPS_PER_BEAT: Final = 4

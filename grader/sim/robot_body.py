@@ -9,8 +9,9 @@ import pybullet as _bullet
 from grader.contracts.assignment import Room, Solid
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.robot import SCANNER_X_M, SCANNER_Z_M, WHEEL_RADIUS_M
-from grader.sim.bullet import Client, Watcher, faults
+from grader.sim.bullet import Client, faults
 from grader.sim.car import STEP_S, PlanarPose, step_time_ns
+from grader.sim.driving import Watcher
 from grader.sim.robot import (
     BEAT_S,
     DRIVE_BEATS,
@@ -27,8 +28,6 @@ _step_once: Final = _bullet.stepSimulation
 _get_pose: Final = _bullet.getBasePositionAndOrientation
 _touching: Final = _bullet.getContactPoints
 
-ROBOT_MODEL: Final = 1  # raised whenever the same commands may give another trajectory
-ROBOT_SIMULATOR: Final = f"robot {ROBOT_MODEL}, Bullet {_bullet.getAPIVersion()}"
 
 _GRAVITY_MPS2: Final = -9.81
 _SOLVER_ITERATIONS: Final = 8  # fewer let the wheels slide on after a stop; see docs/simulator.md

@@ -6,8 +6,8 @@ from typing import Final, Protocol
 
 from grader.contracts.assignment import WINDOW_M, World
 from grader.contracts.trajectory import COMMAND_LIFE_NS
-from grader.sim.bullet import BulletCar
 from grader.sim.car import UPDATE_NS, PlanarPose, clamp_command, next_update, turtlesim_update
+from grader.sim.driving import Car
 from grader.sim.frames import CarState
 from grader.sim.recorder import ReceivedCommands, Recorder
 
@@ -53,7 +53,7 @@ class Turtle:
         commands: the velocity commands that it received.
     """
 
-    def __init__(self, car: BulletCar, recorder: Recorder, world: World, horizon_ns: int) -> None:
+    def __init__(self, car: Car, recorder: Recorder, world: World, horizon_ns: int) -> None:
         self.start: PlanarPose = (world.start.x_m, world.start.y_m, math.radians(world.start.heading_deg))
         self.alive = True
         self.commands = ReceivedCommands(recorder)

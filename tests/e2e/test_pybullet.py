@@ -13,7 +13,7 @@ from grader.contracts.grading import Grader, GradingJob
 from grader.contracts.replay import Replayed
 from grader.grading.replaying import with_replay
 from grader.sandbox import Sandbox, pybullet_sandbox
-from grader.sim.bullet import BulletCar
+from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from grader.sim.replay import Replay
 from tests.e2e.grading_slot import catalog, grade
@@ -158,13 +158,13 @@ def sandbox() -> Iterator[Sandbox]:
 
 
 @pytest.fixture(scope="module")
-def car() -> Iterator[BulletCar]:
-    made = BulletCar()
+def car() -> Iterator[Car]:
+    made = Car()
     yield made
     made.close()
 
 
-def ran(sandbox: Sandbox, car: BulletCar, task: Assignment, source: str) -> tuple[EpisodeResult, str]:
+def ran(sandbox: Sandbox, car: Car, task: Assignment, source: str) -> tuple[EpisodeResult, str]:
     spec = EpisodeSpec(
         file_name="script.py",
         source=source.encode(),
@@ -194,9 +194,7 @@ def replayed_unseen(sandbox: Sandbox, task: Assignment, result: EpisodeResult) -
 
 @pytest.mark.sweep(2)
 @pytest.mark.parametrize("script", SCRIPTS)
-def test_a_replay_ends_in_the_very_state_that_the_script_saw(
-    sandbox: Sandbox, car: BulletCar, script: str
-) -> None:
+def test_a_replay_ends_in_the_very_state_that_the_script_saw(sandbox: Sandbox, car: Car, script: str) -> None:
     task = catalog().get("panda_lift")
     result, printed = ran(sandbox, car, task, HEAD + SCRIPTS[script] + SEEN)
     first, again = replayed(sandbox, task, result), replayed_unseen(sandbox, task, result)

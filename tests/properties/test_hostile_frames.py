@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grader.contracts.assignment import World
-from grader.sim.bullet import BulletCar
 from grader.sim.cdr import encode
+from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, FakeLink
@@ -19,8 +19,8 @@ HORIZON_NS = SECOND // 2
 
 
 @pytest.fixture(scope="module")
-def car() -> Iterator[BulletCar]:
-    car = BulletCar()
+def car() -> Iterator[Car]:
+    car = Car()
     yield car
     car.close()
 
@@ -102,7 +102,7 @@ ORDERED = st.one_of(
 )
 
 
-def play(car: BulletCar, frames: list[bytes], *, walls: bool = True) -> EpisodeResult:
+def play(car: Car, frames: list[bytes], *, walls: bool = True) -> EpisodeResult:
     spec = EpisodeSpec(world=World(walls=walls), horizon_ns=HORIZON_NS, source=b"", file_name="a.py")
     return Episode(spec, car).run(FakeLink(frames))
 
@@ -122,14 +122,14 @@ def check(result: EpisodeResult, *, walls: bool = True) -> None:
 
 @settings(max_examples=examples(150))
 @given(st.lists(FRAMES, max_size=12))
-def test_any_frames_make_an_episode(car: BulletCar, frames: list[bytes]) -> None:
+def test_any_frames_make_an_episode(car: Car, frames: list[bytes]) -> None:
     check(play(car, frames))
 
 
 @settings(max_examples=examples(200))
 @given(st.lists(ORDERED, max_size=12), st.booleans())
 def test_any_commands_and_requests_make_the_same_episode_twice(
-    car: BulletCar, timed: list[tuple[int, bytes]], walls: bool
+    car: Car, timed: list[tuple[int, bytes]], walls: bool
 ) -> None:
     in_order = [body for _, body in sorted(timed, key=lambda item: item[0])]
     frames = [*OPENING, *in_order, jail.ended(SECOND)]

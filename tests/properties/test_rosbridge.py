@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from grader.sim.bullet import BulletCar
+from grader.sim.driving import Car
 from grader.sim.rosbridge import bridge as limits
 from grader.sim.rosbridge.frames import FrameError, read_frame
 from grader.sim.rosbridge.session import LiveSession
@@ -129,8 +129,8 @@ def message(draw: random.Random, depth: int) -> Any:
 
 
 @pytest.fixture(scope="module")
-def car() -> Iterator[BulletCar]:
-    car = BulletCar()
+def car() -> Iterator[Car]:
+    car = Car()
     yield car
     car.close()
 
@@ -184,7 +184,7 @@ def calm(session: LiveSession, now_ns: int) -> tuple[int, int]:
 
 
 @pytest.mark.thorough
-def test_ten_thousand_random_frames_raise_nothing_and_leave_nothing(car: BulletCar) -> None:
+def test_ten_thousand_random_frames_raise_nothing_and_leave_nothing(car: Car) -> None:
     draw, session = random.Random(20_260_301), LiveSession(car, 0)
     answered, now_ns = storm(session, draw, 0)
     assert answered > FRAMES / 2

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from grader.contracts.assignment import World
-from grader.sim.bullet import BulletCar
 from grader.sim.car import PlanarPose
 from grader.sim.cdr import decode, encode
+from grader.sim.driving import Car
 from grader.sim.frames import MESSAGE_EVENT, RESPONSE_EVENT, Event, Request
 from grader.sim.interfaces import Types, header, with_interfaces
 from grader.sim.recorder import Recorder
@@ -57,7 +57,7 @@ class LiveWorld:
         stopped: whether the emergency stop holds the car; commands have no effect then.
     """
 
-    def __init__(self, car: BulletCar, epoch_ns: int) -> None:
+    def __init__(self, car: Car, epoch_ns: int) -> None:
         world = World(odometry=True)
         self.types: Types = with_interfaces(())
         self.epoch_ns = epoch_ns

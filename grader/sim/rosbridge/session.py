@@ -1,6 +1,6 @@
 """A live car and its bridge, driven together along a clock that the caller turns."""
 
-from grader.sim.bullet import BulletCar
+from grader.sim.driving import Car
 from grader.sim.rosbridge.bridge import Bridge, Out
 from grader.sim.rosbridge.live_world import LiveWorld
 
@@ -8,7 +8,7 @@ from grader.sim.rosbridge.live_world import LiveWorld
 class LiveSession:
     """What the clients of one car are connected to. Instants are nanoseconds since its start; none decreases."""
 
-    def __init__(self, car: BulletCar, epoch_ns: int) -> None:
+    def __init__(self, car: Car, epoch_ns: int) -> None:
         self._world = LiveWorld(car, epoch_ns)
         self._bridge = Bridge(self._world)
 

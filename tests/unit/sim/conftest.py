@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from grader.sim.bullet import BulletCar
+from grader.sim.driving import Car
 
 
 @pytest.fixture(scope="session")
-def car() -> Iterator[BulletCar]:
-    car = BulletCar()
+def car() -> Iterator[Car]:
+    car = Car()
     yield car
     car.close()

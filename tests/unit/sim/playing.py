@@ -3,7 +3,7 @@
 from typing import Any
 
 from grader.contracts.assignment import World
-from grader.sim.bullet import BulletCar
+from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from tests.fakes.jail import SECOND, FakeLink
 
@@ -11,7 +11,7 @@ OPEN = World(walls=False, odometry=True)
 
 
 def play(
-    car: BulletCar, frames: Any, *, world: World = OPEN, horizon_s: float = 60.0, **fields: Any
+    car: Car, frames: Any, *, world: World = OPEN, horizon_s: float = 60.0, **fields: Any
 ) -> EpisodeResult:
     spec = EpisodeSpec(
         world=world, horizon_ns=round(horizon_s * SECOND), source=b"print()", file_name="a.py", **fields

@@ -4,8 +4,8 @@ from collections.abc import Generator
 from typing import Any
 
 from grader.contracts.assignment import StartPose, World
-from grader.sim.bullet import BulletCar
 from grader.sim.cdr import encode
+from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, Answer, FakeLink, Script
@@ -87,7 +87,7 @@ class Student:
 
 
 def run(
-    car: BulletCar, student: Student, story: Script, *, walls: bool = True, heading_deg: float = 0.0
+    car: Car, student: Student, story: Script, *, walls: bool = True, heading_deg: float = 0.0
 ) -> EpisodeResult:
     def script() -> Script:
         yield jail.node()

@@ -6,8 +6,8 @@ import pytest
 
 from grader.contracts.assignment import AgentStep, InterfaceDefinition
 from grader.contracts.outcome import AgentResult
-from grader.sim.bullet import BulletCar
 from grader.sim.cdr import encode
+from grader.sim.driving import Car
 from grader.sim.episode import EpisodeResult
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, Script
@@ -24,7 +24,7 @@ def step(at_s: float, tool: Any, target: str, type: str, **more: Any) -> AgentSt
     return AgentStep(at_ns=round(at_s * SECOND), tool=tool, target=target, type=type, **more)
 
 
-def run(car: BulletCar, script: Script, *steps: AgentStep) -> tuple[EpisodeResult, tuple[AgentResult, ...]]:
+def run(car: Car, script: Script, *steps: AgentStep) -> tuple[EpisodeResult, tuple[AgentResult, ...]]:
     result = play(car, script, agent=steps)
     assert result.violation is None
     return result, result.agent
@@ -44,7 +44,7 @@ def waiting(until_s: float) -> Script:
         now_ns = answer.now_ns
 
 
-def test_the_agent_drives_by_itself_and_reads_where_it_is(car: BulletCar) -> None:
+def test_the_agent_drives_by_itself_and_reads_where_it_is(car: Car) -> None:
     result, (drive, read, turn) = run(
         car,
         idle(10.0),
@@ -65,7 +65,7 @@ def test_the_agent_drives_by_itself_and_reads_where_it_is(car: BulletCar) -> Non
     assert turn.sent_ns == read.answered_ns  # one after the other
 
 
-def test_a_script_that_runs_ahead_is_driven_between_its_frames(car: BulletCar) -> None:
+def test_a_script_that_runs_ahead_is_driven_between_its_frames(car: Car) -> None:
     def script() -> Script:
         yield jail.node()
         yield jail.driver(21, 0)
@@ -77,7 +77,7 @@ def test_a_script_that_runs_ahead_is_driven_between_its_frames(car: BulletCar) -
     assert end_pose(result)[0] == pytest.approx(1.008)
 
 
-def test_a_service_is_waited_for_called_and_answered(car: BulletCar) -> None:
+def test_a_service_is_waited_for_called_and_answered(car: Car) -> None:
     def script() -> Script:
         yield jail.node()
         yield jail.entity(SERVICE, 4, SECOND, name="/say", type=TRIGGER)
@@ -99,7 +99,7 @@ def test_a_service_is_waited_for_called_and_answered(car: BulletCar) -> None:
     assert missing.reason == "Service /nothing does not exist"
 
 
-def test_a_call_that_is_never_answered_is_given_up_and_the_next_step_comes(car: BulletCar) -> None:
+def test_a_call_that_is_never_answered_is_given_up_and_the_next_step_comes(car: Car) -> None:
     def script() -> Script:
         yield jail.node()
         yield jail.entity(SERVICE, 4, 0, name="/say", type=TRIGGER)
@@ -113,7 +113,7 @@ def test_a_call_that_is_never_answered_is_given_up_and_the_next_step_comes(car: 
     assert after.sent_ns == 31 * SECOND
 
 
-def test_agent_and_script_talk_on_topics_of_their_own(car: BulletCar) -> None:
+def test_agent_and_script_talk_on_topics_of_their_own(car: Car) -> None:
     heard: list[bytes] = []
 
     def script() -> Script:
@@ -137,7 +137,7 @@ def test_agent_and_script_talk_on_topics_of_their_own(car: BulletCar) -> None:
     assert read.values == {"data": "at home"}
 
 
-def test_an_answer_that_nobody_asked_for_is_a_violation(car: BulletCar) -> None:
+def test_an_answer_that_nobody_asked_for_is_a_violation(car: Car) -> None:
     def script() -> Script:
         yield jail.node()
         yield jail.entity(SERVICE, 4, 0, name="/say", type=TRIGGER)
@@ -147,7 +147,7 @@ def test_an_answer_that_nobody_asked_for_is_a_violation(car: BulletCar) -> None:
     assert "not awaited" in (result.violation or "")
 
 
-def test_interfaces_of_the_assignment_are_spoken(car: BulletCar) -> None:
+def test_interfaces_of_the_assignment_are_spoken(car: Car) -> None:
     lines = "my_msgs/srv/Move 0\n=Move_Request\ndistance double\n=Move_Response\nok boolean"
     own = InterfaceDefinition(name="my_msgs/srv/Move", lines=lines)
     call = step(1.0, "call", "/move", "my_msgs/srv/Move", values={"distance": 2})

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from grader.contracts.assignment import ServiceCall, World
 from grader.contracts.record import to_plain
 from grader.contracts.trajectory import encode_trajectory
-from grader.sim.bullet import BulletCar
+from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeSpec
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, FakeLink
@@ -20,7 +20,7 @@ from tests.unit.sim.playing import end_pose, play
 MS = 1_000_000
 
 
-def test_start_says_what_the_world_is(car: BulletCar) -> None:
+def test_start_says_what_the_world_is(car: Car) -> None:
     link = FakeLink([jail.ended(0)])
     spec = EpisodeSpec(
         world=World(cmd_vel_topic="/cmd_vel", seed=7),
@@ -47,7 +47,7 @@ def test_start_says_what_the_world_is(car: BulletCar) -> None:
     assert (world["nodes"], world["calls"]) == (["/turtlesim"], [["/go", "std_srvs/srv/Trigger"]])
 
 
-def test_a_held_command_drives_its_distance(car: BulletCar) -> None:
+def test_a_held_command_drives_its_distance(car: Car) -> None:
     result = play(car, jail.holding([(2.0, 1.0, 0.0)]))
     x, y, turn = end_pose(result)
     assert x == pytest.approx(2.0, abs=1e-4)
@@ -61,7 +61,7 @@ def test_a_held_command_drives_its_distance(car: BulletCar) -> None:
     assert (publisher.kind, publisher.name, publisher.count) == ("publisher", "/turtle1/cmd_vel", 201)
 
 
-def test_one_command_before_the_end_still_drives_for_a_second(car: BulletCar) -> None:
+def test_one_command_before_the_end_still_drives_for_a_second(car: Car) -> None:
     result = play(
         car, [jail.node(), jail.driver(), jail.publish(2, 5 * MS, jail.twist(1.0)), jail.ended(6 * MS)]
     )
@@ -71,14 +71,14 @@ def test_one_command_before_the_end_still_drives_for_a_second(car: BulletCar) ->
     assert result.trajectory.v_mps[-1] == 0.0
 
 
-def test_a_killed_process_leaves_the_trajectory_up_to_then(car: BulletCar) -> None:
+def test_a_killed_process_leaves_the_trajectory_up_to_then(car: Car) -> None:
     result = play(car, [jail.node(), jail.driver(), jail.publish(2, SECOND, jail.twist(2.0))])
     assert result.exit is None
     assert result.violation is None
     assert end_pose(result)[0] == pytest.approx(2.0 * 63 * 0.016)
 
 
-def test_a_command_a_second_keeps_the_car_moving(car: BulletCar) -> None:
+def test_a_command_a_second_keeps_the_car_moving(car: Car) -> None:
     frames = [jail.node(), jail.driver()]
     frames += [jail.publish(2, k * SECOND + k * 2_000, jail.twist(1.0)) for k in range(5)]
     frames += [jail.publish(2, 5 * SECOND, jail.twist()), jail.ended(6 * SECOND)]
@@ -86,7 +86,7 @@ def test_a_command_a_second_keeps_the_car_moving(car: BulletCar) -> None:
     assert end_pose(result)[0] == pytest.approx(312 * 0.016)  # the stop comes just before the 313th update
 
 
-def test_nothing_moves_beyond_the_horizon(car: BulletCar) -> None:
+def test_nothing_moves_beyond_the_horizon(car: Car) -> None:
     frames = [jail.node(), jail.driver(), jail.publish(2, 0, jail.twist(1.0))]
     frames += [jail.publish(2, t, jail.twist(1.0)) for t in (SECOND // 2, SECOND + 1, 2 * SECOND)]
     result = play(car, [*frames, jail.ended(3 * SECOND, after_interrupt=1)], horizon_s=1.0)
@@ -97,7 +97,7 @@ def test_nothing_moves_beyond_the_horizon(car: BulletCar) -> None:
     assert result.duration_ns == SECOND
 
 
-def test_commands_after_ctrl_c_do_not_put_the_exit_into_the_past(car: BulletCar) -> None:
+def test_commands_after_ctrl_c_do_not_put_the_exit_into_the_past(car: Car) -> None:
     # A script with its own SIGINT handler goes on for a moment; its EXIT carries the horizon.
     frames = [jail.node(), jail.driver(), jail.publish(2, 0, jail.twist(1.0))]
     frames += [jail.publish(2, SECOND + 80_000, jail.twist()), jail.ended(SECOND, after_interrupt=1)]
@@ -106,12 +106,12 @@ def test_commands_after_ctrl_c_do_not_put_the_exit_into_the_past(car: BulletCar)
 
 
 @pytest.mark.parametrize("said", [jail.note("interrupted"), jail.ended(0, after_interrupt=1)])
-def test_ctrl_c_comes_at_the_horizon_whenever_a_script_says_it_came(car: BulletCar, said: bytes) -> None:
+def test_ctrl_c_comes_at_the_horizon_whenever_a_script_says_it_came(car: Car, said: bytes) -> None:
     result = play(car, [said], horizon_s=2.0)
     assert (result.duration_ns, result.trajectory.end_ns) == (2 * SECOND, 2 * SECOND)
 
 
-def test_frames_after_exit_are_not_read(car: BulletCar) -> None:
+def test_frames_after_exit_are_not_read(car: Car) -> None:
     result = play(car, [jail.ended(SECOND, code=3), b"\xff"])
     assert result.violation is None
     assert result.exit is not None
@@ -146,7 +146,7 @@ def test_frames_after_exit_are_not_read(car: BulletCar) -> None:
         ([jail.node(identity) for identity in range(8_200)], "more than 8192"),
     ],
 )
-def test_broken_rules_end_the_belief(car: BulletCar, frames: list[bytes], words: str) -> None:
+def test_broken_rules_end_the_belief(car: Car, frames: list[bytes], words: str) -> None:
     result = play(car, [*frames, jail.ended(SECOND)])
     assert result.violation is not None
     assert words in result.violation
@@ -164,7 +164,7 @@ TWISTS = st.sampled_from(
 @settings(max_examples=examples(60))
 @given(st.lists(st.tuples(GAPS_NS, st.sampled_from([2, 3]), TWISTS, st.integers(1, 4)), max_size=12))
 def test_repetitions_come_to_the_same_in_one_frame_and_in_many(
-    car: BulletCar, drives: list[tuple[int, int, bytes, int]]
+    car: Car, drives: list[tuple[int, int, bytes, int]]
 ) -> None:
     begun = [jail.node(), jail.driver(2), jail.driver(3)]
     single, repeated, t_ns = list(begun), list(begun), 0
@@ -183,7 +183,7 @@ def test_repetitions_come_to_the_same_in_one_frame_and_in_many(
     assert one == other
 
 
-def test_the_seed_of_the_rough_cars_noise_is_not_told(car: BulletCar) -> None:
+def test_the_seed_of_the_rough_cars_noise_is_not_told(car: Car) -> None:
     def told(world: World) -> int:
         link = FakeLink([jail.ended(0)])
         Episode(EpisodeSpec(world=world, horizon_ns=SECOND, source=b"print()", file_name="a.py"), car).run(
@@ -198,19 +198,19 @@ def test_the_seed_of_the_rough_cars_noise_is_not_told(car: BulletCar) -> None:
     assert rough[0] == rough[1]
 
 
-def test_a_syntax_error_is_believed_as_the_first_frame(car: BulletCar) -> None:
+def test_a_syntax_error_is_believed_as_the_first_frame(car: Car) -> None:
     result = play(car, [jail.ended(0, reason=3)])
     assert result.violation is None
     assert result.exit is not None
     assert result.exit.reason == 3
 
 
-def test_that_a_script_started_is_no_note_for_the_report(car: BulletCar) -> None:
+def test_that_a_script_started_is_no_note_for_the_report(car: Car) -> None:
     result = play(car, [jail.note("started"), jail.ended(0)])
     assert (result.violation, result.notes) == (None, ())
 
 
-def test_that_a_script_has_threads_is_told_and_no_note_for_the_report(car: BulletCar) -> None:
+def test_that_a_script_has_threads_is_told_and_no_note_for_the_report(car: Car) -> None:
     told: list[str] = []
     spec = EpisodeSpec(world=World(), horizon_ns=SECOND, source=b"", file_name="a.py")
     frames = [jail.note("started"), jail.note("threads"), jail.ended(0)]
@@ -218,14 +218,14 @@ def test_that_a_script_has_threads_is_told_and_no_note_for_the_report(car: Bulle
     assert (result.notes, told) == ((), ["threads"])
 
 
-def test_a_violation_keeps_what_was_driven(car: BulletCar) -> None:
+def test_a_violation_keeps_what_was_driven(car: Car) -> None:
     frames = jail.holding([(1.0, 1.0, 0.0)])[:-1]
     result = play(car, [*frames, b"\x00"])
     assert result.violation == "unknown frame kind 0x00"
     assert end_pose(result)[0] == pytest.approx(62 * 0.016)
 
 
-def test_the_last_command_before_an_update_wins(car: BulletCar) -> None:
+def test_the_last_command_before_an_update_wins(car: Car) -> None:
     frames = [jail.node(), jail.driver()]
     frames += [jail.publish(2, t, jail.twist(5.0, 3.0)) for t in range(0, 4000, 1000)]
     frames += [jail.publish(2, t, jail.twist(1.0)) for t in (15_999_999, 16_000_000)]
@@ -236,7 +236,7 @@ def test_the_last_command_before_an_update_wins(car: BulletCar) -> None:
     assert result.command_count == 7
 
 
-def test_nonsense_commands_are_stops_and_counted(car: BulletCar) -> None:
+def test_nonsense_commands_are_stops_and_counted(car: Car) -> None:
     frames = [jail.node(), jail.driver(), jail.publish(2, 0, jail.twist(1.0))]
     frames += [
         jail.publish(2, SECOND // 2, jail.twist(math.nan, 1.0)),
@@ -248,7 +248,7 @@ def test_nonsense_commands_are_stops_and_counted(car: BulletCar) -> None:
     assert end_pose(result)[2] == 0.0
 
 
-def test_what_a_car_cannot_do_is_noted(car: BulletCar) -> None:
+def test_what_a_car_cannot_do_is_noted(car: Car) -> None:
     frames = [jail.node(), jail.driver(), jail.publish(2, 0, jail.twist(0.0, 0.0, 1.0))]
     result = play(
         car,
@@ -262,7 +262,7 @@ def test_what_a_car_cannot_do_is_noted(car: BulletCar) -> None:
     ("t_ms", "asked", "unheard"), [(100, False, True), (100, True, False), (200, False, False)]
 )
 def test_a_motion_right_after_its_publisher_was_created_is_not_heard_at_home(
-    car: BulletCar, t_ms: int, asked: bool, unheard: bool
+    car: Car, t_ms: int, asked: bool, unheard: bool
 ) -> None:
     frames = [jail.node(), jail.driver(), *[jail.note("asked_for_listeners", "/turtle1/cmd_vel")] * asked]
     frames += [jail.publish(2, 0, jail.twist()), jail.publish(2, t_ms * 1_000_000, jail.twist(1.0))]
@@ -270,7 +270,7 @@ def test_a_motion_right_after_its_publisher_was_created_is_not_heard_at_home(
     assert ("unheard" in {note.code for note in result.notes}) is unheard
 
 
-def test_unreadable_bytes_on_the_command_topic_do_not_move(car: BulletCar) -> None:
+def test_unreadable_bytes_on_the_command_topic_do_not_move(car: Car) -> None:
     frames = [jail.node(), jail.driver()]
     frames += [
         jail.publish(2, 1, b""),
@@ -283,7 +283,7 @@ def test_unreadable_bytes_on_the_command_topic_do_not_move(car: BulletCar) -> No
     assert [note.code for note in result.notes] == ["unreadable_message"]
 
 
-def test_resting_costs_no_steps_and_few_samples(car: BulletCar) -> None:
+def test_resting_costs_no_steps_and_few_samples(car: Car) -> None:
     frames = [jail.node(), jail.driver()]
     for start in (0, 50):
         frames += [

@@ -9,8 +9,8 @@ import pytest
 
 from grader.contracts.assignment import EPOCH_NS, ServiceCall, StartPose, World
 from grader.contracts.errors import AssignmentError
-from grader.sim.bullet import BulletCar
 from grader.sim.cdr import encode
+from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeSpec
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, FakeLink, Script
@@ -25,9 +25,7 @@ MS = 1_000_000
     ("fields", "code"),
     [({"type": "std_msgs/msg/String"}, "type_mismatch"), ({"reliability": 2}, "incompatible_qos")],
 )
-def test_a_publisher_that_does_not_match_moves_nothing(
-    car: BulletCar, fields: dict[str, Any], code: str
-) -> None:
+def test_a_publisher_that_does_not_match_moves_nothing(car: Car, fields: dict[str, Any], code: str) -> None:
     result = play(
         car, [jail.node(), jail.driver(**fields), jail.publish(2, 0, jail.twist(1.0)), jail.ended(SECOND)]
     )
@@ -35,27 +33,27 @@ def test_a_publisher_that_does_not_match_moves_nothing(
     assert end_pose(result)[0] == 0.0
 
 
-def test_the_assignment_names_the_command_topic(car: BulletCar) -> None:
+def test_the_assignment_names_the_command_topic(car: Car) -> None:
     frames = [jail.node(), jail.driver(), jail.driver(3, name="/cmd_vel")]
     frames += [jail.publish(2, 0, jail.twist(9.0)), jail.publish(3, 0, jail.twist(1.0)), jail.ended(0)]
     result = play(car, frames, world=World(walls=False, cmd_vel_topic="/cmd_vel"))
     assert end_pose(result)[0] == pytest.approx(63 * 0.016)
 
 
-def test_other_topics_are_counted_by_the_hundred(car: BulletCar) -> None:
+def test_other_topics_are_counted_by_the_hundred(car: Car) -> None:
     frames = [jail.node(), jail.entity(2, 2, name="/chatter", type="std_msgs/msg/String")]
     result = play(car, [*frames, *[jail.publish(2, t, b"") for t in range(3)], jail.ended(9)])
     assert result.endpoints[0].count == 201
 
 
-def test_long_log_records_are_kept_up_to_half_a_million_characters(car: BulletCar) -> None:
+def test_long_log_records_are_kept_up_to_half_a_million_characters(car: Car) -> None:
     log = encode("rcl_interfaces/msg/Log", {"level": 20, "name": "n" * 2000, "msg": "m" * 2000})
     frames = [jail.node(), jail.entity(2, 2, name="/rosout", type="rcl_interfaces/msg/Log")]
     result = play(car, [*frames, *[jail.publish(2, 8, log)] * 260, jail.ended(9)])
     assert (len(result.logs), result.logs_dropped) == (250, 10)
 
 
-def test_rosout_becomes_log_records(car: BulletCar) -> None:
+def test_rosout_becomes_log_records(car: Car) -> None:
     log = encode("rcl_interfaces/msg/Log", {"level": 20, "name": "student", "msg": "你好" * 900})
     odd = encode("rcl_interfaces/msg/Log", {"level": 7})
     frames = [jail.node(), jail.entity(2, 2, name="/rosout", type="rcl_interfaces/msg/Log")]
@@ -69,14 +67,14 @@ def test_rosout_becomes_log_records(car: BulletCar) -> None:
     assert [note.code for note in result.notes] == ["unreadable_message"]
 
 
-def test_notes_are_bounded_and_not_repeated(car: BulletCar) -> None:
+def test_notes_are_bounded_and_not_repeated(car: Car) -> None:
     frames = [jail.note("discovery", "/a")] * 3 + [jail.note("discovery", str(n)) for n in range(200)]
     result = play(car, [*frames, jail.ended(0)])
     assert len(result.notes) == 100
     assert (result.notes[0].text, result.notes[1].text) == ("/a", "0")
 
 
-def test_pose_comes_every_16_ms(car: BulletCar) -> None:
+def test_pose_comes_every_16_ms(car: Car) -> None:
     seen: list[tuple[int, dict[str, Any]]] = []
 
     def script() -> Script:
@@ -101,7 +99,7 @@ def test_pose_comes_every_16_ms(car: BulletCar) -> None:
     assert seen[-1][1]["theta"] == pytest.approx(expected, abs=1e-6)
 
 
-def test_advance_without_anything_due_reaches_its_time(car: BulletCar) -> None:
+def test_advance_without_anything_due_reaches_its_time(car: Car) -> None:
     times = []
 
     def script() -> Script:
@@ -116,7 +114,7 @@ def test_advance_without_anything_due_reaches_its_time(car: BulletCar) -> None:
     assert result.sim_steps == 0
 
 
-def test_the_answer_says_until_when_nothing_is_due(car: BulletCar) -> None:
+def test_the_answer_says_until_when_nothing_is_due(car: Car) -> None:
     answers = []
 
     def script() -> Script:
@@ -135,7 +133,7 @@ def test_the_answer_says_until_when_nothing_is_due(car: BulletCar) -> None:
     assert answers == [(5, 16, 0), (16, 32, 1), (100, 112, 5), (1_000, 1_008, 56)]
 
 
-def test_what_does_not_fit_into_an_answer_comes_with_the_next(car: BulletCar) -> None:
+def test_what_does_not_fit_into_an_answer_comes_with_the_next(car: Car) -> None:
     answers = []
 
     def script() -> Script:
@@ -154,7 +152,7 @@ def test_what_does_not_fit_into_an_answer_comes_with_the_next(car: BulletCar) ->
     ]
 
 
-def test_a_script_that_only_hears_the_pose_is_told_the_car(car: BulletCar) -> None:
+def test_a_script_that_only_hears_the_pose_is_told_the_car(car: Car) -> None:
     told = []
 
     def script() -> Script:
@@ -172,7 +170,7 @@ def test_a_script_that_only_hears_the_pose_is_told_the_car(car: BulletCar) -> No
     assert told == [struct.pack("<HHHH", 1, 3, 1, 2), b""]
 
 
-def test_it_tells_while_script_and_world_wait_for_each_other(car: BulletCar) -> None:
+def test_it_tells_while_script_and_world_wait_for_each_other(car: Car) -> None:
     told: list[bool | str] = []
 
     def script() -> Script:
@@ -194,7 +192,7 @@ def test_it_tells_while_script_and_world_wait_for_each_other(car: BulletCar) -> 
     assert told == [False, "asks", True, "asks", "asks", False, "runs ahead", "asks", True]
 
 
-def test_odometry_starts_at_zero_and_stamps_wall_clock(car: BulletCar) -> None:
+def test_odometry_starts_at_zero_and_stamps_wall_clock(car: Car) -> None:
     seen: list[dict[str, Any]] = []
 
     def script() -> Script:
@@ -224,7 +222,7 @@ def test_odometry_starts_at_zero_and_stamps_wall_clock(car: BulletCar) -> None:
     assert seen[-1]["twist"]["twist"]["linear"]["x"] == pytest.approx(1.0, rel=1e-3)
 
 
-def test_an_incompatible_subscription_hears_nothing(car: BulletCar) -> None:
+def test_an_incompatible_subscription_hears_nothing(car: Car) -> None:
     heard = []
 
     def script() -> Script:
@@ -238,7 +236,7 @@ def test_an_incompatible_subscription_hears_nothing(car: BulletCar) -> None:
     assert [note.code for note in result.notes] == ["incompatible_qos"]
 
 
-def test_an_assignment_calls_the_scripts_service(car: BulletCar) -> None:
+def test_an_assignment_calls_the_scripts_service(car: Car) -> None:
     calls = (
         ServiceCall(at_ns=SECOND, service="/flag", type="std_srvs/srv/SetBool", values={"data": True}),
         ServiceCall(at_ns=0, service="/missing", type="std_srvs/srv/Trigger"),
@@ -268,7 +266,7 @@ def test_an_assignment_calls_the_scripts_service(car: BulletCar) -> None:
     assert (missing.sent_ns, missing.values) == (None, None)
 
 
-def test_a_call_that_does_not_fit_its_type_is_the_assignments_fault(car: BulletCar) -> None:
+def test_a_call_that_does_not_fit_its_type_is_the_assignments_fault(car: Car) -> None:
     call = ServiceCall(at_ns=0, service="/flag", type="std_srvs/srv/SetBool", values={"colour": 1})
     with pytest.raises(AssignmentError, match=r"/flag.*colour"):
         play(car, [], calls=(call,))

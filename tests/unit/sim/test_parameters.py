@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from grader.sim.bullet import BulletCar
+from grader.sim.driving import Car
 from grader.sim.parameters import SERVICES, Parameters
 from tests.fakes.jail import Script
 from tests.unit.sim.student import TYPES, Student, run
@@ -84,7 +84,7 @@ def test_one_unknown_name_makes_the_answer_empty() -> None:
     assert Parameters().answer("describe_parameters", asked) == {"descriptors": []}
 
 
-def test_scripts_reach_them(car: BulletCar) -> None:
+def test_scripts_reach_them(car: Car) -> None:
     student = Student()
     for name, kind in SERVICES.items():
         TYPES[f"/turtlesim/{name}"] = kind

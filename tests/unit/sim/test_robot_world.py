@@ -10,8 +10,8 @@ import pytest
 
 from grader.contracts.assignment import StartPose, Stripe, World
 from grader.sim import robot_messages as messages
-from grader.sim.bullet import BulletCar
 from grader.sim.cdr import decode, encode
+from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from grader.sim.interfaces import header, quaternion, with_interfaces
 from grader.sim.robot_body import RobotBody
@@ -35,7 +35,7 @@ def body() -> Any:
 
 
 def play(
-    car: BulletCar, body: RobotBody, frames: Any, world: World = WORLD, horizon_s: float = 20.0
+    car: Car, body: RobotBody, frames: Any, world: World = WORLD, horizon_s: float = 20.0
 ) -> EpisodeResult:
     spec = EpisodeSpec(world=world, horizon_ns=round(horizon_s * SECOND), source=b"print()", file_name="a.py")
     return Episode(spec, car, lambda: body).run(FakeLink(frames))
@@ -53,7 +53,7 @@ def heard(student: Student, topic: str, kind: str) -> list[tuple[int, dict[str, 
     return [(t_ns, decode(kind, data, TYPES)) for t_ns, who, data in student.heard if who == ident]
 
 
-def test_scans_come_five_times_a_second_with_a_burgers_fields(car: BulletCar, body: RobotBody) -> None:
+def test_scans_come_five_times_a_second_with_a_burgers_fields(car: Car, body: RobotBody) -> None:
     student = Student()
 
     def story() -> Any:
@@ -78,7 +78,7 @@ def test_scans_come_five_times_a_second_with_a_burgers_fields(car: BulletCar, bo
     assert sum(ahead) / 10 == pytest.approx(2.032, abs=0.015)
 
 
-def test_what_is_too_far_or_too_near_is_infinite(car: BulletCar, body: RobotBody) -> None:
+def test_what_is_too_far_or_too_near_is_infinite(car: Car, body: RobotBody) -> None:
     student = Student()
     world = World(kind="robot", room=room(-0.2, -4.0, 8.0, 4.0), start=StartPose(x_m=0.0, y_m=0.0))
 
@@ -98,7 +98,7 @@ def test_what_is_too_far_or_too_near_is_infinite(car: BulletCar, body: RobotBody
     assert scan["ranges"][180] == -math.inf
 
 
-def test_a_reliable_subscription_gets_no_scan_but_odometry(car: BulletCar, body: RobotBody) -> None:
+def test_a_reliable_subscription_gets_no_scan_but_odometry(car: Car, body: RobotBody) -> None:
     student = Student()
 
     def story() -> Any:
@@ -113,7 +113,7 @@ def test_a_reliable_subscription_gets_no_scan_but_odometry(car: BulletCar, body:
     assert [(note.code, note.text) for note in result.notes] == [("sensor_qos", "/scan")]
 
 
-def test_what_is_fixed_to_the_robot_comes_to_late_listeners(car: BulletCar, body: RobotBody) -> None:
+def test_what_is_fixed_to_the_robot_comes_to_late_listeners(car: Car, body: RobotBody) -> None:
     student = Student()
 
     def story() -> Any:
@@ -128,9 +128,7 @@ def test_what_is_fixed_to_the_robot_comes_to_late_listeners(car: BulletCar, body
     assert {("base_footprint", "base_link"), ("base_link", "base_scan")} <= pairs
 
 
-def test_a_command_holds_until_the_next_one_even_after_the_scripts_end(
-    car: BulletCar, body: RobotBody
-) -> None:
+def test_a_command_holds_until_the_next_one_even_after_the_scripts_end(car: Car, body: RobotBody) -> None:
     student = Student()
 
     def story() -> Any:
@@ -147,7 +145,7 @@ def test_a_command_holds_until_the_next_one_even_after_the_scripts_end(
     assert result.command_count == 1
 
 
-def test_topics_have_the_assignments_names(car: BulletCar, body: RobotBody) -> None:
+def test_topics_have_the_assignments_names(car: Car, body: RobotBody) -> None:
     student = Student()
     world = World(
         kind="robot", room=ROOM, cmd_vel_topic="/robot/cmd_vel", topics={"/scan": "/robot/laser"},
@@ -200,7 +198,7 @@ def test_messages_are_as_the_general_writer_makes_them() -> None:
     assert decode("sensor_msgs/msg/Image", messages.image(t_ns, 4, 2, bytes(24)), TYPES)["step"] == 12
 
 
-def test_the_imu_feels_a_turn_and_gravity(car: BulletCar, body: RobotBody) -> None:
+def test_the_imu_feels_a_turn_and_gravity(car: Car, body: RobotBody) -> None:
     student = Student()
     kind = "sensor_msgs/msg/Imu"
 
@@ -221,9 +219,7 @@ def test_the_imu_feels_a_turn_and_gravity(car: BulletCar, body: RobotBody) -> No
     assert 2.0 * math.atan2(q["z"], q["w"]) == pytest.approx(turned, abs=0.01)
 
 
-def test_the_imu_feels_no_push_when_a_script_begins_to_listen_on_the_way(
-    car: BulletCar, body: RobotBody
-) -> None:
+def test_the_imu_feels_no_push_when_a_script_begins_to_listen_on_the_way(car: Car, body: RobotBody) -> None:
     student = Student()
     kind = "sensor_msgs/msg/Imu"
 
@@ -241,9 +237,7 @@ def test_the_imu_feels_no_push_when_a_script_begins_to_listen_on_the_way(
     assert max(map(abs, pushes)) < 0.5
 
 
-def test_what_a_sensor_shows_does_not_depend_on_who_listens_to_another(
-    car: BulletCar, body: RobotBody
-) -> None:
+def test_what_a_sensor_shows_does_not_depend_on_who_listens_to_another(car: Car, body: RobotBody) -> None:
     kinds = {"/scan": SCAN, "/imu": "sensor_msgs/msg/Imu"}
 
     def told(*topics: str) -> dict[str, Any]:
@@ -263,7 +257,7 @@ def test_what_a_sensor_shows_does_not_depend_on_who_listens_to_another(
     assert both == told("/scan") | told("/imu")
 
 
-def test_a_camera_sees_a_line_on_its_side_only_while_somebody_looks(car: BulletCar, body: RobotBody) -> None:
+def test_a_camera_sees_a_line_on_its_side_only_while_somebody_looks(car: Car, body: RobotBody) -> None:
     student = Student()
     kind = "sensor_msgs/msg/Image"
     striped = replace(ROOM, stripes=(Stripe(points_m=((0.1, 0.1), (1.0, 0.1))),))

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from grader.live.car import MOST_UNREAD
-from grader.sim.bullet import BulletCar
+from grader.sim.driving import Car
 from grader.sim.rosbridge.bridge import BAD_CLIENT, MOST_PARTS, MOST_TOPICS, MOST_WAITING
 from grader.sim.rosbridge.session import LiveSession
 
@@ -24,7 +24,7 @@ ROTATE = "/turtle1/rotate_absolute"
 class Table:
     """A session with client 1, and a clock."""
 
-    def __init__(self, car: BulletCar) -> None:
+    def __init__(self, car: Car) -> None:
         self.session = LiveSession(car, EPOCH_NS)
         self.session.open(1)
         self.now_ns = 0
@@ -53,7 +53,7 @@ class Table:
 
 
 @pytest.fixture
-def table(car: BulletCar) -> Table:
+def table(car: Car) -> Table:
     return Table(car)
 
 

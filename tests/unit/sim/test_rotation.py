@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.sim.bullet import BulletCar
+from grader.sim.driving import Car
 from tests.fakes.jail import SECOND, Answer, Script
 from tests.unit.sim.student import ACTION, ROTATE, UUID, Student, run
 
@@ -26,7 +26,7 @@ def result_of(student: Student, uuid: bytes = UUID) -> Generator[bytes, Answer |
     return (yield from student.call(f"{ACTION}/get_result", goal_id={"uuid": list(uuid)}))
 
 
-def test_rotate_absolute_turns_and_reports(car: BulletCar) -> None:
+def test_rotate_absolute_turns_and_reports(car: Car) -> None:
     student = Student()
     ends: list[dict[str, Any]] = []
 
@@ -53,7 +53,7 @@ def test_rotate_absolute_turns_and_reports(car: BulletCar) -> None:
     assert statuses[-1][1]["status_list"][0]["status"] == 4
 
 
-def test_a_velocity_command_aborts_the_rotation(car: BulletCar) -> None:
+def test_a_velocity_command_aborts_the_rotation(car: Car) -> None:
     student = Student()
     ends: list[dict[str, Any]] = []
 
@@ -70,7 +70,7 @@ def test_a_velocity_command_aborts_the_rotation(car: BulletCar) -> None:
     assert np.hypot(path.x_m[-1] - path.x_m[0], path.y_m[-1] - path.y_m[0]) == pytest.approx(0.5, abs=0.02)
 
 
-def test_a_new_goal_aborts_the_old_one(car: BulletCar) -> None:
+def test_a_new_goal_aborts_the_old_one(car: Car) -> None:
     student = Student()
     ends: list[dict[str, Any]] = []
     other = bytes([7] * 16)
@@ -88,7 +88,7 @@ def test_a_new_goal_aborts_the_old_one(car: BulletCar) -> None:
     assert path.heading_rad[-1] == pytest.approx(0.0, abs=0.02)
 
 
-def test_a_goal_is_cancelled(car: BulletCar) -> None:
+def test_a_goal_is_cancelled(car: Car) -> None:
     student = Student()
     replies: list[dict[str, Any]] = []
 
@@ -114,7 +114,7 @@ def test_a_goal_is_cancelled(car: BulletCar) -> None:
     assert path.heading_rad[-1] == pytest.approx(1.0, abs=0.05)
 
 
-def test_a_rotation_goes_on_when_the_script_has_ended(car: BulletCar) -> None:
+def test_a_rotation_goes_on_when_the_script_has_ended(car: Car) -> None:
     student = Student()
 
     def story() -> Script:
@@ -126,7 +126,7 @@ def test_a_rotation_goes_on_when_the_script_has_ended(car: BulletCar) -> None:
 
 
 @pytest.mark.parametrize("theta", [math.nan, math.inf])
-def test_a_goal_that_is_no_angle_turns_until_it_is_cancelled(car: BulletCar, theta: float) -> None:
+def test_a_goal_that_is_no_angle_turns_until_it_is_cancelled(car: Car, theta: float) -> None:
     student = Student()
     replies: list[dict[str, Any]] = []
 

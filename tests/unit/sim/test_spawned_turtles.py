@@ -5,8 +5,8 @@ import math
 
 import pytest
 
-from grader.sim.bullet import BulletCar
 from grader.sim.cdr import encode
+from grader.sim.driving import Car
 from tests.fakes import jail, turtlesim
 from tests.fakes.jail import SECOND, Script
 from tests.unit.sim.playing import play
@@ -21,7 +21,7 @@ def changes(student: Student) -> list[dict[str, object]]:
     return [json.loads(payload) for _, payload in student.graph]
 
 
-def test_the_script_is_told_of_the_graph_before_the_answer(car: BulletCar) -> None:
+def test_the_script_is_told_of_the_graph_before_the_answer(car: Car) -> None:
     order: list[int] = []
 
     def script() -> Script:
@@ -47,7 +47,7 @@ def test_the_script_is_told_of_the_graph_before_the_answer(car: BulletCar) -> No
     assert order == [GRAPH, 2]
 
 
-def test_a_spawned_turtle_moves_as_turtlesims_do_and_is_not_scored(car: BulletCar) -> None:
+def test_a_spawned_turtle_moves_as_turtlesims_do_and_is_not_scored(car: Car) -> None:
     student = Student()
     commands = [(100 * MS, 1.0, 0.5), (1_200 * MS, -2.0, 0.0), (3_500 * MS, 3.0, 2.0)]
 
@@ -73,7 +73,7 @@ def test_a_spawned_turtle_moves_as_turtlesims_do_and_is_not_scored(car: BulletCa
     assert count == len(commands)
 
 
-def test_a_spawned_turtle_has_services_and_the_action(car: BulletCar) -> None:
+def test_a_spawned_turtle_has_services_and_the_action(car: Car) -> None:
     student = Student()
     TYPES["/bob/teleport_absolute"] = TYPES["/turtle1/teleport_absolute"]
     TYPES["/bob/set_pen"] = TYPES["/turtle1/set_pen"]
@@ -100,7 +100,7 @@ def test_a_spawned_turtle_has_services_and_the_action(car: BulletCar) -> None:
 
 
 @pytest.mark.parametrize("how", ["/kill", "/reset"])
-def test_a_turtle_that_is_gone_says_and_obeys_nothing(car: BulletCar, how: str) -> None:
+def test_a_turtle_that_is_gone_says_and_obeys_nothing(car: Car, how: str) -> None:
     student = Student()
 
     def story() -> Script:
@@ -118,7 +118,7 @@ def test_a_turtle_that_is_gone_says_and_obeys_nothing(car: BulletCar, how: str) 
     assert [change["gone"] for change in changes(student)] == [False, True]
 
 
-def test_a_name_that_can_be_no_topic_is_a_name_only(car: BulletCar) -> None:
+def test_a_name_that_can_be_no_topic_is_a_name_only(car: Car) -> None:
     student = Student()
 
     def story() -> Script:
@@ -129,7 +129,7 @@ def test_a_name_that_can_be_no_topic_is_a_name_only(car: BulletCar) -> None:
     assert student.graph == []
 
 
-def test_a_turtle_that_is_spawned_outside_of_the_window_stands_at_its_wall(car: BulletCar) -> None:
+def test_a_turtle_that_is_spawned_outside_of_the_window_stands_at_its_wall(car: Car) -> None:
     student = Student()
 
     def story() -> Script:

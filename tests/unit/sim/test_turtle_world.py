@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from grader.contracts.assignment import WINDOW_M, World
-from grader.sim.bullet import BulletCar
+from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeSpec
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, FakeLink, Script
@@ -16,7 +16,7 @@ MS = 1_000_000
 TICK = 16 * MS
 
 
-def test_a_teleport_is_served_at_the_next_tick_and_is_a_jump(car: BulletCar) -> None:
+def test_a_teleport_is_served_at_the_next_tick_and_is_a_jump(car: Car) -> None:
     student = Student()
 
     def story() -> Script:
@@ -37,7 +37,7 @@ def test_a_teleport_is_served_at_the_next_tick_and_is_a_jump(car: BulletCar) -> 
     assert path.y_m[-1] == pytest.approx(3.0, abs=0.02)
 
 
-def test_a_teleport_keeps_the_velocity(car: BulletCar) -> None:
+def test_a_teleport_keeps_the_velocity(car: Car) -> None:
     student = Student()
 
     def story() -> Script:
@@ -52,7 +52,7 @@ def test_a_teleport_keeps_the_velocity(car: BulletCar) -> None:
     assert path.x_m[-1] == pytest.approx(1.0 + 0.5, abs=0.03)
 
 
-def test_teleport_relative_turns_first_and_stays_in_the_window(car: BulletCar) -> None:
+def test_teleport_relative_turns_first_and_stays_in_the_window(car: Car) -> None:
     student = Student()
 
     def story() -> Script:
@@ -67,7 +67,7 @@ def test_teleport_relative_turns_first_and_stays_in_the_window(car: BulletCar) -
     assert path.y_m[second] == WINDOW_M
 
 
-def test_reset_puts_the_turtle_back_at_rest(car: BulletCar) -> None:
+def test_reset_puts_the_turtle_back_at_rest(car: Car) -> None:
     student = Student()
 
     def story() -> Script:
@@ -83,7 +83,7 @@ def test_reset_puts_the_turtle_back_at_rest(car: BulletCar) -> None:
     assert path.v_mps[-1] == 0.0
 
 
-def test_spawn_names_turtles_and_refuses_what_exists(car: BulletCar) -> None:
+def test_spawn_names_turtles_and_refuses_what_exists(car: Car) -> None:
     student = Student()
 
     def story() -> Script:
@@ -99,7 +99,7 @@ def test_spawn_names_turtles_and_refuses_what_exists(car: BulletCar) -> None:
     assert run(car, student, story()).trajectory.jumps == ()
 
 
-def test_a_number_is_given_once_until_the_next_reset(car: BulletCar) -> None:
+def test_a_number_is_given_once_until_the_next_reset(car: Car) -> None:
     student = Student()
 
     def story() -> Script:
@@ -114,7 +114,7 @@ def test_a_number_is_given_once_until_the_next_reset(car: BulletCar) -> None:
     run(car, student, story())
 
 
-def test_a_killed_turtle_obeys_and_says_nothing(car: BulletCar) -> None:
+def test_a_killed_turtle_obeys_and_says_nothing(car: Car) -> None:
     student = Student()
 
     def story() -> Script:
@@ -138,7 +138,7 @@ def test_a_killed_turtle_obeys_and_says_nothing(car: BulletCar) -> None:
     assert result.command_count == 3
 
 
-def test_the_colour_sensor_sees_background_and_then_the_line(car: BulletCar) -> None:
+def test_the_colour_sensor_sees_background_and_then_the_line(car: Car) -> None:
     student = Student()
 
     def story() -> Script:
@@ -153,7 +153,7 @@ def test_the_colour_sensor_sees_background_and_then_the_line(car: BulletCar) -> 
     assert colors[-1] == {"r": 255, "g": 1, "b": 2}
 
 
-def test_a_turtle_that_is_spawned_again_has_a_new_pen_on_blank_ground(car: BulletCar) -> None:
+def test_a_turtle_that_is_spawned_again_has_a_new_pen_on_blank_ground(car: Car) -> None:
     student = Student()
 
     def story() -> Script:
@@ -174,7 +174,7 @@ def test_a_turtle_that_is_spawned_again_has_a_new_pen_on_blank_ground(car: Bulle
     assert colors == [{"r": 255, "g": 255, "b": 255}, {"r": 179, "g": 184, "b": 255}]
 
 
-def test_odometry_does_not_see_a_teleport(car: BulletCar) -> None:
+def test_odometry_does_not_see_a_teleport(car: Car) -> None:
     student = Student()
 
     def story() -> Script:
@@ -193,7 +193,7 @@ def test_odometry_does_not_see_a_teleport(car: BulletCar) -> None:
     assert max(np.diff([position["x"] for position in positions])) < 0.03
 
 
-def test_too_many_requests_are_noted_not_kept(car: BulletCar) -> None:
+def test_too_many_requests_are_noted_not_kept(car: Car) -> None:
     student = Student()
 
     def story() -> Script:
@@ -209,7 +209,7 @@ def test_too_many_requests_are_noted_not_kept(car: BulletCar) -> None:
     assert [note.code for note in run(car, student, story()).notes] == ["too_many_requests"]
 
 
-def test_a_request_is_served_although_the_script_does_not_wait(car: BulletCar) -> None:
+def test_a_request_is_served_although_the_script_does_not_wait(car: Car) -> None:
     student = Student()
 
     def story() -> Script:
@@ -218,7 +218,7 @@ def test_a_request_is_served_although_the_script_does_not_wait(car: BulletCar) -
     assert run(car, student, story()).trajectory.x_m[-1] == 1.0
 
 
-def test_a_malformed_request_is_a_violation(car: BulletCar) -> None:
+def test_a_malformed_request_is_a_violation(car: Car) -> None:
     frames = [jail.node(), jail.entity(5, 5, name="/spawn", type="turtlesim/srv/Spawn")]
     frames += [jail.request(5, 1, 0, b"\0\1\0\0junk"), jail.advance(SECOND)]
     spec = EpisodeSpec(world=World(), horizon_ns=SECOND, source=b"", file_name="a.py")
@@ -227,7 +227,7 @@ def test_a_malformed_request_is_a_violation(car: BulletCar) -> None:
     assert "Spawn_Request" in result.violation
 
 
-def test_a_teleport_beyond_all_measure_ends_far_away(car: BulletCar) -> None:
+def test_a_teleport_beyond_all_measure_ends_far_away(car: Car) -> None:
     student = Student()
 
     def story() -> Script:

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grader.contracts.assignment import StartPose, World
-from grader.sim.bullet import BulletCar
+from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from tests.fakes import jail, turtlesim
 from tests.fakes.jail import SECOND, FakeLink, Script
@@ -40,7 +40,7 @@ class Driven:
 
 
 def drive(
-    car: BulletCar,
+    car: Car,
     decide: Controller,
     *,
     period_ns: int,
@@ -122,7 +122,7 @@ LEG = st.tuples(st.integers(1, 4_000), SPEEDS, RATES)  # milliseconds, m/s, rad/
     walls=st.booleans(),
 )
 def test_open_loops_go_where_turtlesim_goes(
-    car: BulletCar,
+    car: Car,
     legs: list[tuple[int, float, float]],
     period_ms: int,
     reaction_ns: int,
@@ -156,7 +156,7 @@ def test_open_loops_go_where_turtlesim_goes(
     heading_deg=st.floats(-180.0, 180.0),
 )
 def test_closed_loops_turn_as_far_as_on_turtlesim(
-    car: BulletCar,
+    car: Car,
     v: float,
     w: float,
     corner_deg: float,
@@ -195,9 +195,7 @@ def test_closed_loops_turn_as_far_as_on_turtlesim(
 
 
 @pytest.mark.parametrize(("w", "corner_deg"), [(2.0, 91.7), (3.0, 90.8)])
-def test_a_corner_that_ends_in_the_pose_callback_is_turtlesims(
-    car: BulletCar, w: float, corner_deg: float
-) -> None:
+def test_a_corner_that_ends_in_the_pose_callback_is_turtlesims(car: Car, w: float, corner_deg: float) -> None:
     def decide(_: int, pose: Pose | None) -> tuple[float, float] | None:
         return (0.0, w if pose is None or 0.0 <= pose.theta < math.pi / 2 else 0.0)
 
@@ -207,9 +205,7 @@ def test_a_corner_that_ends_in_the_pose_callback_is_turtlesims(
 
 @pytest.mark.sweep(2)
 @pytest.mark.parametrize("heading_deg", [0.0, 37.0, 84.0, -135.0])
-def test_the_heading_keeps_its_bits_through_accelerations_and_walls(
-    car: BulletCar, heading_deg: float
-) -> None:
+def test_the_heading_keeps_its_bits_through_accelerations_and_walls(car: Car, heading_deg: float) -> None:
     chance = random.Random(heading_deg)
 
     def decide(now_ns: int, _: Pose | None) -> tuple[float, float] | None:
@@ -223,7 +219,7 @@ def test_the_heading_keeps_its_bits_through_accelerations_and_walls(
     assert not path.w_radps.any()
 
 
-def test_across_the_direction_of_travel_nothing_moves(car: BulletCar) -> None:
+def test_across_the_direction_of_travel_nothing_moves(car: Car) -> None:
     driven = drive(
         car, lambda now_ns, _: (math.sin(now_ns / 1e9), 0.0), period_ns=50 * MS, horizon_ns=20 * SECOND
     )
@@ -231,7 +227,7 @@ def test_across_the_direction_of_travel_nothing_moves(car: BulletCar) -> None:
     assert len(set(driven.result.trajectory.y_m)) == 1
 
 
-def test_a_single_command_drives_63_updates(car: BulletCar) -> None:
+def test_a_single_command_drives_63_updates(car: Car) -> None:
     driven = drive(
         car,
         lambda now_ns, _: (1.0, 0.0) if now_ns == 96 * MS else None,
@@ -242,7 +238,7 @@ def test_a_single_command_drives_63_updates(car: BulletCar) -> None:
     assert sum(pose.v == 1.0 for pose in driven.heard) == 63
 
 
-def test_what_is_recorded_is_what_was_published(car: BulletCar) -> None:
+def test_what_is_recorded_is_what_was_published(car: Car) -> None:
     driven = drive(
         car,
         lambda now_ns, _: (1.0, 0.5 if now_ns > SECOND else 0.0),
