@@ -2,14 +2,14 @@
 
 import sys
 
-from grader.sim.bullet import Body
+from grader.sim.bullet import CarBody
 
 
 class BareLoop:
     """Drives the body in a circle for as many physics steps as asked."""
 
     def __init__(self) -> None:
-        self._body = Body()
+        self._body = CarBody()
 
     def run(self, steps: int) -> None:
         """Build the world anew and step it."""

@@ -163,6 +163,28 @@ def run(argv: Sequence[str]) -> int:
         Parser.language = _language(argv)
     except GraderError as error:
         return _told(error)
+    parser = _parser()
+    if not argv:
+        parser.print_help(sys.stderr)
+        return EXIT_NOT_DONE
+    try:
+        chosen = parser.parse_args(argv)
+        module, arguments = _prepared(chosen.command, chosen.arguments)
+        code = int(module.run(arguments))
+        sys.stdout.flush()
+        return code
+    except GraderError as error:
+        return _told(error)
+    except ModuleNotFoundError as error:
+        return _lacks(error)
+    except KeyboardInterrupt:
+        return EXIT_INTERRUPTED
+    except OSError as error:
+        return _not_done(error)
+
+
+def _parser() -> Parser:
+    """Return the parser of what stands before a command's own arguments."""
     parser = Parser(
         prog="grader",
         description="Auto-grader for introductory ROS 2 (rclpy) motion exercises / ROS 2 运动练习自动评分",
@@ -177,27 +199,7 @@ def run(argv: Sequence[str]) -> int:
         help="one of those below; its options: grader COMMAND --help / 以下之一",
     )
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
-    if not argv:
-        parser.print_help(sys.stderr)
-        return EXIT_NOT_DONE
-    try:
-        chosen = parser.parse_args(argv)
-        module, arguments = _prepared(chosen.command, chosen.arguments)
-        code = int(module.run(arguments))
-        sys.stdout.flush()
-        return code
-    except GraderError as error:
-        return _told(error)
-    except ModuleNotFoundError as error:
-        from grader.contracts.extras import MissingExtraError
-
-        if (missing := MissingExtraError.of(error)) is None:
-            raise
-        return _told(missing)
-    except KeyboardInterrupt:
-        return EXIT_INTERRUPTED
-    except OSError as error:
-        return _not_done(error)
+    return parser
 
 
 def _told(error: GraderError) -> int:
@@ -205,6 +207,19 @@ def _told(error: GraderError) -> int:
 
     sys.stderr.write(f"grader: {visible(error.told(Parser.language))}\n")
     return EXIT_NOT_DONE
+
+
+def _lacks(error: ModuleNotFoundError) -> int:
+    """Say which extra to install; return the exit code.
+
+    Raises:
+        ModuleNotFoundError: no extra has the module.
+    """
+    from grader.contracts.extras import MissingExtraError
+
+    if (missing := MissingExtraError.of(error)) is None:
+        raise error
+    return _told(missing)
 
 
 def _overview() -> str:

@@ -145,8 +145,7 @@ class Pipeline:
 
         Raises:
             InfrastructureError, SandboxError: a fault of the grader or its host; nothing was scored.
-            MissingExtraError: the assignment's world needs PyBullet, which is not installed.
-            AssignmentError: the assignment does not fit its check.
+            MissingExtraError, AssignmentError: its world needs PyBullet; it does not fit its check.
         """
         if job.assignment.input == "text":
             return self._read(job)
@@ -163,7 +162,6 @@ class Pipeline:
         trajectories = {run.case: encode_trajectory(run.trajectory) for run in runs}
         marks = mark(job.assignment, runs)
         report = _report(job, runs, _explained(job.assignment, runs, marks), trajectories)
-        measurements = self._measurements(accounts)
         cut = outputs_within_budget(
             _cut_output(case, jail, job.assignment)
             for case, (episode, jail) in zip(cases, accounts, strict=True)
@@ -172,7 +170,7 @@ class Pipeline:
         return GradingResult(
             report=report,
             trajectories=trajectories,
-            measurements=replace(measurements, cut_output=cut),
+            measurements=replace(self._measurements(accounts), cut_output=cut),
             requests={case.id: episode.requests for case, (episode, _) in zip(cases, accounts, strict=True)},
         )
 

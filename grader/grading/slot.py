@@ -11,12 +11,18 @@ import select
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from types import TracebackType
 from typing import Any, Final
 
-from grader.contracts.errors import InfrastructureError, NoRoomError, SandboxUnavailableError, lacks_room
+from grader.contracts.errors import (
+    GraderError,
+    InfrastructureError,
+    NoRoomError,
+    SandboxUnavailableError,
+    lacks_room,
+)
 from grader.contracts.explanation import Explanation
 from grader.contracts.extras import MissingExtraError
 from grader.contracts.grading import GradingJob, GradingResult, RunProgress, WorldRequest
@@ -186,17 +192,9 @@ class Slot:
             if not has_run:
                 raise
             raise InfrastructureError(str(error)) from error  # the script may have taken the room
-        match kind:
-            case "result":
-                return self._result(answer)
-            case "unavailable":
-                raise SandboxUnavailableError(str(answer.get("message")))
-            case "missing_extra":
-                raise MissingExtraError.named(str(answer.get("message")))
-            case "no_room":
-                raise NoRoomError(str(answer.get("message")))
-            case _:
-                raise InfrastructureError(answer.get("message", "the grading process answered nonsense"))
+        if kind != "result":
+            raise _fault(answer)
+        return self._result(answer)
 
     def explain(self, job: GradingJob) -> Explanation:
         """Look in the child for changes of a graded script that gain marks.
@@ -209,7 +207,7 @@ class Slot:
         self._send({**_request(job), "kind": "explain"}, budget_s, [job.source])
         answer = self._receive(budget_s)
         if answer.get("kind") != "explanation":
-            raise InfrastructureError(answer.get("message", "the grading process answered nonsense"))
+            raise _fault(answer)
         try:
             return from_plain(Explanation, answer["explanation"])
         except (KeyError, ValueError) as error:
@@ -343,6 +341,20 @@ def result_message(result: GradingResult) -> tuple[dict[str, Any], list[bytes]]:
         "requests": result.requests,
     }
     return message, [result.report.canonical_bytes(), *result.trajectories.values()]
+
+
+def _fault(answer: Mapping[str, Any]) -> GraderError:
+    """Return the error that the child reports."""
+    told = str(answer.get("message", "the grading process answered nonsense"))
+    match answer.get("kind"):
+        case "unavailable":
+            return SandboxUnavailableError(told)
+        case "missing_extra":
+            return MissingExtraError.named(told)
+        case "no_room":
+            return NoRoomError(told)
+        case _:
+            return InfrastructureError(told)
 
 
 def _request(job: GradingJob, *, tells: bool = False) -> dict[str, Any]:

@@ -76,7 +76,7 @@ class Client:
             self._client = -1
 
 
-class Body(Client):
+class CarBody(Client):
     """The car's body in a PyBullet world of its own.
 
     One object serves any number of episodes: `reset` builds the world anew, so nothing of an earlier episode is

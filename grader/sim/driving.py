@@ -17,7 +17,7 @@ from grader.sim.car import (
 )
 
 if TYPE_CHECKING:
-    from grader.sim.bullet import Body
+    from grader.sim.bullet import CarBody
 
 CAR_MODEL: Final = 2  # raised whenever the same commands may give another trajectory
 
@@ -183,7 +183,7 @@ class Car:
             raise InfrastructureError("the simulated car left the realm of numbers")
         self._watcher.sample(self.now_ns, self.pose, v, w)
 
-    def _drive(self, rough: RoughDrive, body: "Body", t_ns: int) -> None:
+    def _drive(self, rough: RoughDrive, body: "CarBody", t_ns: int) -> None:
         """Run the updates up to `t_ns`, or to rest, under the rough drive."""
         while not self.resting and self.now_ns + UPDATE_NS <= t_ns:
             first = last_step_at(self.now_ns)
@@ -191,7 +191,7 @@ class Car:
             self._step(rough, body, first, last_step_at(self.now_ns))
             self._watch()
 
-    def _step(self, rough: RoughDrive, body: "Body", first: int, last: int) -> None:
+    def _step(self, rough: RoughDrive, body: "CarBody", first: int, last: int) -> None:
         """Step the body under the rough drive from step `first` to step `last`."""
         x, y, heading = self.pose
         for step in range(first, last):
@@ -228,13 +228,13 @@ class Car:
             self._body.place(self.pose, self.now_ns)
 
 
-def _body() -> "Body | None":
+def _body() -> "CarBody | None":
     """Return a body for a car; None where PyBullet is not installed."""
     try:
-        from grader.sim.bullet import Body
+        from grader.sim.bullet import CarBody
     except ModuleNotFoundError:
         return None
-    return Body()
+    return CarBody()
 
 
 def _within(position_m: float) -> float:
