@@ -8,7 +8,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 LINK = re.compile(r"\]\((?!https?:)([^)#\s]*)(?:#([^)\s]+))?\)")
-NAMED = re.compile(r"`((?:assignments|benchmarks|docs|grader|lesson|tests|tools)/[\w./-]*)`")
+NAMED = re.compile(r"`((?:assignments|benchmarks|docs|lab|grader|lesson|tests|tools)/[\w./-]*)`")
 
 
 def _anchors(page: Path) -> set[str]:

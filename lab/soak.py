@@ -4,7 +4,7 @@ Each line is a block of gradings: the median time of an ordinary grading, and th
 process's memory, descriptors, processes below it and zombies among them. Nothing may grow from the first block
 to the last. Exit code 1 if an ordinary script's report ever differed, or a hostile one failed the grader.
 
-Usage: ``python -m benchmarks.soak [GRADINGS]`` (default 2000).
+Usage: ``python -m lab.soak [GRADINGS]`` (default 2000).
 """
 
 from __future__ import annotations

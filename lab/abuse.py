@@ -2,7 +2,7 @@
 
 A service with its own limits, bounded like a container (512 processes, 3 GiB), takes two uploads a second of 60
 students whose scores are known. Three others hand in attacks and endless scripts, upload what takes long to check,
-ask for plots and reports all the time, open connections and read nothing (`benchmarks.hostile`).
+ask for plots and reports all the time, open connections and read nothing (`lab.hostile`).
 
 Exit code 1 if an honest grading is wrong, fails or is refused, if the honest ones wait longer than they may, if
 the service grows, or if an attack is not counted as an attempt.
@@ -29,12 +29,12 @@ from typing import Any, Final
 import httpx
 from rich.console import Console
 
-from benchmarks.bounded import Bounds, bounded, hand_over
 from benchmarks.classroom import Script, Upload, graded_scripts, roster
 from benchmarks.handing_in import HandingIn, Sent, steady
-from benchmarks.hostile import Hostile, attempts_of
 from benchmarks.load import milliseconds, read_all, timed
 from benchmarks.processes import INSTRUCTOR, Service, proportional_mib
+from lab.bounded import Bounds, bounded, hand_over
+from lab.hostile import Hostile, attempts_of
 
 WAIT_P95_S: Final = 10.0
 GROWTH_MIB: Final = 64.0
@@ -212,7 +212,7 @@ def _instant(document: dict[str, Any], name: str) -> float:
 
 
 def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.abuse", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m lab.abuse", description=__doc__)
     parser.add_argument("--seconds", type=float, default=600.0, help="how long uploads come")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--honest", type=int, default=60)

@@ -1,12 +1,12 @@
 """A scripted term: a class of 300 from a messy workbook to the archive, over HTTP and on the pages, with times.
 
-Every step of the instructor is done by `benchmarks.term_desks`, once over HTTP and once in Chromium, each in a
+Every step of the instructor is done by `lab.term_desks`, once over HTTP and once in Chromium, each in a
 course of its own; only the first course is made on the server. Students hand in over HTTP, or at the
-desk of the pages in windows of Chromium (`benchmarks.term_students`). The first of their files are graded for
+desk of the pages in windows of Chromium (`lab.term_students`). The first of their files are graded for
 real, the others get the result that their script has, by the queue's own contract. At the end the pages of such
 a class are timed, cold and warm. FOLDER keeps what was done in ``steps.jsonl``: the same command goes on there.
 
-Usage: ``python -m benchmarks.term [--students 300] [--attempts 20] [--real 300] [--windows 3] [--desks http,pages]
+Usage: ``python -m lab.term [--students 300] [--attempts 20] [--real 300] [--windows 3] [--desks http,pages]
 [FOLDER]``
 """
 
@@ -38,8 +38,6 @@ from python_calamine import CalamineWorkbook
 
 from benchmarks.posting import Connections, prepared
 from benchmarks.processes import Service, cpu_s
-from benchmarks.term_desks import Desk, HttpDesk, PageDesk
-from benchmarks.term_students import Handed, Upload, hand_in_on_pages
 from grader.catalog import Catalog, default_root
 from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingJob, GradingResult
@@ -48,6 +46,8 @@ from grader.grading.slot import Slot, SlotConfig
 from grader.store.clock import utc_now
 from grader.store.database import Database
 from grader.store.queue import Queue, Retries
+from lab.term_desks import Desk, HttpDesk, PageDesk
+from lab.term_students import Handed, Upload, hand_in_on_pages
 
 SHIPPED = ("hello", "straight", "backward", "spin", "square", "triangle")
 OWN = {"own_square": "square", "own_walk": "calculation"}

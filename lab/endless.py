@@ -1,7 +1,7 @@
 """Scripts that never end, on a host that is busy with other things: each must end as the student's CPU limit.
 
 Beside busy processes a service grades a class, first alone, then while others hand in each of the loops of
-`benchmarks.hostile` several times, or the files named on the command line.
+`lab.hostile` several times, or the files named on the command line.
 
 Exit code 1 if one of these does not end as ``cpu_limit`` in its first or second try (files: not as an attempt), if
 a classmate's grading is wrong or fails, or if classmates wait longer than their share: of two slots one is left.
@@ -29,9 +29,9 @@ from rich.console import Console
 
 from benchmarks.classroom import Script, Upload, graded_scripts, roster
 from benchmarks.handing_in import HandingIn, Sent
-from benchmarks.hostile import LOOPS
 from benchmarks.load import read_all
 from benchmarks.processes import INSTRUCTOR, Service
+from lab.hostile import LOOPS
 
 MOST_TRIES: Final = 2
 SHARE: Final = 2.5
@@ -179,7 +179,7 @@ def _between_s(told: Mapping[str, Any], first: str, then: str) -> float:
 
 
 def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.endless", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m lab.endless", description=__doc__)
     parser.add_argument("file", nargs="*", type=Path, help="handed in instead of the loops")
     parser.add_argument("--busy", type=int, default=8, help="processes beside the service")
     parser.add_argument("--times", type=int, default=3, help="how often each script is handed in")

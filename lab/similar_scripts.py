@@ -3,7 +3,7 @@
 Every student's script is one of ours with code of their own; one in ten copies somebody else's. All recordings of
 one script are the same. Prints processor time and elapsed time of the first look at all of it, and of the next.
 
-Usage: ``python -m benchmarks.similar_scripts FOLDER [STUDENTS]``; the folder gets a database of the class.
+Usage: ``python -m lab.similar_scripts FOLDER [STUDENTS]``; the folder gets a database of the class.
 """
 
 from __future__ import annotations
