@@ -29,6 +29,7 @@ from grader.checks.surroundings import solids_of
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError
 from grader.contracts.figure import FigureSketch
+from grader.contracts.notation import significant
 from grader.contracts.rubric import ItemStatus, PublishedRubric, RubricItem
 from grader.contracts.scoring import Run, Scoring
 from grader.contracts.text import Text
@@ -75,7 +76,12 @@ def mark(assignment: Assignment, runs: Sequence[Run]) -> Marks:
 
 
 def _measured(check: Check, case: Assignment, run: Run) -> Measures:
-    return {**check.measure(case, run), **expected_measures(case, run), **package_measures(run)}
+    """Return measures as they are scored and shown: without the last digits of a computation."""
+    measures = {**check.measure(case, run), **expected_measures(case, run), **package_measures(run)}
+    return {
+        name: replace(one, value=significant(one.value), share=significant(one.share))
+        for name, one in measures.items()
+    }
 
 
 def unexplained(assignment: Assignment, runs: Sequence[Run], marks: Marks) -> Scoring:

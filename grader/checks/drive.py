@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Contact, Ints, Trajectory
+from grader.geometry import exact
 from grader.geometry.path import Path, driven_path
 
 # Slower than this counts as rest, because a car that settles keeps creeping.
@@ -158,7 +159,8 @@ def pushed_m(trajectory: Trajectory, until_ns: int) -> float:
 def _pushed_m(trajectory: Trajectory, contact: Contact) -> float:
     at = min(int(np.searchsorted(trajectory.t_ns, contact.start_ns)), len(trajectory) - 1)
     heading_rad = float(trajectory.heading_rad[at])
-    across = math.cos(heading_rad) if contact.wall in ("left", "right") else math.sin(heading_rad)
+    cos, sin = exact.cos_sin(heading_rad)
+    across = cos if contact.wall in ("left", "right") else sin
     speeds = (one.v_mps for one in reversed(trajectory.commands) if one.t_ns <= contact.start_ns)
     return abs(across * next(speeds, 0.0)) * (contact.end_ns - contact.start_ns) / 1e9
 

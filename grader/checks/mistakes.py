@@ -21,6 +21,7 @@ from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, StudentErr
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Floats, Trajectory
+from grader.geometry import exact
 from grader.messages import join, say
 from grader.messages.details import explained
 from grader.messages.exceptions import meaning
@@ -226,7 +227,9 @@ def _teleports(trajectory: Trajectory) -> bool:
 def _apart(one: Floats, other: Floats) -> bool:
     """Whether two poses (x, y in m, heading in rad) differ."""
     turned = math.remainder(float(other[2] - one[2]), math.tau)
-    return math.hypot(*(other[:2] - one[:2])) > _SAME_M or abs(turned) > _SAME_RAD
+    return (
+        exact.hypot(float(other[0] - one[0]), float(other[1] - one[1])) > _SAME_M or abs(turned) > _SAME_RAD
+    )
 
 
 def asleep(run: Run) -> Iterator[Mistake]:
@@ -337,12 +340,15 @@ def swings(run: Run, spoilt: tuple[str, ...]) -> Mistake | None:
     last = track.t_ns >= since_ns
     turns = [one.w_radps for one in track.commands if one.t_ns >= since_ns and is_motion(one) and one.w_radps]
     flips = sum(before * after < 0.0 for before, after in itertools.pairwise(turns))
-    if flips < _FLIPS or math.hypot(np.ptp(track.x_m[last]), np.ptp(track.y_m[last])) > _STAYED_M:
+    if (
+        flips < _FLIPS
+        or exact.hypot(float(np.ptp(track.x_m[last])), float(np.ptp(track.y_m[last]))) > _STAYED_M
+    ):
         return None
     heading_rad = track.heading_rad[last]
     if float(np.ptp(heading_rad)) < _SWUNG_RAD:
         return None
-    middle = number(math.remainder(math.degrees(float(np.mean(heading_rad))), 360.0), "deg")
+    middle = number(math.remainder(math.degrees(exact.mean(heading_rad)), 360.0), "deg")
     return mistake("swings", spoilt, seconds=number(_SWUNG_NS / 1e9, "s"), times=flips, heading=middle)
 
 

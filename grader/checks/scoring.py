@@ -17,6 +17,7 @@ from grader.checks.measure import (
     text_id,
 )
 from grader.contracts.assignment import BY_PERSON, Across, Assignment, ItemSpec
+from grader.contracts.notation import significant
 from grader.contracts.record import Record
 from grader.contracts.rubric import ItemStatus, PublishedItem, PublishedRubric, RubricItem, Unit
 from grader.contracts.scoring import Run
@@ -163,7 +164,7 @@ def fits(assignment: Assignment, measure: str, value: float) -> bool | None:
 
 def credit(spec: ItemSpec, value: float) -> float:
     """Return the share of the points in [0, 1]: falls monotonically and smoothly with the error."""
-    distance = band_error(spec, value)
+    distance = significant(band_error(spec, value))
     if distance <= 0.0:
         return 1.0
     if not distance < spec.ramp:
@@ -183,7 +184,10 @@ def earned_points(points: float, share: float) -> float:
     """Return the points for a share of them, rounded down to hundredths: only a full share earns all."""
     if share >= 1.0:
         return points
-    return min(points, math.floor(points * share * 100.0) / 100.0) if share > 0.0 else 0.0
+    if not share > 0.0:
+        return 0.0
+    hundredths = math.floor(significant(points * share * 100.0))
+    return max(min(hundredths, math.ceil(points * 100.0) - 1), 0) / 100.0
 
 
 def score_items(

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from grader.checks.measure import Findings, Mistake
 from grader.contracts.outcome import RunOutcome, RunStatus
-from grader.contracts.rubric import ItemStatus, RubricItem, to_judge
+from grader.contracts.rubric import ItemStatus, RubricItem, summed, to_judge
 from grader.contracts.scoring import Scoring
 from grader.contracts.text import EMPTY, Text
 from grader.messages import enumerated, say
@@ -69,7 +69,7 @@ def _later(findings: Sequence[Findings], outcomes: Sequence[RunOutcome]) -> Text
 
 
 def _sentence(items: Sequence[RubricItem], wrong: Sequence[RubricItem]) -> Text:
-    earned, most = sum(item.earned for item in items), sum(item.points for item in items)
+    earned, most = summed(item.earned for item in items), summed(item.points for item in items)
     if earned <= 0.0:
         return say("summary.nothing", points=points(most))
     # not items that lost points only because of another one

@@ -10,6 +10,7 @@ from grader.contracts.assignment import Room, Solid
 from grader.contracts.figure import Point, SketchSolid
 from grader.contracts.text import Text
 from grader.contracts.trajectory import Trajectory
+from grader.geometry import exact
 from grader.geometry.room import clearance_m, outline
 from grader.messages import say
 
@@ -43,7 +44,7 @@ def _outline(solid: Solid) -> tuple[Point, ...]:
 
 def _band(begin: Point, end: Point, width_m: float) -> tuple[Point, ...]:
     """Return the outline of a line of some width."""
-    long = math.dist(begin, end) or 1.0
+    long = exact.apart(begin, end) or 1.0
     x, y = ((end[i] - begin[i]) / long * width_m / 2.0 for i in (0, 1))
     (x0, y0), (x1, y1) = begin, end
     return ((x0 - y, y0 + x), (x1 - y, y1 + x), (x1 + y, y1 - x), (x0 + y, y0 - x))

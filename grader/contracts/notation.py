@@ -8,6 +8,9 @@ import math
 import re
 from datetime import datetime
 
+SIGNIFICANT_DIGITS = 9
+"""Of a measured value: far finer than anything that is scored, and coarse enough that no last bit is left."""
+
 _WHOLE = re.compile(r"-?[0-9]+")
 _DECIMAL = re.compile(r"-?[0-9]+(\.[0-9]+)?")
 _LONGEST = 40  # characters: longer than any number that fits where numbers are asked for
@@ -25,6 +28,14 @@ def whole(text: str) -> int:
     if len(text) > _LONGEST or not _WHOLE.fullmatch(text):
         raise ValueError("no whole number in digits")
     return int(text)
+
+
+def significant(value: float) -> float:
+    """Return a measured value without the digits that no measurement has, so that 31.250000000000004 is 31.25.
+
+    Values that differ in their last bits are then compared, scored and worded alike.
+    """
+    return float(f"{value:.{SIGNIFICANT_DIGITS}g}")
 
 
 def decimal(text: str) -> float:

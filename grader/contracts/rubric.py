@@ -1,5 +1,6 @@
 """Rubric items: what was asked, what was measured, what it earned, and what they add up to."""
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -84,7 +85,7 @@ class PublishedRubric(Record):
 
 def summed(points: Iterable[float]) -> float:
     """Return the sum of points to the hundredth, as each of them is: a sum of floats is a little off."""
-    return round(sum(points), 2)
+    return round(math.fsum(points), 2)
 
 
 @dataclass(frozen=True, slots=True)

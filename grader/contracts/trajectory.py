@@ -3,7 +3,7 @@
 import json
 from base64 import b64decode, b64encode
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Final, NamedTuple
 
 import msgspec
@@ -89,15 +89,31 @@ class Trajectory:
 # --------------------------------------------------------------------------------------------------- JSON
 
 DECIMALS: Final = 6
-"""Decimals of lengths, angles and speeds in JSON, so that files stay small and digests stable."""
+"""Decimals of lengths, angles and speeds, as turtlesim's own poses resolve them: what is scored is what is stored.
+
+A last bit in which two processors or builds of a simulator differ does not get beyond a recording.
+"""
 
 _COMMANDS = b'"commands":'
 _FLOAT_COLUMNS = ("x_m", "y_m", "heading_rad", "v_mps", "w_radps")
 
 
+def recorded(trajectory: Trajectory) -> Trajectory:
+    """Return a trajectory as it is stored and scored: lengths, angles and speeds rounded to 1e-6."""
+    return replace(
+        trajectory,
+        x_m=on_grid(trajectory.x_m),
+        y_m=on_grid(trajectory.y_m),
+        heading_rad=on_grid(trajectory.heading_rad),
+        v_mps=on_grid(trajectory.v_mps),
+        w_radps=on_grid(trajectory.w_radps),
+        commands=_rounded_commands(trajectory.commands),
+    )
+
+
 def encode_trajectory(trajectory: Trajectory) -> bytes:
-    """Return canonical JSON (metres, radians and seconds rounded to 1e-6; times in whole nanoseconds)."""
-    columns = {name: _written(_rounded(getattr(trajectory, name))) for name in _FLOAT_COLUMNS}
+    """Return canonical JSON of the trajectory as it is `recorded` (times in whole nanoseconds)."""
+    columns = {name: _written(on_grid(getattr(trajectory, name)).tolist()) for name in _FLOAT_COLUMNS}
     document = {
         "t_ns": trajectory.t_ns.tolist(),
         **columns,
@@ -150,7 +166,7 @@ def _pictures(trajectory: Trajectory) -> dict[str, object]:
     return {"pictures": pictures} if pictures else {}
 
 
-def _rounded_commands(commands: tuple[Command, ...]) -> list[tuple[int, float, float]]:
+def _rounded_commands(commands: tuple[Command, ...]) -> tuple[Command, ...]:
     """Return the commands, their speeds rounded. Those of a command and its repetitions are the same objects."""
     rows = []
     v_before = w_before = None
@@ -158,12 +174,13 @@ def _rounded_commands(commands: tuple[Command, ...]) -> list[tuple[int, float, f
     for t_ns, v_mps, w_radps in commands:
         if v_mps is not v_before or w_radps is not w_before:
             v_before, w_before = v_mps, w_radps
-            v, w = round(v_mps, DECIMALS), round(w_radps, DECIMALS)
-        rows.append((t_ns, v, w))
-    return rows
+            v, w = round(v_mps, DECIMALS) + 0.0, round(w_radps, DECIMALS) + 0.0
+        rows.append(Command(t_ns, v, w))
+    return tuple(rows)
 
 
-def _rounded(column: Floats) -> list[float]:
+def on_grid(column: Floats) -> Floats:
+    """Return lengths, angles or speeds as they are recorded."""
     # adding 0.0 turns -0.0 into 0.0, which would otherwise make two digests of one motion
-    rounded: list[float] = (np.round(column, DECIMALS) + 0.0).tolist()
+    rounded: Floats = np.round(column, DECIMALS) + 0.0
     return rounded

@@ -6,13 +6,13 @@ drawing sees the same figure, driven less well. So the path is simplified in the
 counts as bent, like an arc that strays as far.
 """
 
-import cmath
 import itertools
 import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from grader.geometry import exact
 from grader.geometry.path import (
     MIN_TURN_RAD,
     Floats,
@@ -92,20 +92,19 @@ def _between(path: Path, first: int, last: int) -> complex:
 def _through_ends(path: Path, first: int, last: int) -> _Line:
     chord = _between(path, first, last)
     middle = complex(path.x_m[first], path.y_m[first]) + chord / 2.0
-    return middle, _as_travelled(path, cmath.phase(chord), first, last)
+    return middle, _as_travelled(path, exact.phase(chord), first, last)
 
 
 def _through_middle(path: Path, first: int, last: int) -> _Line:
     """Return the line of least squares along the middle of a side."""
-    points = _inner(path, path.x_m, first, last) + 1j * _inner(path, path.y_m, first, last)
-    middle = complex(np.mean(points))
-    direction_rad = 0.5 * float(np.angle(np.sum((points - middle) ** 2)))
-    return middle, _as_travelled(path, direction_rad, first, last)
+    points = exact.paired(_inner(path, path.x_m, first, last), _inner(path, path.y_m, first, last))
+    middle = exact.middle(points)
+    return middle, _as_travelled(path, exact.axis(points - middle), first, last)
 
 
 def _as_travelled(path: Path, direction_rad: float, first: int, last: int) -> float:
     """Return the direction of a line, which has two, as it was driven on the whole."""
-    mean_rad = float(np.mean(_inner(path, path.travel_rad, first, last)))
+    mean_rad = exact.mean(_inner(path, path.travel_rad, first, last))
     return direction_rad + math.pi * round((mean_rad - direction_rad) / math.pi)
 
 
@@ -113,7 +112,7 @@ def _inner(path: Path, values: Floats, first: int, last: int) -> Floats:
     """Return values of a side at equal distances, without those at its ends."""
     along = np.maximum.accumulate(path.along_m[first : last + 1])
     at = float(along[0]) + float(along[-1] - along[0]) * np.linspace(END_SHARE, 1.0 - END_SHARE, FITTED_AT)
-    return np.interp(at, along, values[first : last + 1])
+    return exact.interpolated(at, along, values[first : last + 1])
 
 
 def _crossings(path: Path, lines: Sequence[_Line], corners: list[int], near_m: float) -> list[int]:
@@ -121,7 +120,7 @@ def _crossings(path: Path, lines: Sequence[_Line], corners: list[int], near_m: f
     moved = list(corners)
     for i, (before, after) in enumerate(itertools.pairwise(lines), 1):
         moved[i] = _crossing(path, before, after, (moved[i - 1], corners[i], corners[i + 1]))
-    if len(lines) > 1 and abs(_between(path, corners[0], corners[-1])) <= near_m:
+    if len(lines) > 1 and exact.magnitude(_between(path, corners[0], corners[-1])) <= near_m:
         moved[-1] = _crossing(path, lines[-1], lines[0], (moved[-2], corners[-1], corners[-1]))
     return moved
 
@@ -129,14 +128,14 @@ def _crossings(path: Path, lines: Sequence[_Line], corners: list[int], near_m: f
 def _crossing(path: Path, before: _Line, after: _Line, ends: tuple[int, int, int]) -> int:
     """Return the sample nearest to where two lines cross, between the middles of their sides."""
     (here, here_rad), (there, there_rad) = before, after
-    across = math.sin(there_rad - here_rad)
-    if abs(across) < math.sin(MIN_TURN_RAD):
+    across = exact.sin(there_rad - here_rad)
+    if abs(across) < exact.sin(MIN_TURN_RAD):
         return ends[1]
-    apart = (there - here) * complex(math.cos(there_rad), -math.sin(there_rad))
-    crossing = here - complex(math.cos(here_rad), math.sin(here_rad)) * (apart.imag / across)
+    apart = (there - here) * exact.rect(1.0, -there_rad)
+    crossing = here - exact.rect(1.0, here_rad) * (apart.imag / across)
     first, last = _halfway(path, *ends[:2]), _halfway(path, *ends[1:])
     x_m, y_m = path.x_m[first : last + 1], path.y_m[first : last + 1]
-    return first + int(np.argmin(np.hypot(x_m - crossing.real, y_m - crossing.imag)))
+    return first + int(np.argmin(exact.hypot(x_m - crossing.real, y_m - crossing.imag)))
 
 
 def _halfway(path: Path, first: int, last: int) -> int:
@@ -147,7 +146,7 @@ def _halfway(path: Path, first: int, last: int) -> int:
 def _straight(path: Path, direction_rad: float, first: int, last: int) -> Straight:
     """Return a side; what is driven further than it is long was driven beside it, or to and fro."""
     length_m = max(float(path.along_m[last] - path.along_m[first]), 0.0)
-    side_m = abs(_between(path, first, last))
+    side_m = exact.magnitude(_between(path, first, last))
     strayed_m = max(driven_m(path, first, last) - side_m, 0.0)
     bend_rad = SAGITTA * _aside_m(path, first, last) / side_m if side_m > 0.0 else 0.0
     return Straight(first, last, direction_rad, bend_rad, length_m, strayed_m)
@@ -156,7 +155,7 @@ def _straight(path: Path, direction_rad: float, first: int, last: int) -> Straig
 def _aside_m(path: Path, first: int, last: int) -> float:
     """Return how far the path strays from the line between two samples; to the less far side it counts half."""
     chord, between = _between(path, first, last), slice(first, last + 1)
-    length_m = abs(chord)
+    length_m = exact.magnitude(chord)
     along = chord / length_m if length_m > 0.0 else 1.0 + 0.0j
     aside_m = (path.y_m[between] - path.y_m[first]) * along.real - (
         path.x_m[between] - path.x_m[first]

@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from grader.contracts.record import Record
+from grader.geometry import exact
 from grader.geometry.path import (
     ARC_SHARE,
     FULL_TURN_RAD,
@@ -120,7 +121,7 @@ class PolygonFigure(Record, kw_only=False):
     @property
     def perimeter_m(self) -> float:
         """Sum of the sides."""
-        return sum(self.sides_m)
+        return exact.total(self.sides_m)
 
 
 class _Extent(Record, kw_only=False):
@@ -254,7 +255,7 @@ def _lap(path: Path, segments: Segments, corners: list[float], sides: int, *, cu
     lap = _comes_round(corners) or total
     if lap == sides or not 2 < sides <= total or not alike(corners[:sides]):
         return lap
-    mean = abs(sum(map(bare, corners[: sides - 1]))) / (sides - 1)
+    mean = abs(exact.total(map(bare, corners[: sides - 1]))) / (sides - 1)
     if abs(sides * mean - FULL_TURN_RAD) > LAP_TOLERANCE * mean:
         return lap
     begin, end = span(path, segments, 0)[0], span(path, segments, lap - 1)[1]
@@ -325,7 +326,7 @@ def _turned_between(lap: list[float]) -> bool:
     inner = [bare(corner) for corner in lap[:-1]]
     if _comes_round(inner) != len(lap) or not alike(inner):
         return False
-    return abs(math.remainder(lap[-1] - sum(inner) / len(inner), FULL_TURN_RAD)) > APART_RAD
+    return abs(math.remainder(lap[-1] - exact.total(inner) / len(inner), FULL_TURN_RAD)) > APART_RAD
 
 
 def _one_too_many(lengths: list[float], corners: list[float]) -> bool:
@@ -371,7 +372,7 @@ def _closed(
         if count is None or count < 3 or not alike(corners[first : first + count - 1]):
             continue
         start, end = span(path, segments, first)[0], span(path, segments, first + count - 1)[1]
-        gap = chord(path, start, end) / sum(lengths[first : first + count])
+        gap = chord(path, start, end) / exact.total(lengths[first : first + count])
         if gap <= min(CLOSED_SHARE, least - BETTER_SHARE):
             closed, least = (first, count), gap
         elif count == sides and gap <= min(NEARLY_CLOSED_SHARE, least_nearly - BETTER_SHARE):
@@ -389,7 +390,7 @@ def _approached_halves(
         if lap is None or not _halves(rest_m, inner, lap) or not alike(inner):
             continue
         ends = span(path, segments, first)[0], span(path, segments, len(lengths) - 1)[1]
-        if chord(path, *ends) <= CLOSED_SHARE * sum(rest_m):
+        if chord(path, *ends) <= CLOSED_SHARE * exact.total(rest_m):
             return first
     return None
 
@@ -398,7 +399,7 @@ def _halves(lengths: list[float], corners: list[float], lap: int) -> bool:
     """Whether the path begins in the middle of a side, which its last straight completes in the same direction."""
     if len(lengths) != lap + 1 or lap < 3:
         return False
-    turned = abs(sum(map(bare, corners)))
+    turned = abs(exact.total(map(bare, corners)))
     if abs(turned - FULL_TURN_RAD) > 0.5 * turned / lap:
         return False
     like = [median(lengths[1:-1])]
@@ -426,7 +427,7 @@ def _figure(
         vertices = _closed_up(path, vertices, segments.turns[0], closing)
     sides = [chord(path, *one) for one in itertools.pairwise(vertices)]
     driven_m = float(path.along_m[end] - path.along_m[spans[0][0]])
-    strayed_m = sum(straight.strayed_m for straight in straights)
+    strayed_m = exact.total(straight.strayed_m for straight in straights)
     bows = tuple(_bow(each, path.extent_m, side_m) for each, side_m in zip(straights, sides, strict=True))
     curved_m = strayed_m + _curved_m(straights, [*segments.turns[first + 1 : stop], closing])
     if extent.joined:
@@ -468,7 +469,7 @@ def _further(inner: list[float], last: float) -> bool:
     """Whether the last turn goes the way of the corners, which are alike, and clearly further."""
     if not inner or not alike(inner):
         return False
-    mean = sum(map(bare, inner)) / len(inner)
+    mean = exact.total(map(bare, inner)) / len(inner)
     return last * mean > 0.0 and abs(last) > abs(mean) + ALIKE_RAD
 
 
@@ -485,7 +486,7 @@ def _closed_up(path: Path, vertices: list[int], begun: Turn | None, closing: Tur
     The short part of the side beyond that corner completes the other part, if the two make a better side.
     """
     sides = [chord(path, *one) for one in itertools.pairwise(vertices)]
-    usual_m, perimeter_m = median(sides), sum(sides)
+    usual_m, perimeter_m = median(sides), exact.total(sides)
 
     def better(turn: Turn | None, end: int, far: int, side_m: float) -> bool:
         if turn is None or chord(path, end, 0) > CLOSED_SHARE * perimeter_m:
@@ -506,11 +507,13 @@ def _is_arc(path: Path, turn: Turn) -> bool:
     """Whether a good part of a turn was driven while turning, and not straight before or after it."""
     travel, along = path.travel_rad[turn.first : turn.last + 1], path.along_m[turn.first : turn.last + 1]
     turning = (np.abs(travel - travel[0]) > MIN_TURN_RAD) & (np.abs(travel - travel[-1]) > MIN_TURN_RAD)
-    return float(np.sum(np.diff(along)[turning[1:]])) > 0.1 * turn.length_m
+    return exact.total(np.diff(along)[turning[1:]]) > 0.1 * turn.length_m
 
 
 def _curved_m(straights: Sequence[Straight], turns: Sequence[Turn | None]) -> float:
-    length_m = sum(turn.length_m for turn in turns if turn is not None) + sum(map(_bent_m, straights))
+    length_m = exact.total(turn.length_m for turn in turns if turn is not None) + exact.total(
+        map(_bent_m, straights)
+    )
     return max(length_m, 0.0)  # distance falls within a correction, so a turn in it counts negative
 
 
@@ -584,7 +587,7 @@ def span(path: Path, segments: Segments, index: int) -> tuple[int, int]:
 
 def chord(path: Path, start: int, stop: int) -> float:
     """Return the distance between two samples, in metres."""
-    return math.hypot(float(path.x_m[stop] - path.x_m[start]), float(path.y_m[stop] - path.y_m[start]))
+    return exact.hypot(float(path.x_m[stop] - path.x_m[start]), float(path.y_m[stop] - path.y_m[start]))
 
 
 def half_turned(path: Path, turn: Turn) -> int:
@@ -616,4 +619,4 @@ def _end(path: Path, straight: Straight) -> int:
     """Return where the last side ends. With a correction, where the car came nearest to where the path began."""
     far = straight.first + int(np.argmax(path.along_m[straight.first : straight.last + 1]))
     x_m, y_m = path.x_m[far : straight.last + 1], path.y_m[far : straight.last + 1]
-    return far + int(np.argmin(np.hypot(x_m - path.x_m[0], y_m - path.y_m[0])))
+    return far + int(np.argmin(exact.hypot(x_m - path.x_m[0], y_m - path.y_m[0])))

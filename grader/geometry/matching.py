@@ -7,15 +7,19 @@ programming algorithm optimization for spoken word recognition", IEEE ASSP 26(1)
 discrete Frechet distance (T. Eiter, H. Mannila, "Computing discrete Frechet distance", TU Wien CD-TR 94/64, 1994).
 """
 
+import math
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grader.contracts.record import Record
+from grader.geometry import exact
 
-Points = NDArray[np.complex128]
-Floats = NDArray[np.float64]
+Floats = exact.Floats
+Points = exact.Points
+
+ON_A_LINE = 1e-12  # of the squared spread: a circle of a thousand times the length of the arc is none
 
 
 class Similarity(Record, kw_only=False):
@@ -27,13 +31,12 @@ class Similarity(Record, kw_only=False):
 
     def of(self, points: Points) -> Points:
         """Return where it maps `points`."""
-        image: Points = self.factor * (np.conj(points) if self.mirrored else points) + self.offset
-        return image
+        return exact.turned(np.conj(points) if self.mirrored else points, self.factor) + self.offset
 
     @property
     def scale(self) -> float:
         """By how much it enlarges."""
-        return abs(self.factor)
+        return exact.magnitude(self.factor)
 
 
 def fitted(points: Points, targets: Points, *, scaled: bool, mirrored: bool = False) -> Similarity:
@@ -42,19 +45,22 @@ def fitted(points: Points, targets: Points, *, scaled: bool, mirrored: bool = Fa
     `scaled`: it may enlarge; else it only turns and moves. `mirrored`: it reflects first.
     """
     points = np.conj(points) if mirrored else points
-    middle, centre = complex(np.mean(points)), complex(np.mean(targets))
-    product = complex(np.vdot(points - middle, targets - centre))
+    middle, centre = exact.middle(points), exact.middle(targets)
+    product = exact.correlation(points - middle, targets - centre)
     if scaled:
-        spread = float(np.vdot(points - middle, points - middle).real)
+        spread = exact.correlation(points - middle, points - middle).real
         factor = product / spread if spread > 0.0 else 1.0 + 0.0j
     else:
-        factor = product / abs(product) if abs(product) > 0.0 else 1.0 + 0.0j
+        length = exact.magnitude(product)
+        factor = product / length if length > 0.0 else 1.0 + 0.0j
     return Similarity(factor, centre - factor * middle, mirrored)
 
 
 def resampled(points: Points, along: Floats, at: Floats) -> Points:
     """Return a path's points at the distances `at` along it; `along` are those of `points`, not falling."""
-    return np.interp(at, along, points.real) + 1j * np.interp(at, along, points.imag)
+    return exact.paired(
+        exact.interpolated(at, along, points.real), exact.interpolated(at, along, points.imag)
+    )
 
 
 def matched(first: Points, second: Points) -> NDArray[np.intp]:
@@ -64,14 +70,15 @@ def matched(first: Points, second: Points) -> NDArray[np.intp]:
 
 def matched_each(first: Points, second: Points) -> list[NDArray[np.intp]]:
     """Return what `matched` says of each row of (b, n) and (b, m) points; all at once is many times faster."""
-    squares: NDArray[np.float64] = np.square(np.abs(first[:, :, None] - second[:, None, :]))
+    between = first[:, :, None] - second[:, None, :]
+    squares = between.real * between.real + between.imag * between.imag
     ways = _ways_back(_accumulated(squares, "sum"))
     return [_walked_back(way, first.shape[1], second.shape[1]) for way in ways]
 
 
 def frechet(first: Points, second: Points) -> float:
     """Return the discrete Frechet distance: how far apart two walkers get at most who walk both to their ends."""
-    apart = np.abs(first[:, None] - second[None, :])[None]
+    apart = exact.magnitudes(first[:, None] - second[None, :])[None]
     return float(_accumulated(apart, "largest")[-1, 0, -1])
 
 
@@ -150,15 +157,20 @@ def circle_through(points: Points) -> Circle | None:
     """
     if len(points) < 3:
         return None
-    middle = complex(np.mean(points))
-    x, y = (points - middle).real, (points - middle).imag
-    table = np.column_stack((2.0 * x, 2.0 * y, np.ones_like(x)))
-    (a, b, c), _, rank, _ = np.linalg.lstsq(table, x * x + y * y, rcond=1e-9)
-    square = float(c + a * a + b * b)
-    if rank < 3 or square <= 0.0:
+    middle = exact.middle(points)
+    x, y = exact.coordinates(points - middle)
+    square: Floats = x * x + y * y
+    xx, xy, yy = exact.products(x, x), exact.products(x, y), exact.products(y, y)
+    across = xx * yy - xy * xy  # the points lie on a line where this is nothing beside the squares
+    if across <= ON_A_LINE * (xx + yy) * (xx + yy):
         return None
-    centre, radius_m = complex(a, b) + middle, square**0.5
-    arms = points - centre
-    steps = np.angle(arms[1:] * np.conj(arms[:-1]))
-    deviation_m = float(np.max(np.abs(np.abs(arms) - radius_m)))
-    return Circle(centre, radius_m, deviation_m, float(np.sum(steps)))
+    along, up = 0.5 * exact.products(x, square), 0.5 * exact.products(y, square)
+    centre = complex((along * yy - up * xy) / across, (up * xx - along * xy) / across)
+    radius_m = math.sqrt(exact.mean(square) + centre.real * centre.real + centre.imag * centre.imag)
+    arms = points - middle - centre
+    ahead, aside = exact.coordinates(arms)
+    sines = np.asarray(ahead[:-1] * aside[1:] - aside[:-1] * ahead[1:], dtype=np.float64)
+    cosines = np.asarray(ahead[:-1] * ahead[1:] + aside[:-1] * aside[1:], dtype=np.float64)
+    steps = exact.atan2(sines, cosines)
+    deviation_m = float(np.max(np.abs(exact.magnitudes(arms) - radius_m)))
+    return Circle(middle + centre, radius_m, deviation_m, exact.total(steps))

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grader.contracts.record import Record
+from grader.geometry import exact
 
 Floats = NDArray[np.float64]
 
@@ -96,7 +97,8 @@ def driven_path(x_m: Floats, y_m: Floats, heading_rad: Floats, jumps: Sequence[i
     dx, dy = np.diff(x_m), np.diff(y_m)
     middle = (heading_rad[1:] + heading_rad[:-1]) / 2.0
     # Projected on the heading, measuring noise cancels from sample to sample; a sum of lengths would grow.
-    signed_m = np.concatenate(([0.0], np.cumsum(dx * np.cos(middle) + dy * np.sin(middle))))
+    cos, sin = exact.cos_sin(middle)
+    signed_m = np.concatenate(([0.0], np.cumsum(dx * cos + dy * sin)))
     extent_m = _extent_m(x_m, y_m, float(heading_rad[0]))
     turning = _turning_points(signed_m, _reversal_m(extent_m))
     along_m, travel_rad = _unfold(signed_m, heading_rad, turning)
@@ -106,9 +108,9 @@ def driven_path(x_m: Floats, y_m: Floats, heading_rad: Floats, jumps: Sequence[i
 def _extent_m(x_m: Floats, y_m: Floats, heading_rad: float) -> float:
     """Return the diagonal of the smallest box around a path, of those at multiples of 5° to its start."""
     angles = heading_rad + np.radians(np.arange(0.0, 90.0, BOX_STEP_DEG))
-    cos, sin = np.cos(angles)[:, None], np.sin(angles)[:, None]
+    cos, sin = (column[:, None] for column in exact.cos_sin(angles))
     width_m, depth_m = np.ptp(cos * x_m + sin * y_m, axis=1), np.ptp(cos * y_m - sin * x_m, axis=1)
-    return float(np.min(np.hypot(width_m, depth_m)))
+    return float(np.min(exact.hypot(width_m, depth_m)))
 
 
 def without_overshoots(path: Path) -> Path:
@@ -159,7 +161,7 @@ def _without_jumps(
     x_m, y_m, heading_rad = x_m.copy(), y_m.copy(), heading_rad.copy()
     for i in jumps:
         turn = heading_rad[i - 1] - heading_rad[i]
-        cos, sin = math.cos(turn), math.sin(turn)
+        cos, sin = exact.cos_sin(float(turn))
         dx, dy = x_m[i:] - x_m[i], y_m[i:] - y_m[i]
         x_m[i:] = x_m[i - 1] + cos * dx - sin * dy
         y_m[i:] = y_m[i - 1] + sin * dx + cos * dy
@@ -290,10 +292,10 @@ def _steadied(path: Path, extent_m: float) -> Path:
         dx, dy = float(path.x_m[last] - path.x_m[first]), float(path.y_m[last] - path.y_m[first])
         along, travel = path.along_m[first : last + 1], path.travel_rad[first : last + 1]
         inner = travel[(along > along[0] + tolerance_m) & (along < along[-1] - tolerance_m)]
-        if math.hypot(dx, dy) < MIN_STRIP_SHARE * extent_m or len(inner) == 0:
+        if exact.hypot(dx, dy) < MIN_STRIP_SHARE * extent_m or len(inner) == 0:
             continue
-        line_rad = math.atan2(dy, dx)
-        line_rad += FULL_TURN_RAD * round((float(np.mean(inner)) - line_rad) / FULL_TURN_RAD)
+        line_rad = exact.atan2(dy, dx)
+        line_rad += FULL_TURN_RAD * round((exact.mean(inner) - line_rad) / FULL_TURN_RAD)
         widest_rad = float(np.max(np.abs(inner - line_rad)))
         swings = int(np.count_nonzero(np.diff(np.sign(inner - line_rad))))
         if swings >= MIN_SWINGS and widest_rad < MOST_ASIDE_RAD:
@@ -315,8 +317,8 @@ def simplified(across: Floats, up: Floats, most: int = MAX_VERTICES) -> list[int
             continue
         dx, dy = float(across[last] - across[first]), float(up[last] - up[first])
         px, py = across[first + 1 : last] - across[first], up[first + 1 : last] - up[first]
-        length = math.hypot(dx, dy)
-        distance = np.abs(dx * py - dy * px) / length if length > 0.0 else np.hypot(px, py)
+        length = exact.hypot(dx, dy)
+        distance = np.abs(dx * py - dy * px) / length if length > 0.0 else exact.hypot(px, py)
         far = int(np.argmax(distance))
         if distance[far] > 1.0:
             middle = first + 1 + far
@@ -396,13 +398,13 @@ def _line(path: Path, piece: _Piece) -> tuple[float, float, float]:
     steps, ahead, middle = np.diff(inner), (inner[1:] + inner[:-1]) / 2.0, (travel[1:] + travel[:-1]) / 2.0
     for first, last in piece.detours:
         steps[first - piece.first : last - piece.first] = 0.0
-    total = float(np.sum(steps))
+    total = exact.total(steps)
     if total <= 0.0:
         return float(travel[-1]), 0.0, spun_rad
-    direction = float(np.dot(steps, middle) / total)
-    ahead = ahead - float(np.dot(steps, ahead) / total)
-    spread = float(np.dot(steps, ahead * ahead))
-    slope = float(np.dot(steps, ahead * (middle - direction))) / spread if spread > 0.0 else 0.0
+    direction = exact.products(steps, middle) / total
+    ahead = ahead - exact.products(steps, ahead) / total
+    spread = exact.products(steps, ahead * ahead)
+    slope = exact.products(steps, ahead * (middle - direction)) / spread if spread > 0.0 else 0.0
     most_rad = abs(float(travel[-1] - travel[0]))
     return direction, min(max(length * slope, -most_rad), most_rad), spun_rad
 
@@ -426,7 +428,9 @@ def driven_m(path: Path, first: int, last: int) -> float:
     signed_m = path.signed_m[first : last + 1]
     turning = _turning_points(signed_m, max(SETTLING_SHARE * path.extent_m, MIN_REVERSAL_M))
     edges = [0, *turning, len(signed_m) - 1]
-    return sum(abs(float(signed_m[end] - signed_m[begin])) for begin, end in itertools.pairwise(edges))
+    return exact.total(
+        abs(float(signed_m[end] - signed_m[begin])) for begin, end in itertools.pairwise(edges)
+    )
 
 
 def _assemble(path: Path, pieces: list[_Piece]) -> Segments:
@@ -436,7 +440,7 @@ def _assemble(path: Path, pieces: list[_Piece]) -> Segments:
         length_m = float(path.along_m[piece.last] - path.along_m[piece.first])
         if piece.straight:
             direction_rad, bend_rad, spun_rad = _line(path, piece)
-            strayed_m = sum(driven_m(path, *detour) for detour in piece.detours)
+            strayed_m = exact.total(driven_m(path, *detour) for detour in piece.detours)
             straights.append(
                 Straight(piece.first, piece.last, direction_rad, bend_rad, length_m, strayed_m, spun_rad)
             )

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from grader.contracts.assignment import Solid
 from grader.contracts.robot import BACK_M, FRONT_M, HALF_WIDTH_M
+from grader.geometry import exact
 
 Points = NDArray[np.float64]
 """(n, 2) in metres."""
@@ -31,20 +32,20 @@ def outline(solid: Solid) -> Points:
     if solid.kind != "cylinder":
         return corners(solid)
     turns = np.arange(_CIRCLE_POINTS) * (math.tau / _CIRCLE_POINTS)
-    around = 0.5 * solid.length_m * np.column_stack((np.cos(turns), np.sin(turns)))
+    around = 0.5 * solid.length_m * np.column_stack(exact.cos_sin(turns))
     return np.asarray(around + np.array((solid.x_m, solid.y_m)))
 
 
 def placed(points: Points, x_m: float, y_m: float, heading_rad: float) -> Points:
     """Return points of an own frame where it is placed at a pose."""
-    c, s = math.cos(heading_rad), math.sin(heading_rad)
+    c, s = exact.cos_sin(heading_rad)
     x = x_m + points[:, 0] * c - points[:, 1] * s
     return np.column_stack((x, y_m + points[:, 0] * s + points[:, 1] * c))
 
 
 def clearance_m(solid: Solid, x_m: Points, y_m: Points, heading_rad: Points) -> Points:
     """Return how far the robot's outline is from a solid, for each of (n,) poses; 0 where they touch."""
-    c, s = np.cos(heading_rad), np.sin(heading_rad)
+    c, s = exact.cos_sin(heading_rad)
 
     def seen(at: Points) -> tuple[Points, Points]:
         """Return points of the room in the frame of each pose: (n, k) ahead and to the left."""
@@ -60,9 +61,9 @@ def clearance_m(solid: Solid, x_m: Points, y_m: Points, heading_rad: Points) -> 
     own_x, own_y = x_m[:, None], y_m[:, None]
     at_x = own_x + _OUTLINE[:, 0] * c[:, None] - _OUTLINE[:, 1] * s[:, None] - solid.x_m
     at_y = own_y + _OUTLINE[:, 0] * s[:, None] + _OUTLINE[:, 1] * c[:, None] - solid.y_m
-    in_x = at_x * math.cos(turn) + at_y * math.sin(turn)
-    in_y = at_y * math.cos(turn) - at_x * math.sin(turn)
-    beyond = np.hypot(
+    along, across = exact.cos_sin(turn)
+    in_x, in_y = at_x * along + at_y * across, at_y * along - at_x * across
+    beyond = exact.hypot(
         np.maximum(np.abs(in_x) - solid.length_m / 2.0, 0.0),
         np.maximum(np.abs(in_y) - solid.width_m / 2.0, 0.0),
     )
@@ -72,7 +73,7 @@ def clearance_m(solid: Solid, x_m: Points, y_m: Points, heading_rad: Points) -> 
 
 def ahead_m(solids: Iterable[Solid], x_m: float, y_m: float, heading_rad: float) -> float:
     """Return how far it is along the heading from a point to the first solid; infinite where there is none."""
-    c, s = math.cos(heading_rad), math.sin(heading_rad)
+    c, s = exact.cos_sin(heading_rad)
     return min((_first_m(solid, (x_m, y_m), (c, s)) for solid in solids), default=math.inf)
 
 
@@ -80,11 +81,11 @@ def _first_m(solid: Solid, origin: tuple[float, float], along: tuple[float, floa
     dx, dy = origin[0] - solid.x_m, origin[1] - solid.y_m
     if solid.kind == "cylinder":
         middle = -(dx * along[0] + dy * along[1])
-        rest = (solid.length_m / 2.0) ** 2 - (dx * dx + dy * dy - middle * middle)
+        rest = solid.length_m * solid.length_m / 4.0 - (dx * dx + dy * dy - middle * middle)
         reach = middle - math.sqrt(rest) if rest >= 0.0 else -1.0
         return reach if reach >= 0.0 else math.inf
     turn = math.radians(solid.heading_deg)
-    c, s = math.cos(turn), math.sin(turn)
+    c, s = exact.cos_sin(turn)
     enter, leave = 0.0, math.inf
     for at, step, half in (
         (dx * c + dy * s, along[0] * c + along[1] * s, solid.length_m / 2.0),
@@ -103,11 +104,12 @@ def from_point_m(solid: Solid, x_m: Points, y_m: Points) -> Points:
     """Return how far (n,) points are outside of a solid."""
     dx, dy = x_m - solid.x_m, y_m - solid.y_m
     if solid.kind == "cylinder":
-        return np.asarray(np.maximum(np.hypot(dx, dy) - solid.length_m / 2.0, 0.0))
+        return np.asarray(np.maximum(exact.hypot(dx, dy) - solid.length_m / 2.0, 0.0))
     turn = math.radians(solid.heading_deg)
-    x, y = dx * math.cos(turn) + dy * math.sin(turn), dy * math.cos(turn) - dx * math.sin(turn)
+    c, s = exact.cos_sin(turn)
+    x, y = dx * c + dy * s, dy * c - dx * s
     return np.asarray(
-        np.hypot(
+        exact.hypot(
             np.maximum(np.abs(x) - solid.length_m / 2.0, 0.0),
             np.maximum(np.abs(y) - solid.width_m / 2.0, 0.0),
         )
@@ -119,7 +121,9 @@ def _from_outline(ahead: Points, left: Points) -> Points:
     middle = 0.5 * (FRONT_M + BACK_M)
     half = 0.5 * (FRONT_M - BACK_M)
     return np.asarray(
-        np.hypot(np.maximum(np.abs(ahead - middle) - half, 0.0), np.maximum(np.abs(left) - HALF_WIDTH_M, 0.0))
+        exact.hypot(
+            np.maximum(np.abs(ahead - middle) - half, 0.0), np.maximum(np.abs(left) - HALF_WIDTH_M, 0.0)
+        )
     )
 
 

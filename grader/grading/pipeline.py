@@ -27,7 +27,7 @@ from grader.contracts.report import (
 )
 from grader.contracts.rubric import summed
 from grader.contracts.scoring import Run, Scoring
-from grader.contracts.trajectory import encode_trajectory
+from grader.contracts.trajectory import encode_trajectory, recorded
 from grader.contracts.upload import decoded
 from grader.grading.budget import outputs_within_budget, within_budget
 from grader.grading.outcome import ended_by_the_clock, is_repeatable, masked_stream, merge
@@ -320,7 +320,7 @@ def _scored_run(
         outcome = replace(outcome, notes=(Note(code=UNREAD_NOTE, text=script.unread), *outcome.notes))
     return Run(
         case=case.id,
-        trajectory=episode.trajectory,
+        trajectory=recorded(episode.trajectory),
         outcome=outcome,
         calls=episode.calls,
         agent=episode.agent,

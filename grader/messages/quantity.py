@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Final, TypeGuard
 
-from grader.contracts.notation import written
+from grader.contracts.notation import significant, written
 from grader.contracts.record import Record
 from grader.contracts.rubric import RubricItem, Unit
 from grader.contracts.text import Language, Text
@@ -156,7 +156,7 @@ def _edges(item: RubricItem) -> tuple[float, ...]:
 
 
 def _digits(value: float, decimals: int) -> str:
-    text = f"{value:.{decimals}f}"
+    text = f"{significant(value):.{decimals}f}"
     if "." in text:
         text = text.rstrip("0").rstrip(".")
     return "0" if text == "-0" else text

@@ -17,8 +17,9 @@ import numpy as np
 from grader.contracts.assignment import Watch
 from grader.contracts.errors import ProtocolError
 from grader.contracts.replay import Replayed, ReplayedBody, ReplayEnd, Trick
-from grader.contracts.trajectory import Floats, Picture, Trajectory
+from grader.contracts.trajectory import Floats, Picture, Trajectory, on_grid
 from grader.formats.png import png_of
+from grader.geometry import exact
 from grader.sim.frames import Link
 from grader.sim.recorded_calls import RecordedCalls, is_usual_step
 from grader.sim.wire import CALLS, START
@@ -342,7 +343,7 @@ def _rows(rows: list[tuple[float, ...]], width: int | None = None) -> Floats:
     table = np.full((len(rows), wide), np.nan)
     for i, row in enumerate(rows):
         table[i, : len(row)] = row
-    return table
+    return on_grid(table)
 
 
 def _finished(t_ns: int, width: int, height: int, rows: bytearray) -> Picture:
@@ -367,16 +368,17 @@ def planar(replayed: Replayed) -> Trajectory:
         )
     rows, t_ns = place[there], replayed.t_ns[there]
     x, y, z, w = rows[:, 3], rows[:, 4], rows[:, 5], rows[:, 6]
-    heading = np.unwrap(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+    heading = np.unwrap(exact.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
     seconds = np.maximum(np.diff(t_ns), 1) * 1e-9
-    ahead = np.diff(rows[:, 0]) * np.cos(heading[1:]) + np.diff(rows[:, 1]) * np.sin(heading[1:])
+    cos, sin = exact.cos_sin(heading[1:])
+    ahead = np.diff(rows[:, 0]) * cos + np.diff(rows[:, 1]) * sin
     return Trajectory(
         t_ns=t_ns,
         x_m=rows[:, 0].copy(),
         y_m=rows[:, 1].copy(),
-        heading_rad=heading,
-        v_mps=np.concatenate(([0.0], ahead / seconds)),
-        w_radps=np.concatenate(([0.0], np.diff(heading) / seconds)),
+        heading_rad=on_grid(heading),
+        v_mps=on_grid(np.concatenate(([0.0], ahead / seconds))),
+        w_radps=on_grid(np.concatenate(([0.0], np.diff(heading) / seconds))),
         end_ns=int(t_ns[-1]),
         pictures=replayed.pictures,
     )

@@ -2,10 +2,13 @@
 
 The corpus is everything that the tests grade: the files of all assignments, the scripts of hints, beginners and
 styles, the generated corpus, and drives near the edges of bands (`gradings` lists it). Two tables say which scores
-moved between two versions of the grader, or whether two machines give the same bytes:
+moved between two versions of the grader; `matrix` says whether processors, libraries and Pythons give
+the same bytes.
 
     python -m tests.digest --save before.tsv
     python -m tests.digest --compare before.tsv --only square
+    python -m tests.digest --renew                            after changes of reports that are meant
+    python -m tests.digest.matrix --every 10
 """
 
 import hashlib
@@ -18,12 +21,18 @@ from queue import SimpleQueue
 from typing import NamedTuple
 
 from grader.contracts.errors import GraderError
-from grader.contracts.grading import GradingResult
+from grader.contracts.grading import Grader
 from grader.contracts.record import canonical
 from grader.contracts.report import GradeReport
 from grader.contracts.text import EMPTY
 from grader.grading.slot import Slot, SlotConfig
 from tests.digest.gradings import Grading
+
+GOLDEN = Path(__file__).resolve().parents[1] / "golden" / "reports.tsv"
+"""The committed sample of the table, each `SAMPLED`-th line, and the hash of the whole table."""
+
+SAMPLED = 40
+WHOLE = "all"
 
 HASHES = ("marks", "trajectory", "report", "unhinted")
 _DIGITS = 12
@@ -47,7 +56,12 @@ class Line(NamedTuple):
     unhinted: str
 
 
-def lines(gradings: Iterable[Grading], slots: int, tell: Callable[[int], None]) -> list[Line]:
+def lines(grader: Grader, gradings: Iterable[Grading]) -> list[Line]:
+    """Grade one script after the other."""
+    return [_line(grader, grading) for grading in gradings]
+
+
+def lines_of_slots(gradings: Iterable[Grading], slots: int, tell: Callable[[int], None]) -> list[Line]:
     """Grade everything with `slots` warm slots; tell how many are done now and then."""
     idle: SimpleQueue[Slot] = SimpleQueue()
     ready = [Slot(SlotConfig(niceness=10)) for _ in range(slots)]
@@ -57,9 +71,7 @@ def lines(gradings: Iterable[Grading], slots: int, tell: Callable[[int], None]) 
     def graded(grading: Grading) -> Line:
         slot = idle.get()
         try:
-            return _line(grading.id, slot.grade(grading.job))
-        except GraderError as error:
-            return Line(grading.id, _REFUSED, *[_hash(str(error).encode())] * len(HASHES))
+            return _line(slot, grading)
         finally:
             idle.put(slot)
 
@@ -97,18 +109,33 @@ def read(path: Path) -> dict[str, Line]:
     return {row.id: row for row in rows}
 
 
+def renewed(table: list[Line]) -> str:
+    """Return the committed sample of the table of the whole corpus."""
+    whole = Line(WHOLE, str(len(table)), *[_hash(written(table).encode())] * len(HASHES))
+    return written([*table[::SAMPLED], whole])
+
+
+def digest(table: Iterable[Line]) -> str:
+    """Return one hash of a table."""
+    return _hash(written(table).encode())
+
+
 def written(table: Iterable[Line]) -> str:
     """Return a table as it is saved."""
     return "".join("\t".join(line) + "\n" for line in table)
 
 
-def _line(name: str, result: GradingResult) -> Line:
+def _line(grader: Grader, grading: Grading) -> Line:
+    try:
+        result = grader.grade(grading.job)
+    except GraderError as error:
+        return Line(grading.id, _REFUSED, *[_hash(str(error).encode())] * len(HASHES))
     report = result.report
     marks = [report.status, report.score, [(item.id, item.earned, item.points) for item in report.items]]
     moved = b"".join(result.trajectories[case] for case in sorted(result.trajectories))
     score = "-" if report.score is None else f"{report.score:g}"
     return Line(
-        name,
+        grading.id,
         score,
         _hash(repr(marks).encode()),
         _hash(moved),

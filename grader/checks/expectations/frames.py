@@ -22,6 +22,7 @@ from grader.checks.measure import Mistake, mistake
 from grader.contracts.conversation import Expectation
 from grader.contracts.record import Record
 from grader.contracts.text import EMPTY, Text
+from grader.geometry import exact
 from grader.messages import join, say
 
 _AND = Text(zh="；", en="; ")
@@ -151,7 +152,7 @@ def _where(
 
 def _near(place: Any, translation: Vector, within: float) -> bool:
     numbers = isinstance(place, list) and all(isinstance(each, int | float) for each in place)
-    return numbers and round(math.dist(place, translation), 9) <= within
+    return numbers and round(exact.apart(place, translation), 9) <= within
 
 
 def _wanted_turn(one: Expectation, names: dict[str, Any]) -> Quaternion | None:
@@ -162,35 +163,36 @@ def _wanted_turn(one: Expectation, names: dict[str, Any]) -> Quaternion | None:
         return None
     yaw = wanted_of(one.yaw_deg, names)
     half = math.radians(yaw) / 2.0 if isinstance(yaw, int | float) else math.nan
-    return 0.0, 0.0, math.sin(half), math.cos(half)
+    cos, sin = exact.cos_sin(half)
+    return 0.0, 0.0, sin, cos
 
 
 def _angle_deg(one: Quaternion, other: Quaternion) -> float:
     """Return the angle between two rotations; infinite where one is none."""
-    lengths = math.hypot(*one) * math.hypot(*other)
-    if not math.isfinite(lengths) or not 0.5 < math.hypot(*other) < 2.0 or lengths == 0.0:
+    lengths = exact.length(one) * exact.length(other)
+    if not math.isfinite(lengths) or not 0.5 < exact.length(other) < 2.0 or lengths == 0.0:
         return math.inf
-    dot = abs(sum(a * b for a, b in zip(one, other, strict=True))) / lengths
-    return round(math.degrees(2.0 * math.acos(min(dot, 1.0))), 4)
+    dot = min(abs(exact.total(a * b for a, b in zip(one, other, strict=True))) / lengths, 1.0)
+    return round(math.degrees(2.0 * exact.atan2(math.sqrt(1.0 - dot * dot), dot)), 4)
 
 
 def _yaw_deg(rotation: Quaternion) -> float:
     x, y, z, w = rotation
-    return math.degrees(math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+    return math.degrees(exact.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
 
 
 def _askew(one: Expectation, turn: Quaternion | None, rotation: Quaternion) -> Mistake | None:
     """Return why a frame is turned otherwise: degrees for radians, an angle for a quaternion, the wrong way."""
     if turn is None:
         return None
-    x, y, z, w = rotation
-    yaw = math.radians(_yaw_deg(turn))
-    if not 0.9 < math.hypot(x, y, z, w) < 1.1:
-        return mistake("frame_no_quaternion", frame=one.target, length=f"{math.hypot(x, y, z, w):.2f}")
+    z, yaw = rotation[2], math.radians(_yaw_deg(turn))
+    if not 0.9 < exact.length(rotation) < 1.1:
+        return mistake("frame_no_quaternion", frame=one.target, length=f"{exact.length(rotation):.2f}")
     if abs(z - yaw) < 1e-3 and abs(yaw) > 0.05:
-        return mistake("frame_no_quaternion", frame=one.target, length=f"{math.hypot(x, y, z, w):.2f}")
+        return mistake("frame_no_quaternion", frame=one.target, length=f"{exact.length(rotation):.2f}")
     degrees = math.degrees(yaw) / 2.0
-    if _angle_deg((0.0, 0.0, math.sin(degrees), math.cos(degrees)), rotation) < 2.0:
+    cos, sin = exact.cos_sin(degrees)
+    if _angle_deg((0.0, 0.0, sin, cos), rotation) < 2.0:
         return mistake("frame_degrees", frame=one.target)
     if _angle_deg((-turn[0], -turn[1], -turn[2], turn[3]), rotation) < 2.0:
         return mistake("frame_turned_back", frame=one.target)

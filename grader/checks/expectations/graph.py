@@ -21,6 +21,7 @@ from grader.checks.expectations.verdict import (
 from grader.checks.measure import Mistake, mistake
 from grader.contracts.conversation import Expectation, TurtleSample
 from grader.contracts.text import Text
+from grader.geometry import exact
 from grader.messages import say
 
 _SEND_GOAL: Final = "/_action/send_goal"
@@ -116,7 +117,7 @@ def _there(one: Expectation, sample: TurtleSample) -> float:
     off += [abs(sample.y - one.y)] if one.y is not None else []
     share = 1.0
     if off:
-        distance = round(math.hypot(*off), 6)
+        distance = round(exact.length(off), 6)
         share = 1.0 if distance <= one.within else max(0.0, 1.0 - distance / (10.0 * max(one.within, 0.1)))
     if one.heading_deg is not None:
         error = abs(math.remainder(math.degrees(sample.heading_rad) - one.heading_deg, 360.0))

@@ -16,6 +16,7 @@ from grader.contracts.outcome import AgentResult, RunStatus, ServiceResult
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Trajectory
+from grader.geometry import exact
 from grader.messages.quantity import number
 
 MEASURES = {
@@ -49,8 +50,8 @@ class _Motion:
         begin, end = _place(track, self.begin_ns), _place(track, end_ns)
         x, y = end[0] - begin[0], end[1] - begin[1]
         heading = math.radians(begin[2])
-        self.ahead_m = x * math.cos(heading) + y * math.sin(heading)
-        self.aside_m = y * math.cos(heading) - x * math.sin(heading)
+        cos, sin = exact.cos_sin(heading)
+        self.ahead_m, self.aside_m = x * cos + y * sin, y * cos - x * sin
         self.turned_deg = end[2] - begin[2]
         self.sent = result.sent_ns is not None
 
@@ -60,7 +61,7 @@ class _Motion:
         wanted = self.step.moves_m or 0.0
         if not self.sent:
             return 100.0
-        return min(100.0 * math.hypot(self.ahead_m - wanted, self.aside_m) / abs(wanted or 1.0), 100.0)
+        return min(100.0 * exact.hypot(self.ahead_m - wanted, self.aside_m) / abs(wanted or 1.0), 100.0)
 
     @property
     def turn_error_deg(self) -> float:
@@ -158,7 +159,7 @@ def _report_error(run: Run) -> Measure:
     """Return the largest distance of an answer from the car; unmeasured unless every answer tells a place."""
     wanted = sum(bool(one.step.tells) for one in run.agent)
     pairs = list(_reported_places(run))
-    errors = [math.dist(true[:2], reported[:2]) for true, reported in pairs]
+    errors = [exact.apart(true[:2], reported[:2]) for true, reported in pairs]
     if len(errors) < wanted or not errors or not all(map(math.isfinite, errors)):
         return UNMEASURED
     worst = max(range(len(errors)), key=errors.__getitem__)
@@ -186,8 +187,8 @@ def _mistakes(run: Run, motions: list[_Motion]) -> Iterator[Mistake]:
     yield from _wrong_motions(moves, _STILL_M, "move_error", "m", by_number=by_number)
     yield from _wrong_motions(turns, _STILL_DEG, "turn_error", "deg", by_number=by_number)
     pairs = list(_reported_places(run))
-    driven_m = [math.dist(a[0][:2], b[0][:2]) for a, b in pairwise(pairs)]
-    reported_m = [math.dist(a[1][:2], b[1][:2]) for a, b in pairwise(pairs)]
+    driven_m = [exact.apart(a[0][:2], b[0][:2]) for a, b in pairwise(pairs)]
+    reported_m = [exact.apart(a[1][:2], b[1][:2]) for a, b in pairwise(pairs)]
     if any(far > 0.1 and change < _STILL_M for far, change in zip(driven_m, reported_m, strict=True)):
         yield mistake("told_stale", ("told_error",))
 

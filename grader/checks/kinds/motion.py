@@ -26,6 +26,7 @@ from grader.contracts.figure import FigureSketch, SketchLabel, SketchSide
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Floats, Trajectory
+from grader.geometry import exact
 from grader.messages import say
 from grader.messages.quantity import number
 
@@ -73,14 +74,15 @@ def _frame(drive: Drive) -> tuple[Floats, Floats]:
     path = drive.path
     heading = float(path.heading_rad[0])
     dx, dy = path.x_m - path.x_m[0], path.y_m - path.y_m[0]
-    return dx * math.cos(heading) + dy * math.sin(heading), dy * math.cos(heading) - dx * math.sin(heading)
+    cos, sin = exact.cos_sin(heading)
+    return dx * cos + dy * sin, dy * cos - dx * sin
 
 
 def _motion(drive: Drive, *, backward: bool) -> dict[str, Measure]:
     ahead_m, left_m = _frame(drive)
     advance_m = -ahead_m if backward else ahead_m
     net_m = float(advance_m[-1])
-    facing_m = float(np.sum(np.diff(advance_m)[_keeps_facing(drive)]))
+    facing_m = exact.total(np.diff(advance_m)[_keeps_facing(drive)])
     return {
         "advance_m": Measure(min(net_m, facing_m)),  # what was driven after turning round does not count
         "lateral_pct": Measure(100.0 * float(np.max(np.abs(left_m))) / net_m) if net_m > 0.0 else UNMEASURED,
@@ -97,7 +99,7 @@ def _turned(drive: Drive) -> Measure:
     heading_rad, on_the_spot = drive.path.heading_rad, _on_the_spot(drive)
     middle_rad = (heading_rad[1:] + heading_rad[:-1]) / 2.0 - heading_rad[0]
     aside_rad = np.where(
-        on_the_spot, 0.0, np.angle(np.exp(1j * middle_rad))
+        on_the_spot, 0.0, middle_rad - math.tau * np.rint(middle_rad / math.tau)
     )  # without whole turns on the spot
     driven_rad = np.cumsum(np.where(on_the_spot, 0.0, np.diff(heading_rad)))
     driving_deg = math.degrees(float(np.max(np.abs((aside_rad, driven_rad)), initial=0.0)))
@@ -122,7 +124,7 @@ def _on_the_spot(drive: Drive) -> Bools:
 def _keeps_facing(drive: Drive) -> Bools:
     """Return for each of the (n - 1) steps whether the car faced its initial heading rather than away from it."""
     heading = drive.path.heading_rad
-    facing: Bools = np.cos((heading[1:] + heading[:-1]) / 2.0 - heading[0]) > 0.0
+    facing: Bools = exact.cos((heading[1:] + heading[:-1]) / 2.0 - heading[0]) > 0.0
     return facing
 
 
@@ -139,11 +141,12 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     length_m = max(abs(measures["advance_m"].value), (band and band.low) or 0.0)
     sign = -1.0 if backward else 1.0
     heading = float(trajectory.heading_rad[0])
-    goal = (start[0] + sign * length_m * math.cos(heading), start[1] + sign * length_m * math.sin(heading))
+    cos, sin = exact.cos_sin(heading)
+    goal = (start[0] + sign * length_m * cos, start[1] + sign * length_m * sin)
     far = fits(assignment, "advance_m", measures["advance_m"].value)
     return FigureSketch(
         view="path",
-        sides=(SketchSide(start_m=start, end_m=end, length_m=math.dist(start, end), ok=far),),
+        sides=(SketchSide(start_m=start, end_m=end, length_m=exact.apart(start, end), ok=far),),
         ideal_m=(start, goal),
         ideal_closed=False,
         labels=tuple(_departures(assignment, drive, run.trajectory, measures)),
@@ -230,7 +233,7 @@ def _turning(drive: Drive) -> Mistake:
 def _turns_on_the_spot(drive: Drive) -> bool:
     """Whether most of the turning was done on the spot rather than in an arc."""
     turned_rad = np.abs(np.diff(drive.path.heading_rad))
-    return float(np.sum(turned_rad[_on_the_spot(drive)])) > 0.5 * float(np.sum(turned_rad))
+    return exact.total(turned_rad[_on_the_spot(drive)]) > 0.5 * exact.total(turned_rad)
 
 
 CHECK = Check(

@@ -12,6 +12,7 @@ from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel
 from grader.contracts.scoring import Run
+from grader.geometry import exact
 from grader.geometry.path import Path, segment
 from grader.messages import say
 from grader.messages.quantity import number
@@ -55,7 +56,7 @@ def _goals(run: Run) -> int:
 def _rotation(path: Path) -> dict[str, Measure]:
     total_deg = math.degrees(float(np.ptp(path.heading_rad)))
     turned_deg = math.degrees(_in_one_place(path))
-    strayed = np.hypot(path.x_m - path.x_m[0], path.y_m - path.y_m[0])
+    strayed = exact.hypot(path.x_m - path.x_m[0], path.y_m - path.y_m[0])
     return {
         "turned_deg": Measure(
             turned_deg, {"total": number(total_deg, "deg"), "turns": f"{turned_deg / 360.0:.2f}"}
@@ -73,7 +74,7 @@ def _in_one_place(path: Path) -> float:
     largest = 0.0
     for first in range(0, len(path), 1 + len(path) // MAX_STARTS):
         turned = np.abs(path.heading_rad[first:] - path.heading_rad[first])
-        strayed = np.hypot(path.x_m[first:] - path.x_m[first], path.y_m[first:] - path.y_m[first])
+        strayed = exact.hypot(path.x_m[first:] - path.x_m[first], path.y_m[first:] - path.y_m[first])
         places = np.maximum.accumulate(strayed) / PLACE_M
         counted = np.where(places <= 1.0, turned, np.minimum(turned, math.tau) / np.maximum(places, 1.0))
         largest = max(largest, float(np.max(counted)))

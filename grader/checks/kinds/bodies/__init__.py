@@ -19,6 +19,7 @@ from grader.contracts.replay import TRICKS, Replayed, Trick
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
 from grader.contracts.trajectory import Floats
+from grader.geometry import exact
 from grader.messages.quantity import number
 
 EARTH_MPS2 = 9.81
@@ -163,7 +164,7 @@ def _object(counted: _Counted) -> dict[str, Measure]:
     if len(rows) < 2:
         return start
     x, y = rows[0, :2] - rows[-1, :2]
-    speeds = np.linalg.norm(rows[:, 7:10], axis=1)
+    speeds = _lengths(rows[:, 7:10])
     moving = np.flatnonzero(speeds >= _AT_REST_MPS)
     seconds = counted.seconds[np.isfinite(counted.object[:, 0])]
     since_s = float(seconds[moving[-1] + 1]) if len(moving) and moving[-1] + 1 < len(rows) else None
@@ -175,15 +176,21 @@ def _object(counted: _Counted) -> dict[str, Measure]:
         "fell_m": Measure(float(np.max(rows[:, 2]) - rows[-1, 2])),
         "height_m": Measure(float(rows[-1, 2])),
         "rest_s": Measure(rest_s),
-        "travel_m": Measure(float(math.hypot(x, y))),
+        "travel_m": Measure(exact.hypot(float(x), float(y))),
         "turned_deg": Measure(math.degrees(abs(_heading(rows)))),
     }
+
+
+def _lengths(rows: Floats) -> Floats:
+    """Return the length of each (x, y, z)."""
+    x, y, z = rows.T
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
 def _heading(rows: Floats) -> float:
     """Return by how much the object's heading has changed, in rad."""
     x, y, z, w = (rows[:, column] for column in (3, 4, 5, 6))
-    heading = np.unwrap(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+    heading = np.unwrap(exact.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
     return float(heading[-1] - heading[0])
 
 
@@ -192,9 +199,9 @@ def _wheels(counted: _Counted) -> dict[str, Measure]:
     rows, power_w = counted.object, counted.replayed.power_w[: counted.count]
     if len(rows) < 2:
         return {}
-    work_j = np.sum(np.maximum(np.nan_to_num(power_w[1:]), 0.0) * np.diff(counted.seconds))
+    work_j = exact.total(np.maximum(np.nan_to_num(power_w[1:]), 0.0) * np.diff(counted.seconds))
     mass_kg = next((body.total_kg for body in counted.replayed.bodies if body.role == "object"), 0.0)
-    fastest_mps = float(np.max(np.hypot(*np.nan_to_num(rows[:, 7:9]).T)))
+    fastest_mps = float(np.max(exact.hypot(*np.nan_to_num(rows[:, 7:9]).T)))
     if work_j < _LEAST_WORK * mass_kg * fastest_mps**2 / 2.0:
         return {"wheels_turned": UNMEASURED}
     return {"wheels_turned": Measure(_turned(counted))}
@@ -218,7 +225,7 @@ def _reach(assignment: Assignment, counted: _Counted) -> dict[str, Measure]:
     link = counted.replayed.link[: counted.count]
     if None in target or not len(link) or not np.isfinite(link).all():
         return {}
-    apart = np.linalg.norm(link[:, :3] - np.array([float(each or 0.0) for each in target]), axis=1)
+    apart = _lengths(link[:, :3] - np.array([float(each or 0.0) for each in target]))
     seconds, hold_s = counted.seconds, _hold_s(assignment)
     ends = np.searchsorted(seconds, seconds + hold_s - _SLACK_S)
     kept = [float(np.max(apart[i : end + 1])) for i, end in enumerate(ends) if end < len(seconds)]
@@ -242,7 +249,7 @@ def _stands(assignment: Assignment, replayed: Replayed) -> bool:
     """Return whether the arm's base is fixed, and where the assignment has it (the origin)."""
     place = np.array([float(assignment.options.get(name) or 0.0) for name in _BASE])
     is_loose = any(body.role == "robot" and body.mass_kg > 0.0 for body in replayed.bodies)
-    return not is_loose and bool(np.linalg.norm(replayed.base[0] - place) <= BASE_SLACK_M)
+    return not is_loose and exact.length((replayed.base[0] - place).tolist()) <= BASE_SLACK_M
 
 
 def _lifted(assignment: Assignment, counted: _Counted) -> Measure:

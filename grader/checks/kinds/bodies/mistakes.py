@@ -8,6 +8,7 @@ from grader.checks.mistakes import noted, script_mistakes
 from grader.contracts.assignment import Assignment
 from grader.contracts.replay import Replayed, Trick, TrickKind
 from grader.contracts.scoring import Run
+from grader.geometry import exact
 from grader.messages.quantity import number
 
 STARTS_AWAY_M = 0.15
@@ -120,7 +121,7 @@ def _there_already(assignment: Assignment, replayed: Replayed) -> Iterator[Mista
     target = [assignment.options.get(f"target_{axis}_m") for axis in "xyz"]
     if None not in target and len(replayed.link):
         place = [float(each) for each in replayed.link[0, :3]]
-        if math.dist(place, [float(each or 0.0) for each in target]) < STARTS_AWAY_M:
+        if exact.apart(place, [float(each or 0.0) for each in target]) < STARTS_AWAY_M:
             yield mistake("bodies_there_already", ("reach_m",))
 
 
@@ -130,7 +131,7 @@ def _not_reached(assignment: Assignment, replayed: Replayed) -> Iterator[Mistake
     if None not in target and len(replayed.base):
         place = [float(assignment.options.get(f"base_{axis}_m") or 0.0) for axis in "xyz"]
         base = [float(each) for each in replayed.base[0]]
-        if math.dist(base, place) > BASE_SLACK_M:
+        if exact.apart(base, place) > BASE_SLACK_M:
             told = {"base": _point(base), "place": _point(place)}
             yield mistake("bodies_base_elsewhere", ("reach_m",), **told)
 

@@ -26,6 +26,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchLabel, SketchSide
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
+from grader.geometry import exact
 from grader.messages import say
 from grader.messages.quantity import number
 
@@ -104,9 +105,10 @@ def _drove_on_m(drive: Drive, figure: Figure) -> float:
 def _of_the_whole(figure: Figure, on_m: float) -> dict[str, Measure]:
     size, length = figure.size_m, figure.track.length_m * figure.placed.scale
     away, nearest = max(figure.apart_m, figure.strayed_m), figure.distances_m
-    mean = float(np.mean(nearest))
-    gap = abs((figure.driven[-1] - figure.driven[0]) - (figure.wanted[-1] - figure.wanted[0]))
-    gap = max(float(gap), figure.approach_m)  # the car ends where the path begins, not where it set out
+    mean = exact.mean(nearest)
+    ends = (figure.driven[-1] - figure.driven[0]) - (figure.wanted[-1] - figure.wanted[0])
+    gap = exact.magnitude(complex(ends))
+    gap = max(gap, figure.approach_m)  # the car ends where the path begins, not where it set out
     after = say("path.drove_on", length=number(on_m, "m")) if on_m > 0.0 else EMPTY
     if size <= 0.0 or length <= 0.0:
         return {}
@@ -176,9 +178,11 @@ def _touch(stretches: Sequence[DrivenStretch]) -> Measure:
             continue
         radii_m = before.radius_m, after.radius_m
         same_way = before.wanted.angle_deg * after.wanted.angle_deg > 0.0
-        wanted_m = abs(radii_m[0] - radii_m[1]) if same_way else sum(radii_m)
-        driven_m = abs(after.centre - before.centre)
-        found.append((100.0 * abs(driven_m - wanted_m) / sum(radii_m), driven_m, wanted_m, before, after))
+        wanted_m = abs(radii_m[0] - radii_m[1]) if same_way else exact.total(radii_m)
+        driven_m = exact.magnitude(after.centre - before.centre)
+        found.append(
+            (100.0 * abs(driven_m - wanted_m) / exact.total(radii_m), driven_m, wanted_m, before, after)
+        )
     if not found or any(math.isnan(one[0]) for one in found):
         return UNMEASURED
     error, driven_m, wanted_m, before, after = max(found, key=lambda one: one[0])

@@ -1,6 +1,5 @@
 """Which part of a driven path is the wanted one, laid on it as well as the assignment allows."""
 
-import cmath
 import itertools
 import math
 from collections.abc import Iterator, Sequence
@@ -23,6 +22,7 @@ from grader.checks.kinds.path.wanted import (
 )
 from grader.contracts.assignment import StartPose, WantedPath
 from grader.contracts.trajectory import Trajectory
+from grader.geometry import exact
 from grader.geometry.figure import MAX_APPROACH_STRAIGHTS, chord, half_turned
 from grader.geometry.matching import (
     Floats,
@@ -164,7 +164,7 @@ class Figure:
     @property
     def distances_m(self) -> Floats:
         """How far each point of the wanted path is from the nearest one that belongs to it."""
-        far = np.abs(self.wanted[self.pairs[:, 0]] - self.driven[self.pairs[:, 1]])
+        far = exact.magnitudes(self.wanted[self.pairs[:, 0]] - self.driven[self.pairs[:, 1]])
         nearest = np.full(len(self.wanted), np.inf)
         np.minimum.at(nearest, self.pairs[:, 0], far)
         return nearest
@@ -181,12 +181,12 @@ class _Allowed:
         """Return where the wanted path lies: as near as it may to the driven points, pair by pair."""
         if self.wanted.any_start:
             return fitted(given, driven, scaled=self.wanted.any_scale, mirrored=mirrored)
-        turned = cmath.rect(1.0, math.radians(self.start.heading_deg))
+        turned = exact.rect(1.0, math.radians(self.start.heading_deg))
         offset = complex(self.start.x_m, self.start.y_m)
         if self.wanted.any_scale:
-            ahead = turned * (np.conj(given) if mirrored else given)
-            product = float(np.vdot(ahead, driven - offset).real)
-            turned *= max(product, 0.0) / float(np.vdot(ahead, ahead).real)
+            ahead = exact.turned(np.conj(given) if mirrored else given, turned)
+            product = exact.correlation(ahead, driven - offset).real
+            turned *= max(product, 0.0) / exact.correlation(ahead, ahead).real
         return Similarity(turned, offset, mirrored)
 
 
@@ -273,7 +273,7 @@ def figure_in(drive: Drive, wanted: WantedPath, start: StartPose) -> Figure | No
     total_m = float(along[-1])
     if total_m < LEAST_M:
         return None
-    points = path.x_m + 1j * path.y_m
+    points = exact.paired(path.x_m, path.y_m)
     found, found_off = None, math.inf
     ways, allowed = tracks(wanted), _Allowed(wanted, start)
     closed = bool(ways) and ways[0].is_closed
@@ -325,7 +325,7 @@ def _begun(points: Points, along: Floats, ways: tuple[Track, ...], allowed: _All
         pairs = np.stack([np.arange(SAMPLES), np.rint(partners).astype(int)], axis=1)
         for one in _tried(points, along, total, (way,), allowed):
             placed = allowed.placed(given, driven, mirrored=one.placed.mirrored)
-            off = float(np.max(np.abs(placed.of(given) - driven))) / size_m(way.points)
+            off = float(np.max(exact.magnitudes(placed.of(given) - driven))) / size_m(way.points)
             if off <= BEGUN_SHARE and (found is None or off < found.residual - NEARLY_SHARE):
                 whole = placed.of(way.points)
                 found = replace(one, placed=placed, wanted=whole, pairs=pairs, residual=off)
@@ -337,7 +337,7 @@ def roughly_off(drive: Drive, wanted: WantedPath, start: StartPose) -> float:
     """Return how far the whole drive is off, point by point at equal distances, as a share of the size."""
     path = drive.path
     along = np.maximum.accumulate(path.along_m)
-    points = path.x_m + 1j * path.y_m
+    points = exact.paired(path.x_m, path.y_m)
     tried = _tried(points, along, float(along[-1]), tracks(wanted), _Allowed(wanted, start))
     return min((each.residual for each in tried), default=math.inf)
 
@@ -351,7 +351,7 @@ def begun_off(drive: Drive, wanted: WantedPath, start: StartPose) -> float:
         return math.inf
     path, allowed = drive.path, _Allowed(wanted, start)
     along = np.maximum.accumulate(path.along_m)
-    driven = resampled(path.x_m + 1j * path.y_m, along, np.linspace(0.0, float(along[-1]), SAMPLES))
+    driven = resampled(exact.paired(path.x_m, path.y_m), along, np.linspace(0.0, float(along[-1]), SAMPLES))
     least = math.inf
     for way in tracks(wanted):
         last = min(float(along[-1]) / way.length_m, 1.0) * (len(way.points) - 1)
@@ -360,7 +360,7 @@ def begun_off(drive: Drive, wanted: WantedPath, start: StartPose) -> float:
         )
         for mirrored in (False, True) if wanted.mirror else (False,):
             placed = allowed.placed(given, driven, mirrored=mirrored)
-            rms_m = float(np.sqrt(np.mean(np.abs(placed.of(given) - driven) ** 2)))
+            rms_m = exact.root_mean_square(placed.of(given) - driven)
             least = min(least, rms_m / size_m(way.points))
     return least
 
@@ -369,7 +369,7 @@ def _ends_of_laps(points: Points, along: Floats, least_m: float) -> Iterator[flo
     """Yield how far the car had driven when it was back at its start, later ones first."""
     total = float(along[-1])
     at = np.linspace(0.0, total, LOOKED_AT)
-    away = np.abs(resampled(points, along, at) - points[0])
+    away = exact.magnitudes(resampled(points, along, at) - points[0])
     near = BACK_SHARE * size_m(points)
     inner = (away[1:-1] <= away[:-2]) & (away[1:-1] < away[2:]) & (away[1:-1] < near)
     back = [float(at[i + 1]) for i in np.flatnonzero(inner) if at[i + 1] > max(least_m, 0.02 * total)]
@@ -418,7 +418,7 @@ def _tried(
 
 def _residual(there: Points, driven: Points) -> float:
     size = size_m(there)
-    return float(np.sqrt(np.mean(np.abs(there - driven) ** 2))) / size if size > LEAST_M else math.inf
+    return exact.root_mean_square(there - driven) / size if size > LEAST_M else math.inf
 
 
 def _refined(figures: Sequence[Figure], allowed: _Allowed, thinned: int = 1) -> list[Figure]:
@@ -483,7 +483,7 @@ def _straight_on_m(figure: Figure, path: Path) -> float:
 
 def _nearest_m(points: Points, others: Points) -> Floats:
     """Return how far each point is from the nearest of the others."""
-    return np.asarray(np.min(np.abs(points[:, None] - others[None, :]), axis=1))
+    return np.asarray(np.min(exact.magnitudes(points[:, None] - others[None, :]), axis=1))
 
 
 def end_ns(figure: Figure, drive: Drive) -> int:
@@ -512,7 +512,7 @@ def _with_the_way_on(found: list[DrivenStretch], on_m: float) -> list[DrivenStre
     if not found or found[-1].wanted.kind != "line":
         return found
     *others, last = found
-    end = last.end + cmath.rect(on_m, last.ends_rad)
+    end = last.end + exact.rect(on_m, last.ends_rad)
     return [*others, replace(last, end=end, length_m=last.length_m + on_m)]
 
 
@@ -567,7 +567,7 @@ def _measured(stretch: Stretch, points: Points) -> DrivenStretch:
             wanted=stretch,
             start=start,
             end=end,
-            length_m=abs(end - start),
+            length_m=exact.magnitude(end - start),
             begins_rad=direction,
             ends_rad=direction,
         )
@@ -583,8 +583,8 @@ def _measured(stretch: Stretch, points: Points) -> DrivenStretch:
         start=start,
         end=end,
         length_m=circle.radius_m * abs(circle.swept_rad),
-        begins_rad=cmath.phase(start - circle.centre) + quarter,
-        ends_rad=cmath.phase(end - circle.centre) + quarter,
+        begins_rad=exact.phase(start - circle.centre) + quarter,
+        ends_rad=exact.phase(end - circle.centre) + quarter,
         radius_m=circle.radius_m,
         deviation_m=circle.deviation_m,
         centre=circle.centre,
@@ -594,10 +594,9 @@ def _measured(stretch: Stretch, points: Points) -> DrivenStretch:
 
 def _direction(points: Points) -> float:
     """Return the direction of the line of least squares through points, towards the last of them."""
-    arms = points - np.mean(points)
-    axis = cmath.sqrt(complex(np.mean(arms * arms)))
+    axis = exact.rect(1.0, exact.axis(points - exact.middle(points)))
     ahead = complex(points[-1] - points[0])
-    return cmath.phase(axis if (axis * ahead.conjugate()).real >= 0.0 else -axis)
+    return exact.phase(axis if (axis * ahead.conjugate()).real >= 0.0 else -axis)
 
 
 def _from_corner_to_corner(found: list[DrivenStretch]) -> list[DrivenStretch]:
@@ -608,20 +607,20 @@ def _from_corner_to_corner(found: list[DrivenStretch]) -> list[DrivenStretch]:
             continue
         vertex = _vertex(before, after)
         if vertex is not None:
-            found[i] = replace(before, end=vertex, length_m=abs(vertex - before.start))
-            found[i + 1] = replace(after, start=vertex, length_m=abs(after.end - vertex))
+            found[i] = replace(before, end=vertex, length_m=exact.magnitude(vertex - before.start))
+            found[i + 1] = replace(after, start=vertex, length_m=exact.magnitude(after.end - vertex))
     return found
 
 
 def _vertex(before: DrivenStretch, after: DrivenStretch) -> complex | None:
-    ahead, next_ahead = cmath.rect(1.0, before.ends_rad), cmath.rect(1.0, after.begins_rad)
+    ahead, next_ahead = exact.rect(1.0, before.ends_rad), exact.rect(1.0, after.begins_rad)
     cross = (ahead.conjugate() * next_ahead).imag
-    if abs(cross) < math.sin(MIN_CORNER_RAD):
+    if abs(cross) < exact.sin(MIN_CORNER_RAD):
         return None
     way = ((after.end - before.start).conjugate() * next_ahead).imag / cross
     vertex = before.start + way * ahead
     near = 0.25 * min(before.length_m, after.length_m)
-    return vertex if abs(vertex - before.end) <= near else None
+    return vertex if exact.magnitude(vertex - before.end) <= near else None
 
 
 def corners_deg(stretches: list[DrivenStretch], *, mirrored: bool) -> list[tuple[float, float]]:

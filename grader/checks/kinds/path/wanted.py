@@ -1,6 +1,5 @@
 """The wanted path as a line in the plane: its pieces end to end, and the ways in which it may be driven."""
 
-import cmath
 import itertools
 import math
 from collections.abc import Iterator, Sequence
@@ -12,7 +11,8 @@ import numpy as np
 
 from grader.contracts.assignment import PathPiece, WantedPath
 from grader.contracts.record import Record
-from grader.geometry.matching import Floats, Points
+from grader.geometry import exact
+from grader.geometry.matching import Floats, Points, resampled
 
 # Points of a whole path: they resolve a tenth of its smallest usual piece. Matching them takes milliseconds,
 # and grows with the square of their number.
@@ -61,7 +61,7 @@ class Track:
     @property
     def length_m(self) -> float:
         """The length of all stretches together."""
-        return sum(stretch.length_m for stretch in self.stretches)
+        return exact.total(stretch.length_m for stretch in self.stretches)
 
     @property
     def shares(self) -> list[float]:
@@ -92,7 +92,8 @@ class Track:
     def is_closed(self) -> bool:
         """Whether it ends where it begins."""
         return (
-            abs(self.stretches[-1].points[-1] - self.stretches[0].points[0]) <= CLOSED_SHARE * self.length_m
+            exact.magnitude(self.stretches[-1].points[-1] - self.stretches[0].points[0])
+            <= CLOSED_SHARE * self.length_m
         )
 
 
@@ -108,14 +109,14 @@ def go_on(before: Stretch, after: Stretch) -> bool:
 
 def sampled(points: Points) -> Points:
     """Return `SAMPLES` points along a line of points at equal distances."""
-    along: Floats = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(points)))))
+    along: Floats = np.concatenate(([0.0], np.cumsum(exact.magnitudes(np.diff(points)))))
     at = np.linspace(0.0, float(along[-1]), SAMPLES)
-    return np.interp(at, along, points.real) + 1j * np.interp(at, along, points.imag)
+    return resampled(points, along, at)
 
 
 def size_m(points: Points) -> float:
     """Return the diagonal of the box around points; distances are given as shares of it."""
-    return math.hypot(float(np.ptp(points.real)), float(np.ptp(points.imag)))
+    return exact.hypot(float(np.ptp(points.real)), float(np.ptp(points.imag)))
 
 
 def track_of(wanted: WantedPath) -> Track | None:
@@ -194,8 +195,8 @@ def _numbered(stretches: Sequence[Stretch]) -> tuple[Stretch, ...]:
 def _traced(trace: Sequence[tuple[float, float]]) -> Stretch:
     points = tuple(complex(x, y) for x, y in trace)
     steps = [after - before for before, after in itertools.pairwise(points) if after != before]
-    ends = [cmath.phase(step) for step in (*steps[:1], *steps[-1:])] or [0.0, 0.0]
-    return Stretch("trace", 0, points, sum(map(abs, steps)), ends[0], ends[-1])
+    ends = [exact.phase(step) for step in (*steps[:1], *steps[-1:])] or [0.0, 0.0]
+    return Stretch("trace", 0, points, exact.total(map(exact.magnitude, steps)), ends[0], ends[-1])
 
 
 def _stretches(pieces: Sequence[PathPiece]) -> Iterator[Stretch]:
@@ -216,21 +217,21 @@ def _stretches(pieces: Sequence[PathPiece]) -> Iterator[Stretch]:
 def _line(here: complex, heading_rad: float, piece: PathPiece) -> Stretch | None:
     there = complex(piece.x_m, piece.y_m)
     if piece.kind == "line":
-        there = here + cmath.rect(piece.length_m, heading_rad)
+        there = here + exact.rect(piece.length_m, heading_rad)
     if there == here:
         return None
-    ahead_rad = cmath.phase(there - here)
-    return Stretch("line", 0, (here, there), abs(there - here), ahead_rad, ahead_rad)
+    ahead_rad = exact.phase(there - here)
+    return Stretch("line", 0, (here, there), exact.magnitude(there - here), ahead_rad, ahead_rad)
 
 
 def _arc(here: complex, heading_rad: float, piece: PathPiece) -> Stretch:
     """Return an arc that begins at `here`; it bends to the left if its angle is positive."""
     angle_rad = math.radians(piece.angle_deg)
-    centre = here + cmath.rect(piece.radius_m, heading_rad + math.copysign(math.pi / 2.0, angle_rad))
+    centre = here + exact.rect(piece.radius_m, heading_rad + math.copysign(math.pi / 2.0, angle_rad))
     angles = np.linspace(
         0.0, angle_rad, max(_MIN_ARC_STEPS, math.ceil(abs(piece.angle_deg) / _ARC_STEP_DEG)) + 1
     )
-    points = tuple(centre + (here - centre) * cmath.exp(1j * angle) for angle in angles.tolist())
+    points = tuple(centre + (here - centre) * exact.rect(1.0, angle) for angle in angles.tolist())
     return Stretch(
         "arc",
         0,

@@ -25,6 +25,7 @@ from grader.contracts.assignment import WINDOW_M, Assignment, Region, WantedPlac
 from grader.contracts.figure import FigureSketch, Point, SketchLabel, SketchRegion
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
+from grader.geometry import exact
 from grader.messages import say
 from grader.messages.quantity import number
 
@@ -107,7 +108,7 @@ def _of_the_goals(wanted: WantedPlaces, way: Way, seen: list[Visit]) -> dict[str
     done = [visit.done_s for visit in seen if visit.done_s is not None]
     missed = [visit for visit in seen if visit.done_s is None]
     last = wanted.visit[-1].region
-    off_m = math.hypot(float(way.x_m[-1]) - last.x_m, float(way.y_m[-1]) - last.y_m)
+    off_m = exact.hypot(float(way.x_m[-1]) - last.x_m, float(way.y_m[-1]) - last.y_m)
     nearly = [share for share in nearly_reached(wanted, way, seen) if share] if missed else []
     worth = math.fsum(nearly)
     more = say("places.nearly", count=len(nearly), worth=number(worth, "1")) if nearly else EMPTY
@@ -167,7 +168,7 @@ def _detour(way: Way, seen: list[Visit]) -> Measure:
         straight_m += outside_m(region, x, y)
         x, y = region.x_m, region.y_m
     until = int(np.searchsorted(way.t_s, in_time[-1].done_s or 0.0, side="right"))
-    driven_m = float(np.sum(np.hypot(np.diff(way.x_m[:until]), np.diff(way.y_m[:until]))))
+    driven_m = exact.total(exact.hypot(np.diff(way.x_m[:until]), np.diff(way.y_m[:until])))
     if straight_m <= 0.0:
         return UNMEASURED
     details = {"driven": number(driven_m, "m"), "straight": number(straight_m, "m")}
@@ -203,7 +204,7 @@ def _misses(way: Way, seen: list[Visit]) -> Iterator[SketchLabel]:
         region = visit.goal.region
         if visit.entered_s is not None or visit.nearest_m > 0.9 * visit.first_m:
             continue
-        at = int(np.argmin(np.hypot(way.x_m - region.x_m, way.y_m - region.y_m)))
+        at = int(np.argmin(exact.hypot(way.x_m - region.x_m, way.y_m - region.y_m)))
         text = say("figure.apart", value=number(visit.nearest_m, "m"))
         yield SketchLabel(at_m=(float(way.x_m[at]), float(way.y_m[at])), text=text, ok=False)
 
@@ -219,7 +220,7 @@ def _outline(region: Region) -> tuple[Point, ...]:
         half, tall = region.width_m / 2.0, region.height_m / 2.0
         return ((x - half, y - tall), (x + half, y - tall), (x + half, y + tall), (x - half, y + tall))
     angles = [math.tau * i / _CIRCLE_POINTS for i in range(_CIRCLE_POINTS)]
-    return tuple((x + region.radius_m * math.cos(a), y + region.radius_m * math.sin(a)) for a in angles)
+    return tuple((x + region.radius_m * exact.cos(a), y + region.radius_m * exact.sin(a)) for a in angles)
 
 
 def _plain(text: str) -> Text:

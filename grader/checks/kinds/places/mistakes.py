@@ -14,6 +14,7 @@ from grader.checks.surroundings import name_of
 from grader.contracts.assignment import Assignment, outside_m
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
+from grader.geometry import exact
 from grader.messages import say
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
@@ -126,7 +127,7 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, visits: Se
 def _touched_before(run: Run, way: Way, visit: Visit) -> bool:
     """Whether the car touched something before it was nearest to a goal."""
     region = visit.goal.region
-    nearest_s = way.t_s[int(np.argmin(np.hypot(way.x_m - region.x_m, way.y_m - region.y_m)))]
+    nearest_s = way.t_s[int(np.argmin(exact.hypot(way.x_m - region.x_m, way.y_m - region.y_m)))]
     return any(contact.start_ns / 1e9 < nearest_s for contact in run.trajectory.contacts[:1])
 
 
@@ -140,8 +141,8 @@ def _standing_at(way: Way, visits: Sequence[Visit]) -> Visit | None:
 def _at_exchanged(way: Way, goal: Visit) -> bool:
     """Whether the car came to rest where the goal would be if its x and y were exchanged."""
     region = goal.goal.region
-    off_m = math.hypot(float(way.x_m[-1]) - region.y_m, float(way.y_m[-1]) - region.x_m)
-    apart_m = math.hypot(region.x_m - region.y_m, region.y_m - region.x_m)
+    off_m = exact.hypot(float(way.x_m[-1]) - region.y_m, float(way.y_m[-1]) - region.x_m)
+    apart_m = exact.hypot(region.x_m - region.y_m, region.y_m - region.x_m)
     return way.rests and off_m <= EXCHANGED_M < apart_m / 2.0
 
 
@@ -195,14 +196,14 @@ def _circles(drive: Drive, goal: Visit) -> bool:
     """Whether the car, driving to the end, went round and round near a goal."""
     turned = float(np.ptp(drive.path.heading_rad))
     region = goal.goal.region
-    radius_m = region.radius_m or math.hypot(region.width_m, region.height_m) / 2.0
+    radius_m = region.radius_m or exact.hypot(region.width_m, region.height_m) / 2.0
     return turned > CIRCLED_RAD and goal.nearest_m < NEAR_TIMES * radius_m
 
 
 def _final_distance_m(way: Way, visit: Visit) -> float:
     """Return how far from the middle of a goal the car's way ends."""
     region = visit.goal.region
-    return math.hypot(float(way.x_m[-1]) - region.x_m, float(way.y_m[-1]) - region.y_m)
+    return exact.hypot(float(way.x_m[-1]) - region.x_m, float(way.y_m[-1]) - region.y_m)
 
 
 def _was_approaching(visit: Visit, last_m: float) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 from grader.contracts.assignment import Region, WantedGoal, WantedPlaces
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats, Trajectory
+from grader.geometry import exact
 
 # Points of the way are no further apart, so that a small goal is not passed between two samples.
 NEAR_M = 0.02
@@ -71,14 +72,14 @@ def way_of(run: Run, *, moving_at_end: bool) -> Way:
     put = count < len(trajectory)
     x, y = trajectory.x_m[:count], trajectory.y_m[:count]
     t = trajectory.t_ns[:count] * 1e-9
-    longest_m = float(np.max(np.hypot(np.diff(x), np.diff(y)))) if count > 1 else 0.0
+    longest_m = float(np.max(exact.hypot(np.diff(x), np.diff(y)))) if count > 1 else 0.0
     parts = min(MOST_PARTS, max(1, math.ceil(longest_m / NEAR_M)))
     at = np.arange((count - 1) * parts + 1) / parts
-    index = np.arange(count)
+    index = np.arange(count, dtype=np.float64)
     return Way(
-        t_s=np.interp(at, index, t),
-        x_m=np.interp(at, index, x),
-        y_m=np.interp(at, index, y),
+        t_s=exact.interpolated(at, index, t),
+        x_m=exact.interpolated(at, index, x),
+        y_m=exact.interpolated(at, index, y),
         end_rad=float(trajectory.heading_rad[count - 1]),
         rests=not put and not moving_at_end,
         put=put,
@@ -89,7 +90,7 @@ def _driven(trajectory: Trajectory) -> int:
     """Return how many samples there are before the car was put elsewhere."""
     x, y, put_m = trajectory.x_m, trajectory.y_m, 0.0
     for i in trajectory.jumps:
-        put_m += math.hypot(float(x[i] - x[i - 1]), float(y[i] - y[i - 1]))
+        put_m += exact.hypot(float(x[i] - x[i - 1]), float(y[i] - y[i - 1]))
         if put_m > SAME_M:
             return i
     return len(trajectory)
@@ -99,9 +100,9 @@ def outside_of(region: Region, way: Way) -> Floats:
     """Return how far each point of the way is outside of a region."""
     dx, dy = np.abs(way.x_m - region.x_m), np.abs(way.y_m - region.y_m)
     if region.kind == "circle":
-        return np.asarray(np.maximum(np.hypot(dx, dy) - region.radius_m, 0.0))
+        return np.asarray(np.maximum(exact.hypot(dx, dy) - region.radius_m, 0.0))
     return np.asarray(
-        np.hypot(np.maximum(dx - region.width_m / 2.0, 0.0), np.maximum(dy - region.height_m / 2.0, 0.0))
+        exact.hypot(np.maximum(dx - region.width_m / 2.0, 0.0), np.maximum(dy - region.height_m / 2.0, 0.0))
     )
 
 
@@ -112,7 +113,7 @@ def visits(wanted: WantedPlaces, way: Way) -> list[Visit]:
     done = _done(wanted, stays)
     found = []
     for i, goal in enumerate(wanted.visit):
-        middle_m = np.hypot(way.x_m - goal.region.x_m, way.y_m - goal.region.y_m)
+        middle_m = exact.hypot(way.x_m - goal.region.x_m, way.y_m - goal.region.y_m)
         lasted = [left - came for came, left in stays[i]]
         found.append(
             Visit(
@@ -146,7 +147,7 @@ def nearly_reached(wanted: WantedPlaces, way: Way, seen: Sequence[Visit]) -> lis
 
 def _size_m(region: Region) -> float:
     """Return how far outside of a region one of twice its size may reach."""
-    return max(region.radius_m, math.hypot(region.width_m, region.height_m) / 2.0)
+    return max(region.radius_m, exact.hypot(region.width_m, region.height_m) / 2.0)
 
 
 def _enlarged(goal: WantedGoal, times: float) -> WantedGoal:

@@ -19,6 +19,7 @@ from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchSid
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Floats, Trajectory
+from grader.geometry import exact
 from grader.geometry.figure import PolygonFigure
 from grader.geometry.path import median
 from grader.messages import say
@@ -138,7 +139,7 @@ def _wall_m(run: Run, driven: DrivenPolygon) -> float:
 
 def _spread(sides_m: Sequence[float], wall_m: float) -> Measure:
     """Return by how much the sides differ, including the length that a wall took off one of them."""
-    longest, shortest, mean = max(sides_m), min(sides_m), sum(sides_m) / len(sides_m)
+    longest, shortest, mean = max(sides_m), min(sides_m), exact.mean(sides_m)
     return Measure(
         100.0 * (longest - shortest + wall_m) / mean if mean > 0.0 else math.nan,
         {
@@ -202,7 +203,7 @@ def _sides(
     points: list[Point], figure: PolygonFigure, wanted: WantedPolygon, assignment: Assignment
 ) -> tuple[SketchSide, ...]:
     """Compare each side with its wanted length, or with the median side where only the spread is scored."""
-    lengths = [math.dist(start, end) for start, end in itertools.pairwise(points)]
+    lengths = [exact.apart(start, end) for start, end in itertools.pairwise(points)]
     band = assignment.item_on("side_error_pct") or assignment.item_on("side_spread_pct")
     targets = wanted.aligned(figure.sides_m) or (median(figure.sides_m),) * len(figure.sides_m)
     sides = []
@@ -215,7 +216,7 @@ def _sides(
 
 
 def _corners(points: list[Point], corners_deg: Floats, assignment: Assignment) -> tuple[SketchCorner, ...]:
-    sense = math.copysign(1.0, float(np.sum(corners_deg)))
+    sense = math.copysign(1.0, exact.total(corners_deg))
     return tuple(
         SketchCorner(at_m=at, angle_deg=corner, ok=fits(assignment, "corner_deg", sense * corner))
         for at, corner in zip(points[1:], corners_deg.tolist(), strict=False)
@@ -247,18 +248,18 @@ def ideal_polygon(points: list[Point], figure: PolygonFigure, wanted: WantedPoly
     begun_in_a_side = len(points) == len(figure.sides_m) + 2  # then start and end are no vertices
     driven = np.array([complex(*point) for point in (points[1:-1] if begun_in_a_side else points[:-1])])
     shape = np.array(wanted.vertices(_first_length_m(figure, wanted, later=begun_in_a_side)))
-    if sum(figure.corners_rad) < 0.0:
+    if exact.total(figure.corners_rad) < 0.0:
         shape = np.conj(shape)
     if len(driven) == wanted.sides:
-        shape = shape - np.mean(shape)
-        centre = complex(np.mean(driven))
-        scale = complex(np.vdot(shape, driven - centre) / np.vdot(shape, shape))
+        shape = shape - exact.middle(shape)
+        centre = exact.middle(driven)
+        scale = exact.correlation(shape, driven - centre) / exact.correlation(shape, shape).real
     else:
         scale = complex((driven[1] if len(driven) > 1 else complex(*points[1])) - driven[0]) / complex(
             shape[1] - shape[0]
         )
         centre = complex(driven[0]) - scale * complex(shape[0])
-    return tuple((float(vertex.real), float(vertex.imag)) for vertex in centre + scale * shape)
+    return tuple((float(vertex.real), float(vertex.imag)) for vertex in centre + exact.turned(shape, scale))
 
 
 def _first_length_m(figure: PolygonFigure, wanted: WantedPolygon, *, later: bool) -> float | None:

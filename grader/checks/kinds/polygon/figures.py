@@ -1,6 +1,5 @@
 """The polygon that an assignment asks for, and the one that a run drove."""
 
-import cmath
 import itertools
 import math
 from collections.abc import Mapping, Sequence
@@ -16,6 +15,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.record import Record
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
+from grader.geometry import exact
 from grader.geometry.coarse import coarse_looks
 from grader.geometry.figure import NEARLY_CLOSED_SHARE, PolygonFigure, alike, chord, measure_polygon
 from grader.geometry.path import Segments, bare, median, segment, without_overshoots
@@ -95,7 +95,7 @@ class WantedPolygon(Record, kw_only=False):
         if first_length_m is not None and first_length_m != lengths[0]:
             lengths = lengths[1:] + lengths[:1]
         corner_rad = math.radians(self.corner_deg)
-        steps = (length * cmath.exp(1j * corner_rad * i) for i, length in enumerate(lengths))
+        steps = (length * exact.rect(1.0, corner_rad * i) for i, length in enumerate(lengths))
         return list(itertools.accumulate(steps, initial=0j))[:-1]
 
 
@@ -164,7 +164,7 @@ class DrivenPolygon:
         if figure is None:
             return math.inf
         uneven = 1.0 - min(figure.sides_m) / max(figure.sides_m)
-        bent = max(figure.bows) + sum(figure.bows)
+        bent = max(figure.bows) + exact.total(figure.bows)
         return uneven + bent + math.radians(float(np.ptp(self.corners_deg))) + figure.overrun
 
     def is_on_the_whole(self, wanted: WantedPolygon) -> bool:
@@ -188,7 +188,7 @@ class DrivenPolygon:
         apart_deg = abs(own_deg - wanted.corner_deg) or FULL_TURN_DEG
         complete = min(
             _fading(figure.gap_m / figure.perimeter_m, OTHER_GAP_SHARE),
-            _fading(abs(float(np.mean(corners)) - own_deg), min(SAME_DEG, apart_deg / 3.0)),
+            _fading(abs(exact.mean(corners) - own_deg), min(SAME_DEG, apart_deg / 3.0)),
             _fading(float(np.ptp(corners)), 2.0 * SAME_DEG),
         )
         if len(sides) != wanted.sides:
@@ -277,7 +277,7 @@ def _polygon_of(
     figure = measure_polygon(drive.path, segments, sides=wanted.sides, cut_short=drive.cut_short)
     if figure is None:
         return DrivenPolygon(drive, segments, None, np.empty(0), np.empty(0))
-    sense = -1.0 if sum(map(bare, figure.corners_rad)) < 0.0 else 1.0
+    sense = -1.0 if exact.total(map(bare, figure.corners_rad)) < 0.0 else 1.0
     turned = sense * np.degrees(figure.corners_rad)
     corners = sense * np.degrees([bare(corner) for corner in figure.corners_rad])
     last_deg = sense * math.degrees(figure.last_turn_rad)

@@ -41,6 +41,7 @@ from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Floats
+from grader.geometry import exact
 from grader.geometry.figure import PolygonFigure
 from grader.geometry.path import MIN_TURN_RAD, median
 from grader.messages import say
@@ -153,7 +154,7 @@ def _drives_m(run: Run, since_ns: int = 0) -> list[float]:
     commanded = (one for one in with_ends(run.trajectory) if one[0].t_ns >= since_ns)
     drives = itertools.groupby(commanded, lambda one: is_drive(one[0]))
     return [
-        sum(abs(command.v_mps) * (until_ns - command.t_ns) for command, until_ns in drive) / 1e9
+        exact.total(abs(command.v_mps) * (until_ns - command.t_ns) for command, until_ns in drive) / 1e9
         for drives_on, drive in drives
         if drives_on
     ]
@@ -279,7 +280,7 @@ def _wrong_turns(seen: _Seen) -> Iterator[Mistake]:
     far = bool(contacts) and min(turned) > seen.ideal_deg + _FAR_OFF_DEG
     if max(turned) > most_deg and not far:
         return
-    ideal, mean = seen.ideal_deg, float(np.mean(turned))
+    ideal, mean = seen.ideal_deg, exact.mean(turned)
     inner = far and _known_angle(seen, mean) is not None  # the interior angle of a figure
     yield mistake(
         "interior_angle" if inner else "turns_too_far" if far else "turns_too_short",
@@ -398,7 +399,7 @@ def _drove_first(seen: _Seen) -> bool:
 
 
 def _circling(seen: _Seen) -> bool:
-    curved_m = sum(turn.length_m for turn in seen.driven.segments.turns if turn is not None)
+    curved_m = exact.total(turn.length_m for turn in seen.driven.segments.turns if turn is not None)
     return curved_m > 0.5 * float(seen.driven.drive.path.along_m[-1])
 
 
@@ -450,7 +451,7 @@ def _drives_blindly(seen: _Seen) -> bool:
 def _is_beyond_slip(seen: _Seen, figure: PolygonFigure) -> bool:
     """Whether sides are missing, or the corners are off by more than slipping explains."""
     corners = seen.driven.corners_deg
-    off_deg = abs(float(np.mean(corners)) - seen.ideal_deg) if len(corners) else 0.0
+    off_deg = abs(exact.mean(corners) - seen.ideal_deg) if len(corners) else 0.0
     return off_deg > _SLIP_DEG or len(figure.sides_m) != seen.sides
 
 
@@ -506,7 +507,7 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     values["radians"] = number(math.radians(ideal), "rad", 4)
     if len(corners) == 0:
         return
-    mean = float(np.mean(corners))
+    mean = exact.mean(corners)
     uniform = float(np.ptp(corners)) <= 2.0 * SAME_DEG
     off = np.array([seen.loses("corner_deg", corner) for corner in corners.tolist()])
     back = float(np.min(np.abs(corners))) > 180.0 - SAME_DEG  # to which side, is chance
@@ -576,7 +577,7 @@ def _other_figure(seen: _Seen, figure: PolygonFigure) -> Mistake:
         "other_figure",
         _SHAPE,
         count=len(figure.sides_m),
-        corners=_degree(float(np.mean(seen.driven.corners_deg))),
+        corners=_degree(exact.mean(seen.driven.corners_deg)),
         figure=say(seen.wanted.figure),
         sides=seen.sides,
         ideal=_degree(seen.ideal_deg),
@@ -618,7 +619,7 @@ def _joined_sides(seen: _Seen, figure: PolygonFigure) -> Mistake | None:
 def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     sides = np.asarray(figure.sides_m)
     if figure.perimeter_m <= 0.0 or not seen.loses(
-        "side_spread_pct", 100.0 * float(np.ptp(sides)) / float(np.mean(sides))
+        "side_spread_pct", 100.0 * float(np.ptp(sides)) / exact.mean(sides)
     ):
         return
     apart = sides - median(figure.sides_m)
@@ -628,7 +629,7 @@ def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         yield no_final_stop(seen.run, number(over_m, "m"), _COASTED)
         return
     others = np.delete(sides, odd)
-    if seen.loses("side_spread_pct", 100.0 * float(np.ptp(others)) / float(np.mean(others))):
+    if seen.loses("side_spread_pct", 100.0 * float(np.ptp(others)) / exact.mean(others)):
         longest, shortest = number(float(np.max(sides)), "m"), number(float(np.min(sides)), "m")
         what = say("polygon.sides_differ", longest=longest, shortest=shortest)
     else:

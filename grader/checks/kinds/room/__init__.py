@@ -18,6 +18,7 @@ from grader.contracts.robot import SCANNER_X_M
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
 from grader.contracts.trajectory import Floats, Trajectory
+from grader.geometry import exact
 from grader.geometry.room import ahead_m, from_point_m
 from grader.messages.quantity import number
 
@@ -86,8 +87,8 @@ def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mista
 def _ahead(room: Room, trajectory: Trajectory) -> Measure:
     """Return how far the scanner sees straight ahead in the end."""
     x, y, heading = (float(c[-1]) for c in (trajectory.x_m, trajectory.y_m, trajectory.heading_rad))
-    x += SCANNER_X_M * math.cos(heading)
-    y += SCANNER_X_M * math.sin(heading)
+    x += SCANNER_X_M * exact.cos(heading)
+    y += SCANNER_X_M * exact.sin(heading)
     seen = ahead_m(room.solids, x, y, heading)
     return Measure(seen) if math.isfinite(seen) else UNMEASURED
 
@@ -95,7 +96,7 @@ def _ahead(room: Room, trajectory: Trajectory) -> Measure:
 def _moving_s(trajectory: Trajectory) -> float:
     """Return for how long the robot drove; turning on the spot is not driving."""
     steps_s = np.diff(trajectory.t_ns) * 1e-9
-    return float(np.sum(steps_s[np.abs(trajectory.v_mps[1:]) > MOVING_MPS]))
+    return exact.total(steps_s[np.abs(trajectory.v_mps[1:]) > MOVING_MPS])
 
 
 def _covered(room: Room, drive: Drive) -> float:
@@ -133,7 +134,7 @@ def _line(assignment: Assignment, room: Room, drive: Drive) -> dict[str, Measure
     x, y, _ = points_of(drive)
     line = [_points_along(stripe.points_m) for stripe in room.stripes]
     line_x, line_y = (np.concatenate([each[i] for each in line]) for i in (0, 1))
-    apart = np.hypot(x[:, None] - line_x, y[:, None] - line_y)
+    apart = exact.hypot(x[:, None] - line_x, y[:, None] - line_y)
     details = {"within": number(float(within), "m")}
     on_line = np.min(apart, axis=1) <= float(within) + POINT_M / 2.0
     return {
@@ -145,9 +146,9 @@ def _line(assignment: Assignment, room: Room, drive: Drive) -> dict[str, Measure
 def _points_along(corners: tuple[tuple[float, float], ...]) -> tuple[Floats, Floats]:
     """Return points of a line on the floor, a centimetre apart or less."""
     at = np.array(corners)
-    length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(at, axis=0).T))))
+    length = np.concatenate(([0.0], np.cumsum(exact.hypot(*np.diff(at, axis=0).T))))
     steps = np.linspace(0.0, length[-1], max(round(length[-1] / POINT_M), 1) + 1)
-    return np.interp(steps, length, at[:, 0]), np.interp(steps, length, at[:, 1])
+    return exact.interpolated(steps, length, at[:, 0]), exact.interpolated(steps, length, at[:, 1])
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from grader.checks.drive import Drive
 from grader.contracts.assignment import Assignment, Room
 from grader.contracts.trajectory import Floats
+from grader.geometry import exact
 from grader.geometry.room import from_point_m
 
 POINT_M: Final = 0.01
@@ -18,7 +19,7 @@ POINT_M: Final = 0.01
 SIDES: Final = {"left": 1.0, "right": -1.0}
 _ASIDE_M = 0.005  # how far beside the way the distance is measured as well, to know where the nearest wall is
 # The wall may lie up to 135° from the wanted side: 90° is straight ahead, more is a corner in front of the robot.
-_WIDEST_COS = math.cos(math.radians(135.0))
+_WIDEST_COS = exact.cos(math.radians(135.0))
 
 
 class WayPoints(NamedTuple):
@@ -35,7 +36,7 @@ def points_of(drive: Drive) -> WayPoints:
     rising = np.concatenate(([True], np.diff(path.along_m) > 0.0))
     at = np.arange(0.0, max(float(path.along_m[-1]), POINT_M / 2.0), POINT_M)
     columns = (path.x_m, path.y_m, path.heading_rad)
-    return WayPoints(*(np.interp(at, path.along_m[rising], column[rising]) for column in columns))
+    return WayPoints(*(exact.interpolated(at, path.along_m[rising], column[rising]) for column in columns))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,7 +92,8 @@ def _nearest_m(room: Room, x_m: Floats, y_m: Floats) -> Floats:
 
 def _on_side(room: Room, way: WayPoints, side: float) -> NDArray[np.bool_]:
     """Whether the nearest wall is not clearly on the wrong side, at each point; `side`: 1 is left, -1 right."""
-    dx, dy = -_ASIDE_M * np.sin(way.heading_rad), _ASIDE_M * np.cos(way.heading_rad)  # to the left
+    cos, sin = exact.cos_sin(way.heading_rad)
+    dx, dy = -_ASIDE_M * sin, _ASIDE_M * cos  # to the left
     nearer = _nearest_m(room, way.x_m - dx, way.y_m - dy) - _nearest_m(room, way.x_m + dx, way.y_m + dy)
     return np.asarray(side * nearer / (2.0 * _ASIDE_M) > _WIDEST_COS)
 
@@ -100,5 +102,6 @@ def _direction(way: WayPoints) -> Floats:
     """Return 1 where the robot drove forwards, -1 where it drove backwards."""
     if len(way.x_m) < 2:
         return np.ones(len(way.x_m))
-    ahead = np.cos(way.heading_rad) * np.gradient(way.x_m) + np.sin(way.heading_rad) * np.gradient(way.y_m)
+    cos, sin = exact.cos_sin(way.heading_rad)
+    ahead = cos * np.gradient(way.x_m) + sin * np.gradient(way.y_m)
     return np.where(ahead < 0.0, -1.0, 1.0)

@@ -1,0 +1,84 @@
+"""``python -m tests.digest.matrix``: the same reports with every arithmetic that this machine can be told to use.
+
+BLAS kernels, numpy's and the C library's variants for processors of other years, and with ``--python`` other
+interpreters with their numpy and their build of the simulator. Each setting also holds in the sandbox. Prints one
+hash for each, and which scripts differ from the first.
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from tests.digest import Line, compared, digest, read
+
+_ROOT = Path(__file__).resolve().parents[2]
+_OLDER = ("AVX2", "FMA3")
+_KERNELS = ("Prescott", "Haswell", "SkylakeX", "Zen")
+
+
+def settings() -> Iterator[tuple[str, Mapping[str, str]]]:
+    """Yield the name and the environment of each setting; numpy refuses names that the processor lacks."""
+    yield "as it is", {}
+    for kernel in _KERNELS:
+        yield f"OpenBLAS {kernel}", {"OPENBLAS_CORETYPE": kernel}
+    present = [name for name in np.core._multiarray_umath.__cpu_dispatch__ if _has(name)]
+    wide = [name for name in present if name.startswith("AVX512")]
+    for name, without in (("AVX-512", wide), ("AVX-512, AVX2, FMA", [*wide, *(set(_OLDER) & set(present))])):
+        if without:
+            yield f"numpy without {name}", {"NPY_DISABLE_CPU_FEATURES": " ".join(without)}
+    yield "C library without AVX2, FMA", {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F"}
+
+
+def main() -> int:
+    """Return 1 when a setting gives other reports than the first."""
+    options = _parser().parse_args()
+    runs = [(name, sys.executable, env) for name, env in settings()]
+    runs += [(python, python, {}) for python in options.python]
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(options.at_once) as threads:
+        tables = list(threads.map(partial(_table, Path(folder), options), *zip(*runs, strict=True)))
+    first = {line.id: line for line in tables[0]}
+    for (name, _, _), table in zip(runs, tables, strict=True):
+        same = table == tables[0]
+        print(f"{digest(table)}  {len(table)} reports  {name}")
+        if not same:
+            print("\n".join(line.id for line in table if first[line.id] != line))
+            print("\n".join(compared(first, table)))
+    return int(any(table != tables[0] for table in tables))
+
+
+def _table(
+    folder: Path, options: argparse.Namespace, name: str, python: str, environment: Mapping[str, str]
+) -> list[Line]:
+    file = folder / f"{abs(hash(name))}.tsv"
+    inside = [word for setting in environment.items() for word in ("--set", "=".join(setting))]
+    parts = [word for part in options.only or [] for word in ("--only", part)]
+    command = [python, "-m", "tests.digest", "--here", "--every", str(options.every), "--save", str(file)]
+    subprocess.run([*command, *inside, *parts], check=True, cwd=_ROOT, env={**os.environ, **environment})
+    return list(read(file).values())
+
+
+def _has(feature: str) -> bool:
+    return bool(np.core._multiarray_umath.__cpu_features__.get(feature))
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m tests.digest.matrix")
+    parser.add_argument("--every", type=int, default=1, metavar="N", help="each Nth report")
+    parser.add_argument("--only", action="append", metavar="PART", help="ids with this part (again: or that)")
+    parser.add_argument(
+        "--python", action="append", default=[], metavar="FILE", help="also with this interpreter"
+    )
+    parser.add_argument("--at-once", type=int, default=2, metavar="N", help="settings at once")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())
