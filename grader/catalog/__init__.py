@@ -37,7 +37,7 @@ def default_root() -> Path:
     )
 
 
-SETS = ("robot", "pybullet")
+SETS = ("robot", "pybullet", "nodes")
 
 
 def set_root(name: str) -> Path | None:

@@ -11,6 +11,7 @@ from grader.catalog.misfits import (
     NO_COUNT,
     ONE_EXPECTATION,
     ONE_STEP,
+    PARAMETER_SOURCE,
     STEP_NEEDS_TYPE,
     MisfitError,
     bad_formula,
@@ -33,7 +34,7 @@ Plain = Annotated[str, Field(min_length=1, max_length=400)]
 
 _SENDING: Final = ("n",)
 _ANSWERING: Final = ("n", "in_")
-_JUDGING: Final = ("n", "t", "in_", "out", "before")
+_JUDGING: Final = ("n", "t", "in_", "out", "sent", "before")
 
 
 def _count(value: object) -> object:
@@ -248,11 +249,12 @@ class ExpectedSet(_Expected):
 
 
 class ExpectedParameter(_Expected):
-    """A parameter, as a step got it."""
+    """A parameter, as a step got it; or as the node declared it and set it last, if it only is to have a value."""
 
     kind = "parameter"
     parameter: Plain
-    of: Id
+    of: Id | None = None
+    node: Name | None = None
     type: (
         Literal["bool", "integer", "double", "string", "integer_array", "double_array", "string_array"] | None
     ) = None
@@ -261,6 +263,13 @@ class ExpectedParameter(_Expected):
     low: float | None = None
     high: float | None = None
     read_only: bool | None = None
+
+    @model_validator(mode="after")
+    def _has_one_source(self) -> Self:
+        asks = self.low is not None or self.high is not None or self.read_only is not None
+        if (self.of is None) == (self.node is None) or (asks and self.of is None):
+            raise MisfitError(PARAMETER_SOURCE, "of")
+        return self
 
 
 class ExpectedFrame(_Often):
@@ -413,7 +422,7 @@ def steps_named(expectation: Expectation) -> Iterator[tuple[str, StepKind | None
     kinds: Mapping[str, StepKind] = {"answer": "call", "goal": "goal", "set": "set", "served": "serve"}
     if expectation.kind in kinds:
         yield expectation.kind, kinds[expectation.kind], expectation.target
-    if expectation.kind == "parameter":
+    if expectation.kind == "parameter" and expectation.step:
         yield "of", "get", expectation.step
     elif expectation.step:
         yield "after", None, expectation.step

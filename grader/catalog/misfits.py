@@ -120,6 +120,10 @@ ONE_EXPECTATION = Text(
     en="say what is expected: one of topic, answer, goal, set, parameter, frame, log, node, listener, service, "
     "client, action, served, turtle",
 )
+PARAMETER_SOURCE = Text(
+    zh="写 of（一步 get 的 id），或者写 node（节点名，只看 type 和 value）",
+    en="give of (the id of a get step), or node (its name; then only type and value can be looked at)",
+)
 NO_COUNT = Text(
     zh="写成一个整数 3（正好）、[2, 4]（2 到 4）或 [2, null]（至少 2）",
     en="write a whole number such as 3 (exactly), [2, 4], or [2, null] (two at least)",

@@ -4,6 +4,7 @@ An assignment has *steps* (publish, call, send a goal, set and get parameters, s
 *expectations*. Carrying the steps out gives a `Conversation`, by which the expectations are judged.
 """
 
+from collections.abc import Mapping
 from typing import Any, Final, Literal
 
 from grader.contracts.record import Record, field
@@ -222,3 +223,47 @@ class Conversation(Record):
     parties: tuple[Party, ...] = ()
     served: tuple[Served, ...] = ()
     turtles: dict[str, tuple[TurtleSample, ...]] = field(default_factory=dict)
+
+
+def parameter_value(value: Any) -> Values:
+    """Return rcl_interfaces/msg/ParameterValue of a value."""
+    for number, (name, fits) in enumerate(_PARAMETER_FIELDS, 1):
+        if fits(value):
+            return {"type": number, name: value}
+    raise ValueError(f"{value!r} is no value of a parameter")
+
+
+def _all_of(kind: type) -> Any:
+    return lambda value: isinstance(value, list) and all(type(each) is kind for each in value)
+
+
+_PARAMETER_FIELDS: Final = (
+    ("bool_value", lambda value: isinstance(value, bool)),
+    ("integer_value", lambda value: type(value) is int),
+    ("double_value", lambda value: isinstance(value, float)),
+    ("string_value", lambda value: isinstance(value, str)),
+    ("byte_array_value", lambda value: isinstance(value, bytes)),
+    ("bool_array_value", _all_of(bool)),
+    ("integer_array_value", _all_of(int)),
+    ("double_array_value", _all_of(float)),
+    ("string_array_value", _all_of(str)),
+)
+_PARAMETER_TYPES: Final = (
+    "bool",
+    "integer",
+    "double",
+    "string",
+    "byte_array",
+    "bool_array",
+    "integer_array",
+    "double_array",
+    "string_array",
+)
+
+
+def plain_parameter(told: Mapping[str, Any]) -> tuple[str, Any] | None:
+    """Return type and value of rcl_interfaces/msg/ParameterValue; None where it is not set."""
+    number = told["type"]
+    if not 1 <= number <= len(_PARAMETER_TYPES):
+        return None
+    return _PARAMETER_TYPES[number - 1], told[_PARAMETER_FIELDS[number - 1][0]]

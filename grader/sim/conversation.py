@@ -24,6 +24,8 @@ from grader.contracts.conversation import (
     Step,
     TurtleSample,
     Values,
+    parameter_value,
+    plain_parameter,
 )
 from grader.contracts.errors import AssignmentError, ProtocolError
 from grader.contracts.formula import FormulaError, formula
@@ -53,6 +55,7 @@ MOST_SERVED: Final = 1_000
 SAMPLE_NS: Final = 100_000_000
 """Time between two looks at the turtles."""
 
+EVENTS: Final = ("/parameter_events", "rcl_interfaces/msg/ParameterEvent")
 _FRAMES: Final = {"/tf": "tf2_msgs/msg/TFMessage", "/tf_static": "tf2_msgs/msg/TFMessage"}
 _STATES: Final = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED", "ABORTED")
 _PARTIES: Final[Mapping[int, PartyKind]] = {
@@ -174,6 +177,8 @@ class Talk:
             elif one.kind == "frame":
                 for topic, kind in _FRAMES.items():
                     self._heard.setdefault((topic, kind), _Heard(kind))
+            elif one.kind == "parameter" and not one.step:
+                self._heard.setdefault(EVENTS, _Heard(EVENTS[1]))
             if one.kind in ("turtle", "frame"):
                 self._turtles.setdefault("", [])
         for course in self._courses:
@@ -200,13 +205,15 @@ class Talk:
                     goal = {"goal_id": {"uuid": _uuid(step.id, n)}, "goal": values}
                     return encode(f"{step.type}_SendGoal_Request", goal, self._types)
                 case "set":
-                    parameters = [{"name": name, "value": parameter(value)} for name, value in values.items()]
+                    parameters = [
+                        {"name": name, "value": parameter_value(value)} for name, value in values.items()
+                    ]
                     return encode(
                         "rcl_interfaces/srv/SetParameters_Request", {"parameters": parameters}, self._types
                     )
                 case _:
                     return b""
-        except ProtocolError as error:
+        except (ProtocolError, ValueError) as error:
             raise AssignmentError(f"step {step.id}: {error}") from None
 
     # What START says.
@@ -541,47 +548,3 @@ def _draw(source: Random) -> Any:
 
 def _uuid(step: str, n: int) -> bytes:
     return hashlib.sha256(f"{step}/{n}".encode()).digest()[:16]
-
-
-def parameter(value: Any) -> Values:
-    """Return rcl_interfaces/msg/ParameterValue of a value."""
-    for number, (name, fits) in enumerate(_PARAMETER_FIELDS, 1):
-        if fits(value):
-            return {"type": number, name: value}
-    raise ProtocolError(f"{value!r} is no value of a parameter")
-
-
-def _all_of(kind: type) -> Any:
-    return lambda value: isinstance(value, list) and all(type(each) is kind for each in value)
-
-
-_PARAMETER_FIELDS: Final = (
-    ("bool_value", lambda value: isinstance(value, bool)),
-    ("integer_value", lambda value: type(value) is int),
-    ("double_value", lambda value: isinstance(value, float)),
-    ("string_value", lambda value: isinstance(value, str)),
-    ("byte_array_value", lambda value: isinstance(value, bytes)),
-    ("bool_array_value", _all_of(bool)),
-    ("integer_array_value", _all_of(int)),
-    ("double_array_value", _all_of(float)),
-    ("string_array_value", _all_of(str)),
-)
-_PARAMETER_TYPES: Final = (
-    "bool",
-    "integer",
-    "double",
-    "string",
-    "byte_array",
-    "bool_array",
-    "integer_array",
-    "double_array",
-    "string_array",
-)
-
-
-def plain_parameter(told: Values) -> tuple[str, Any] | None:
-    """Return type and value of rcl_interfaces/msg/ParameterValue; None where it is not set."""
-    number = told["type"]
-    if not 1 <= number <= len(_PARAMETER_TYPES):
-        return None
-    return _PARAMETER_TYPES[number - 1], told[_PARAMETER_FIELDS[number - 1][0]]

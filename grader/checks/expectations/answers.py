@@ -1,5 +1,6 @@
 """Expectations of services, actions and parameters: what the script answered to what a step asked."""
 
+import itertools
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any, Final
@@ -24,7 +25,7 @@ from grader.checks.expectations.verdict import (
     wanted_of,
 )
 from grader.checks.measure import Mistake, mistake
-from grader.contracts.conversation import Expectation, Sent, Step
+from grader.contracts.conversation import Expectation, Sent, Step, plain_parameter
 from grader.contracts.outcome import RunStatus
 from grader.contracts.text import EMPTY, Text
 from grader.messages import join, say
@@ -40,7 +41,7 @@ def answer(one: Expectation, evidence: Evidence) -> Verdict:
     step, exchanges = evidence.step(one.target), evidence.exchanges(one.target)
     good, row, pairs = 0, None, []
     for exchange in exchanges:
-        names = evidence.names(exchange.answered_ns, n=exchange.n, in_=exchange.values, out=exchange.answer)
+        names = evidence.said(exchange, exchange.answered_ns, out=exchange.answer)
         wanted = None if one.values is None else wanted_of(one.values, names)
         fits = _answered(one, exchange) and (
             one.values is None or equals(wanted, exchange.answer, one.within)
@@ -118,8 +119,18 @@ def _unanswered(step: Step, exchanges: Sequence[Sent], evidence: Evidence) -> Mi
         return mistake("not_spinning", ended=number(outcome.duration_ns / 1e9, "s"))
     if len(missing) < len(exchanges):
         done = len(exchanges) - len(missing)
-        return mistake("answers_missing", name=step.target, count=len(exchanges), done=done)
+        return mistake(
+            "answers_missing", name=step.target, count=len(exchanges), done=done, took=_pace(exchanges)
+        )
     return mistake("service_silent", service=step.target)
+
+
+def _pace(exchanges: Sequence[Sent]) -> str:
+    """Return how long one answer takes: the time from one to the next, or of the only one."""
+    times = sorted(each.answered_ns for each in exchanges if each.answered_ns is not None)
+    gaps = [b - a for a, b in itertools.pairwise(times)]
+    first = [each.answered_ns - (each.sent_ns or 0) for each in exchanges if each.answered_ns is not None]
+    return number(min(gaps or first) / NS_PER_S, "s", 2)
 
 
 def not_offered(name: str, kind: str, evidence: Evidence) -> Mistake:
@@ -198,7 +209,7 @@ def _state(one: Expectation, evidence: Evidence, goal: Sent) -> tuple[float, Tex
 
 
 def _result(one: Expectation, evidence: Evidence, goal: Sent) -> list[tuple[float, Text, Text, Reason]]:
-    names = evidence.names(goal.answered_ns, n=goal.n, in_=goal.values, out=goal.answer)
+    names = evidence.said(goal, goal.answered_ns, out=goal.answer)
     parts: list[tuple[float, Text, Text, Reason]] = []
     name = evidence.step(one.target).target
     came = say("expected.no_result") if goal.answer is None else plain(shown(goal.answer))
@@ -248,7 +259,7 @@ def _feedback_values(one: Expectation, evidence: Evidence, goal: Sent) -> tuple[
     before: Mapping[str, Any] | None = None
     good, bad = 0, None
     for n, each in enumerate(goal.feedback):
-        names = evidence.names(each.t_ns, n=n, in_=goal.values, out=each.values, before=before)
+        names = {**evidence.said(goal, each.t_ns), "n": n, "out": each.values, "before": before}
         wanted = None if one.feedback is None else wanted_of(one.feedback, names)
         fits = one.feedback is None or equals(wanted, each.values, one.within)
         fits = fits and (
@@ -324,7 +335,9 @@ def settings(one: Expectation, evidence: Evidence) -> Verdict:
 
 
 def parameter(one: Expectation, evidence: Evidence) -> Verdict:
-    """Judge a parameter, as a step got it."""
+    """Judge a parameter, as a step got it, or as its node declared and set it."""
+    if one.node is not None:
+        return _parameter_told(one, evidence)
     exchange = next(iter(evidence.exchanges(one.step)), None)
     node = evidence.step(one.step).target
     if exchange is None or exchange.sent_ns is None:
@@ -335,10 +348,37 @@ def parameter(one: Expectation, evidence: Evidence) -> Verdict:
             why=partial(_no_node, node, evidence),
         )
     came = (exchange.answer or {}).get(one.target) or {}
+    if exchange.answer is None:
+        why = because("service_silent", service=f"{node}/get_parameters")
+        return Verdict(share=0.0, wanted=plain(one.target), came=say("expected.no_answer"), why=why)
     if "type" not in came:
         others = sorted(each for each, told in (exchange.answer or {}).items() if told)
         why = because("declared_missing", name=one.target, node=node, others=named(others))
         return Verdict(share=0.0, wanted=plain(one.target), came=say("expected.not_declared"), why=why)
+    return _parameter_fits(one, came)
+
+
+def _parameter_told(one: Expectation, evidence: Evidence) -> Verdict:
+    """Judge a parameter by what its node told on /parameter_events, which needs nobody who spins."""
+    declared: dict[str, Mapping[str, Any]] = {}
+    for message in evidence.talk.heard.get("/parameter_events", ()):
+        event = message.values or {}
+        if event.get("node") == one.node:
+            for each in (*event["new_parameters"], *event["changed_parameters"]):
+                declared[each["name"]] = each["value"]
+    told = plain_parameter(declared[one.target]) if one.target in declared else None
+    if told is None:
+        node = one.node or ""
+        if node not in evidence.run.outcome.nodes:
+            why: Reason = because("node_name", node=node, used=named(evidence.run.outcome.nodes))
+        else:
+            others = named(each for each in declared if each != "use_sim_time")
+            why = because("declared_missing", name=one.target, node=node, others=others)
+        return Verdict(share=0.0, wanted=plain(one.target), came=say("expected.not_declared"), why=why)
+    return _parameter_fits(one, {"type": told[0], "value": told[1]})
+
+
+def _parameter_fits(one: Expectation, came: Mapping[str, Any]) -> Verdict:
     parts = list(_parameter_parts(one, came))
     met = sum(fits for fits, *_ in parts)
     bad = next(((wanted, told, code) for fits, wanted, told, code in parts if not fits), None)

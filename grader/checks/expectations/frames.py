@@ -134,6 +134,7 @@ def _where(
 ) -> tuple[float, Text, Reason]:
     """Return at which share of the times the frame is where it should be, and where it first is not."""
     good, first = 0, EMPTY
+    worst = -1.0
     why: Reason = unknown
     for n, (t_ns, translation, rotation) in enumerate(poses):
         names = evidence.names(t_ns, n=n)
@@ -142,11 +143,13 @@ def _where(
         far = place is not None and not _near(place, translation, one.within)
         askew = turn is not None and not _angle_deg(turn, rotation) <= one.within_deg
         good += not (far or askew)
+        error = _angle_deg(turn, rotation) if turn is not None and askew and not far else -1.0
+        if error > worst:
+            worst, why = error, partial(_askew, one, turn, rotation)
         if (far or askew) and first == EMPTY:
             told = f"({', '.join(f'{each:.2f}' for each in translation)}), yaw {_yaw_deg(rotation):.1f}°"
             time = f"{t_ns / NS_PER_S:.1f}"
             first = say("expected.frame", time=time, place=told)
-            why = partial(_askew, one, turn, rotation) if askew and not far else unknown
     return good / len(poses), first, why
 
 
@@ -188,7 +191,7 @@ def _askew(one: Expectation, turn: Quaternion | None, rotation: Quaternion) -> M
     z, yaw = rotation[2], math.radians(_yaw_deg(turn))
     if not 0.9 < exact.length(rotation) < 1.1:
         return mistake("frame_no_quaternion", frame=one.target, length=f"{exact.length(rotation):.2f}")
-    if abs(z - yaw) < 1e-3 and abs(yaw) > 0.05:
+    if abs(z - yaw) < 0.05 and abs(yaw) > 0.2:
         return mistake("frame_no_quaternion", frame=one.target, length=f"{exact.length(rotation):.2f}")
     degrees = math.degrees(yaw) / 2.0
     cos, sin = exact.cos_sin(degrees)

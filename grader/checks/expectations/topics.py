@@ -3,6 +3,7 @@
 import itertools
 import statistics
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from grader.checks.expectations.slips import of_values, seen_only
@@ -77,16 +78,21 @@ def log(one: Expectation, evidence: Evidence) -> Verdict:
         return Verdict(share=share, wanted=wanted, came=came, why=why)
     heard = say("expected.logged", texts=named(clip(each.message) for each in records[:2]))
     came = heard if records else say("expected.no_logs")
-    return Verdict(share=0.0, wanted=wanted, came=came, why=lambda: _unlogged(one, evidence))
+    return Verdict(
+        share=0.0,
+        wanted=wanted,
+        came=came,
+        why=lambda: _unlogged(one, evidence, wanted_of(one.target, {"n": 0})),
+    )
 
 
-def _unlogged(one: Expectation, evidence: Evidence) -> Mistake | None:
+def _unlogged(one: Expectation, evidence: Evidence, text: object) -> Mistake | None:
     """Return why no log message fits: it was printed, or has another level."""
     outcome = evidence.run.outcome
-    fits = [each for each in outcome.logs if equals(wanted_of(one.target, {"n": 0}), each.message, 0.0)]
+    fits = [each for each in outcome.logs if equals(text, each.message, 0.0)]
     if one.level is not None and fits:
         return mistake("log_level", level=fits[0].level_name, wanted=one.level.upper())
-    printed = [line for line in outcome.stdout.text.splitlines()[:200] if equals(one.target, line, 0.0)]
+    printed = [line for line in outcome.stdout.text.splitlines()[:200] if equals(text, line, 0.0)]
     if printed or (not outcome.logs and outcome.stdout.text.strip()):
         return mistake("log_printed")
     return None
@@ -215,13 +221,13 @@ def _answers(one: Expectation, evidence: Evidence, messages: list[Message]) -> V
     exchanges, left = evidence.exchanges(one.step), list(messages)
     good, row, pairs = 0, None, []
     for exchange in exchanges:
-        reached = _in_time(one, exchange, left)
+        reached = _in_time(one, exchange, exchanges, left)
         fitting = next((each for each in reached if _fits(one, evidence, exchange, each)), None)
         chosen = fitting or (reached[0] if reached else None)
         if chosen is not None:
             left.remove(chosen)
         good += fitting is not None
-        names = evidence.names(None, n=exchange.n, in_=exchange.values)
+        names = evidence.said(exchange, None)
         wanted = None if one.values is None else wanted_of(one.values, names)
         pairs.append((exchange.values, wanted, None if chosen is None else chosen.values))
         if fitting is None and row is None:
@@ -243,15 +249,23 @@ def _answers(one: Expectation, evidence: Evidence, messages: list[Message]) -> V
     return Verdict(share=share, sent=shown(exchange.values), wanted=told, came=came, why=why)
 
 
-def _in_time(one: Expectation, exchange: Sent, left: Sequence[Message]) -> list[Message]:
+def _in_time(
+    one: Expectation, exchange: Sent, exchanges: Sequence[Sent], left: Sequence[Message]
+) -> list[Message]:
+    """Return the messages that may answer: within the time for it, or else before the next one was sent."""
     if exchange.sent_ns is None:
         return []
-    until_ns = exchange.sent_ns + (1.0 if one.within_s is None else one.within_s) * NS_PER_S
-    return [each for each in left if exchange.sent_ns <= each.t_ns <= until_ns]
+    sent_ns = exchange.sent_ns
+    if one.within_s is not None:
+        until_ns = sent_ns + one.within_s * NS_PER_S
+    else:
+        later = [each.sent_ns for each in exchanges if each.sent_ns is not None and each.sent_ns > sent_ns]
+        until_ns = min([sent_ns + NS_PER_S, *(next_ns - 1 for next_ns in later)])
+    return [each for each in left if sent_ns <= each.t_ns <= until_ns]
 
 
 def _fits(one: Expectation, evidence: Evidence, exchange: Sent, message: Message) -> bool:
-    names = evidence.names(message.t_ns, n=exchange.n, in_=exchange.values, out=message.values)
+    names = evidence.said(exchange, message.t_ns, out=message.values)
     if message.values is None or not holds(one.that, names):
         return False
     return one.values is None or equals(wanted_of(one.values, names), message.values, one.within)
@@ -262,8 +276,8 @@ def _logged_for(one: Expectation, evidence: Evidence, messages: list[Message]) -
     exchanges, left = evidence.exchanges(one.step), list(messages)
     good, row = 0, None
     for exchange in exchanges:
-        text = wanted_of(one.target, evidence.names(None, n=exchange.n, in_=exchange.values))
-        reached = _in_time(one, exchange, left)
+        text = wanted_of(one.target, evidence.said(exchange, None))
+        reached = _in_time(one, exchange, exchanges, left)
         fitting = next((each for each in reached if equals(text, (each.values or {})["text"], 0.0)), None)
         if fitting is not None:
             good += 1
@@ -274,10 +288,16 @@ def _logged_for(one: Expectation, evidence: Evidence, messages: list[Message]) -
                 sent=shown(exchange.values),
                 wanted=say("expected.log", text=clip(str(text))),
                 came=plain(shown((reached[0].values or {})["text"])) if reached else say("expected.no_logs"),
-                why=lambda: _unanswered(one, evidence, exchanges, messages) or _unlogged(one, evidence),
+                why=partial(_why_not_logged, one, evidence, exchanges, text),
             )
     share = good / max(len(exchanges), 1)
     return Verdict(share=share) if row is None else seen_only(row, share)
+
+
+def _why_not_logged(
+    one: Expectation, evidence: Evidence, exchanges: Sequence[Sent], text: object
+) -> Mistake | None:
+    return _unanswered(one, evidence, exchanges, ()) or _unlogged(one, evidence, text)
 
 
 def _unanswered(

@@ -119,6 +119,11 @@ class Evidence:
         poses = {name: _pose(sample) for name, sample in turtles.items() if sample is not None}
         return {"t": t_ns / NS_PER_S, **poses, **others}
 
+    def said(self, exchange: Sent, t_ns: int | None, **others: Any) -> dict[str, Any]:
+        """Return what a formula is given about something that was sent, and all that was sent up to then."""
+        sent = [each.values for each in self.exchanges(exchange.step)[: exchange.n + 1]]
+        return self.names(t_ns, n=exchange.n, in_=exchange.values, sent=sent, **others)
+
     def turtle(self, name: str, t_ns: int) -> TurtleSample | None:
         """Return where a turtle was, between two samples by their mean; None before it came."""
         samples, times = self.talk.turtles.get(name, ()), self._times.get(name, [])

@@ -789,7 +789,7 @@ class Node:
 
     def _rcl_publish_parameter_event(self, event: dict[str, list[Parameter]]) -> None:
         publisher = self._parameter_event_publisher
-        if publisher is None or not (publisher.handle.readers or not self.__node.context.valid):
+        if publisher is None or not (publisher.handle.is_heard or not self.__node.context.valid):
             return  # nobody listens, and publishing would not fail: building the message is the costly part
         from rclpy._interfaces.own import ParameterEvent
 

@@ -63,8 +63,8 @@ class EndpointHandle(Handle):
             )
 
     def _meant_for_world(self) -> bool:
-        """Whether this is a service that the assignment calls, or a client of a service of the world."""
-        key = {"service": "calls", "client": "services"}.get(self.what)
+        """Whether the assignment calls this service or listens to this topic, or the world offers the service."""
+        key = {"service": "calls", "client": "services", "publisher": "listens"}.get(self.what)
         return key is not None and [self.name, self.type_name] in link.world.get(key, ())
 
     @property
@@ -121,6 +121,11 @@ class PublisherHandle(EndpointHandle):
         wanted = link.wants(self.link_id)
         self._carried = wanted and (bool(self._world) or self.name == "/rosout")
         self._counted = bool(self.link_id) and not wanted
+
+    @property
+    def is_heard(self) -> bool:
+        """Whether a message would reach anybody at present."""
+        return bool(self.readers) or self._carried
 
     def match(self, reader: Reader) -> None:
         """Send to `reader` from now on; at once the messages kept for late listeners, if it wants those."""
