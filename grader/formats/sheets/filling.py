@@ -1,37 +1,98 @@
 """A teacher's own sheet with points filled in: the way into every platform that takes Excel files."""
 
+import io
+import json
 import re
+import sys
 import unicodedata
-from collections.abc import Mapping
+import zipfile
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from typing import Final
+
+import msgspec
 
 from grader.contracts.errors import CourseError
+from grader.contracts.python import SAFE_PATH
 from grader.contracts.record import Record
-from grader.formats.sheets.reading import HEADER_ROWS, ListedTable, read_table
+from grader.formats.sheets.reading import HEADER_ROWS, LARGE, ListedTable, read_table, refused
 from grader.formats.sheets.roster import id_column, label
 from grader.formats.sheets.writing import Cell, workbook
+from grader.jail import readers
 
 _NOT_IN_A_NAME = re.compile(r"[\[\]:*?/\\']")  # what Excel allows in no name of a sheet
 _NUMBER = re.compile(r"-?(0|[1-9][0-9]{0,8})([.][0-9]+)?")
+_ROUNDED = re.compile(r"[0-9](?:[.]([0-9]+))?e[+]?[0-9]+")
+"""What spreadsheets make of a long number in a narrow column."""
+
+_MAX_PATCHED_BYTES: Final = 16 * 1024 * 1024
+
+
+class SheetRow(Record):
+    """A row of a student. `sheet` is empty for CSV; `number` as the file's own program counts it, from 1."""
+
+    sheet: str
+    number: int
+    person: str
 
 
 class FilledSheet(Record):
     """A file of sheets with points in them.
 
     Attributes:
-        content: a workbook with the visible sheets that have ids; fonts, colours and widths are not kept.
-        filled: how many rows got points. unknown: ids of rows that nobody in the course has.
+        content: a workbook. Of one in .xlsx everything else is as it was, but for what `lost` names.
+        filled: how many rows got points.
+        unknown: rows with an id that nobody in the course has.
+        ambiguous: rows with an id that lost zeros or digits and may be several students'.
+        kept: rows whose cell holds a formula or is merged with another; it was left alone.
+        missing: ids of students with points whom no row names.
+        formulas: whether there are formulas, whose values a spreadsheet program computes when it opens the file.
+        lost: kinds of things that the new file lacks (`grader.formats.sheets.patching`); ``formats``: formulas,
+            fonts, colours, widths and sheets without ids.
     """
 
     content: bytes
     filled: int
-    unknown: tuple[str, ...]
+    unknown: tuple[SheetRow, ...] = ()
+    ambiguous: tuple[SheetRow, ...] = ()
+    kept: tuple[SheetRow, ...] = ()
+    missing: tuple[str, ...] = ()
+    formulas: bool = False
+    lost: tuple[str, ...] = ()
+
+
+class _Patched(Record):
+    kept: list[tuple[str, int]]
+    formulas: bool
+    lost: list[str]
+
+
+class _Target(Record):
+    """A sheet to fill: indices of the column of ids, of the column to fill, and of the first student's row."""
+
+    table: ListedTable
+    ids: int
+    column: int
+    first: int
+
+
+class _Place(Record):
+    """Where a student's points go. `exact`: the row has the very id."""
+
+    row: SheetRow
+    column: int
+    student: str
+    exact: bool
 
 
 def fill(content: bytes, column: str, points: Mapping[str, float | None]) -> FilledSheet:
     """Return the sheets of a file with points in the column called `column`.
 
-    The header of ids stands in one of the first rows, that of `column` in the same row or in a sub-header below.
-    A row of somebody without points, and every other cell, stays as it is; so does a later sheet without `column`.
+    The header of ids stands in one of the first rows, that of `column` in the same row or in a sub-header below. A
+    row of somebody without points stays as it is; so does a later sheet without `column`. An id that lost leading
+    zeros, or became a rounded number, counts as the one student's whom it fits.
 
     Args:
         content: a workbook or CSV, as `grader.formats.sheets.reading` reads them.
@@ -42,50 +103,153 @@ def fill(content: bytes, column: str, points: Mapping[str, float | None]) -> Fil
         CourseError: there is no table, or one of the two columns is missing in the first.
     """
     table = read_table(content, lambda cells: id_column(cells) is not None)
-    known = {_folded(person): value for person, value in points.items()}
-    sheets = [_filled(table, _columns(table, column), known)]
+    targets = [_target(table, column)]
     for other in table.others:
-        try:
-            sheets.append(_filled(other, _columns(other, column), known))
-        except CourseError:
-            ids, header = _ids(other)
-            sheets.append((_filled(other, (ids, ids, header + 1), {})[0], 0, []))
-    names = _sheet_names([one.name for one in (table, *table.others)])
-    return FilledSheet(
-        content=workbook(list(zip(names, (cells for cells, _, _ in sheets), strict=True)), header=False),
-        filled=sum(filled for _, filled, _ in sheets),
-        unknown=tuple(one for _, _, unknown in sheets for one in unknown),
+        with suppress(CourseError):
+            targets.append(_target(other, column))
+    students = _Students(points)
+    places: list[_Place] = []
+    unknown: list[SheetRow] = []
+    ambiguous: list[SheetRow] = []
+    for target in targets:
+        _match(target, students, places, unknown, ambiguous)
+    named = {place.student for place in places}
+    places = [place for place in places if points[place.student] is not None]
+    filled = FilledSheet(
+        content=b"",
+        filled=len(places),
+        unknown=tuple(unknown),
+        ambiguous=tuple(ambiguous),
+        missing=tuple(one for one, value in points.items() if value is not None and one not in named),
+    )
+    if _is_xlsx(content):
+        return _patched(content, places, points, filled)
+    return _made_anew(table, places, points, filled)
+
+
+class _Students:
+    """Finds whom an id in a sheet means."""
+
+    def __init__(self, points: Mapping[str, float | None]) -> None:
+        self._exact = {_folded(person): person for person in points}
+
+    def meant_by(self, written: str) -> tuple[list[str], bool]:
+        """Return everybody whom an id may mean, and whether it is somebody's very id."""
+        folded = _folded(written)
+        if folded in self._exact:
+            return [self._exact[folded]], True
+        numbers = [id_ for id_ in self._exact if id_.isdecimal()]
+        if folded.isdecimal():
+            fitting = [id_ for id_ in numbers if int(id_) == int(folded)]
+        elif rounded := _ROUNDED.fullmatch(folded):
+            digits, value = len(rounded[1] or ""), float(folded)
+            fitting = [id_ for id_ in numbers if float(f"{int(id_):.{digits}e}") == value]
+        else:
+            fitting = []
+        return [self._exact[id_] for id_ in fitting], False
+
+
+def _match(
+    target: _Target,
+    students: _Students,
+    places: list[_Place],
+    unknown: list[SheetRow],
+    ambiguous: list[SheetRow],
+) -> None:
+    """Add each row of a sheet to the list that it belongs to."""
+    found: list[_Place] = []
+    for line in target.table.rows[target.first :]:
+        if not (written := "".join(line.cells[target.ids : target.ids + 1])):
+            continue
+        row = SheetRow(sheet=target.table.name, number=line.number, person=written[:64])
+        meant, exact = students.meant_by(written)
+        if len(meant) == 1:
+            found.append(_Place(row=row, column=target.column, student=meant[0], exact=exact))
+        else:
+            (ambiguous if meant else unknown).append(row)
+    exactly = {place.student for place in found if place.exact}
+    times = Counter(place.student for place in found if not place.exact)
+    for place in found:
+        if place.exact or (times[place.student] == 1 and place.student not in exactly):
+            places.append(place)
+        else:  # two rows may be this student's
+            ambiguous.append(place.row)
+
+
+def _is_xlsx(content: bytes) -> bool:
+    if not zipfile.is_zipfile(io.BytesIO(content)):
+        return False
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        return "xl/workbook.xml" in archive.namelist()
+
+
+def _patched(
+    content: bytes, places: Sequence[_Place], points: Mapping[str, float | None], filled: FilledSheet
+) -> FilledSheet:
+    """Have points written into the file itself, by a process of its own."""
+    cells: dict[str, list[tuple[int, int, float | None]]] = {}
+    for place in places:
+        cells.setdefault(place.row.sheet, []).append(
+            (place.row.number, place.column + 1, points[place.student])
+        )
+    command = [sys.executable, *SAFE_PATH, "-m", "grader.formats.sheets.patching"]
+    asked = json.dumps(cells).encode() + b"\n" + content
+    try:
+        code, answer = readers.answer_of(command, asked, most_bytes=_MAX_PATCHED_BYTES)
+    except readers.TooMuchError:
+        raise refused(LARGE) from None
+    if code:
+        raise refused(code)
+    told, _, patched_file = answer.partition(b"\n")
+    done = msgspec.json.decode(told, type=_Patched)
+    kept = [place.row for place in places if (place.row.sheet, place.row.number) in {*done.kept}]
+    return replace(
+        filled,
+        content=patched_file,
+        filled=filled.filled - len(kept),
+        kept=tuple(kept),
+        formulas=done.formulas,
+        lost=tuple(done.lost),
     )
 
 
-def _filled(
-    table: ListedTable, columns: tuple[int, int, int], known: Mapping[str, float | None]
-) -> tuple[list[list[Cell]], int, list[str]]:
-    """Return the cells of a sheet with points, how many rows got some, and the ids that nobody has."""
-    ids, target, first = columns
+def _made_anew(
+    table: ListedTable, places: Sequence[_Place], points: Mapping[str, float | None], filled: FilledSheet
+) -> FilledSheet:
+    """Return the cells in a new workbook: formats other than .xlsx cannot be written into."""
+    values = {(place.row.sheet, place.row.number): (place.column, points[place.student]) for place in places}
+    tables = (table, *table.others)
+    sheets = [_cells(one, values) for one in tables]
+    names = _sheet_names([one.name for one in tables])
+    return replace(
+        filled,
+        content=workbook(list(zip(names, sheets, strict=True)), header=False),
+        lost=() if table.encoding else ("formats",),
+    )
+
+
+def _cells(
+    table: ListedTable, values: Mapping[tuple[str, int], tuple[int, float | None]]
+) -> list[list[Cell]]:
+    ids, header = _ids(table)
     cells: list[list[Cell]] = [[] for _ in range(table.rows[-1].number)]
-    filled, unknown = 0, []
     for index, row in enumerate(table.rows):
-        cells[row.number - 1] = [
-            _cell(cell, is_id=place == ids, is_header=index < first) for place, cell in enumerate(row.cells)
+        line = cells[row.number - 1] = [
+            _cell(cell, is_id=place == ids, is_header=index <= header) for place, cell in enumerate(row.cells)
         ]
-        person = row.cells[ids] if index >= first and ids < len(row.cells) else ""
-        if not person:
-            continue
-        if _folded(person) not in known:
-            unknown.append(person[:64])
-            continue
-        value = known[_folded(person)]
-        if value is not None:
-            line = cells[row.number - 1]
-            line += [None] * (target + 1 - len(line))
-            line[target] = value
-            filled += 1
-    return cells, filled, unknown
+        if (table.name, row.number) in values:
+            column, value = values[table.name, row.number]
+            line += [None] * (column + 1 - len(line))
+            line[column] = value
+    return cells
 
 
-def _columns(table: ListedTable, wanted: str) -> tuple[int, int, int]:
-    """Return the column of ids, the column to fill, and the index of the first row of a student."""
+def _target(table: ListedTable, wanted: str) -> _Target:
+    """Return where to fill a sheet.
+
+    Raises:
+        CourseError: one of the two columns is missing.
+    """
     ids, header = _ids(table)
     if ids < 0:
         raise CourseError(
@@ -99,7 +263,7 @@ def _columns(table: ListedTable, wanted: str) -> tuple[int, int, int]:
     for row in table.rows[header:first]:
         labels = [label(cell) for cell in row.cells]
         if label(wanted) in labels:
-            return ids, labels.index(label(wanted)), first
+            return _Target(table=table, ids=ids, column=labels.index(label(wanted)), first=first)
         named += [cell for cell in row.cells if cell]
     listed = ", ".join(dict.fromkeys(named))[:300]
     raise CourseError(
@@ -109,8 +273,8 @@ def _columns(table: ListedTable, wanted: str) -> tuple[int, int, int]:
 
 def _ids(table: ListedTable) -> tuple[int, int]:
     """Return the column of ids and the index of the row that names it; -1 and 0 where there is none."""
-    found = ((id_column(row.cells), index) for index, row in enumerate(table.rows[:HEADER_ROWS]))
-    return next(((ids, index) for ids, index in found if ids is not None), (-1, 0))
+    columns = ((id_column(row.cells), index) for index, row in enumerate(table.rows[:HEADER_ROWS]))
+    return next(((ids, index) for ids, index in columns if ids is not None), (-1, 0))
 
 
 def _sheet_names(given: list[str]) -> list[str]:

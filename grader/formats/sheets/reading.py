@@ -85,7 +85,7 @@ def read_table(content: bytes, is_header: Callable[[Sequence[str]], bool]) -> Li
             f"文件超过 {MAX_FILE_BYTES // 1024**2} MiB",
         )
     if content.removeprefix(codecs.BOM_UTF8).lstrip().startswith((_MARKUP, _PDF)):
-        raise _refused(DAMAGED)
+        raise refused(DAMAGED)
     if content.startswith((_ZIP, _OLE)):
         tables: Iterator[ListedTable] = (_of_sheet(one) for one in _workbook(content) if one.visible)
     else:
@@ -135,9 +135,9 @@ def _workbook(content: bytes) -> list[_Sheet]:
     try:
         code, answer = readers.answer_of(command, content, most_bytes=_MAX_ANSWER_BYTES)
     except readers.TooMuchError:
-        raise _refused(LARGE) from None
+        raise refused(LARGE) from None
     if code:
-        raise _refused(code)
+        raise refused(code)
     return msgspec.json.decode(answer, type=list[_Sheet])
 
 
@@ -146,12 +146,13 @@ def _check_zip(content: bytes) -> None:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             members = archive.infolist()
     except (zipfile.BadZipFile, ValueError, NotImplementedError):
-        raise _refused(DAMAGED) from None
+        raise refused(DAMAGED) from None
     if len(members) > _MAX_MEMBERS or sum(one.file_size for one in members) > _MAX_UNPACKED_BYTES:
-        raise _refused(LARGE)
+        raise refused(LARGE)
 
 
-def _refused(code: int) -> CourseError:
+def refused(code: int) -> CourseError:
+    """Return what a process that read a workbook says by its exit code."""
     if code == DAMAGED:
         return CourseError(
             "the file is damaged or no workbook: open it in a spreadsheet program and save it as .xlsx",

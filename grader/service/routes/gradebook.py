@@ -106,7 +106,8 @@ def read_workbook(  # noqa: PLR0913, PLR0917
     response_class=Response,
     responses={
         200: {
-            "description": "The sheet with points in it; nothing else of it changes.",
+            "description": "The sheet with points in it. Of .xlsx nothing else changes; other formats become a plain "
+            ".xlsx. The headers X-Filled-Rows, X-Unknown-Rows and X-Ambiguous-Rows count rows.",
             "content": _WORKBOOK,
         },
         **responses(
@@ -130,6 +131,7 @@ def fill_sheet(
     response = as_workbook(filled.content, "filled.xlsx")
     response.headers["X-Filled-Rows"] = str(filled.filled)
     response.headers["X-Unknown-Rows"] = str(len(filled.unknown))
+    response.headers["X-Ambiguous-Rows"] = str(len(filled.ambiguous))
     return response
 
 

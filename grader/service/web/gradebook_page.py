@@ -1,5 +1,6 @@
 """The gradebook as a page: the points that count, for everybody, and as files for other systems."""
 
+import base64
 from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import fmean
@@ -115,7 +116,7 @@ def fill_in(
     column: Annotated[str, Form(max_length=100)] = "",
     assignment: Annotated[str, Form(max_length=64)] = "",
 ) -> Response:
-    """Return a teacher's own sheet with points in it, or the page with what is wrong."""
+    """Show what was filled into a teacher's own sheet, and offer it; or show the page with what is wrong."""
     try:
         filled = gradebook.fill_in(
             errand.services, errand.caller, file.file.read(MOST_FILE_BYTES + 1), column, assignment
@@ -123,7 +124,20 @@ def fill_in(
     except RefusedError as error:
         problem = form_problem(error, errand.language, field="file")
         return _gradebook_page(errand, BookQuery(), problem, column)
-    return _file(filled.content, "filled.xlsx", MEDIA_TYPE)
+    data = base64.b64encode(filled.content).decode()
+    return page(
+        errand.request,
+        "gradebook_filled.html",
+        filled=filled,
+        column=column,
+        address=f"data:{MEDIA_TYPE};base64,{data}",
+        name=_filled_name(file.filename or ""),
+    )
+
+
+def _filled_name(name: str) -> str:
+    """Return what the filled sheet is called: as the teacher's, which is .xlsx now if it was not."""
+    return f"{name.rpartition('.')[0] or 'filled'}.xlsx"
 
 
 def _file(content: str | bytes, name: str, media_type: str) -> Response:

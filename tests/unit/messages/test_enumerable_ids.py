@@ -25,6 +25,7 @@ from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.rules import LATE_PARAMETERS, Extension, LateKind, LateRule, RefusalCode, Rules
 from grader.contracts.submission import SubmissionState
+from grader.formats.sheets.patching import LOSSES
 from grader.messages import details, entries, exceptions
 from grader.messages.check import fields
 from grader.outside.notices import Failure
@@ -63,6 +64,7 @@ TEMPLATES: Mapping[str, Iterable[str]] = {
     "assignments.": get_args(Input),
     "class.show.": SHOWS,
     "course.done.": options(course_pages.Done),
+    "filled.lost.": ("formats", "extensions", *LOSSES),
     "notices.done.": options(notices.Done),
     "notices.failure.": get_args(Failure),
     "notices.kind.": NoticeKind,

@@ -1,5 +1,6 @@
 """The gradebook, the roster and the audit log as pages."""
 
+import base64
 import csv
 import io
 import re
@@ -74,10 +75,14 @@ def test_the_gradebook_is_of_one_section(wang: Browser, services: Services) -> N
 
 def test_a_sheet_is_filled_in_or_refused_on_the_page(wang: Browser) -> None:
     def send(column: str):
-        files = {"file": ("s.csv", b"id,points\nli,\n")}
+        files = {"file": ("s.csv", b"id,points\nli,\n99,\n")}
         return wang.post("/class/gradebook/fill", {"column": column}, files=files, page="/class/gradebook")
 
-    assert send("points").content.startswith(b"PK")
+    shown = send("points").text
+    assert "1 rows with an id that nobody in the course has" in shown
+    link = re.search(r'href="data:[^,"]*;base64,([^"]+)" download="s.xlsx"', shown)
+    assert link is not None
+    assert base64.b64decode(link[1]).startswith(b"PK")
     wrong = send("grade")
     assert wrong.status_code == 422
     assert "there are: id, points" in wrong.text
