@@ -106,8 +106,8 @@ def read_workbook(  # noqa: PLR0913, PLR0917
     response_class=Response,
     responses={
         200: {
-            "description": "The sheet with points in it. Of .xlsx nothing else changes; other formats become a plain "
-            ".xlsx. The headers X-Filled-Rows, X-Unknown-Rows and X-Ambiguous-Rows count rows.",
+            "description": "The sheet with points in it. Of .xlsx nothing else changes; other formats become "
+            "a plain .xlsx. The headers X-Filled-Rows, X-Unknown-Rows and X-Ambiguous-Rows count rows.",
             "content": _WORKBOOK,
         },
         **responses(
