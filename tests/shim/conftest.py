@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 from tests.shim.forking import forks
 
@@ -36,10 +37,20 @@ WORLD: dict[str, Any] = {
     "nodes": ["/turtlesim"],
 }
 
-_PATH = f"import sys; sys.path.insert(0, {str(SHIM)!r})"
-_FULL = f"{_PATH}; from rclpy._process import runner"
+_PACKAGES = str(Path(yaml.__file__).parents[1])
+_PATH = f"""import sys
+sys.path.insert(0, {str(SHIM)!r})
+class Packages:
+    @staticmethod
+    def find_spec(name, path=None, target=None):
+        from importlib.machinery import PathFinder
+        return PathFinder.find_spec(name, [{_PACKAGES!r}]) if name == "yaml" else None
+sys.meta_path.append(Packages)
+del Packages
+"""
+_FULL = f"{_PATH}from rclpy._process import runner"
 _BARE = (
-    f"{_PATH}; p = type(sys)('rclpy'); p.__path__ = [{str(SHIM)!r} + '/rclpy']; sys.modules['rclpy'] = p;"
+    f"{_PATH}p = type(sys)('rclpy'); p.__path__ = [{str(SHIM)!r} + '/rclpy']; sys.modules['rclpy'] = p;"
     " from rclpy._process import runner"
 )
 

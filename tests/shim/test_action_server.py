@@ -130,9 +130,9 @@ for name in ("a b", ""):
 """)
     assert run.stdout.splitlines() == [
         "Failed to create action client due to invalid topic name 'a b' : topic name is invalid, at "
-        "./src/rcl/expand_topic_name.c:70",
+        "./src/rcl/expand_topic_name.c:73",
         "Failed to create action server due to invalid topic name 'a b' : : topic name is invalid, at "
-        "./src/rcl/expand_topic_name.c:70",
+        "./src/rcl/expand_topic_name.c:73",
         "Failed to create action client: failed to get goal service name, at ./src/rcl_action/action_client.c:217",
         "Failed to create action server due to invalid topic name '' : : invalid empty action name, at "
         "./src/rcl_action/names.c:36",

@@ -207,7 +207,10 @@ def test_two_nodes_of_one_name_share_a_log_publisher_and_are_warned_of(run_scrip
         print(heard, other.count_publishers("/rosout"))
     """
     run = run_script("import rclpy\nrclpy.init()\n" + dedent(source))
-    assert run.stdout.splitlines() == ["1", "[('same', \"by the first's publisher\")] 1"]
+    assert run.stdout.splitlines() == [
+        "2",
+        "[('same', \"by the first's publisher\")] 2",
+    ]  # one is turtlesim's
     assert run.stderr.count("[rcl.logging_rosout]: Publisher already registered for provided node name.") == 1
     assert "on the console only" in run.stderr
 

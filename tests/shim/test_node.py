@@ -109,12 +109,13 @@ def test_graph_shows_the_world(run_script):
     """
     assert lines(run_script, source)[:-1] == [
         "['turtlesim', 'watcher'] 1",
-        "[('/parameter_events', ['rcl_interfaces/msg/ParameterEvent']), "
+        "[('/parameter_events', ['rcl_interfaces/msg/ParameterEvent']), ('/rosout', ['rcl_interfaces/msg/Log']), "
         "('/turtle1/cmd_vel', ['geometry_msgs/msg/Twist']), ('/turtle1/pose', ['turtlesim/msg/Pose'])]",
         "[('/reset', ['std_srvs/srv/Empty'])]",
         "1 1",
         "turtlesim turtlesim/msg/Pose RELIABLE 24",
-        "[('/turtle1/cmd_vel', ['geometry_msgs/msg/Twist'])]",
+        "[('/parameter_events', ['rcl_interfaces/msg/ParameterEvent']), "
+        "('/turtle1/cmd_vel', ['geometry_msgs/msg/Twist'])]",
     ]
 
 
@@ -224,7 +225,7 @@ RULES = (
     ("-p node:a.b:=1", ""),
     ("--log-level :=info", "Error: Argument has an invalid logger item that name is empty"),
     ("--log-level a.b:=info", ""),
-    ("-p a:=1 b:=2", "Found unknown ROS args: ['b:=2']"),
+    ("-p a:=1 b:=2", "['b:=2']"),
 )
 
 

@@ -70,9 +70,9 @@ def test_compatibility(run_script):
             print(verdict.name, reason)
     """
     assert run_lines(run_script, source) == [
-        "OK ",
+        "WARNING WARNING: Publisher liveliness is system_default and subscription liveliness is system_default;",
         "ERROR ERROR: Best effort publisher and reliable subscription;",
-        "OK ",
+        "WARNING WARNING: Publisher liveliness is system_default and subscription liveliness is system_default;",
         "ERROR ERROR: Volatile publisher and transient local subscription;",
         "ERROR ERROR: Subscription has a deadline, but publisher does not;",
     ]

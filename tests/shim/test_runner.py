@@ -450,3 +450,33 @@ def test_an_error_of_the_text_that_is_caught_is_told_once(
 ) -> None:
     run = run_bare("import time\ndef go():\n    oops\n" + rest, horizon_s=5)
     assert [note for note in run.notes if note[0] == "caught"] == told
+
+
+@pytest.mark.parametrize(
+    ("file_name", "line", "text"),
+    [
+        ("rclpy.py", "from rclpy.node import Node", "No module named 'rclpy.node'; 'rclpy' is not a package"),
+        (
+            "random.py",
+            "import random; random.choice([1])",
+            "partially initialized module 'random' has no attribute",
+        ),
+        (
+            "turtlesim.py",
+            "from turtlesim.msg import Pose",
+            "No module named 'turtlesim.msg'; 'turtlesim' is not",
+        ),
+    ],
+)
+def test_a_script_named_like_what_it_imports_finds_itself(
+    run_script: RunScript, file_name: str, line: str, text: str
+) -> None:
+    run = run_script(f"import rclpy, os\n{line}\n", file_name=file_name)
+    assert run.exit["message"].startswith(text)
+    frames = [place for place in run.stderr.splitlines() if place.startswith("  File")]
+    assert [place.split('"')[1] for place in frames] == [file_name] * 2  # as a script, and as a module
+
+
+def test_a_script_named_like_a_module_written_in_c_gets_that(run_script: RunScript) -> None:
+    run = run_script("import time\nprint(time.sleep(1))\n", file_name="time.py")
+    assert run.stdout == "None\n"

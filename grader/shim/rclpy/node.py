@@ -9,6 +9,7 @@ from rclpy._interfaces.messages import class_of, interface_class
 from rclpy._interfaces.own import LazyType
 from rclpy._rcl.endpoints import PublisherHandle, SubscriptionHandle
 from rclpy._rcl.errors import NodeNameNonExistentError as NodeNameNonExistentError
+from rclpy._rcl.errors import RCLError, text_or_null, wrong_arguments
 from rclpy._rcl.handles import changes, required
 from rclpy._rcl.names import expand
 from rclpy._rcl.node_handle import NodeHandle
@@ -144,6 +145,8 @@ class Node:
         if automatically_declare_parameters_from_overrides:
             self._rcl_declare_overrides()
         self._rcl_start_services(self._clock, start_parameter_services)
+        entities = (self._publishers, self._subscriptions, self._clients, self._services, self._timers)
+        self.__node.leave_with(self, entities)
 
     def _rcl_start_without_entities(self) -> None:
         self._publishers: list[Publisher] = []
@@ -175,14 +178,19 @@ class Node:
     def _rcl_create_handle(
         self, name: str, namespace: str, cli_args: list[str] | None, use_global: bool, enable_rosout: bool
     ) -> NodeHandle:
-        if not isinstance(name, str):
-            raise TypeError(
-                "__init__(): incompatible constructor arguments. The following argument types are supported:\n"
-                "    1. rclpy._rclpy_pybind11.Node(arg0: str, arg1: str, arg2: rclpy._rclpy_pybind11.Context,"
-                f" arg3: object, arg4: bool, arg5: bool)\n\nInvoked with: {name!r}, {namespace!r}"
-            )
+        context = required(self._context.handle)
+
+        def refusal() -> TypeError:
+            kind = "rclpy._rclpy_pybind11"
+            taken = f"arg0: str, arg1: str, arg2: {kind}.Context, arg3: object, arg4: bool, arg5: bool"
+            given = (name, namespace, context, cli_args, use_global, enable_rosout)
+            return wrong_arguments("__init__", f"{kind}.Node({taken})", *given)
+
+        text, space = text_or_null(name, refusal), text_or_null(namespace, refusal)
+        if text is None:
+            raise RCLError("error creating node: name argument is null, at ./src/rcl/node.c:136")
         try:
-            handle = NodeHandle(name, namespace, required(self._context.handle), cli_args, use_global)
+            handle = NodeHandle(text, space or "", context, cli_args, use_global)
         except ValueError:
             validate_node_name(name)
             if not namespace.startswith("/"):
@@ -490,12 +498,27 @@ class Node:
         return service
 
     def _rcl_service_endpoint(self, kind: Any, srv_type: Any, name: str, qos: QoSProfile) -> Any:
+        if not isinstance(name, str):
+            name = self._rcl_service_name(kind, srv_type, name, qos)
         try:
             return kind(self.handle, srv_type, name, qos.get_c_qos_profile())
         except ValueError:
             pass
         self._validate_topic_or_service_name(name, is_service=True)
         raise RuntimeError(f"failed to create service or client {name!r}")
+
+    def _rcl_service_name(self, kind: Any, srv_type: Any, name: Any, qos: QoSProfile) -> str:
+        """Take what is no text as C does: of a client, None is a null pointer, and bytes are a text."""
+        shown = (self.handle, srv_type, name, qos.get_c_qos_profile())
+        what = kind.what.capitalize()
+        signature = f"rclpy._rclpy_pybind11.{what}(arg0: rclpy::Node, arg1: object, arg2: str, arg3: object)"
+        refusal = wrong_arguments("__init__", signature, *shown)
+        text = text_or_null(name, lambda: refusal)
+        if text is None:
+            if kind is ServiceHandle:  # it takes a C++ string
+                raise refusal
+            raise RCLError("failed to create client: service_name argument is null, at ./src/rcl/client.c:71")
+        return text
 
     def create_timer(
         self,

@@ -12,7 +12,7 @@ from rclpy.duration import Duration
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
+    from typing import Any, SupportsInt
 
 __getattr__ = passed_on(__name__)
 
@@ -32,9 +32,9 @@ class QoSPolicyKind(IntEnum):
     AVOID_ROS_NAMESPACE_CONVENTIONS = 1 << 9
 
 
-def qos_policy_name_from_kind(policy_kind: QoSPolicyKind | int) -> str:
+def qos_policy_name_from_kind(policy_kind: SupportsInt) -> str:
     """Return the name of a kind of policy."""
-    return QoSPolicyKind(policy_kind).name
+    return QoSPolicyKind(int(policy_kind)).name
 
 
 class InvalidQoSProfileException(Exception):

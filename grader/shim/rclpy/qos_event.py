@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rclpy._forwarding import passed_on
-from rclpy._rcl.enums import NativeEnum
+from rclpy._rcl.enums import NativeEnum, QosPolicyKind
 from rclpy._rcl.errors import UnsupportedEventTypeError as UnsupportedEventTypeError
 from rclpy._rcl.handles import Handle
 from rclpy.logging import get_logger
@@ -81,7 +81,7 @@ class QoSRequestedIncompatibleQoSInfo(_Info):
 
     def __init__(self) -> None:
         super().__init__()
-        self.last_policy_kind = 1
+        self.last_policy_kind = QosPolicyKind.RMW_QOS_POLICY_INVALID
 
 
 QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
@@ -122,7 +122,7 @@ class QoSEventHandle(Handle):
         info = QoSRequestedIncompatibleQoSInfo()
         info.total_count = self._parent.incompatible
         info.total_count_change = len(self.backlog)
-        info.last_policy_kind = self._parent.last_policy or 1
+        info.last_policy_kind = QosPolicyKind(self._parent.last_policy or 1)
         self.backlog.clear()
         return info
 

@@ -22,15 +22,12 @@ def deserialize_message(serialized_message: bytes, message_type: Any) -> Any:
     Raises:
         RMWError: they hold none.
     """
-    from rclpy._rcl.errors import RMWError
+    from rclpy._rcl.errors import RMWError, wrong_arguments
 
     check_for_type_support(message_type)
     if not isinstance(serialized_message, bytes):
-        raise TypeError(
-            "deserialize(): incompatible function arguments. The following argument types are supported:\n"
-            f"    1. (arg0: bytes, arg1: object) -> object\n\n"
-            f"Invoked with: {serialized_message!r}, {message_type!r}"
-        )
+        signature = "(arg0: bytes, arg1: object) -> object"
+        raise wrong_arguments("rclpy_deserialize", signature, serialized_message, message_type)
     try:
         return cdr.deserialize(serialized_message, message_type)
     except cdr.CdrError:

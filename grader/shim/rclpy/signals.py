@@ -5,6 +5,7 @@ from __future__ import annotations
 from rclpy._forwarding import passed_on
 from rclpy._kernel import kernel
 from rclpy._rcl.enums import SignalHandlerOptions as SignalHandlerOptions
+from rclpy._rcl.errors import wrong_arguments
 from rclpy._rcl.handles import shutdown_all_contexts
 from rclpy.guard_condition import GuardCondition
 
@@ -27,6 +28,9 @@ def _on_ctrl_c() -> None:
 def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
     """Take over the signals named by `options`."""
     global _installed, _registered
+    if not isinstance(options, SignalHandlerOptions):
+        signature = "(arg0: rclpy::SignalHandlerOptions) -> None"
+        raise wrong_arguments("install_signal_handlers", signature, options)
     _installed = options
     takes_sigterm = options in (SignalHandlerOptions.ALL, SignalHandlerOptions.SIGTERM)
     kernel.on_terminate = shutdown_all_contexts if takes_sigterm else None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rclpy._kernel import kernel
 from rclpy._rcl.clocks import TimerHandle
 from rclpy._rcl.handles import required
-from rclpy.exceptions import InvalidHandle, ROSInterruptException
+from rclpy.exceptions import ROSInterruptException
 from rclpy.utilities import get_default_context
 
 TYPE_CHECKING = False
@@ -126,15 +126,12 @@ class Rate:
 
         Raises:
             ROSInterruptException: the context was shut down.
-            RuntimeError: the rate was destroyed. InvalidHandle: its timer was.
+            RuntimeError: the rate was destroyed.
         """
         if self._is_shutdown:
             raise ROSInterruptException()
         if self._is_destroyed:
             raise RuntimeError("Rate cannot sleep because it has been destroyed")
-        if self._timer.handle.doomed:
-            self.destroy()
-            raise InvalidHandle("Rate cannot sleep because the timer has been destroyed")
         self._num_sleepers += 1
         try:
             kernel.wait(

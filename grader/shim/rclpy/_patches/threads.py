@@ -23,12 +23,17 @@ if TYPE_CHECKING:
 _start_os_thread = _thread.start_new_thread
 _os_ident = _thread.get_ident
 _count_os_threads = _thread._count
+_stack_size = _thread.stack_size
 _pause = time.sleep  # in real time
 # The host may have no thread to spare for some milliseconds, because of another script: then starting one is tried
 # again. A script that has more than a few threads has reached its own limit.
 _FEW_THREADS = 32
 _TRIES = 20
 _PAUSE_S = 0.02
+
+_MOST_STACKS_BYTES = 1 << 28
+"""Of all threads together: half of the memory that a script gets by default. A thread whose stack took the rest
+would start, and the next allocation anywhere would fail, also between two turns."""
 
 
 class ThreadHandle:
@@ -102,6 +107,8 @@ def start(
     """Start `thread`, which calls the function when its turn comes."""
     from rclpy._link import link
 
+    if _stack_size() * (_count_os_threads() + 1) > _MOST_STACKS_BYTES:
+        raise RuntimeError("can't start new thread")
     if link.note_once("threads"):
         link.flush()  # its threads are kept on one core from now on
     work = (thread, [(function, args, kwargs)])
@@ -244,8 +251,10 @@ def excepthook(args: Any, /) -> None:
     name = args.thread.name if args.thread is not None else str(get_ident())
     error = args.exc_value if args.exc_value is not None else args.exc_type()
     print(f"Exception in thread {name}:", file=sys.stderr)  # noqa: T201
-    tracebacks.print_exception(error)
     line = tracebacks.line_of(error)
+    if not line:  # Python's printer leaves out the heading of no frames
+        print("Traceback (most recent call last):", file=sys.stderr)  # noqa: T201
+    tracebacks.print_exception(error)
     place = f"{name}, line {line}" if line else name
     link.note("thread_exception", f"{place}: {tracebacks.one_line(error)}")
 

@@ -271,11 +271,26 @@ def _format_unraisable(args: Any) -> str:
 
 
 def _format_frames(args: Any) -> str:
-    """Return the student's frames under their heading; empty when there are none."""
+    """Return the student's frames under their heading; empty where Python on a PC would have no frame either."""
     import traceback
 
+    if not _is_at_home(args.exc_traceback):
+        return ""
+
     frames = traceback.format_tb(args.exc_traceback)
-    return "".join(["Traceback (most recent call last):\n", *frames]) if frames else ""
+    if sys.meta_path is None:  # at the end of Python, which finds no source any more
+        frames = [frame.partition("\n")[0] + "\n" for frame in frames]
+    return "".join(["Traceback (most recent call last):\n", *frames])
+
+
+def _is_at_home(traceback: TracebackType | None) -> bool:
+    """Whether a frame is of code that is there on a PC as well: the script's, Python's or upstream's."""
+    own = ("/rclpy/_process/", "/rclpy/_patches/", "/rclpy/_kernel.py")
+    while traceback is not None:
+        if not any(part in traceback.tb_frame.f_code.co_filename for part in own):
+            return True
+        traceback = traceback.tb_next
+    return False
 
 
 def _repr_of(value: object) -> str:

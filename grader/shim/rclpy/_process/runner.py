@@ -19,6 +19,7 @@ from rclpy._kernel import kernel
 from rclpy._link import Descriptor, link
 from rclpy._patches import install, output, tracebacks
 from rclpy._process import loops
+from rclpy._process.itself import import_itself, imports_itself
 from rclpy._process.packages import workspace
 from rclpy._storage.entries import WORK
 from rclpy._storage.tree import storage
@@ -107,6 +108,8 @@ def run(channel: int = 3) -> NoReturn:
     code = _compile(source)
     if code is not None:
         facts = _facts(start, source)
+        if name := imports_itself(start["file_name"], source):
+            import_itself(module, name, code)
         del source
         _tell_start()
         if facts is not None:
@@ -249,8 +252,11 @@ def _execute(module: ModuleType, code: CodeType) -> None:
     _guard(_join_threads)
     _guard(_run_exit_handlers)
     if b"__del__" in tracebacks.script.source + b"".join(tracebacks.script.files.values()):
+        from rclpy._process.finalizing import end_imports, finalize
+
+        end_imports()
         for each in (*workspace.modules, module):
-            _guard(lambda names=each.__dict__: _finalize(names))
+            _guard(lambda names=each.__dict__: finalize(names))
 
 
 def _launch() -> None:
@@ -269,17 +275,6 @@ def _run_program(step: Any) -> int:
     if ending.reason == _wire.FINISHED and (own.reason != _wire.FINISHED or not ending.code):
         vars(ending).update(vars(own))
     return int(own.code or own.reason != _wire.FINISHED)
-
-
-def _finalize(names: dict[str, Any]) -> None:
-    """Call what the script's objects have as `__del__`, which may publish a stop, as the end of Python does.
-
-    Python's last collection finds the module with all it holds unreachable and finalizes the instances while
-    the globals are still there (PEP 442); here the module stays, so its instances go first.
-    """
-    for name in [name for name, value in names.items() if hasattr(type(value), "__del__")]:
-        del names[name]
-    gc.collect()
 
 
 def _guard(step: Any, end: Ending = ending) -> None:
@@ -323,20 +318,21 @@ def _print(error: BaseException) -> None:
 
 
 def _join_threads() -> None:
-    """Wait for non-daemon threads as Python does; after Ctrl+C nobody waits any more."""
+    """Wait for non-daemon threads as Python does."""
     threading: Any = sys.modules.get("threading")
     if threading is None:
         return
     from rclpy._patches.threads import end_main_thread
 
     end_main_thread(threading)
-    if not kernel.interrupted:
-        try:
-            for call in reversed(threading._threading_atexits):
-                call()
-            kernel.main_ended = True
-            kernel.wait(_only_daemons, None, "the end of the program waits for the other threads")
-        except BaseException as error:  # Ctrl+C, or what the script's handler of it raises
+    late = kernel.interrupted
+    try:
+        for call in reversed(threading._threading_atexits):
+            call()
+        kernel.main_ended = True
+        kernel.wait(_only_daemons, None, "the end of the program waits for the other threads")
+    except BaseException as error:  # Ctrl+C, or what the script's handler of it raises
+        if not late:  # at home nobody presses it again
             told: Any = SimpleNamespace(err_msg=None, object=threading)
             told.exc_type, told.exc_value, told.exc_traceback = type(error), error, error.__traceback__
             sys.unraisablehook(told)
@@ -379,7 +375,7 @@ def end_now(reason: str) -> NoReturn:
         if tracebacks.script.aborted is not None:
             ending.set_error(tracebacks.script.aborted)
         ending.code = 128 + int(reason.split()[1])
-    else:
+    elif not kernel.main_ended:
         ending.code = 130
     _finish()
 

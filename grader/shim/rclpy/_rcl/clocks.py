@@ -6,7 +6,14 @@ from rclpy import _distro
 from rclpy._kernel import kernel
 from rclpy._patches.time import UPTIME_NS
 from rclpy._rcl.enums import ClockChange, ClockType
-from rclpy._rcl.errors import GUARD_CONTEXT, NEGATIVE_PERIOD, TIMER_CANCELED, RCLError
+from rclpy._rcl.errors import (
+    GUARD_CONTEXT,
+    NEGATIVE_PERIOD,
+    TIMER_CANCELED,
+    RCLError,
+    native,
+    wrong_arguments,
+)
 from rclpy._rcl.handles import ContextHandle, Handle, changes, required
 
 TYPE_CHECKING = False
@@ -28,6 +35,7 @@ class TimePoint:
 INFINITE_NS = 9223372036854775807
 
 
+@native("rcl_duration_t")
 class NativeDuration:
     """Nanoseconds between two points."""
 
@@ -65,6 +73,7 @@ class _Watcher:
         return delta_ns > 0 and self.forward_ns != 0 and delta_ns >= self.forward_ns
 
 
+@native("Clock")
 class ClockHandle(Handle):
     """A clock; a ROS clock can be driven by hand (``/clock``) instead of following system time."""
 
@@ -156,14 +165,14 @@ class ClockHandle(Handle):
                 watcher.after({"clock_change": change, "delta": delta_ns})
 
 
-def _no_period(period_ns: int) -> str:
-    """Return pybind11's words for a period that its constructor does not take."""
-    jazzy = _distro.chosen == _distro.JAZZY
-    return (
-        "__init__(): incompatible constructor arguments. The following argument types are supported:\n"
-        "    1. rclpy._rclpy_pybind11.Timer(arg0: rclpy._rclpy_pybind11.Clock, "
-        f"arg1: rclpy._rclpy_pybind11.Context, arg2: int{', arg3: bool' if jazzy else ''})\n\n"
-        f"Invoked with: Clock, Context, {period_ns}{', True' if jazzy else ''}"
+def _no_period(period_ns: int, clock: ClockHandle, context: ContextHandle) -> TypeError:
+    """Return what pybind11 raises for a period that its constructor does not take."""
+    jazzy, kind = _distro.chosen == _distro.JAZZY, "rclpy._rclpy_pybind11"
+    return wrong_arguments(
+        "__init__",
+        f"{kind}.Timer(arg0: rclpy::Clock, arg1: {kind}.Context, arg2: int{', arg3: bool' if jazzy else ''})",
+        *(clock, context, period_ns),
+        *((True,) if jazzy else ()),
     )
 
 
@@ -190,7 +199,7 @@ class TimerHandle(Handle):
         if TimerHandle._made > FREE_TIMERS:
             kernel.charge()
         if not -(2**63) <= period_ns < 2**63:
-            raise TypeError(_no_period(period_ns))
+            raise _no_period(period_ns, clock, context)
         if period_ns < 0:
             raise RCLError(NEGATIVE_PERIOD)
         if not context.valid:

@@ -31,10 +31,23 @@ class ClockChange(NativeEnum):
     SYSTEM_TIME_NO_CHANGE = 4
 
 
+class QosPolicyKind(NativeEnum):
+    """Which policy of two endpoints does not fit."""
+
+    RMW_QOS_POLICY_INVALID = 1
+    RMW_QOS_POLICY_DURABILITY = 2
+    RMW_QOS_POLICY_DEADLINE = 4
+    RMW_QOS_POLICY_LIVELINESS = 8
+    RMW_QOS_POLICY_RELIABILITY = 16
+
+
+QosPolicyKind.__name__ = QosPolicyKind.__qualname__ = "rmw_qos_policy_kind_t"
+
+
 class SignalHandlerOptions(NativeEnum):
     """Which signals `rclpy.init` takes over."""
 
+    ALL = 3
     NO = 0
     SIGINT = 1
     SIGTERM = 2
-    ALL = 3

@@ -1,5 +1,14 @@
 """Exceptions that upstream's C module defines; tracebacks must name that module."""
 
+from __future__ import annotations
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import TypeVar
+
+    ClassT = TypeVar("ClassT", bound=type)
+
 _MODULE = "rclpy._rclpy_pybind11"
 
 
@@ -58,11 +67,40 @@ class InvalidHandle(RuntimeError):
     __module__ = _MODULE
 
 
+def wrong_arguments(function: str, signature: str, *given: object) -> TypeError:
+    """Return what pybind11 raises for arguments that a function of the C module does not take."""
+    what = "constructor" if function == "__init__" else "function"
+    return TypeError(
+        f"{function}(): incompatible {what} arguments. The following argument types are supported:\n"
+        f"    1. {signature}\n\nInvoked with: {', '.join(map(repr, given))}"
+    )
+
+
+def native(name: str) -> Callable[[ClassT], ClassT]:
+    """Name a class as the class of the C module that it stands for."""
+
+    def rename(cls: ClassT) -> ClassT:
+        cls.__module__, cls.__name__, cls.__qualname__ = _MODULE, name, name
+        return cls
+
+    return rename
+
+
+def text_or_null(value: object, refusal: Callable[[], TypeError]) -> str | None:
+    """Return what C gets as a text: None is a null pointer, and bytes are taken as they are."""
+    if value is None or isinstance(value, str):
+        return value
+    if isinstance(value, bytes):
+        return value.decode("utf-8", "replace")
+    raise refusal()
+
+
 DESTROYED = "cannot use Destroyable because destruction was requested"
 PUBLISHER_CONTEXT = "publisher's context is invalid, at ./src/rcl/publisher.c:389"
 SHUTDOWN_TWICE = (
     "failed to shutdown: rcl_shutdown already called on the given context, at ./src/rcl/init.c:241"
 )
+NO_TOPIC_NAME = "input_topic_name argument is null, at ./src/rcl/expand_topic_name.c:60"
 _NOT_VALID = (
     "the given context is not valid, either rcl_init() was not called or rcl_shutdown() was called., at "
 )

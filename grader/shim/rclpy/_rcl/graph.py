@@ -1,7 +1,7 @@
 """The ROS graph of the process: who publishes, listens and serves, with the simulated world among them.
 
-Discovery is instant: two endpoints match the moment the second one exists. That is the one deliberate
-deviation from DDS, where it takes 50 to 500 ms and messages published before are lost.
+Discovery is instant: two endpoints match the moment the second one exists. At home, on one machine, that takes 0.1
+to 16 ms (recorded: c28 to c31), and what is published before may be lost.
 """
 
 from __future__ import annotations
@@ -138,6 +138,11 @@ class Graph:
             space, _, name = path.rpartition("/")
             self.nodes.append((name, space or "/", "/"))
         self._owner = self.nodes[0][:2] if self.nodes else ("turtlesim", "/")
+        for _ in self.nodes:  # what every node has; nobody hears turtlesim's
+            kind = "rcl_interfaces/msg/ParameterEvent"
+            self.add_writer(WorldEndpoint("/parameter_events", kind, self._owner))
+            self.add_reader(WorldEndpoint("/parameter_events", kind, self._owner))
+            self.add_writer(WorldEndpoint("/rosout", "rcl_interfaces/msg/Log", self._owner, [True, True]))
         self._add_world(link.world)
         link.on_change = self._change_world
 

@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 from rclpy._kernel import kernel
-from rclpy._rcl.errors import DESTROYED, GUARD_CONTEXT, SHUTDOWN_TWICE, InvalidHandle, RCLError
+from rclpy._rcl.errors import (
+    DESTROYED,
+    GUARD_CONTEXT,
+    SHUTDOWN_TWICE,
+    InvalidHandle,
+    RCLError,
+    native,
+    wrong_arguments,
+)
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -85,6 +93,7 @@ class Handle:
         """Release what the handle holds; called once."""
 
 
+@native("Context")
 class ContextHandle(Handle):
     """Life of one `rclpy.init`.
 
@@ -98,11 +107,8 @@ class ContextHandle(Handle):
         from rclpy._rcl.ros_args import parse_ros_args
 
         if not isinstance(args, list):
-            raise TypeError(
-                "__init__(): incompatible constructor arguments. The following argument types are supported:\n"
-                "    1. rclpy._rclpy_pybind11.Context(arg0: list, arg1: int)\n\n"
-                f"Invoked with: {args!r}, {domain_id or 2**64 - 1}"
-            )
+            signature = "rclpy._rclpy_pybind11.Context(arg0: list, arg1: int)"
+            raise wrong_arguments("__init__", signature, args, domain_id or 2**64 - 1)
         self.ros_args: RosArgs = parse_ros_args(args, reject_unknown=True)
         self.domain_id = domain_id
         self.valid = True
@@ -114,7 +120,13 @@ class ContextHandle(Handle):
         return self.valid
 
     def get_domain_id(self) -> int:
-        """Return the DDS domain: nodes of different domains do not see each other."""
+        """Return the DDS domain: nodes of different domains do not see each other.
+
+        Raises:
+            RCLError: the context is shut down.
+        """
+        if not self.valid:
+            raise RCLError("Failed to get domain id: error not set")
         return self.domain_id
 
     def shutdown(self) -> None:

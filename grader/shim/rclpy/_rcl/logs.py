@@ -131,6 +131,7 @@ def log(severity: int, name: str, message: str | bytes | None, function: str, fi
             "    1. (arg0: int, arg1: str, arg2: str, arg3: str, arg4: str, arg5: int) -> None\n\n"
             f"Invoked with: {severity!r}, {name!r}, {message!r}, {function!r}, {file!r}, {line}"
         )
+    message = message.partition("\0")[0]  # where a text ends in C
     stamp_ns = kernel.epoch_ns + kernel.now_ns
     _print(int(severity), name, message, stamp_ns, (function, file, line))
     if name in _nodes or _is_child(name):
@@ -319,7 +320,7 @@ def severity_of(name: str) -> int:
     for number, known in ((0, "UNSET"), *NAMES.items()):
         if known == name.upper():
             return number
-    raise RuntimeError(f"Failed to get log severity from name: {name}, at ./src/logging.c:406")
+    raise RuntimeError("Failed to get severity name")
 
 
 def directory() -> str:

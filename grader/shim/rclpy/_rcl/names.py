@@ -2,15 +2,39 @@
 
 from __future__ import annotations
 
+from rclpy import _distro
+from rclpy._rcl.errors import text_or_null, wrong_arguments
+
 _LETTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ")
 _DIGITS = frozenset("0123456789")
 _WORD = _LETTERS | _DIGITS | {"_"}
-_MAX_TOPIC = 247
-_MAX_NAMESPACE = 245
+_MAX_TOPIC = 247, "255U - 8U"  # the limit, and how upstream's macros print it
+_MAX_NAMESPACE = 245, "RMW_NAMESPACE_MAX_NAME_LENGTH"
 _MAX_NODE = 255
+
+NAMESPACE_FAULTS = (
+    "must not be empty",
+    "must be absolute",
+    "must not end with",
+    "must not contain characters",
+    "must not contain repeated",
+    "must not have a token",
+    "should not exceed",
+)
+NODE_FAULTS = ("must not be empty", "must not contain", "must not start with", "should not exceed")
+"""What is wrong with a namespace and with a node's name, in the order of rmw's numbers, from 1 on."""
 
 Fault = tuple[str, int]
 """What is wrong, and the index of the character where it shows."""
+
+
+def named(name: object, kind: str, null: RuntimeError) -> str:
+    """Return a name as the C module's function that validates its kind takes it; `null` is raised for None."""
+    function = f"rclpy_get_validation_error_for_{kind}"
+    text = text_or_null(name, lambda: wrong_arguments(function, "(arg0: str) -> object", name))
+    if text is None:
+        raise null
+    return text
 
 
 def _first_outside(name: str, allowed: frozenset[str]) -> int:
@@ -69,14 +93,14 @@ def full_topic_name_fault(name: str) -> Fault | None:
     return _token_fault(name, "topic name", "topic length", _MAX_TOPIC)
 
 
-def _token_fault(name: str, what: str, length_of: str, longest: int) -> Fault | None:
+def _token_fault(name: str, what: str, length_of: str, most: tuple[int, str]) -> Fault | None:
     repeated, digit = _repeated_slash(name), _digit_after_slash(name)
     if repeated and (not digit or repeated < digit):
         return f"{what} must not contain repeated '/'", repeated
     if digit:
         return f"{what} must not have a token that starts with a number", digit
-    if len(name) > longest:
-        return f"{length_of} should not exceed '{longest}'", longest - 1
+    if len(name) > most[0]:
+        return f"{length_of} should not exceed '{most[1]}'", most[0] - 1
     return None
 
 
@@ -139,15 +163,14 @@ def expand(name: str, node_name: str, namespace: str) -> str:
     Raises:
         ValueError: the name, the node's name or the namespace is invalid, or a substitution is unknown.
     """
-    if topic_name_fault(name) is not None:
-        raise ValueError(f"topic name '{name}' is invalid: topic name is invalid, at "
-                         "./src/rcl/expand_topic_name.c:70")  # fmt: skip
-    if node_name_fault(node_name) is not None:
-        raise ValueError(f"node name '{node_name}' is invalid: node name is invalid, at "
-                         "./src/rcl/expand_topic_name.c:81")  # fmt: skip
-    if namespace_fault(namespace) is not None:
-        raise ValueError(f"node namespace '{namespace}' is invalid: node namespace is invalid, at "
-                         "./src/rcl/expand_topic_name.c:92")  # fmt: skip
+    for what, text, fault, line in (
+        ("topic name", name, topic_name_fault(name), 73),
+        ("node name", node_name, node_name_fault(node_name), 84),
+        ("node namespace", namespace, namespace_fault(namespace), 94),
+    ):
+        if fault is not None:
+            reason = f"{what} is invalid" if _distro.chosen == _distro.HUMBLE else fault[0]
+            raise ValueError(f"{what} '{text}' is invalid: {reason}, at ./src/rcl/expand_topic_name.c:{line}")
     prefix = namespace if namespace == "/" else namespace + "/"
     expanded = prefix + node_name + name[1:] if name[0] == "~" else name
     while "{" in expanded:
@@ -157,7 +180,7 @@ def expand(name: str, node_name: str, namespace: str) -> str:
         if value is None:
             raise ValueError(
                 f"topic name '{name}' is invalid: unknown substitution: {{{key}}}, at "
-                "./src/rcl/expand_topic_name.c:176"
+                "./src/rcl/expand_topic_name.c:163"
             )
         expanded = before + value + after
     return expanded if expanded[0] == "/" else prefix + expanded

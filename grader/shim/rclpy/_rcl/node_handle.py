@@ -2,12 +2,32 @@
 
 from __future__ import annotations
 
+import gc
+from _weakref import ref
+from sys import getrefcount
+
+from rclpy import _distro
 from rclpy._kernel import kernel
 from rclpy._link import link
-from rclpy._rcl.errors import NODE_CONTEXT, NodeNameNonExistentError, RCLError
+from rclpy._rcl.errors import (
+    NO_TOPIC_NAME,
+    NODE_CONTEXT,
+    NodeNameNonExistentError,
+    RCLError,
+    native,
+    text_or_null,
+    wrong_arguments,
+)
 from rclpy._rcl.graph import graph_of
 from rclpy._rcl.handles import ContextHandle, Handle, required
-from rclpy._rcl.names import expand, full_topic_name_fault, namespace_fault, node_name_fault
+from rclpy._rcl.names import (
+    NAMESPACE_FAULTS,
+    NODE_FAULTS,
+    expand,
+    full_topic_name_fault,
+    namespace_fault,
+    node_name_fault,
+)
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -15,11 +35,27 @@ if TYPE_CHECKING:
     from typing import Any
 
     from rclpy._rcl.graph import Endpoint, EndpointsByName
+    from rclpy._rcl.names import Fault
     from rclpy._rcl.ros_args import RosArgs
 
     NamesAndTypes = list[tuple[str, list[str]]]
 
 
+collecting: list[bool] = []
+"""Not empty while the garbage collector works."""
+
+
+def _on_collection(phase: str, _: Any) -> None:
+    if phase == "start":
+        collecting.append(True)
+    else:
+        collecting.clear()
+
+
+gc.callbacks.append(_on_collection)
+
+
+@native("Node")
 class NodeHandle(Handle):
     """A node in the graph.
 
@@ -47,22 +83,19 @@ class NodeHandle(Handle):
 
         local = parse_ros_args(cli_args or (), reject_unknown=True, of_node=True)
         self._args: list[RosArgs] = [local, context.ros_args] if use_global_arguments else [local]
-        if node_name_fault(name) is not None:
-            raise ValueError("invalid node name")
-        namespace = namespace or "/"
-        if namespace[0] != "/":
-            namespace = "/" + namespace
-        if namespace_fault(namespace) is not None:
-            raise ValueError("invalid node namespace")
+        namespace = _checked(name, namespace or "/")
         self.name = self._remapped("node", name, name)
         space = self._remapped("ns", name, namespace)
         self.namespace = space if space[0] == "/" else "/" + space
+        if namespace_fault(self.namespace) is not None:
+            raise RCLError("error creating node: rcl node's rmw handle is invalid, at ./src/rcl/node.c:415")
         self.path = self.namespace.rstrip("/") + "/" + self.name
         self.graph = graph_of(context.domain_id)
         self._identity = (self.name, self.namespace, "/")
         self.graph.nodes.append(self._identity)
         self.link_id = link.register("node", self.path)
         self.at_disposal: Callable[[], None] = _nothing
+        self._wrapper: Any = None
 
     def _dispose(self) -> None:
         for i, identity in enumerate(self.graph.nodes):
@@ -71,6 +104,33 @@ class NodeHandle(Handle):
                 break
         self.at_disposal()
         link.unregister(self.link_id)
+
+    def leave_with(self, node: Any, entities: tuple[list[Any], ...]) -> None:
+        """Leave the graph as soon as nothing refers to the node or to one of its entities any more.
+
+        Upstream's destructors do. A node that only the garbage collector can free stays: at home nobody knows when
+        that comes, and here it may come in the middle of anything.
+        """
+        attributes = vars(node)
+
+        def leave(_: object) -> None:
+            if not collecting:
+                self._abandon(attributes, entities)
+
+        self._wrapper = ref(node, leave)
+
+    def _abandon(self, attributes: dict[str, Any], entities: tuple[list[Any], ...]) -> None:
+        held = [id(value) for value in attributes.values()]
+        kept = False
+        for members in entities:
+            for entity in members:
+                # the list of members, the loop's variable and the argument refer to it as well
+                if getrefcount(entity) > 3 + held.count(id(entity)):
+                    kept = True
+                else:
+                    entity.handle.destroy_when_not_in_use()
+        if not kept:
+            self.destroy_when_not_in_use()
 
     def _remapped(self, kind: str, node: str, default: str) -> str:
         for args in self._args:
@@ -104,7 +164,7 @@ class NodeHandle(Handle):
             expanded = self.remap(expanded, "service" if service else "topic")
         fault = full_topic_name_fault(expanded)
         if fault is not None:
-            raise ValueError(f"{fault[0]}, at ./src/rcl/node_resolve_name.c:105")
+            raise ValueError(f"{fault[0]}, at ./src/rcl/node_resolve_name.c:102")
         return expanded
 
     def remap(self, expanded: str, kind: str) -> str:
@@ -122,15 +182,18 @@ class NodeHandle(Handle):
         Raises:
             RCLError: the name is invalid. TypeError: it is none, as when a topic and its type changed places.
         """
-        if not isinstance(name, str):
-            raise TypeError(
-                "rclpy_resolve_name(): incompatible function arguments. The following argument types are "
-                "supported:\n    1. (arg0: rclpy::Node, arg1: str, arg2: bool, arg3: bool) -> str\n\n"
-                f"Invoked with: <rclpy._rclpy_pybind11.Node object at {id(self):#x}>, {name!r}, "
-                f"{only_expand}, {service}"
-            )
+        text = text_or_null(
+            name,
+            lambda: wrong_arguments(
+                "rclpy_resolve_name",
+                "(arg0: rclpy::Node, arg1: str, arg2: bool, arg3: bool) -> str",
+                *(self, name, only_expand, service),
+            ),
+        )
+        if text is None:
+            raise RCLError(f"failed to resolve name: {NO_TOPIC_NAME}")
         try:
-            return self.expand_and_remap(name, service=service, only_expand=only_expand)
+            return self.expand_and_remap(text, service=service, only_expand=only_expand)
         except ValueError as fault:
             text = str(fault).partition("is invalid: ")[2] or str(fault)
             raise RCLError(f"failed to resolve name: {text}") from None
@@ -175,13 +238,19 @@ class NodeHandle(Handle):
             NodeNameNonExistentError: there is no such node. RCLError: the context was shut down.
         """
         self.require_context(failure)
-        space = namespace if namespace.startswith("/") else "/" + namespace
-        if (name, space, "/") not in self.graph.nodes:
-            raise NodeNameNonExistentError(
-                f"cannot get names and types for nonexistent node: Unable to find GUID for node: {name}"
-                ", at ./src/get_node_info_and_types.cpp:51"
-            )
-        return _collect(endpoint for endpoint in kind.all() if endpoint.owner == (name, space))
+        if not namespace:
+            namespace = "/"
+        fault, line = namespace_fault(namespace), 57
+        if fault is None:
+            fault, line = node_name_fault(name), 69
+        if fault is not None:
+            raise RCLError(f"{failure}: {_numbered(fault, of_node=line == 69)}, at ./src/rcl/graph.c:{line}")
+        if (name, namespace, "/") not in self.graph.nodes:
+            if failure[0] == "F":  # of an action
+                raise RCLError(f"{failure}: error not set")
+            what = failure.removeprefix("failed to ")
+            raise NodeNameNonExistentError(f"cannot {what} for nonexistent node: error not set")
+        return _collect(endpoint for endpoint in kind.all() if endpoint.owner == (name, namespace))
 
     def get_count_publishers(self, topic: str) -> int:
         """Return how many publishers a topic has."""
@@ -214,6 +283,31 @@ class NodeHandle(Handle):
 
 def _nothing() -> None:
     pass
+
+
+def _checked(name: str, namespace: str) -> str:
+    """Return the namespace made absolute.
+
+    Raises:
+        ValueError: the name or the namespace is invalid.
+    """
+    lines = (163, 195) if _distro.chosen == _distro.HUMBLE else (156, 184)
+    fault = node_name_fault(name)
+    if fault is not None:
+        raise ValueError(f"invalid node name: {fault[0]}, at ./src/rcl/node.c:{lines[0]}")
+    space = namespace if namespace[0] == "/" else "/" + namespace
+    fault = namespace_fault(space)
+    if fault is not None:
+        raise ValueError(f"invalid node namespace: {_numbered(fault)}, at ./src/rcl/node.c:{lines[1]}")
+    return space
+
+
+def _numbered(fault: Fault, *, of_node: bool = False) -> str:
+    """Return rmw's text for a bad namespace, or a node's bad name, with its number."""
+    number = next(
+        i for i, text in enumerate(NODE_FAULTS if of_node else NAMESPACE_FAULTS, 1) if text in fault[0]
+    )
+    return f"{fault[0]}, result: {number}"
 
 
 def _matches(pattern: str, path: str) -> bool:

@@ -158,7 +158,7 @@ def read_file(text: str, value_of: Callable[[str, str], Value]) -> None:
 class _File:
     def __init__(self, text: str, value_of: Callable[[str, str], Value]) -> None:
         self._value_of = value_of
-        self._line = 0
+        self._line = 1
         self._events = self._noting_lines(events(text))
         self._found = 0
 
@@ -193,6 +193,7 @@ class _File:
         for key, value in self._keys():
             if key.text.startswith(PARAMETERS):
                 self._read_node(names, key, value)
+                names = []  # read: the parser has left the node
             elif value.kind == MAPPING:
                 self._read_nodes([*names, key.text])
             elif value.kind == SEQUENCE:
@@ -234,8 +235,10 @@ class _File:
         for event in self._events:
             if event.kind == SEQUENCE_END:
                 return
+            if event.kind == SEQUENCE:
+                raise ValueError(f"Sequences cannot be key at line {event.line}, at ./src/parse.c:822")
             if event.kind != SCALAR:
-                raise YamlError("a list in a list")
+                raise YamlError("a mapping in a list")
             value.add(event, to_list=True)
 
 

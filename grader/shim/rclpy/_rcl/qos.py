@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rclpy._rcl.clocks import INFINITE_NS, NativeDuration
 from rclpy._rcl.enums import NativeEnum
+from rclpy._rcl.errors import native
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ _PREDEFINED = {
 """Name -> history, depth, reliability and durability (rmw/qos_profiles.h, rcl_action/default_qos.h)."""
 
 
+@native("rmw_qos_profile_t")
 class NativeQos:
     """One QoS profile; enumerations are held as their numbers, durations in nanoseconds (0: default)."""
 
@@ -191,7 +193,7 @@ class CompatibilityResult:
 def check_compatible(offered: NativeQos, requested: NativeQos) -> CompatibilityResult:
     """Compare two profiles as rmw_dds_common's qos.cpp does: errors first, otherwise warnings."""
     result = CompatibilityResult()
-    error, warning = QoSCompatibility.ERROR, QoSCompatibility.WARNING
+    error = QoSCompatibility.ERROR
     if offered.reliability == BEST_EFFORT and requested.reliability == RELIABLE:
         result.add(error, "Best effort publisher and reliable subscription")
     if offered.durability == VOLATILE and requested.durability == TRANSIENT_LOCAL:
@@ -199,7 +201,7 @@ def check_compatible(offered: NativeQos, requested: NativeQos) -> CompatibilityR
     _check_periods(offered, requested, result)
     if result.compatibility is error:
         return result
-    _warn_of_defaults(offered, requested, result, warning)
+    _warn_of_defaults(offered, requested, result)
     return result
 
 
@@ -218,16 +220,40 @@ def _check_periods(offered: NativeQos, requested: NativeQos, result: Compatibili
         result.add(error, "Subscription liveliness lease duration is less than publisher")
 
 
-def _warn_of_defaults(
-    offered: NativeQos, requested: NativeQos, result: CompatibilityResult, warning: QoSCompatibility
-) -> None:
-    names = {RELIABLE: "reliable", BEST_EFFORT: "best effort"}
-    durabilities = {TRANSIENT_LOCAL: "transient local", VOLATILE: "volatile"}
-    undecided = {SYSTEM_DEFAULT: "system default", UNKNOWN: "unknown"}
-    for field, decided in (("reliability", names), ("durability", durabilities)):
-        values = getattr(offered, field), getattr(requested, field)
-        if undecided.keys() & set(values):
-            known = {**decided, **undecided}
-            publisher, subscription = (known.get(value, "best available") for value in values)
-            text = f"{field.capitalize()} of publisher is {publisher} and of subscription {subscription}"
-            result.add(warning, text)
+_WARNINGS = (
+    (
+        *(
+            "reliability",
+            RELIABLE,
+            BEST_EFFORT,
+            "Publisher reliability is {} and subscription reliability is {}",
+        ),
+        *("Reliable subscription, but publisher is {}", "Best effort publisher, but subscription is {}"),
+    ),
+    (
+        *("durability", TRANSIENT_LOCAL, VOLATILE),
+        "Publisher durabilty is {} and subscription durability is {}",
+        *("Transient local subscription, but publisher is {}", "Volatile publisher, but subscription is {}"),
+    ),
+    (
+        *("liveliness", MANUAL_BY_TOPIC, AUTOMATIC),
+        "Publisher liveliness is {} and subscription liveliness is {}",
+        "Subscription's liveliness is manual by topic, but publisher's is {}",
+        "Publisher's liveliness is automatic, but subscription's is {}",
+    ),
+)
+"""Policy, value of a subscription and of a publisher that an undecided other end may not suit, and texts."""
+
+
+def _warn_of_defaults(offered: NativeQos, requested: NativeQos, result: CompatibilityResult) -> None:
+    for field, demanding, lax, neither, of_publisher, of_subscription in _WARNINGS:
+        publisher, subscription = getattr(offered, field), getattr(requested, field)
+        unknown = UNKNOWN_LIVELINESS if field == "liveliness" else UNKNOWN
+        undecided = {SYSTEM_DEFAULT: "system_default", unknown: "unknown"}
+        names = undecided.get(publisher), undecided.get(subscription)
+        if names[0] and names[1]:
+            result.add(QoSCompatibility.WARNING, neither.format(*names))
+        elif names[0] and subscription == demanding:
+            result.add(QoSCompatibility.WARNING, of_publisher.format(names[0]))
+        elif names[1] and publisher == lax:
+            result.add(QoSCompatibility.WARNING, of_subscription.format(names[1]))

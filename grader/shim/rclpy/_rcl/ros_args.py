@@ -76,9 +76,12 @@ def parse_ros_args(args: Sequence[str], *, reject_unknown: bool, of_node: bool =
     except ValueError as fault:
         if of_node:
             raise RCLInvalidROSArgsError(f"Failed to parse ROS arguments: {fault}") from None
+        from rclpy._rcl import logs
+
+        logs.log(40, "rcl", "Failed to parse global arguments", "", "", 0)
         raise RCLError(f"failed to initialize rcl: {fault}") from None
     if parsed.unknown and reject_unknown:
-        raise UnknownROSArgsError(f"Found unknown ROS args: {parsed.unknown!r}")
+        raise UnknownROSArgsError(repr(parsed.unknown))
     return parsed
 
 

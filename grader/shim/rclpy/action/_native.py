@@ -125,9 +125,24 @@ class ActionClientHandle(_Members):
         self.status = SubscriptionHandle(node, kinds.GoalStatusMessage, base + "status", status_qos)
         self.members = [self.feedback, self.status, self.goal, self.cancel, self.result]
 
+    def send(self, what: str, request: Any) -> int:
+        """Send a request to the service for the goal, its result or its cancelling; return its number.
+
+        Raises:
+            RCLError: the client was destroyed.
+        """
+        if self.doomed:
+            invalid = "action client pointer is invalid, at ./src/rcl_action/action_client.c:470"
+            raise RCLError(f"Failed to send {what} request: {invalid}")
+        client: ClientHandle = getattr(self, what)
+        return client.send_request(request)
+
     def is_action_server_available(self) -> bool:
         """Whether a server offers all of the action."""
-        self.feedback.node.require_context("Failed to check if action server is available")
+        failure = "Failed to check if action server is available"
+        if self.doomed:
+            raise RCLError(f"{failure}: rcl node pointer is invalid, at ./src/rcl/node.c:413")
+        self.feedback.node.require_context(failure)
         graph = self.feedback.node.graph
         return all(
             client.service_server_is_available() for client in (self.goal, self.cancel, self.result)

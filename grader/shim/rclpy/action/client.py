@@ -288,8 +288,7 @@ class ActionClient(Waitable):
         request = self._action_type.Impl.SendGoalService.Request()
         request.goal_id = new_goal_id() if goal_uuid is None else goal_uuid
         request.goal = goal
-        self._client_handle.require()
-        sequence = self._client_handle.goal.send_request(request)
+        sequence = self._client_handle.send("goal", request)
         if feedback_callback is not None:
             self._feedback_callbacks[uuid_bytes(request.goal_id)] = feedback_callback
         return self._goals.add(sequence, request.goal_id)
@@ -302,8 +301,7 @@ class ActionClient(Waitable):
             raise TypeError(f"Expected type ClientGoalHandle but received {type(goal_handle)}")
         request = CancelGoal.Request()
         request.goal_info.goal_id = goal_handle.goal_id
-        self._client_handle.require()
-        return self._cancels.add(self._client_handle.cancel.send_request(request), goal_handle.goal_id)
+        return self._cancels.add(self._client_handle.send("cancel", request), goal_handle.goal_id)
 
     def _get_result(self, goal_handle: ClientGoalHandle) -> Any:
         return block_on(self._get_result_async(goal_handle), f"get_result() of {self._action_name!r}")
@@ -313,12 +311,10 @@ class ActionClient(Waitable):
             raise TypeError(f"Expected type ClientGoalHandle but received {type(goal_handle)}")
         request = self._action_type.Impl.GetResultService.Request()
         request.goal_id = goal_handle.goal_id
-        self._client_handle.require()
-        return self._results.add(self._client_handle.result.send_request(request), goal_handle.goal_id)
+        return self._results.add(self._client_handle.send("result", request), goal_handle.goal_id)
 
     def server_is_ready(self) -> bool:
         """Whether a server of this action exists."""
-        self._client_handle.require()
         return self._client_handle.is_action_server_available()
 
     def wait_for_server(self, timeout_sec: float | None = None) -> bool:

@@ -1,6 +1,6 @@
 """Managed nodes: configured, activated and shut down from outside."""
 
-from rclpy.lifecycle._machine import TransitionCallbackReturnType as TransitionCallbackReturn
+from rclpy.lifecycle import _machine
 from rclpy.lifecycle.managed_entity import ManagedEntity, SimpleManagedEntity
 from rclpy.lifecycle.node import LifecycleNode, LifecycleNodeMixin, LifecycleState
 from rclpy.lifecycle.publisher import LifecyclePublisher
@@ -9,17 +9,13 @@ Node = LifecycleNode
 NodeMixin = LifecycleNodeMixin
 State = LifecycleState
 Publisher = LifecyclePublisher
+TransitionCallbackReturn = _machine.TransitionCallbackReturnType
 
-__all__ = [
+__all__ = [  # without the short names, which are those of rclpy.node
     "LifecycleNode",
     "LifecycleNodeMixin",
     "LifecyclePublisher",
     "LifecycleState",
     "ManagedEntity",
-    "Node",
-    "NodeMixin",
-    "Publisher",
     "SimpleManagedEntity",
-    "State",
-    "TransitionCallbackReturn",
 ]

@@ -169,4 +169,9 @@ class LifecycleStateMachine:
             message.start_state.label = STATES[start]
             message.goal_state.id = goal
             message.goal_state.label = STATES[goal]
-            self._events.publish(message)
+            try:
+                self._events.publish(message)
+            except RCLError as error:
+                cause = str(error).removeprefix("Failed to publish: ")
+                text = f"Could not publish transition: {cause}, at ./src/rcl_lifecycle.c:368"
+                raise RCLError(f"Failed to trigger lifecycle state machine transition: {text}") from None
