@@ -19,7 +19,8 @@ from grader.grading.slot import Slot, SlotConfig
 from grader.live.cars import LiveCars
 from grader.operation.metrics import Metrics, exported
 from grader.operation.settings import Settings, is_loopback
-from grader.outside.signin import Providers, opened, read_config
+from grader.outside.signin import Providers, read_config
+from grader.outside.signin.opening import opened
 from grader.sandbox import script_sandbox, syntax_sandbox
 from grader.service.worker import Uploads, Worker, WorkerConfig, WorkerParts
 from grader.service.worker.beside import ServiceLink, WorkerProcess

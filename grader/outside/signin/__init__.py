@@ -13,7 +13,6 @@ from grader.outside.signin.providers import (
     SignInAttempt,
     SignInError,
     is_subject,
-    opened,
 )
 
 __all__ = (
@@ -24,6 +23,5 @@ __all__ = (
     "SignInConfig",
     "SignInError",
     "is_subject",
-    "opened",
     "read_config",
 )

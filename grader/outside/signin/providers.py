@@ -1,11 +1,11 @@
-"""What all providers have in common, and the list of those that are set up."""
+"""What all providers have in common, and the list of those that are set up (`opening` makes it)."""
 
 import secrets
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from grader.outside.signin.config import CasEntry, Entry, HeaderEntry, SignInConfig
+from grader.outside.signin.config import HeaderEntry
 
 _SECRET_BYTES = 32
 _MOST_SUBJECT = 255
@@ -114,28 +114,3 @@ class Providers:
     def header(self, id_: str) -> HeaderEntry | None:
         """Return the proxies' header of that id."""
         return next((one for one in self.headers if one.id == id_), None)
-
-
-def opened(config: SignInConfig, clock_s: Callable[[], float]) -> Providers:
-    """Return the providers that are set up; nothing is asked yet.
-
-    Raises:
-        SettingsError: a secret cannot be read, or the packages for OpenID Connect are not installed.
-    """
-    sending = [one for one in config.providers if not isinstance(one, HeaderEntry)]
-    return Providers(
-        public_url=config.public_url,
-        private_platforms=config.allow_private_platforms,
-        away=tuple(_made(one, clock_s) for one in sending),
-        headers=tuple(one for one in config.providers if isinstance(one, HeaderEntry)),
-    )
-
-
-def _made(entry: Entry, clock_s: Callable[[], float]) -> Provider:
-    from grader.outside.signin.cas import Cas
-    from grader.outside.signin.oidc import oidc
-
-    if isinstance(entry, CasEntry):
-        return Cas(entry)
-    assert not isinstance(entry, HeaderEntry)
-    return oidc(entry, clock_s)

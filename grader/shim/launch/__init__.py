@@ -30,10 +30,10 @@ from launch._evaluation import (
     LaunchDescriptionEntity,
     Substitution,
 )
+from launch._handlers import BaseEventHandler as BaseEventHandler
+from launch._handlers import EventHandler
 from launch._modules import offer
 from launch._service import LaunchIntrospector, LaunchService
-from launch.event_handlers import BaseEventHandler as BaseEventHandler
-from launch.event_handlers import EventHandler
 from launch.launch_description_sources import InvalidLaunchFileError, LaunchDescriptionSource
 
 SomeSubstitutionsType = str | Substitution | Iterable[str | Substitution]

@@ -18,6 +18,15 @@ class Event:
     name = "launch.Event"
 
 
+class ExecutionComplete(Event):
+    """An action has been carried out; one that starts a process, when that has ended."""
+
+    name = "launch.events.ExecutionComplete"
+
+    def __init__(self, *, action: Any) -> None:
+        self.action = action
+
+
 class LaunchContext:
     """What substitutions are evaluated against, and what would have been started.
 
@@ -214,8 +223,6 @@ class Action(LaunchDescriptionEntity):
 
     def complete_in(self, context: LaunchContext) -> None:
         """Let the end of it be an event, if anybody waits for that."""
-        from launch.events import ExecutionComplete
-
         event = ExecutionComplete(action=self)
         if context.would_handle_event(event):
             self.end_in(context, event)

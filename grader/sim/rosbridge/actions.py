@@ -1,16 +1,14 @@
 """Goals that clients send: each becomes the requests that an action is made of."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import count
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, Protocol
 
 from grader.sim.cdr import Values
+from grader.sim.interfaces import Types
 from grader.sim.rosbridge.frames import CancelActionGoal, FrameError, Identity, SendActionGoal
 from grader.sim.rosbridge.values import in_order
-
-if TYPE_CHECKING:
-    from grader.sim.rosbridge.bridge import Bridge
 
 MOST_GOALS: Final = 16
 """Of one client at once."""
@@ -29,6 +27,28 @@ class Reply(NamedTuple):
 _NOBODY: Final = Reply(lambda _: None, lambda _: None)
 
 
+class Graph(Protocol):
+    """What goals need of the bridge: its graph's services and topics, and a way to their clients."""
+
+    def service_type(self, service: str) -> str | None:
+        """Return the type of a service of the graph, None where there is none."""
+
+    def field_types(self) -> Types:
+        """Return the table of types."""
+
+    def call(self, client: int, service: str, values: dict[str, Any], reply: Reply, *, waits: bool) -> None:
+        """Call a service of the graph for a client."""
+
+    def send(self, client: int, frame: Mapping[str, Any], identity: Identity) -> None:
+        """Send a frame to a client, if it is still there."""
+
+    def watch(self, topic: str, key: object, watcher: Callable[[Values], None]) -> None:
+        """Pass each message on a topic of the graph to `watcher`."""
+
+    def unwatch(self, topic: str, key: object) -> None:
+        """Remove the watcher of that key."""
+
+
 @dataclass(slots=True)
 class _Goal:
     client: int
@@ -42,7 +62,7 @@ class _Goal:
 class Goals:
     """The goals under way."""
 
-    def __init__(self, bridge: "Bridge") -> None:
+    def __init__(self, bridge: Graph) -> None:
         self._bridge = bridge
         self._numbers = count(1)
         self._under_way: list[_Goal] = []

@@ -5,15 +5,12 @@ setting what cannot be set gives no error.
 """
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import msgspec
 
-from grader.sim.rosbridge.actions import Reply
+from grader.sim.rosbridge.actions import Graph, Reply
 from grader.sim.rosbridge.frames import FrameError
-
-if TYPE_CHECKING:
-    from grader.sim.rosbridge.bridge import Bridge
 
 _FIELDS: Final = {
     1: "bool_value",
@@ -34,7 +31,7 @@ _LONGEST: Final = 1_000
 class RosapiParameters:
     """Answers them. `services` returns the types of the graph's services by name."""
 
-    def __init__(self, bridge: "Bridge", services: Callable[[], Mapping[str, str]]) -> None:
+    def __init__(self, bridge: Graph, services: Callable[[], Mapping[str, str]]) -> None:
         self._bridge = bridge
         self._services = services
         self._handlers: dict[str, Callable[[int, Mapping[str, Any], Reply], None]] = {

@@ -7,8 +7,8 @@ import os
 from rclpy import _distro
 
 from launch._evaluation import Action, Event, LaunchContext, checked, perform_bool
+from launch._handlers import OnActionEventBase
 from launch.descriptions import Executable
-from launch.event_handlers import OnProcessExit
 from launch.events.process import ProcessExited, ProcessStarted
 
 TYPE_CHECKING = False
@@ -74,7 +74,14 @@ class ExecuteLocal(Action):
             "pid": os.getpid() + Executable.count,
         }
         if self._on_exit is not None:
-            context.register_event_handler(OnProcessExit(target_action=self, on_exit=self._on_exit))
+            context.register_event_handler(
+                OnActionEventBase(
+                    action_matcher=self,
+                    on_event=self._on_exit,
+                    target_event_cls=ProcessExited,
+                    target_action_cls=ExecuteLocal,
+                )
+            )
         context.emit_event_sync(ProcessStarted(**self.process_details))
 
     def end(self, context: LaunchContext, code: int) -> None:

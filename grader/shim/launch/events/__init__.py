@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from launch._evaluation import Event
+from launch._evaluation import Event, ExecutionComplete
 from launch.events import process
 
 TYPE_CHECKING = False
@@ -23,15 +23,6 @@ __all__ = [
 def matches_action(target_action: Any) -> Callable[[Any], bool]:
     """Return what tells one action from all others."""
     return lambda action: bool(action == target_action)
-
-
-class ExecutionComplete(Event):
-    """An action has been carried out; one that starts a process, when that has ended."""
-
-    name = "launch.events.ExecutionComplete"
-
-    def __init__(self, *, action: Any) -> None:
-        self.action = action
 
 
 class IncludeLaunchDescription(Event):

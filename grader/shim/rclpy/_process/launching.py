@@ -88,7 +88,8 @@ class Launched:
     """
 
     def __init__(self, context: Any, description: Any, path: str) -> None:
-        from launch.event_handlers import EventHandler, OnIncludeLaunchDescription, OnShutdown
+        from launch._handlers import EventHandler
+        from launch.event_handlers import OnIncludeLaunchDescription, OnShutdown
 
         self.shutdown_ns: int | None = None
         self._context = context

@@ -3,7 +3,8 @@ from pathlib import Path
 import pytest
 
 from grader.contracts.errors import SettingsError
-from grader.outside.signin import opened, read_config
+from grader.outside.signin import read_config
+from grader.outside.signin.opening import opened
 
 GOOD = """
 public_url = "https://grader.example.edu/"

@@ -12,8 +12,9 @@ from joserfc.jwk import RSAKey
 
 from grader.api import behind_proxies
 from grader.contracts.identity import Role, RosterEntry
-from grader.outside.signin import Providers, opened
+from grader.outside.signin import Providers
 from grader.outside.signin.config import SignInConfig
+from grader.outside.signin.opening import opened
 from grader.service.web.access import PEER, SESSION_COOKIE
 from grader.service.web.signing_in import AWAY_COOKIE, HELD_COOKIE
 from grader.use_cases.services import Services
@@ -177,7 +178,6 @@ def test_who_is_in_two_courses_chooses(desk: Browser, idp: FakeProvider, service
     assert "Zweiter Kurs" in desk.get("/submissions").text
 
 
-@pytest.mark.thorough
 def test_who_comes_into_another_course_later_chooses(
     desk: Browser, idp: FakeProvider, services: Services
 ) -> None:
@@ -211,7 +211,6 @@ SPOILT: dict[str, Callable[[FakeProvider], None]] = {
 }
 
 
-@pytest.mark.sweep(8)
 @pytest.mark.parametrize("how", SPOILT)
 def test_a_token_that_is_not_to_be_believed_lets_nobody_in(
     desk: Browser, idp: FakeProvider, how: str
@@ -236,7 +235,6 @@ def test_a_new_key_is_fetched(desk: Browser, idp: FakeProvider, services: Servic
     assert idp.asked.count("/keys") == 2
 
 
-@pytest.mark.thorough
 def test_a_key_that_was_withdrawn_is_believed_for_a_day(
     desk: Browser, idp: FakeProvider, services: Services
 ) -> None:
@@ -311,7 +309,6 @@ CAS_ANSWERS = {
 }
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize("how", CAS_ANSWERS)
 def test_a_cas_answer_that_is_none_lets_nobody_in(desk: Browser, idp: FakeProvider, how: str) -> None:
     idp.cas_answer = CAS_ANSWERS[how]

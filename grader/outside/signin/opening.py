@@ -1,0 +1,30 @@
+"""Opening the providers that the operator's file names."""
+
+from collections.abc import Callable
+
+from grader.outside.signin.cas import Cas
+from grader.outside.signin.config import CasEntry, Entry, HeaderEntry, SignInConfig
+from grader.outside.signin.oidc import oidc
+from grader.outside.signin.providers import Provider, Providers
+
+
+def opened(config: SignInConfig, clock_s: Callable[[], float]) -> Providers:
+    """Return the providers that are set up; nothing is asked yet.
+
+    Raises:
+        SettingsError: a secret cannot be read, or the packages for OpenID Connect are not installed.
+    """
+    sending = [one for one in config.providers if not isinstance(one, HeaderEntry)]
+    return Providers(
+        public_url=config.public_url,
+        private_platforms=config.allow_private_platforms,
+        away=tuple(_made(one, clock_s) for one in sending),
+        headers=tuple(one for one in config.providers if isinstance(one, HeaderEntry)),
+    )
+
+
+def _made(entry: Entry, clock_s: Callable[[], float]) -> Provider:
+    if isinstance(entry, CasEntry):
+        return Cas(entry)
+    assert not isinstance(entry, HeaderEntry)
+    return oidc(entry, clock_s)
