@@ -9,9 +9,9 @@ help:     ## this list
 	@sed -n 's/^\([a-z-]*\): *## /\1\t/p' $(firstword $(MAKEFILE_LIST)) | expand -t 12
 demo:     ## grade a small class over HTTP and show the dashboard
 	@$(RUN) demo $(ARGS)
-test:     ## the everyday tests; all tests of what ARGS names
+test:     ## the tests without the slow ones; ARGS="tests/unit/checks -k credit" names some
 	@$(RUN) test $(ARGS)
-test-all: ## the thorough tests as well: twice as long
+test-all: ## all tests, and more examples of each property: twice as long
 	@$(RUN) test-all $(ARGS)
 image-test: ## build the container image without a daemon and try it as an ordinary container
 	@$(RUN) image-test $(ARGS)

@@ -20,15 +20,8 @@ import pytest
 os.environ["HYPOTHESIS_NO_PLUGINS"] = (
     "1"  # the only one is trio's, which takes longer to import than hypothesis
 )
+import tests.examples  # noqa: F401 - before any test draws one
 from tests.fakes import postgres
-from tests.tiers import (  # noqa: F401  hooks
-    choose_tier,
-    pytest_addoption,
-    pytest_collection_modifyitems,
-    pytest_sessionfinish,
-    pytest_terminal_summary,
-    pytest_testnodedown,
-)
 
 if TYPE_CHECKING:  # imported by the fixtures: the process that only hands out the tests does without
     from sqlalchemy import URL, Engine
@@ -72,7 +65,6 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 def pytest_configure(config: pytest.Config) -> None:
     _forget_settings()
-    choose_tier(config)
     if not hasattr(config, "workerinput"):
         config.stash[_ALIVE] = postgres.begin_run()
         _compile(config)

@@ -7,6 +7,7 @@ import pytest
 from grader.contracts.grading import Grader
 from tests.corpus.attempts import FIGURES, STYLES, Attempt, corpus
 from tests.corpus.scoring import confusion, for_real, on_the_ideal_turtle
+from tests.rows import slow_but
 
 CORPUS = corpus()
 
@@ -39,16 +40,14 @@ def test_the_corpus_is_large_and_varied() -> None:
     assert {attempt.assignment for attempt in CORPUS} >= set(FIGURES)
 
 
-@pytest.mark.sweep(3)
-@pytest.mark.parametrize("name", [*FIGURES, "straight", "backward", "spin"])
+@pytest.mark.parametrize("name", slow_but(3, [*FIGURES, "straight", "backward", "spin"]))
 def test_nothing_is_scored_wrongly_on_the_ideal_turtle(name: str) -> None:
     scored = [on_the_ideal_turtle(attempt) for attempt in CORPUS if attempt.assignment == name]
     assert len(scored) > 20
     assert not [str(each) for each in scored if each.scored_wrongly], confusion(scored)
 
 
-@pytest.mark.sweep(10)
-@pytest.mark.parametrize("attempt", sample(), ids=str)
+@pytest.mark.parametrize("attempt", slow_but(10, sample()), ids=str)
 def test_nothing_is_scored_wrongly_for_real(grader: Grader, attempt: Attempt) -> None:
     scored = for_real(grader)(attempt)
     assert not scored.scored_wrongly, str(scored)

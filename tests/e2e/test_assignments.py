@@ -43,7 +43,7 @@ def shares() -> Iterator[ParameterSet]:
             known |= {attempt.mistake} if wanted else set()
         yield pytest.param(name, often, id=name)
         if seldom:
-            yield pytest.param(name, seldom, id=f"{name}-others", marks=pytest.mark.thorough)
+            yield pytest.param(name, seldom, id=f"{name}-others", marks=pytest.mark.slow)
 
 
 @pytest.mark.parametrize(("name", "files"), [*shares()])
@@ -200,7 +200,6 @@ STYLES = {
 }
 
 
-@pytest.mark.in_turn("name", "sides")
 @pytest.mark.parametrize("style", STYLES)
 @pytest.mark.parametrize(("name", "sides"), [("triangle", 3), ("square", 4), ("pentagon", 5)])
 def test_right_scripts_of_other_styles_get_full_marks(

@@ -145,7 +145,7 @@ def test_the_replay(browser: Browser) -> None:
     assert float(browser.one("[data-graphs] .cursor").get_attribute("x1")) < cursor
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_replay_plays_by_itself(browser: Browser) -> None:
     browser.enter("student", "bo")
     browser.command("Emulation.setEmulatedMedia", features=[MOTION])
@@ -182,7 +182,7 @@ def scriptless(browser: Browser) -> Iterator[Browser]:
     browser.command("Emulation.setScriptExecutionDisabled", value=False)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_everything_without_scripts(scriptless: Browser) -> None:
     browser = scriptless
     browser.open("/assignments/square")
@@ -208,7 +208,7 @@ def test_hostile_output_stays_text(browser: Browser, tmp_path: Path) -> None:
     assert "<img src=x onerror=alert(1)>.py" in text
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_instructors_way(browser: Browser, token: str) -> None:
     browser.enter("token", token)
     assert browser.path == "/class"
@@ -250,8 +250,7 @@ def test_the_keyboard_is_enough(browser: Browser) -> None:
     assert [press(Keys.TAB) for _ in range(3)] == ["student", "file", "submit"]
 
 
-@pytest.mark.in_turn("language")
-@pytest.mark.parametrize("language", ["zh", "en"])
+@pytest.mark.parametrize("language", ["zh", pytest.param("en", marks=pytest.mark.slow)])
 def test_a_phone_shows_everything(browser: Browser, token: str, service: httpx.Client, language: str) -> None:
     best = service.get("/api/v1/dashboard").json()["students"][1]["assignments"]["square"]
     result = best["latest_submission"].removeprefix("/api/v1")
@@ -272,7 +271,7 @@ def test_a_phone_shows_everything(browser: Browser, token: str, service: httpx.C
     )
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_every_control_has_a_name(browser: Browser, token: str) -> None:
     browser.signed_in("token", token)
     for page in ("/class", "/class/students/bo", "/assignments/square", "/enter"):

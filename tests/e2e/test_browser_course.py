@@ -56,7 +56,7 @@ def _still_running(*asked: Any) -> Regrade:
     return replace(regrade_of(*asked), waiting=1)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_grading_again_shows_who_loses_and_is_applied(
     wang: Browser, course: School, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -98,7 +98,7 @@ def test_grading_again_shows_who_loses_and_is_applied(
     assert len(wang.all("tbody tr")) == 2
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_gradebook_is_looked_at_and_downloaded(wang: Browser, course: School) -> None:
     wang.click('.sections a[href="/class/gradebook"]')
     assert "100" in wang.says(".matrix tbody tr")
@@ -109,7 +109,7 @@ def test_the_gradebook_is_looked_at_and_downloaded(wang: Browser, course: School
         assert "李雷" in answer.text or answer.content.startswith(b"PK")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_rules_are_edited_and_wrong_ones_are_told_at_their_field(wang: Browser) -> None:
     wang.click('.sections a[href="/class/rules"]')
     wang.click('a[href="/class/rules/square"]')
@@ -132,7 +132,7 @@ def test_rules_are_edited_and_wrong_ones_are_told_at_their_field(wang: Browser) 
     assert "extension changed" in wang.says()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_points_by_hand_reach_the_student(wang: Browser, course: School) -> None:
     wang.click('.sections a[href="/class/judgements"]')
     wang.click('a[href*="item=timer"][href^="?"]')
@@ -158,7 +158,7 @@ def test_points_by_hand_reach_the_student(wang: Browser, course: School) -> None
     assert "Say also <who> calls it." in wang.says()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_every_run_of_several_is_replayed(browser: Browser, course: School) -> None:
     browser.signed_in("token", course.tokens["20260102"])
     browser.open("/submissions")
@@ -182,8 +182,7 @@ def test_assistants_find_no_way_to_change(browser: Browser, course: School) -> N
     assert not browser.all('.sections a[href="/class/audit"]')
 
 
-@pytest.mark.in_turn("language")
-@pytest.mark.parametrize("language", ["zh", "en"])
+@pytest.mark.parametrize("language", ["zh", pytest.param("en", marks=pytest.mark.slow)])
 def test_a_phone_shows_everything(browser: Browser, course: School, language: str) -> None:
     browser.signed_in("token", course.tokens["wang"])
     browser.resize(PHONE)
@@ -199,7 +198,7 @@ def test_a_phone_shows_everything(browser: Browser, course: School, language: st
         assert browser.js("return document.documentElement.scrollWidth") <= PHONE[0], page
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_every_control_has_a_name(wang: Browser) -> None:
     for page in (
         "/class/regrades",
@@ -212,7 +211,7 @@ def test_every_control_has_a_name(wang: Browser) -> None:
         assert wang.nameless("a, button, input:not([type=hidden]), select, textarea, [role=group], nav") == []
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_an_uploaded_assignment_is_examined_and_tried(wang: Browser, tmp_path: Path) -> None:
     """First with a mistake in its file, then right: the worker runs its scripts, the staff see it."""
     folder = default_root() / "calculation"

@@ -85,7 +85,7 @@ def test_a_script_is_written_run_mended_and_handed_in(student: Browser, course: 
     assert "100 / 100" in student.says("#score")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_what_is_refused_is_told_and_not_called_a_lost_connection(student: Browser) -> None:
     from selenium.webdriver.common.keys import Keys
 
@@ -119,7 +119,7 @@ _NOTE_PROGRESS = """
 """
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_run_tells_meanwhile_how_far_it_is_and_what_it_prints(student: Browser) -> None:
     _write(student, _BUSY)
     student.js(_NOTE_PROGRESS)
@@ -131,7 +131,7 @@ def test_a_run_tells_meanwhile_how_far_it_is_and_what_it_prints(student: Browser
     assert not student.one("#so-far").is_displayed()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_it_is_used_without_a_mouse(student: Browser) -> None:
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.keys import Keys
@@ -164,9 +164,7 @@ def test_without_scripts_it_leads_to_the_form_for_files(student: Browser) -> Non
         student.command("Emulation.setScriptExecutionDisabled", value=False)
 
 
-@pytest.mark.in_turn("language", "size")
-@pytest.mark.parametrize("language", ["zh", "en"])
-@pytest.mark.parametrize("size", [PHONE, (390, 844)], ids=str)
+@pytest.mark.parametrize(("language", "size"), [("zh", PHONE), ("en", (390, 844))], ids=str)
 def test_the_page_fits_a_phone(student: Browser, language: str, size: tuple[int, int]) -> None:
     student.resize(size)
     student.open(f"/assignments/square/practice?lang={language}")

@@ -34,7 +34,7 @@ def test_full_marks_end_with_0_and_a_table_in_chinese(tmp_path: Path) -> None:
     assert not done.stderr
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_who_reads_no_further_gets_no_traceback(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "grader", "check", str(LESSON / "square_mover.py"), "--json"]
     reads, writes = os.pipe()
@@ -184,7 +184,6 @@ def test_run_tells_what_to_do_about_a_crash_and_draws_what_was_driven(
     assert "EOFError" in done.stderr
 
 
-@pytest.mark.sweep(10)
 @pytest.mark.parametrize("name", [assignment.id for assignment in catalog().all()])
 def test_the_published_rubric_names_every_item(capsys: pytest.CaptureFixture[str], name: str) -> None:
     assert cli.run(["assignments", "show", name, "--lang", "en"]) == 0
@@ -206,7 +205,7 @@ def test_a_text_answers_a_question(tmp_path: Path, at_terminal: Terminal) -> Non
     assert ".py" in refused.stderr
 
 
-@pytest.mark.parametrize("settings", ["", pytest.param("/proc/none", marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("settings", ["", pytest.param("/proc/none", marks=pytest.mark.slow)])
 def test_a_plot_that_cannot_be_written_is_no_lost_mark(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, settings: str
 ) -> None:

@@ -70,7 +70,7 @@ rclpy.spin(node)
 """
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_run_that_is_told_of_is_the_same_run(slot: Slot) -> None:
     job = GradingJob(file_name="a.py", source=BUSY, assignment=catalog().get("square"))
     told: list[RunProgress] = []

@@ -38,7 +38,6 @@ def hidden(text: str) -> set[str]:
     }
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_the_terminal_shows_it_escaped(name: str, tmp_path: Path, at_terminal: Terminal) -> None:
     (tmp_path / NAME).write_text(SCRIPTS[name], encoding="utf-8", newline="")

@@ -169,7 +169,6 @@ def main():
 """
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     ("end", "told"),
     [
@@ -399,7 +398,7 @@ def test_a_node_that_leaves_a_dead_proxy_behind_takes_its_things_along(slot: Slo
 MANY = "*[Node(package='my_turtle', executable='ask', arguments=['x'], name=f'n{i}') for i in range({})]"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_as_many_nodes_as_there_are_threads_run(slot: Slot) -> None:
     assert of(launched(slot, MANY.replace("{}", "63"))).stdout.text.count("ask my_turtle.ask") == 63
 

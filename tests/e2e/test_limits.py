@@ -10,6 +10,7 @@ from grader.contracts.outcome import RunStatus
 from grader.contracts.report import GradeStatus
 from grader.grading.slot import Slot
 from tests.e2e.grading_slot import catalog
+from tests.rows import slow_but
 
 LIMITS = Limits(grace_cpu_s=0.2, output_bytes=256 * 1024, memory_bytes=192 * MIB)
 BRIEF = replace(LIMITS, cpu_s=0.3, steps=100_000)  # three sides and what was seen take 0.06 s
@@ -121,8 +122,7 @@ def grade(slot: Slot, ending: str, limits: Limits = LIMITS) -> GradingResult:
     return slot.grade(job)
 
 
-@pytest.mark.sweep(5)
-@pytest.mark.parametrize("name", ENDINGS)
+@pytest.mark.parametrize("name", slow_but(3, ENDINGS))
 def test_three_sides_and_then(slot: Slot, part: float, name: str) -> None:
     ending, status, (zh, en) = ENDINGS[name]
     limits = BRIEF if status is RunStatus.CPU_LIMIT else LIMITS
@@ -143,7 +143,6 @@ def test_three_sides_and_then(slot: Slot, part: float, name: str) -> None:
     assert first.trajectories == second.trajectories
 
 
-@pytest.mark.sweep(1)
 @pytest.mark.parametrize(
     ("ending", "status", "words"),
     [

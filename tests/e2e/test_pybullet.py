@@ -17,6 +17,7 @@ from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from grader.sim.replay import Replay
 from tests.e2e.grading_slot import catalog, grade
+from tests.rows import slow_but
 
 EXERCISES = [one.id for one in Catalog(set_root("pybullet")).all()]
 SEEN = """
@@ -192,8 +193,7 @@ def replayed_unseen(sandbox: Sandbox, task: Assignment, result: EpisodeResult) -
     return replay.account()
 
 
-@pytest.mark.sweep(2)
-@pytest.mark.parametrize("script", SCRIPTS)
+@pytest.mark.parametrize("script", slow_but(2, SCRIPTS))
 def test_a_replay_ends_in_the_very_state_that_the_script_saw(sandbox: Sandbox, car: Car, script: str) -> None:
     task = catalog().get("panda_lift")
     result, printed = ran(sandbox, car, task, HEAD + SCRIPTS[script] + SEEN)
@@ -203,8 +203,7 @@ def test_a_replay_ends_in_the_very_state_that_the_script_saw(sandbox: Sandbox, c
     assert printed.split()[-2:] == ["state", first.state]
 
 
-@pytest.mark.sweep(2)
-@pytest.mark.parametrize("name", EXERCISES)
+@pytest.mark.parametrize("name", slow_but(2, EXERCISES))
 def test_a_solution_gets_full_marks_and_pictures(grader: Grader, name: str) -> None:
     assert grade(grader, name, own(name)).score == 100
 
@@ -213,7 +212,6 @@ def own(name: str, file: str = "solution.py") -> bytes:
     return catalog().scripts(name)[file]
 
 
-@pytest.mark.sweep(1)
 @pytest.mark.parametrize("again", ["p.disconnect()", "p.resetSimulation(); p.disconnect()"])
 def test_a_script_may_connect_and_disconnect_as_often_as_it_likes(grader: Grader, again: str) -> None:
     rounds = f"import pybullet as p\nfor _ in range(20): p.connect(p.DIRECT); p.stepSimulation(); {again}\n"
@@ -230,7 +228,7 @@ def test_a_script_may_begin_anew_as_often_as_it_likes(grader: Grader) -> None:
     assert (report.status, report.score) == ("graded", 100)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_same_bytes_come_again_after_others(grader: Grader) -> None:
     first = grade(grader, "pb_sphere", own("pb_sphere"))
     assert (first.score, first.simulator[:6]) == (100, "replay")
@@ -245,7 +243,7 @@ def test_the_first_example_of_the_course_text_fails_as_at_home(grader: Grader) -
     assert (error.type, error.line) == ("AttributeError", 5)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_pybullets_own_panda_runs_unmodified_until_ctrl_c(grader: Grader) -> None:
     script = Path(pybullet_data.__file__).parents[1] / "pybullet_robots" / "panda" / "loadpanda.py"
     task = replace(catalog().get("panda_reach"), horizon_s=1.0)  # a picture a step

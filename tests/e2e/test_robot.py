@@ -9,13 +9,13 @@ from grader.commands.validation import examine
 from grader.contracts.grading import Grader
 from grader.contracts.text import EMPTY
 from tests.e2e.grading_slot import catalog, grade
+from tests.rows import slow_but
 
 EXERCISES = [one.id for one in Catalog(set_root("robot")).all()]
 SEEDS = int(os.environ.get("SEEDS", "0"))
 
 
-@pytest.mark.sweep(2)
-@pytest.mark.parametrize("name", EXERCISES)
+@pytest.mark.parametrize("name", slow_but(2, EXERCISES))
 def test_own_scripts_get_what_they_must(grader: Grader, name: str) -> None:
     """The solution gets full marks. ``SEEDS=20`` tries all scripts with so many rooms, noises and wheels."""
     assert grade(grader, name, own(name)).score == 100
@@ -29,7 +29,7 @@ def own(name: str, file: str = "solution.py") -> bytes:
     return catalog().scripts(name)[file]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_robot_stops_before_the_wall_with_the_same_bytes_after_others(grader: Grader) -> None:
     first = grade(grader, "stop_before_wall", own("stop_before_wall"))
     assert (first.score, first.simulator[:5]) == (100, "robot")

@@ -1,4 +1,4 @@
-"""Which causes the tests of checks name: a script need not show each of those in an everyday test."""
+"""Which causes the tests of checks name: the script that shows one of those may be slow."""
 
 import re
 from functools import cache

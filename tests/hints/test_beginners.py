@@ -18,7 +18,7 @@ FIRST_OF_CAUSE = {script.cause: script for script in reversed(beginners()) if sc
 ODD = [script for script in beginners() if script.verdict == "harmless" and script.cause == ""][::3]
 ALIKE = [script for script in beginners() if re.search(r"_looks_like_\w*[a-z]\.py", script.file)]
 """Of the scripts with a line that looks like another cause than theirs, the first of each such cause."""
-SLOW = [pytest.param(one, marks=pytest.mark.thorough) for one in beginners() if one.cause == "never_finished"]
+SLOW = [pytest.param(one, marks=pytest.mark.slow) for one in beginners() if one.cause == "never_finished"]
 """Three runs until the time is up take four seconds; the tests of checks name the cause as well."""
 
 

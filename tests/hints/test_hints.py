@@ -28,7 +28,7 @@ def further() -> set[str]:
 
 FURTHER = further()
 ROWS = [
-    pytest.param(one, id=one.name.replace(" ", "-"), marks=[pytest.mark.thorough] * (one.name in FURTHER))
+    pytest.param(one, id=one.name.replace(" ", "-"), marks=[pytest.mark.slow] * (one.name in FURTHER))
     for one in SCRIPTS
 ]
 

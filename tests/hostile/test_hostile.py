@@ -152,9 +152,15 @@ def problems(result: dict, good: list) -> list[str]:
     return [f"{script.name}: {text}" for text in found]
 
 
-@pytest.mark.sweep(2)
-@pytest.mark.parametrize("namespaces", [True, False], ids=["namespaces", "docker"])
-@pytest.mark.parametrize("user", ["root", "ordinary"])
+@pytest.mark.parametrize(
+    ("user", "namespaces"),
+    [
+        pytest.param("root", True, id="root-namespaces"),
+        pytest.param("root", False, id="root-docker", marks=pytest.mark.slow),
+        pytest.param("ordinary", True, id="ordinary-namespaces", marks=pytest.mark.slow),
+        pytest.param("ordinary", False, id="ordinary-docker"),
+    ],
+)
 def test_every_attack_is_held(user: str, namespaces: bool, open_path: Path) -> None:
     if user == "root" and os.geteuid() != 0:
         pytest.skip("not root")
@@ -172,7 +178,7 @@ def test_every_attack_is_held(user: str, namespaces: bool, open_path: Path) -> N
     assert [problem for result in results for problem in problems(result, sandbox["good"])] == []
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can change the root directory")
 def test_every_attack_is_held_by_a_prepared_root_in_place_of_landlock(open_path: Path) -> None:
     """As in a container that is root's, with an engine or a kernel that refuses Landlock."""

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from grader.checks import evaluate
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.trajectory import Trajectory
-from tests.tiers import examples
+from tests.examples import examples
+from tests.rows import slow_but
 from tests.unit.checks.shipped import POLYGONS, assignment, graded, item, score
 from tests.unit.checks.trajectories import Leg, drive, polygon_legs, run_of
 
@@ -117,8 +118,7 @@ def test_small_noise(figure: Figure, seed: int) -> None:
         assert abs(left.earned - right.earned) <= 0.15 * left.points, (left, right)
 
 
-@pytest.mark.sweep(4)
-@pytest.mark.parametrize("sides", POLYGONS)
+@pytest.mark.parametrize("sides", slow_but(2, POLYGONS))
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 @pytest.mark.parametrize("every", [False, True])
 def test_credit_falls_as_corners_open(sides: int, sense: float, every: bool) -> None:
@@ -136,7 +136,6 @@ def test_credit_falls_as_corners_open(sides: int, sense: float, every: bool) -> 
     assert most_lost(totals) < 13
 
 
-@pytest.mark.sweep(1)
 @pytest.mark.parametrize(
     ("name", "legs", "step", "most"),
     [
@@ -159,8 +158,7 @@ def most_lost(totals: list[float]) -> float:
     return max(before - after for before, after in itertools.pairwise(totals))
 
 
-@pytest.mark.sweep(3)
-@pytest.mark.parametrize("sides", POLYGONS)
+@pytest.mark.parametrize("sides", slow_but(2, POLYGONS))
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 def test_credit_falls_as_a_side_changes(sides: int, sense: float) -> None:
     totals, lengths_earned = [], []
@@ -185,8 +183,7 @@ def test_credit_falls_as_corners_are_rounded(sides: int) -> None:
     assert totals[-1] == 70
 
 
-@pytest.mark.sweep(3)
-@pytest.mark.parametrize("sides", POLYGONS)
+@pytest.mark.parametrize("sides", slow_but(2, POLYGONS))
 @pytest.mark.parametrize("made_up_for", [True, False])
 def test_credit_falls_as_sides_bend(sides: int, made_up_for: bool) -> None:
     """A heading that drifts on the sides, made up for at the corners or not."""

@@ -11,9 +11,9 @@ from grader.contracts.assignment import World
 from grader.sim.cdr import encode
 from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
+from tests.examples import examples
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, FakeLink
-from tests.tiers import examples
 
 HORIZON_NS = SECOND // 2
 

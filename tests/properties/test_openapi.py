@@ -25,11 +25,11 @@ from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, WorkerState
 from grader.operation.settings import Settings
 from grader.use_cases.services import Services
+from tests.examples import examples
 from tests.fakes import server
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import grade
 from tests.fakes.postgres import PostgresServer
-from tests.tiers import examples
 
 if TYPE_CHECKING:  # imported where it is used: every process of a run imports this module, and one runs it
     import requests
@@ -142,8 +142,6 @@ WAYS = [
 ]
 
 
-@pytest.mark.draws
-@pytest.mark.in_turn("way")
 @pytest.mark.parametrize(("path", "method", "way"), WAYS)
 def test_answers_are_those_of_the_document(asked: Asked, path: str, method: str, way: str) -> None:
     from schemathesis import GenerationMode

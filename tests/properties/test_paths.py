@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from grader.checks import evaluate
 from grader.contracts.assignment import Assignment, PathPiece, WantedPath
 from grader.contracts.trajectory import Trajectory
-from tests.tiers import examples
+from tests.examples import examples
 from tests.unit.checks.shipped import assignment, score
 from tests.unit.checks.trajectories import Leg, drive, run_of
 

@@ -16,7 +16,7 @@ from grader.sim.driving import Car
 from grader.sim.rosbridge import bridge as limits
 from grader.sim.rosbridge.frames import FrameError, read_frame
 from grader.sim.rosbridge.session import LiveSession
-from tests.tiers import examples
+from tests.examples import examples
 
 OPS = (
     *("advertise", "unadvertise", "publish", "subscribe", "unsubscribe", "call_service", "advertise_service"),
@@ -183,7 +183,7 @@ def calm(session: LiveSession, now_ns: int) -> tuple[int, int]:
     return sys.getallocatedblocks(), now_ns
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_ten_thousand_random_frames_raise_nothing_and_leave_nothing(car: Car) -> None:
     draw, session = random.Random(20_260_301), LiveSession(car, 0)
     answered, now_ns = storm(session, draw, 0)

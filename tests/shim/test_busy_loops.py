@@ -13,7 +13,6 @@ SET_LATER = (
 )
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     "loop",
     [
@@ -79,7 +78,6 @@ def test_a_loop_that_blocks_costs_no_extra_time_beside_threads(run_bare: RunScri
     assert run.stdout == "30000001000\n"
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize(
     "loop",
     [

@@ -17,7 +17,6 @@ STEPS = Path(__file__).with_name("scripts") / "file_steps.py"
 COUNT = "600"
 
 
-@pytest.mark.sweep(1)
 @pytest.mark.parametrize("seed", ["1", "2", "3"])
 def test_random_steps_say_what_they_say_on_a_real_disk(
     run_bare: RunScript, tmp_path: Path, seed: str

@@ -23,7 +23,6 @@ WAITS = {
 }
 
 
-@pytest.mark.sweep(5)
 @pytest.mark.parametrize("wait", WAITS.values(), ids=WAITS)
 def test_ctrl_c_reaches_the_main_thread_wherever_it_waits(run_bare: RunScript, wait: str) -> None:
     run = run_bare(

@@ -151,7 +151,6 @@ def show(*args):
 """
 
 
-@pytest.mark.sweep(10)
 @pytest.mark.parametrize(
     ("text", "value"),
     [
@@ -183,7 +182,6 @@ def test_values_are_read_as_rcl_yaml_param_parser_reads_them(run_script, text, v
     assert run.stdout == f"{ {'x': ('x', value)} }\n", run.stderr
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
@@ -246,7 +244,6 @@ def test_parameter_files(run_script):
     )
 
 
-@pytest.mark.sweep(5)
 @pytest.mark.parametrize(
     ("text", "fault"),
     [

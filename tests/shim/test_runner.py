@@ -296,14 +296,12 @@ def test_tracebacks_that_a_script_shows_have_its_frames_only(run_bare: RunScript
     assert places == [in_f, in_module, in_f, in_module, in_f]
 
 
-@pytest.mark.thorough
 def test_what_was_printed_survives_a_kill(run_bare: RunScript) -> None:
     run = run_bare("print('before')\nfor _ in iter(int, 1): pass\n", cpu_s=1)
     assert run.stdout == "before\n"
     assert run.returncode < 0
 
 
-@pytest.mark.thorough
 def test_a_lone_loop_on_a_constant_flag_runs_into_the_cpu_limit(run_bare: RunScript) -> None:
     run = run_bare("done = False\nwhile not done:\n    pass\n", cpu_s=1)
     assert run.returncode < 0
@@ -333,7 +331,6 @@ COUNTED = {
 }
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize("name", COUNTED)
 def test_a_script_that_makes_too_many_steps_ends_at_the_same_place(run_script: RunScript, name: str) -> None:
     source, steps, end_s = COUNTED[name]
@@ -345,7 +342,6 @@ def test_a_script_that_makes_too_many_steps_ends_at_the_same_place(run_script: R
     assert enough.exit["reason"] == (5 if name == "a loop" else 0)
 
 
-@pytest.mark.thorough
 def test_a_busy_loop_may_wait_for_a_thread_of_1_khz(run_script: RunScript) -> None:
     source = (
         "import threading, time\ndone = False\n"
@@ -377,7 +373,6 @@ def test_forbidden_calls_are_noted_once(run_bare: RunScript) -> None:
     assert len(calls) == len(set(calls))
 
 
-@pytest.mark.sweep(5)
 @pytest.mark.parametrize(
     ("call", "error"),
     [

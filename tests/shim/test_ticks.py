@@ -51,7 +51,6 @@ CLOCKS = {
 }
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize("loop", LOOPS.values(), ids=LOOPS)
 @pytest.mark.parametrize("clock", CLOCKS.values(), ids=CLOCKS)
 def test_a_phase_takes_a_whole_number_of_periods(run_script: RunScript, loop: str, clock: str) -> None:

@@ -133,7 +133,6 @@ def test_preloaded_modules_that_copied_a_clock_follow(run_bare: RunScript) -> No
     assert run.exit["t_ns"] // 10**6 == 3000
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize("name", ["time", "monotonic", "perf_counter", "process_time", "thread_time"])
 def test_a_loop_that_only_looks_at_a_clock_ends(run_bare: RunScript, name: str) -> None:
     run = run_bare(

@@ -135,7 +135,6 @@ def test_a_script_that_relies_on_instant_discovery_is_told(run_script):
     assert waiting.notes == [("asked_for_listeners", "")]
 
 
-@pytest.mark.thorough
 def test_who_waits_in_a_loop_for_a_listener_that_never_comes_gets_ctrl_c_and_sends_one_note(run_script):
     run = run_script(PREFIX + "while node.count_subscribers('/turtle1/cmd_vell') == 0:\n    pass\n")
     assert run.exit["after_interrupt"]

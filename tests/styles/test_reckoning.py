@@ -15,7 +15,7 @@ from grader.grading.pipeline import Pipeline
 from grader.jail.cores import SharedCore
 from grader.sandbox import script_sandbox
 from grader.sim.turtle_world import TurtleWorld
-from tests.tiers import examples
+from tests.examples import examples
 
 _PLAYER = """
 import hashlib, math, threading, time

@@ -15,6 +15,7 @@ from grader.contracts.grading import Grader, GradingJob, GradingResult
 from grader.contracts.outcome import RunOutcome
 from grader.contracts.text import EMPTY
 from grader.contracts.trajectory import Trajectory, decode_trajectory
+from tests.rows import slow_but
 from tests.styles import expected_endings, expected_feedback, expected_threads, expected_timers
 from tests.styles.expectation import Expectation
 from tests.styles.ideal import UPDATE_S, IdealTurtle, Jump
@@ -62,8 +63,7 @@ def test_every_script_has_its_expectation() -> None:
     assert len(EXPECTED) >= 60
 
 
-@pytest.mark.sweep(24)
-@pytest.mark.parametrize("name", EXPECTED)
+@pytest.mark.parametrize("name", slow_but(24, EXPECTED))
 def test_the_car_goes_where_an_ideal_turtle_goes(grader: Grader, name: str) -> None:
     expected = EXPECTED[name]
     trajectory = decode_trajectory(graded(grader, name).trajectories["default"])
@@ -74,8 +74,7 @@ def test_the_car_goes_where_an_ideal_turtle_goes(grader: Grader, name: str) -> N
     assert abs(turns_rad).max() <= MAX_HEADING_ERROR_RAD
 
 
-@pytest.mark.sweep(24)
-@pytest.mark.parametrize("name", EXPECTED)
+@pytest.mark.parametrize("name", slow_but(24, EXPECTED))
 def test_the_script_ends_and_speaks_as_at_home(grader: Grader, name: str) -> None:
     expected = EXPECTED[name]
     outcome = graded(grader, name).report.runs[0].outcome
@@ -91,8 +90,7 @@ def test_the_script_ends_and_speaks_as_at_home(grader: Grader, name: str) -> Non
     assert not codes & UNWELCOME, outcome.notes
 
 
-@pytest.mark.sweep(12)
-@pytest.mark.parametrize("name", EXPECTED)
+@pytest.mark.parametrize("name", slow_but(12, EXPECTED))
 def test_every_run_is_the_same(grader: Grader, name: str) -> None:
     """Also after the process has graded all the others in between."""
     assert fingerprint(grader.grade(job_of(name))) == fingerprint(graded(grader, name))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.tiers import examples
+from tests.examples import examples
 from tools import fuzz
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -24,7 +24,6 @@ for name in fuzz_targets.TARGETS:
 """
 
 
-@pytest.mark.draws
 def test_no_decoder_is_surprised() -> None:
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", PROGRAM], cwd=ROOT, capture_output=True, text=True, check=False

@@ -9,6 +9,7 @@ import pytest
 from grader.grading.slot import Slot
 from grader.jail import landlock
 from tests.e2e.grading_slot import grade
+from tests.rows import slow_but
 
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
 
@@ -193,21 +194,18 @@ steps(60); p.setGravity(gravX=0, gravY=0, gravZ=2, physicsClientId=0); steps(600
 ]  # fmt: skip
 
 
-@pytest.mark.sweep(9)
-@pytest.mark.parametrize(
-    ("assignment", "most", "script"), [(row[0], *row[2:]) for row in UNDONE], ids=[row[1] for row in UNDONE]
-)
+@pytest.mark.parametrize("undone", slow_but(9, UNDONE), ids=lambda undone: undone[1])
 def test_what_is_not_done_by_motors_earns_no_more_than_what_was(
-    slot: Slot, assignment: str, most: float, script: str
+    slot: Slot, undone: tuple[str, str, float, str]
 ) -> None:
+    assignment, _, most, script = undone
     report = grade(slot, assignment, script)
     assert report.status == "graded", report
     assert report.score is not None
     assert report.score <= most, report
 
 
-@pytest.mark.sweep(9)
-@pytest.mark.parametrize("attack", ATTACKS)
+@pytest.mark.parametrize("attack", slow_but(9, ATTACKS))
 def test_what_is_done_by_hand_or_forged_earns_nothing(slot: Slot, attack: str) -> None:
     report = grade(slot, "pb_sphere", HEAD + ATTACKS[attack])  # no fault of the host: that would be raised
     assert report.score is not None

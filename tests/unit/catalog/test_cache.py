@@ -40,7 +40,6 @@ def own(tmp_path: Path) -> Path:
     return folder.parent
 
 
-@pytest.mark.sweep(8)
 @pytest.mark.parametrize("name", NAMES)
 def test_a_remembered_assignment_is_the_validated_one(name: str, remembering: AssignmentCache) -> None:
     read = Catalog(cache=remembering).get(name)

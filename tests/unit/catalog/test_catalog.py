@@ -94,7 +94,6 @@ def test_every_shipped_assignment_is_complete(name: str) -> None:
     assert all(attempt.high < 100 for attempt in attempts)
 
 
-@pytest.mark.sweep(8)
 @pytest.mark.parametrize("name", CHECKLIST)
 def test_an_assignment_survives_the_way_to_the_grading_process(name: str) -> None:
     assignment = Catalog().get(name)
@@ -116,7 +115,6 @@ def test_an_edit_is_seen_without_a_restart(tmp_path: Path) -> None:
     assert catalog.get("demo").version == 2
 
 
-@pytest.mark.sweep(13)
 @pytest.mark.parametrize(
     ("old", "new", "line", "words"),
     [
@@ -330,7 +328,6 @@ def test_a_missing_folder_is_refused(tmp_path: Path) -> None:
         Catalog(tmp_path / "nowhere").all()
 
 
-@pytest.mark.sweep(6)
 @pytest.mark.parametrize(
     ("file_name", "expected"),
     [

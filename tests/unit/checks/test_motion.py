@@ -72,7 +72,6 @@ def test_coming_back() -> None:
     assert score(scoring) == 40
 
 
-@pytest.mark.sweep(6)
 @pytest.mark.parametrize("name", ["straight", "backward"])
 @pytest.mark.parametrize("horizon_s", [5.0, 12.0, 20.0, 60.0])
 @pytest.mark.parametrize("v", [0.5, 1.0, 3.0])

@@ -17,7 +17,7 @@ from grader.contracts.assignment import Assignment, PathPiece, WantedPath
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Scoring
 from grader.contracts.trajectory import Contact, Trajectory
-from tests.tiers import examples
+from tests.examples import examples
 from tests.unit.checks.shipped import assignment, graded, item, score
 from tests.unit.checks.trajectories import Leg, drive, run_of
 
@@ -127,7 +127,6 @@ def test_who_ends_beside_the_beginning_within_a_line_has_a_gap() -> None:
     assert 50 < points[-1] < 75
 
 
-@pytest.mark.sweep(1)
 @pytest.mark.parametrize("scale", [0.4, 0.8, 1.7])
 def test_another_size_costs_nothing_where_the_size_is_free(scale: float) -> None:
     for name, pieces in (("right_triangle", TRIANGLE), ("figure_eight", EIGHT)):
@@ -210,7 +209,6 @@ def waved(trajectory: Trajectory, wide_m: float) -> Trajectory:
     )
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     ("name", "spoilt"),
     [

@@ -25,7 +25,7 @@ from grader.contracts.outcome import Endpoint, RunStatus
 from grader.contracts.scoring import Scoring
 from grader.contracts.text import Text
 from grader.contracts.trajectory import Contact, Trajectory
-from tests.tiers import examples
+from tests.examples import examples
 from tests.unit.checks.shipped import assignment
 from tests.unit.checks.trajectories import Leg, drive, run_of
 from tests.unit.sim.rooms import room

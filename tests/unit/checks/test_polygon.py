@@ -356,7 +356,6 @@ def test_another_figure_earns_at_most_what_its_sides_and_corners_do(name: str, l
     assert {each.id for each in scoring.items if each.earned} <= {"moves", "sides", "angles"}
 
 
-@pytest.mark.sweep(1)
 @pytest.mark.parametrize("cut_s", [None, 55.0])
 def test_a_turn_between_laps_costs_no_less_the_further_it_is_off(cut_s: float | None) -> None:
     """Up to 9 degrees it is a corner; from there on, what follows the first lap is something else."""
@@ -371,7 +370,6 @@ def test_a_turn_between_laps_costs_no_less_the_further_it_is_off(cut_s: float | 
         assert scores == sorted(scores, reverse=True)
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize(
     ("name", "sides", "most_deg"), [("square", 4, 53), ("octagon", 8, 24), ("pentagon", 5, 36)]
 )

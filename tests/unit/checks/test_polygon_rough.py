@@ -55,7 +55,6 @@ def kinked(sides: int, share: float) -> Legs:
     return [*kink, *corner, *[*ahead(2.0), *corner] * (sides - 1)]
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize(("name", "sides"), FIGURES)
 @pytest.mark.parametrize(
     ("spoilt", "fine", "most", "left"),

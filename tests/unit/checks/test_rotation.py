@@ -90,7 +90,6 @@ def test_a_figure_with_corners_is_no_turn_on_the_spot() -> None:
     assert score(scoring) == 10
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize("seed", range(8))
 def test_turns_made_elsewhere_do_not_add_up(seed: int) -> None:
     chance = random.Random(seed)

@@ -21,7 +21,6 @@ def shape(name: str) -> tuple[list[float], list[float]]:
     return lengths, [360.0 / count] * count
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("name", SIDES)
 def test_each_side_and_corner_is_held_to_the_same_tolerance(name: str, sign: float) -> None:

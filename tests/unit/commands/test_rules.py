@@ -150,7 +150,6 @@ def test_what_somebody_else_changes_meanwhile_stays(
     assert (shown()["square"]["attempts"], shown()["square"]["extensions"]["1"]["extra_attempts"]) == (9, 9)
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     ("rule", "zh", "en"),
     [
@@ -180,7 +179,6 @@ def test_rules_that_make_no_sense_change_nothing(grader, shown, rule: str, zh: s
     assert shown() == {}
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     ("arguments", "zh"),
     [

@@ -94,7 +94,6 @@ def test_where_events_do_not_get_through_the_service_is_asked(submit, services: 
     assert streams(services) == {"503": 1}
 
 
-@pytest.mark.thorough
 def test_a_stream_that_ends_early_is_opened_again(
     submit, services: Services, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -107,7 +106,6 @@ def test_a_stream_that_ends_early_is_opened_again(
     assert set(streams(services)) == {"200"}
 
 
-@pytest.mark.thorough
 def test_less_than_that_shows_the_next_step(submit, services: Services) -> None:
     status, output, _ = submit("good", "--student", "s1", "--lang", "en")
     assert status == 1
@@ -220,7 +218,6 @@ def test_a_name_that_tells_nothing(submit) -> None:
     assert "-a square" in errors
 
 
-@pytest.mark.thorough
 def test_who_stops_waiting_is_told_where_the_result_will_be(submit, monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt

@@ -134,7 +134,6 @@ def test_a_process_that_ends_before_the_script_begins_is_no_fault_of_the_script(
     assert killed.status is RunStatus.MEMORY_LIMIT
 
 
-@pytest.mark.sweep(66)
 @pytest.mark.parametrize(
     ("name", "violation", "end"), list(product(EXITS, [None, "ENTITY.t is negative"], RunEnd))
 )

@@ -233,7 +233,6 @@ def test_a_child_has_the_time_of_one_run_from_one_answer_to_the_next(
     assert budgets == [630.0, 630.0]
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     "program",
     [

@@ -17,7 +17,6 @@ SILENT = "import os\nprint('a', flush=True)\nos.read(channel, 5)\nwhile True: pa
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     ("source", "end", "settled"),
     [
@@ -43,7 +42,6 @@ def test_it_is_told_whether_output_depends_on_the_moment_of_a_kill(
     assert (report.end, report.settled) == (end, settled)
 
 
-@pytest.mark.thorough
 def test_a_slow_episode_makes_nobody_look_busy(sandbox: Sandbox) -> None:
     """Whether a script was silent for long is the same however long the episode takes over its frames."""
     source = SILENT.replace("print", "os.write(channel, b'\\1\\0\\0\\0a\\1\\0\\0\\0b'); print")
@@ -112,7 +110,6 @@ def test_a_script_that_waits_in_crumbs_ends_at_the_wall_limit(sandbox: Sandbox) 
         assert jail.close().end is RunEnd.STALLED
 
 
-@pytest.mark.thorough
 def test_frames_that_cost_the_grader_too_much_end_the_script(
     sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -18,7 +18,6 @@ def test_an_answer_and_what_it_says_of_the_upload() -> None:
     assert answer("import sys; sys.stdout.write(sys.stdin.read()); sys.exit(3)") == (3, b"in")
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize(
     "code",
     [

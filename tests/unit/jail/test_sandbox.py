@@ -216,7 +216,6 @@ def is_alive(pid: str) -> bool:
         return False
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize("told", [OSError(errno.EAGAIN, "…"), OSError(errno.ENOMEM, "…"), MemoryError()])
 def test_a_host_that_has_nothing_to_spare_for_a_moment_loses_no_layer(
     monkeypatch: pytest.MonkeyPatch, told: Exception

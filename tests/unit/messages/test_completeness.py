@@ -38,7 +38,6 @@ def test_every_measure_has_its_sentences() -> None:
     assert measure_ids() <= set(entries("en", "grader"))
 
 
-@pytest.mark.sweep(5)
 @pytest.mark.parametrize(
     ("changed", "fault"),
     [

@@ -30,7 +30,8 @@ from grader.render.plan import draw_plan
 from grader.render.plot import plot
 from grader.render.scene import Scene, compose
 from grader.render.typeface import rc
-from tests.tiers import examples
+from tests.examples import examples
+from tests.rows import slow_but
 from tests.unit.render.samples import (
     FIGURES,
     SECOND,
@@ -89,7 +90,6 @@ PLOTS = {
 }
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize("case", PLOTS.values(), ids=PLOTS.keys())
 def test_the_same_bytes_twice(case: tuple[Trajectory | None, FigureSketch | None]) -> None:
     motion, sketch = case
@@ -101,7 +101,6 @@ def test_the_same_bytes_twice(case: tuple[Trajectory | None, FigureSketch | None
     assert b"Matplotlib" not in svg
 
 
-@pytest.mark.thorough
 def test_the_same_bytes_in_another_process() -> None:
     motion, sketch = figure_of("square", wrong=True)
     here = hashlib.sha256(plot(assignment(), square_report(), motion, sketch, form="svg")).hexdigest()
@@ -120,7 +119,6 @@ def test_the_same_bytes_in_another_process() -> None:
     assert there.strip() == here
 
 
-@pytest.mark.thorough
 def test_a_png_has_its_size_and_is_the_same_twice() -> None:
     motion, sketch = figure_of("square")
     png = plot(assignment(), square_report(), motion, sketch)
@@ -129,7 +127,6 @@ def test_a_png_has_its_size_and_is_the_same_twice() -> None:
     assert (int.from_bytes(png[16:20]), int.from_bytes(png[20:24])) == (1440, 810)
 
 
-@pytest.mark.thorough
 def test_a_users_settings_do_not_show_and_are_left_alone() -> None:
     motion, sketch = figure_of("square")
     before = dict(matplotlib.rcParams)
@@ -162,10 +159,9 @@ def test_turns_to_both_sides_carry_their_sign() -> None:
     assert "−90°" in texts
 
 
-@pytest.mark.in_turn("heading_deg")
 @pytest.mark.parametrize("name", FIGURES)
 @pytest.mark.parametrize("wrong", [False, True])
-@pytest.mark.parametrize("heading_deg", [0.0, 20.0, 200.0])
+@pytest.mark.parametrize("heading_deg", slow_but(1, [20.0, 0.0, 200.0]))
 def test_labels_do_not_cover_each_other(name: str, wrong: bool, heading_deg: float) -> None:
     axes = drawn(draw_plan, scene(*figure_of(name, wrong, heading_deg)))
     renderer = axes.figure.canvas.get_renderer()  # type: ignore[attr-defined]
@@ -217,7 +213,6 @@ def test_log_lines() -> None:
     assert "没有日志到达 /rosout" in words(drawn(draw_log, scene(None, None, outcome=outcome(logs=()))))
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize("view", ["path", "heading", "log"])
 def test_hostile_text_is_drawable(view: str) -> None:
     run = outcome(nodes=(EVIL,), logs=(LogRecord(t_ns=0, level=99, name=EVIL, message=EVIL),))

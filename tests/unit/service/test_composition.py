@@ -35,7 +35,6 @@ def test_a_token_is_made_and_told_at_each_start(
         assert other != token
 
 
-@pytest.mark.thorough
 def test_the_operators_token_is_not_told(database_url: str, capsys: pytest.CaptureFixture[str]) -> None:
     mine = settings(database_url, instructor_token="3q9fKx72LmVb0pTzQQ")
     with composition.running(mine, FakePreflight()) as services:
@@ -83,7 +82,6 @@ def test_leaving_this_machine_needs_a_course_or_consent(database_url: str) -> No
         assert services.courses.exist()
 
 
-@pytest.mark.thorough
 def test_consent_suffices(database_url: str) -> None:
     network = settings(database_url, host="0.0.0.0", allow_anonymous_network=True)
     with composition.running(network, FakePreflight()) as services:

@@ -21,7 +21,7 @@ from grader.contracts.trajectory import Command, Trajectory
 from grader.sim.bag import BagContents, bag, definition
 from grader.sim.car import UPDATE_NS
 from grader.sim.interfaces import with_interfaces
-from tests.tiers import examples
+from tests.examples import examples
 
 TRIANGLE = FigureSketch(ideal_m=((1.0, 1.0), (2.0, 1.0), (1.5, 2.0)))
 
@@ -143,7 +143,6 @@ def test_every_recording_makes_an_ordered_file(
     assert content == bag(contents)
 
 
-@pytest.mark.thorough
 def test_a_long_drive_is_thinned_for_the_line_only() -> None:
     """A sequence has at most so many elements; poses are all there, and the line ends where the drive does."""
     count = 4_500

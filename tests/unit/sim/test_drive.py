@@ -16,7 +16,7 @@ from grader.contracts.trajectory import Trajectory
 from grader.sim.car import UPDATE_NS, UPDATE_S
 from grader.sim.driving import Car
 from grader.sim.recorder import Recorder
-from tests.tiers import examples
+from tests.examples import examples
 
 Segment = tuple[float, float, float]
 CENTRE = 5.544445
@@ -192,7 +192,6 @@ def test_an_open_world_has_no_walls(car: Car) -> None:
     assert path.contacts == ()
 
 
-@pytest.mark.sweep(1)
 @pytest.mark.parametrize("profile", ["nominal", "rough"])
 def test_an_episode_does_not_notice_those_before_it(car: Car, profile: str) -> None:
     segments = [(1.0, 1.0, 0.4), (0.3, 0.0, 0.0), (1.0, -2.0, 3.0)]

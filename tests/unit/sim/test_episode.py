@@ -12,9 +12,9 @@ from grader.contracts.record import to_plain
 from grader.contracts.trajectory import encode_trajectory
 from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeSpec
+from tests.examples import examples
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, FakeLink
-from tests.tiers import examples
 from tests.unit.sim.playing import end_pose, play
 
 MS = 1_000_000

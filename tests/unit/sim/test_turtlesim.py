@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from grader.contracts.assignment import StartPose, World
 from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
+from tests.examples import examples
 from tests.fakes import jail, turtlesim
 from tests.fakes.jail import SECOND, FakeLink, Script
 from tests.fakes.turtlesim import Pose
-from tests.tiers import examples
 
 MS = 1_000_000
 METRES = 1e-3
@@ -203,7 +203,6 @@ def test_a_corner_that_ends_in_the_pose_callback_is_turtlesims(car: Car, w: floa
     assert math.degrees(driven.heard[-1].theta) == pytest.approx(corner_deg, abs=0.05)
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize("heading_deg", [0.0, 37.0, 84.0, -135.0])
 def test_the_heading_keeps_its_bits_through_accelerations_and_walls(car: Car, heading_deg: float) -> None:
     chance = random.Random(heading_deg)

@@ -148,7 +148,6 @@ HOSTILE = [
 ]
 
 
-@pytest.mark.sweep(8)
 @pytest.mark.parametrize("source", HOSTILE, ids=[repr(one[:6]) for one in HOSTILE])
 def test_hostile_files_are_read_in_bounds(source: str) -> None:
     found = prints(source)

@@ -335,7 +335,6 @@ def test_a_notice_is_added_and_taken_on_once(database: Database, clock: FakeCloc
     assert kept.add("ros", [later, draft]) == 1
 
 
-@pytest.mark.thorough
 def test_a_notice_is_taken_on_while_it_is_taken_away(database: Database, clock: FakeClock) -> None:
     Courses(database, clock).create("ros", "ROS", "UTC", "me")
     kept, signed = Notices(database, clock), Signature(clock(), "ros", "wang")
@@ -413,7 +412,6 @@ def test_a_removal_waits_for_an_upload_that_is_under_way(
     assert count(postgres_database, "submission") == 1
 
 
-@pytest.mark.thorough
 def test_a_platform_is_removed_while_its_scores_are_sent(
     database: Database, clock: FakeClock, course: str
 ) -> None:

@@ -53,7 +53,6 @@ def test_a_course_without_a_title_is_called_by_its_id(courses: Courses) -> None:
     ]
 
 
-@pytest.mark.sweep(7)
 @pytest.mark.parametrize(
     ("course", "title", "zone", "why"),
     [

@@ -112,7 +112,6 @@ def test_mistakes_count_students(school: Class) -> None:
     assert mistakes == [("never_stops", 1), ("turns_too_short", 1)]
 
 
-@pytest.mark.thorough
 def test_counting_only_what_changed_counts_the_same(school: Class, database: Database) -> None:
     """A dashboard that looks after every step says what one says that has never looked before."""
     chance = random.Random(1)

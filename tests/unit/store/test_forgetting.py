@@ -166,7 +166,6 @@ def test_a_new_column_of_text_is_searched_until_it_is_said_to_name_nobody() -> N
     assert known >= NAMES_NOBODY
 
 
-@pytest.mark.thorough
 def test_who_was_removed_before_is_forgotten_too(taught: Class, database: Database) -> None:
     taught.courses.remove("ros", ["20260123"], "wang", "left")
     assert "李雷" in dump(database)
@@ -174,7 +173,6 @@ def test_who_was_removed_before_is_forgotten_too(taught: Class, database: Databa
     assert [one for one in TRACES if one in dump(database)] == []
 
 
-@pytest.mark.thorough
 def test_only_students_who_were_there_are_forgotten(taught: Class) -> None:
     for person, reason in (("wang", "no student"), ("nobody", "no member")):
         with pytest.raises(CourseError, match=reason):
@@ -206,7 +204,6 @@ def test_a_source_that_another_student_handed_in_stays(taught: Class, database: 
     assert taught.submissions.source(same) == b"good # the same"
 
 
-@pytest.mark.thorough
 def test_a_regrade_names_nobody_who_was_forgotten(taught: Class, database: Database) -> None:
     """Not from memory either; and a name that is a word of the grader's own spoils nothing."""
     regrades = Regrades(database)
@@ -221,7 +218,6 @@ def test_a_regrade_names_nobody_who_was_forgotten(taught: Class, database: Datab
     assert shown.reason == f"{pseudonym} asked {pseudonym} of it"
 
 
-@pytest.mark.thorough
 def test_the_class_is_counted_anew_when_as_much_is_erased_as_came(taught: Class, database: Database) -> None:
     taught.work()
     board = Dashboard(database)

@@ -50,7 +50,6 @@ def statements(database: Database) -> Iterator[list[str]]:
     event.remove(database.engine, "before_cursor_execute", note)
 
 
-@pytest.mark.sweep(1)
 @pytest.mark.parametrize("decision", ["apply", "discard"])
 def test_deciding_takes_no_more_statements_for_more_trials(
     database: Database, queue: Queue, submissions: Submissions, clock: FakeClock, decision: str

@@ -97,7 +97,6 @@ def test_the_grading_from_before_stands_again(world: World, database: Database) 
     assert refused(lambda: world.undo(applied)) == "not_applied"
 
 
-@pytest.mark.thorough
 def test_only_what_stands_can_be_undone(world: World, database: Database) -> None:
     opened = world.regrades.open(Wanted(assignment="square"), world.signed)
     assert refused(lambda: world.undo(opened)) == "not_applied"
@@ -130,7 +129,6 @@ def test_corrections_stay_whenever_they_were_made(world: World) -> None:
     assert world.regrades.changes_of(world.id) == ()  # nothing changed for the student, either time
 
 
-@pytest.mark.thorough
 def test_what_the_service_failed_to_grade_has_no_grading_again(
     world: World, submissions: Submissions, queue: Queue
 ) -> None:

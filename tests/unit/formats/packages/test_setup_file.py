@@ -19,7 +19,6 @@ def test_the_searches_of_ordinary_packages_are_done() -> None:
     assert [len(paths) for _, paths in deep.data_files() or []] == [49]
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize(
     "search", ["glob('**/*')", f"glob('{'**/' * 300}*')", f"find_packages(exclude={['*'] * 99})"]
 )

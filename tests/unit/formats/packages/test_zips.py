@@ -170,7 +170,6 @@ def test_there_are_at_least_sixty() -> None:
     assert len(REFUSED) + len(HARMLESS) >= 60
 
 
-@pytest.mark.sweep(31)
 @pytest.mark.parametrize("make", REFUSED.values(), ids=REFUSED.keys())
 def test_a_hostile_zip_is_refused_with_a_reason(make: Callable[[], bytes]) -> None:
     with pytest.raises(RefusedError) as caught:

@@ -96,7 +96,6 @@ LAYOUTS = [PLAIN, REGISTRY, PAPER, SUMMARY, TRANSCRIPT, CANVAS, GRADESCOPE]
 NAMES = ["plain", "registry", "paper", "summary", "transcript", "canvas", "gradescope"]
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize("rows", LAYOUTS, ids=NAMES)
 def test_every_layout_gives_the_same_people(rows: Rows) -> None:
     for content in (
@@ -211,7 +210,6 @@ def test_lines_without_anybody_are_skipped() -> None:
     assert read_roster(content).checked() == (entry("1", "a"),)
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     ("rows", "number", "why"),
     [

@@ -52,7 +52,6 @@ def test_credit_falls_from_the_tolerances_on() -> None:
     assert not [each for each in found.values() if each.perturbation.name.en == "time of every rest"]
 
 
-@pytest.mark.thorough
 def test_arcs_are_spoilt_one_by_one() -> None:
     two_circles = assignment("two_circles")
     run = run_of(drive([(2.0 * math.pi * radius, 1.0, 1.0 / radius) for radius in (0.8, 1.6)]))

@@ -112,7 +112,6 @@ def test_refusals_of_one_letter_and_of_all(starting: Mailbox, trusted: None) -> 
     assert starting.letters == []
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize("farewell", ["421 4.4.2 closing", "500 what?", "no number", "221 " + "x" * 9_000])
 def test_a_letter_that_was_taken_is_sent_whatever_the_server_says_then(
     starting: Mailbox, trusted: None, farewell: str

@@ -297,7 +297,6 @@ TOGETHER = [LOOKS, *([one] for one in OPERATIONS if one not in LOOKS)]
 together = pytest.mark.parametrize("operations", TOGETHER, ids=["looks", *(one for (one,) in TOGETHER[1:])])
 
 
-@pytest.mark.sweep(4)
 @together
 def test_in_courses(
     operations: list[str],
@@ -324,7 +323,6 @@ def _assistant_of_another_section(services: Services) -> dict[str, str]:
     return {"Authorization": f"Bearer {token}"}
 
 
-@pytest.mark.sweep(4)
 @together
 def test_without_courses(operations: list[str], client: httpx.Client, graded: Callable[..., str]) -> None:
     submission = graded(student="s1").rpartition("/")[2]
@@ -432,7 +430,6 @@ def busy(services: Services, person: str) -> AbstractContextManager[None]:
     return all_taken(services.settings.requests_at_once, lambda: places.one_more(f"ros/{person}"))
 
 
-@pytest.mark.thorough
 def test_whoever_has_too_much_under_way_waits_and_nobody_else(
     client: httpx.Client, school: Any, services: Services, graded: Callable[..., str]
 ) -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from grader.contracts.submission import SubmissionState
 from grader.use_cases.services import Services
-from tests.tiers import examples
+from tests.examples import examples
 
 quick = settings(
     max_examples=examples(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]

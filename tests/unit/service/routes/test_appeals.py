@@ -104,7 +104,6 @@ def test_hidden_items_take_no_appeal_and_hide_the_one_there_is(
     assert (len(shown["li"]["appeals"]), len(shown["ta"]["appeals"])) == (0, 1)
 
 
-@pytest.mark.thorough
 def test_one_that_was_taken_back_may_be_made_again(
     ruled: Any, ask: Asks, driven: str, client: httpx.Client, school: Any, services: Services
 ) -> None:
@@ -117,7 +116,6 @@ def test_one_that_was_taken_back_may_be_made_again(
     assert actions(services) == ["appeal.make", "appeal.withdraw", "appeal.make"]
 
 
-@pytest.mark.sweep(1)
 @pytest.mark.parametrize("state", ["answered", "refused"])
 def test_words_leave_the_points(
     ruled: Any, ask: Asks, answer: Asks, driven: str, client: httpx.Client, school: Any, state: str
@@ -160,7 +158,6 @@ def test_a_correction_answers(
     assert actions(services) == ["appeal.make", "grade.judge", "appeal.corrected"]
 
 
-@pytest.mark.thorough
 def test_points_given_elsewhere_answer_too_and_only_once(
     ruled: Any, ask: Asks, answer: Asks, driven: str, give: Any, client: httpx.Client, school: Any
 ) -> None:
@@ -172,7 +169,6 @@ def test_points_given_elsewhere_answer_too_and_only_once(
     assert code(late) == (409, "appeal_decided")
 
 
-@pytest.mark.thorough
 def test_points_by_hand_answer_in_words(
     answered: Callable[..., str], give: Any, school: Any, services: Services
 ) -> None:
@@ -186,7 +182,6 @@ def test_points_by_hand_answer_in_words(
     assert actions(services)[-1] == "appeal.corrected"
 
 
-@pytest.mark.thorough
 def test_a_regrade_and_a_new_submission_leave_it_open(
     ruled: Any, ask: Asks, graded: Any, client: httpx.Client, school: Any, services: Services
 ) -> None:

@@ -76,7 +76,6 @@ def test_others_are_not_found_and_in_no_list(
     assert client.get(bound["li"], headers=ta).status_code == 200
 
 
-@pytest.mark.thorough
 def test_a_regrade_of_others_alone_is_not_found(
     client: httpx.Client, school: Any, bound: dict[str, str], services: Services
 ) -> None:

@@ -112,7 +112,6 @@ def test_only_instructors_correct_and_they_say_why(driven: str, give: Give) -> N
     assert give(driven, "none", 5, "wang", comment="x").json()["allowed"] == ["sides", "closed"]
 
 
-@pytest.mark.thorough
 def test_the_machines_own_points_take_a_correction_back(
     client: httpx.Client, school: Any, driven: str, give: Give
 ) -> None:
@@ -130,7 +129,6 @@ def test_the_machines_own_points_take_a_correction_back(
     assert (third["judgement"]["revision"], third["judgement"]["points"]) == (3, 1.0)
 
 
-@pytest.mark.thorough
 def test_a_corrected_attempt_may_become_the_best(
     client: httpx.Client,
     school: Any,
@@ -173,7 +171,6 @@ def test_an_item_is_corrected_that_was_not_checked(
     assert [one["status"] for one in whole["rubric"]] == ["failed", "partial", "not_checked"]
 
 
-@pytest.mark.thorough
 def test_a_correction_completes_nothing_that_waits(
     client: httpx.Client, school: Any, answered: Callable[..., str], give: Give
 ) -> None:
@@ -208,7 +205,6 @@ def test_a_regrade_keeps_a_correction_that_fits_and_else_the_machines_points_cou
     assert client.get("/api/v1/judgements/waiting", headers=school.as_("ta")).json()["total"] == 0
 
 
-@pytest.mark.thorough
 def test_a_regrade_changes_what_was_taken_back(
     client: httpx.Client,
     school: Any,
@@ -227,7 +223,6 @@ def test_a_regrade_changes_what_was_taken_back(
     assert "written" in [one["item"] for one in waiting]
 
 
-@pytest.mark.thorough
 def test_several_items_at_once_or_none(client: httpx.Client, school: Any, driven: str) -> None:
     url, wang = driven + "/judgements", school.as_("wang")
     tags = {one["item"]: one["etag"] for one in client.get(url, headers=wang).json()["items"]}

@@ -127,7 +127,6 @@ def test_an_upload_of_somebody_who_was_just_removed_is_not_stored(
     assert services.submissions.of_student("li", course="ros") == ()
 
 
-@pytest.mark.thorough
 def test_a_removed_student_is_in_no_export_and_comes_back_with_the_work(
     client: httpx.Client, graded: Callable[..., str], school: School
 ) -> None:

@@ -165,7 +165,6 @@ def test_a_person_has_so_many_streams_and_the_service_too(
         assert next(stream.events())["data"]["status"] == "queued"
 
 
-@pytest.mark.thorough
 def test_one_address_has_half_of_the_streams_where_nobody_is_asked_who_they_are(
     client: httpx.Client, upload: Callable[..., httpx.Response], limited: Callable[..., None]
 ) -> None:

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from typing import Any
 
 import httpx
-import pytest
 
 from grader.contracts.grading import GradingJob
 from grader.contracts.rules import Counts, Rules
@@ -38,7 +37,6 @@ def test_lateness_and_the_rules_work_on_the_judged_score(
     assert counted() == 50.0
 
 
-@pytest.mark.thorough
 def test_a_regrade_keeps_what_still_fits_and_says_so(
     client: httpx.Client,
     school: Any,

@@ -143,7 +143,6 @@ def test_a_service_that_stops_closes_all_connections_and_opens_no_car(
         asyncio.run(cars.open("li"))
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("cars", [LiveCars(1, idle_s=0.2)], ids=["impatient"])
 def test_a_car_ends_when_nobody_is_connected(
     here: httpx.Client, cars: LiveCars, school: Any, connect: Connect

@@ -21,7 +21,6 @@ NUMBERED = (
 )
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize(("path", "name"), NUMBERED)
 def test_only_digits_are_a_number(client: httpx.Client, school: Any, path: str, name: str) -> None:
     headers = {**school.as_("wang"), "Accept-Language": "en"}

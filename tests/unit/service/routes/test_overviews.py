@@ -110,7 +110,6 @@ def test_the_dashboard(
     assert document["oldest_queued_at"] == "2026-03-02T08:01:00Z"
 
 
-@pytest.mark.thorough
 def test_pages_and_filters_choose_students(client: httpx.Client, graded: Callable[..., str]) -> None:
     for student in ("a1", "a2", "b1"):
         graded(b"good good", student=student)
@@ -208,7 +207,6 @@ def test_a_parameter_given_twice_is_refused(client: httpx.Client, school: Any) -
     ]
 
 
-@pytest.mark.thorough
 def test_attempts_to_pass(client: httpx.Client, graded: Callable[..., str], clock: FakeClock) -> None:
     for student, tries in (
         ("a", (b"x", b"good", b"good good", b"y")),

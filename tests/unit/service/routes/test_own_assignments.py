@@ -244,7 +244,6 @@ def test_a_script_that_does_not_get_what_it_must_keeps_the_assignment_away(
     assert [one["state"] for one in desk.listed()] == ["ready"]  # the refused one is not kept
 
 
-@pytest.mark.thorough
 def test_a_rubric_changes_with_its_version_only(desk: Desk, clock: FakeClock) -> None:
     desk.upload(folder())
     desk.examiner.step()
@@ -298,7 +297,6 @@ def test_what_is_stored_can_be_downloaded_and_removed(
     assert "assignment.upload" in actions
 
 
-@pytest.mark.thorough
 def test_what_another_machine_removed_takes_nothing_in(
     desk: Desk, upload: Callable[..., httpx.Response], clock: FakeClock
 ) -> None:
@@ -313,7 +311,6 @@ def test_what_another_machine_removed_takes_nothing_in(
     assert desk.client.get("/api/v1/submissions", headers=desk.school.as_("wang")).json()["submissions"] == []
 
 
-@pytest.mark.thorough
 def test_a_fault_of_the_service_refuses_nothing_at_first(
     desk: Desk, grader: TextGrader, clock: FakeClock
 ) -> None:
@@ -340,7 +337,6 @@ def test_a_fault_of_the_service_refuses_nothing_at_first(
     )
 
 
-@pytest.mark.thorough
 def test_a_copy_of_the_course_has_them_too(desk: Desk, clock: FakeClock) -> None:
     desk.upload(folder())
     desk.examiner.step()

@@ -136,7 +136,6 @@ def test_fresh_submissions_go_first(
     assert services.queue.claim("w").submission_id == fresh
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     ("which", "students", "count"),
     [("all", [], 3), ("latest", [], 2), ("best", ["li"], 1), ("all", ["li"], 2), ("all", ["han"], 1)],
@@ -161,7 +160,6 @@ def test_unknown_students_are_named(klass: dict[str, str], post: Post) -> None:
     assert refused["detail"].endswith("lii, ta")
 
 
-@pytest.mark.thorough
 def test_what_the_service_failed_to_grade(
     client: httpx.Client, services: Services, school: Any, upload: Post, post: Post
 ) -> None:
@@ -176,7 +174,6 @@ def test_what_the_service_failed_to_grade(
     assert (document["status"], document["score"]) == ("graded", 5.0)
 
 
-@pytest.mark.sweep(1)
 @pytest.mark.parametrize("made", [False, True])
 def test_a_trial_is_no_submission(
     client: httpx.Client, services: Services, school: Any, klass: dict[str, str], post: Post, made: bool
@@ -200,7 +197,6 @@ def test_a_trial_is_no_submission(
         assert (answer.status_code, answer.json()["code"]) == (404, "submission_not_found"), rest
 
 
-@pytest.mark.thorough
 def test_a_trial_that_cannot_be_made_leaves_its_submission(
     client: httpx.Client, services: Services, school: Any, klass: dict[str, str], post: Post
 ) -> None:
@@ -211,7 +207,6 @@ def test_a_trial_that_cannot_be_made_leaves_its_submission(
     assert client.get(klass["li"], headers=school.as_("li")).json()["score"] == 10.0
 
 
-@pytest.mark.thorough
 def test_a_worker_late_with_a_discarded_trial_changes_nothing(
     services: Services, klass: dict[str, str], post: Post
 ) -> None:
@@ -243,7 +238,6 @@ def test_a_plot_shows_the_assignment_that_was_graded(
     assert client.get(url + "/plot.png", headers=school.as_("li")).status_code == 200
 
 
-@pytest.mark.thorough
 def test_rules_that_hide_items_hold_for_regrades(
     client: httpx.Client, services: Services, school: Any, klass: dict[str, str], post: Post
 ) -> None:

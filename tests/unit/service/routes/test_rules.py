@@ -100,7 +100,6 @@ def test_rules_hold_for_one_course(
     assert client.get(RULES, headers=school.as_("li2")).json()["rules"]["attempts"] is None
 
 
-@pytest.mark.sweep(5)
 @pytest.mark.parametrize(
     ("rules", "code"),
     [

@@ -48,7 +48,6 @@ def test_a_section_has_a_due_date_and_a_late_rule_of_its_own(
     assert li[0] * 2 == han[0]
 
 
-@pytest.mark.thorough
 def test_who_changes_section_gets_the_new_sections_date(
     client: httpx.Client, school: School, ruled: Services, upload: Callable[..., httpx.Response]
 ) -> None:

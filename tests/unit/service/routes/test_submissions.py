@@ -112,7 +112,6 @@ def test_a_crash_shows_the_students_line(graded: Callable[..., str], client: htt
     assert document["runs"][0]["blame"] == "student"
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     ("header", "query", "language"),
     [
@@ -210,7 +209,6 @@ def test_a_run_can_be_fetched_as_a_ros_bag(graded: Callable[..., str], client: h
     assert client.get(url + "/recording.mcap", params={"case": "other"}).json()["code"] == "no_trajectory"
 
 
-@pytest.mark.thorough
 def test_old_plots_are_forgotten(
     graded: Callable[..., str], client: httpx.Client, plotter: FakePlotter
 ) -> None:

@@ -42,7 +42,6 @@ def test_a_student_id_does_not_open_the_class(browser: Browser, path: str) -> No
     assert browser.get(path).status_code == 303
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize("part", OWN_DATA)
 def test_a_submission_is_its_owners_and_the_instructors(
     browser: Browser, put: Callable[..., str], part: str
@@ -136,7 +135,6 @@ def test_cookies_are_secure_over_https(scheme: str, secure: bool) -> None:
     assert ("Secure" in response.headers["set-cookie"]) is secure
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize("path", ["/enter", "/leave", "/assignments/square"])
 @pytest.mark.parametrize("token", [None, "", "x" * 32, "\u4e2d"])
 def test_foreign_forms_are_refused(

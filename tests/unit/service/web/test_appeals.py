@@ -66,7 +66,6 @@ def test_a_student_asks_and_is_told_the_answer(
     assert "New answers" not in browser.get("/").text
 
 
-@pytest.mark.thorough
 def test_an_instructor_corrects_in_answer(
     browser: Browser, driven: str, item: str, tokens: dict[str, str], services: Services
 ) -> None:
@@ -85,7 +84,6 @@ def test_an_instructor_corrects_in_answer(
     assert services.submissions.get(submission).score == score + 1.5
 
 
-@pytest.mark.thorough
 def test_a_student_takes_it_back(browser: Browser, driven: str, item: str, tokens: dict[str, str]) -> None:
     browser.enter(token=tokens["li"])
     ask(browser, driven, item)

@@ -41,7 +41,6 @@ def test_the_matrix_shows_every_student(instructor: Browser, school: dict[str, s
     assert "queued" in text
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     ("query", "students"),
     [
@@ -61,7 +60,6 @@ def test_the_matrix_is_searched_filtered_and_sorted(
     assert rows(instructor.get(f"/class?{query}").text) == students
 
 
-@pytest.mark.thorough
 def test_students_who_try_in_vain_are_stuck(
     instructor: Browser, school: dict[str, str], put: Callable[..., str]
 ) -> None:
@@ -109,7 +107,6 @@ def test_two_attempts_stand_side_by_side(instructor: Browser, school: dict[str, 
     assert text.count("/plot.png") == 2
 
 
-@pytest.mark.thorough
 def test_comparing_needs_two_gradings(instructor: Browser, school: dict[str, str]) -> None:
     first, waiting = (school[one].rpartition("/")[2] for one in ("bo", "waiting"))
     assert instructor.get(f"/class/compare?first={first}&second={waiting}").status_code == 409
@@ -157,7 +154,6 @@ def test_mistakes_are_outlined_without_their_figures() -> None:
     assert "{" not in said
 
 
-@pytest.mark.thorough
 def test_a_large_class_is_paged(instructor: Browser, put: Callable[..., str], services: Services) -> None:
     for number in range(101):
         put(student=f"s{number:03}", grading=None)

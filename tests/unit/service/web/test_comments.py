@@ -47,7 +47,6 @@ def test_comments_go_both_ways_and_are_counted_until_they_are_seen(
     assert "New comments" not in browser.get("/").text
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     ("text", "line"), [("  ", ""), ("x" * 2_001, ""), ("a\x07", ""), ("x", "3"), ("x", "0"), ("x", "two")]
 )
@@ -59,7 +58,6 @@ def test_what_is_no_comment_is_refused(
     assert services.comments.of(own.rpartition("/")[2]) == ()
 
 
-@pytest.mark.thorough
 def test_a_submission_takes_so_many_comments(
     browser: Browser, own: str, tokens: dict[str, str], services: Services
 ) -> None:

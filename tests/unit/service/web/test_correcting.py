@@ -63,7 +63,6 @@ def test_an_instructor_corrects_and_the_student_reads_why(
     assert "/class/judgements/" not in text
 
 
-@pytest.mark.thorough
 def test_a_missing_reason_is_told_at_the_field(wang: Browser, driven: str, services: Services) -> None:
     submission = driven.rpartition("/")[2]
     fields = form(wang, driven, 2)
@@ -76,7 +75,6 @@ def test_a_missing_reason_is_told_at_the_field(wang: Browser, driven: str, servi
     assert services.submissions.report(submission).judgements == ()
 
 
-@pytest.mark.thorough
 def test_assistants_correct_nothing(
     wang: Browser, driven: str, services: Services, tokens: dict[str, str]
 ) -> None:
@@ -102,7 +100,6 @@ def several(
     return browser.post(page, {**fields, "comment": reason}, page=page)
 
 
-@pytest.mark.thorough
 def test_several_items_are_corrected_with_one_reason_or_none(
     wang: Browser, driven: str, services: Services, tokens: dict[str, str]
 ) -> None:
@@ -118,7 +115,6 @@ def test_several_items_are_corrected_with_one_reason_or_none(
     assert services.submissions.get(submission).score == score + 3.5
 
 
-@pytest.mark.thorough
 def test_assistants_correct_where_the_rules_allow_it(
     wang: Browser, driven: str, services: Services, tokens: dict[str, str]
 ) -> None:

@@ -32,7 +32,6 @@ def test_a_copy_opens_with_the_token_that_is_shown(
     assert "已经有课程 ros-2027" in refused.text
 
 
-@pytest.mark.thorough
 def test_every_page_says_that_the_course_is_archived(
     teacher: Browser, client: httpx.Client, tokens: dict[str, str]
 ) -> None:
@@ -52,7 +51,6 @@ def test_every_page_says_that_the_course_is_archived(
     assert "本课程已归档" not in teacher.get("/class").text
 
 
-@pytest.mark.thorough
 def test_what_is_old_is_shown_before_it_is_erased(
     teacher: Browser, put: Callable[..., str], services: Services
 ) -> None:

@@ -380,16 +380,7 @@ def test_every_route_that_changes_something_has_a_row(running: tuple[FastAPI, st
     assert len(ROWS) > 70
 
 
-# everyday tests: the pages' forms; what programs send, `test_access` and the OpenAPI document's test send as well
-BY_PROGRAMS = [route for route in sorted(ROWS) if " /api/" in route]
-ROUTES = [
-    *sorted(ROWS.keys() - BY_PROGRAMS),
-    *(pytest.param(route, marks=pytest.mark.thorough) for route in BY_PROGRAMS[1:]),
-    BY_PROGRAMS[0],
-]
-
-
-@pytest.mark.parametrize("route", ROUTES)
+@pytest.mark.parametrize("route", sorted(ROWS))
 def test_what_is_not_theirs_stays_as_it_is(client: httpx.Client, things: Things, route: str) -> None:
     row = ROWS[route]
     if row.first:

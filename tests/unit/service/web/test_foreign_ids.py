@@ -151,7 +151,6 @@ def told(
     return answer.status_code, re.sub(r"urn:uuid:[0-9a-f-]+", "", text) + location
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize("name", ["classmate", "bound", "outsider", "nobody", "stranger"])
 def test_nobody_learns_whether_something_foreign_exists(
     client: httpx.Client,

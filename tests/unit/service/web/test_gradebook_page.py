@@ -96,7 +96,6 @@ def test_without_a_course_the_gradebook_has_who_handed_in(
     assert rows(instructor.get("/class/gradebook").text) == ["s1"]
 
 
-@pytest.mark.thorough
 def test_the_matrix_shows_the_whole_roster(wang: Browser, put: Callable[..., str]) -> None:
     put(b"good", student="li", course="ros")
     text = wang.get("/class").text
@@ -134,7 +133,6 @@ def test_without_a_course_the_roster_says_how_to_begin(instructor: Browser) -> N
     assert "grader course create" in instructor.get("/class/people").text
 
 
-@pytest.mark.thorough
 def test_the_audit_log_is_paged(wang: Browser, services: Services) -> None:
     signed = Signature(services.clock(), "ros", "wang")
     for attempts in range(1, 60):

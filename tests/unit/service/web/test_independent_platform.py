@@ -215,7 +215,6 @@ def test_launch_score_and_class_list(
     assert ([one.id for one in added.added], added.known) == (["new1"], 1)
 
 
-@pytest.mark.thorough
 def test_the_choice_of_activities(
     client: httpx.Client, campus: Campus, ready: Services, platform: Platform, tokens: dict[str, str]
 ) -> None:

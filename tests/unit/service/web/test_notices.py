@@ -154,7 +154,6 @@ def test_the_class_is_told_once_the_day_before(school: Services, group: FakeBots
         assert send_notices(school) == 0
 
 
-@pytest.mark.thorough
 def test_a_date_that_moves_is_told_again_and_only_that(school: Services, group: FakeBots) -> None:
     join(school, group)
     rule(school, due=local(4, 12))
@@ -167,7 +166,6 @@ def test_a_date_that_moves_is_told_again_and_only_that(school: Services, group: 
     assert "12:00" not in group.texts[1]
 
 
-@pytest.mark.sweep(1)
 @pytest.mark.parametrize(
     "said",
     [
@@ -219,7 +217,6 @@ def test_who_handed_in_gets_no_reminder(school: Services, post: Postman, put: Pu
     assert [person for person, _ in post.by_person] == ["han"]
 
 
-@pytest.mark.thorough
 def test_what_could_not_be_said_before_the_date_is_not_said_after_it(
     school: Services, group: FakeBots
 ) -> None:
@@ -262,7 +259,6 @@ def test_a_group_learns_how_much_was_graded_and_nothing_of_anybody(
     assert "1 份提交，1 位学生" in group.texts[1]
 
 
-@pytest.mark.thorough
 def test_a_group_learns_nothing_of_what_staff_tries_or_of_what_is_hidden(
     school: Services, group: FakeBots, put: Put
 ) -> None:
@@ -303,7 +299,6 @@ def test_a_student_is_told_what_counts_and_only_when_it_changes(
     assert group.texts == []
 
 
-@pytest.mark.thorough
 def test_many_attempts_are_told_of_together(school: Services, post: Postman, put: Put) -> None:
     notices.set_mail(school, WANG, MailWishes(graded=True))
     put(b"a = 1", course="ros", student="li")
@@ -386,7 +381,6 @@ def killed(*_: object, **__: object) -> None:
     raise KilledError
 
 
-@pytest.mark.thorough
 def test_whoever_dies_between_writing_and_sending_loses_nothing(
     school: Services, group: FakeBots, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -421,7 +415,6 @@ def test_whoever_dies_between_sending_and_noting_sends_the_same_again(
     assert send_notices(school) == 0
 
 
-@pytest.mark.thorough
 def test_two_processes_that_look_at_once_write_one_notice(
     school: Services, group: FakeBots, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -450,7 +443,6 @@ def tried_minutes(services: Services, group: FakeBots, minutes: int) -> list[int
     return tried
 
 
-@pytest.mark.thorough
 def test_a_bot_that_refuses_is_asked_ever_more_seldom(school: Services, group: FakeBots) -> None:
     join(school, group)
     rule(school, due=local(4, 12))
@@ -465,7 +457,6 @@ def test_a_bot_that_refuses_is_asked_ever_more_seldom(school: Services, group: F
     assert notices.setup_of(school, WANG).latest[0].code == ""
 
 
-@pytest.mark.thorough
 def test_a_bot_that_has_enough_is_left_alone_for_ten_minutes(school: Services, group: FakeBots) -> None:
     join(school, group)
     rule(school, due=local(4, 12))
@@ -474,7 +465,6 @@ def test_a_bot_that_has_enough_is_left_alone_for_ten_minutes(school: Services, g
     assert tried_minutes(school, group, 25) == [0, 10, 20]
 
 
-@pytest.mark.thorough
 def test_a_new_secret_sends_at_once_what_waited(school: Services, group: FakeBots) -> None:
     join(school, group)
     rule(school, due=local(4, 12))
@@ -512,7 +502,6 @@ def test_an_address_that_takes_nothing_stops_nobody_elses_letters(school: Servic
     assert [person for person, _ in post.by_person] == ["han"]
 
 
-@pytest.mark.thorough
 def test_a_mail_server_that_is_down_is_asked_once_in_a_while(school: Services, post: Postman) -> None:
     notices.set_mail(school, WANG, MailWishes(due=True))
     rule(school, due=local(4, 12))
@@ -556,7 +545,6 @@ def test_whatever_goes_wrong_with_a_course_the_others_are_told(
     assert send_notices(school) == 1
 
 
-@pytest.mark.thorough
 def test_whatever_goes_wrong_with_a_letter_the_others_are_sent(school: Services, post: Postman) -> None:
     notices.set_mail(school, WANG, MailWishes(due=True))
     rule(school, due=local(4, 12))
@@ -583,7 +571,6 @@ def test_who_left_gets_no_letter(school: Services, post: Postman, group: FakeBot
     assert post.kept == []
 
 
-@pytest.mark.thorough
 def test_who_leaves_meanwhile_leaves_no_notice(
     school: Services, post: Postman, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -726,7 +713,6 @@ def test_without_a_mail_server_the_page_says_so(
     assert browser.post("/class/notices/mail", {"due": "true"}).status_code == 409
 
 
-@pytest.mark.thorough
 def test_the_interface_shows_no_secret_either(
     client: httpx.Client, school: Services, group: FakeBots, tokens: dict[str, str]
 ) -> None:

@@ -52,7 +52,6 @@ def test_a_list_is_seen_before_it_is_imported(wang: Browser, services: Services)
     assert "li@a.cn" not in shown
 
 
-@pytest.mark.thorough
 def test_who_is_gone_is_removed_only_if_asked(wang: Browser, services: Services) -> None:
     preview = wang.post(
         "/class/people/preview", {}, files={"file": ("class.csv", LIST)}, page="/class/people"
@@ -98,7 +97,6 @@ def test_adding_changes_nobody_who_is_there(wang: Browser, services: Services) -
     assert services.courses.member("ros", "ta") == before
 
 
-@pytest.mark.thorough
 def test_what_is_wrong_stands_in_the_form(wang: Browser, services: Services) -> None:
     wrong = wang.post("/class/people", {"person": "a b", "name": "赵"})
     assert wrong.status_code == 422

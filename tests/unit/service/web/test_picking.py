@@ -151,7 +151,6 @@ def test_what_cannot_be_given_back_is_not_asked_for(
     assert asked(client, moodle, ready, SETTINGS | {"data": data}).status_code == 403
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize("data", ["\0", 7, {"csrf": ["x", None]}, [], False])
 def test_whatever_else_was_sent_along_is_given_back(
     client: httpx.Client, moodle: FakeProvider, ready: Services, at_desk: httpx.Response, data: object
@@ -190,7 +189,6 @@ def test_in_a_frame_only_the_choice_stays_there(client: httpx.Client, platform: 
     assert 'target="_blank"' in opened.text
 
 
-@pytest.mark.thorough
 def test_a_token_is_shown_once(
     client: httpx.Client, moodle: FakeProvider, ready: Services, at_desk: httpx.Response
 ) -> None:
@@ -199,7 +197,6 @@ def test_a_token_is_shown_once(
     assert 'name="token"' not in again.text
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("settings", "field"),
     [({"accept_lineitem": False}, "lineItem"), ({"data": ""}, "")],
@@ -219,7 +216,6 @@ def test_what_the_platform_does_not_take_is_left_out(
     assert (f"{DEEP}data" in claims) == bool(field)
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize("chosen", [[], ["square", "hello"], ["nothing_of_ours"], ["square", "x"]])
 def test_no_more_is_chosen_than_there_is_or_than_is_taken(
     client: httpx.Client,
@@ -291,7 +287,6 @@ def token_of_other_course(services: Services) -> str:
     return services.tokens.issue("other", "hu", timedelta(days=1), "test")[1]
 
 
-@pytest.mark.thorough
 def test_a_link_to_somebody_elses_choice_takes_nobodys_token(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, tokens: dict[str, str]
 ) -> None:
@@ -357,7 +352,6 @@ WRONG: dict[str, Any] = {
 }
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize("how", WRONG)
 def test_settings_that_cannot_be_answered_are_refused(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, how: str

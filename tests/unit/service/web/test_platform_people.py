@@ -142,7 +142,6 @@ def down(moodle: FakeProvider) -> None:
     moodle.down = True
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize("spoil", [pages_without_end, too_many_people, another_server, no_list, down])
 def test_a_platform_that_answers_otherwise_is_refused(
     course: tuple[Services, Platform], moodle: FakeProvider, spoil: Callable[[FakeProvider], None]
@@ -175,7 +174,6 @@ def test_only_the_courses_own_platform_is_asked(
     assert "/people" not in moodle.asked
 
 
-@pytest.mark.thorough
 def test_a_launch_says_where_people_are_told(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
 ) -> None:

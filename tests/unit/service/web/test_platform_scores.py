@@ -129,7 +129,6 @@ def test_a_change_by_a_rule_is_sent_and_may_lower_it(
     assert given(moodle)[1] < 5.0
 
 
-@pytest.mark.thorough
 def test_two_changes_within_a_second_both_arrive(
     linked: Services, moodle: FakeProvider, put: Callable[..., str]
 ) -> None:
@@ -194,7 +193,6 @@ def test_a_platform_that_is_down_loses_nothing(
     assert linked.platform_scores.troubles("ros") == ()
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     "granted",
     [b'{"x":' + b"[" * 100_000, b'{"access_token": "\xff"}', b'{"access_token": 7}', b"", b"[]"],
@@ -215,7 +213,6 @@ def test_a_token_that_cannot_be_read_is_told_as_a_trouble(
     assert "/access" in trouble.trouble
 
 
-@pytest.mark.thorough
 def test_a_token_that_never_ends_is_asked_for_again_some_day(
     linked: Services, moodle: FakeProvider, put: Callable[..., str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -225,7 +222,6 @@ def test_a_token_that_never_ends_is_asked_for_again_some_day(
     assert send_scores(linked) == 1
 
 
-@pytest.mark.thorough
 def test_a_refused_score_is_tried_ever_more_seldom_and_told(
     linked: Services, moodle: FakeProvider, put: Callable[..., str]
 ) -> None:
@@ -241,7 +237,6 @@ def test_a_refused_score_is_tried_ever_more_seldom_and_told(
     assert tried == [0, 1, 2, 4, 8, 16]
 
 
-@pytest.mark.thorough
 def test_whoever_dies_between_telling_and_noting_tells_the_same_again(
     linked: Services, moodle: FakeProvider, put: Callable[..., str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -285,7 +280,6 @@ def test_a_platform_that_stumbles_stops_nobody_elses_scores(
     assert len(moodle.scores) == 1
 
 
-@pytest.mark.thorough
 def test_an_address_that_is_none_is_told_as_a_trouble(
     linked: Services, moodle: FakeProvider, put: Callable[..., str]
 ) -> None:
@@ -297,7 +291,6 @@ def test_an_address_that_is_none_is_told_as_a_trouble(
     assert "a..b" in trouble.trouble
 
 
-@pytest.mark.thorough
 def test_a_score_that_returns_after_an_unheard_answer_is_sent_again(
     linked: Services, moodle: FakeProvider, put: Callable[..., str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -325,7 +318,6 @@ def test_a_score_that_returns_after_an_unheard_answer_is_sent_again(
     assert linked.platform_scores.troubles("ros") == ()
 
 
-@pytest.mark.thorough
 def test_two_processes_that_look_at_once_send_one_score_once(
     linked: Services, moodle: FakeProvider, put: Callable[..., str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -340,7 +332,6 @@ def test_two_processes_that_look_at_once_send_one_score_once(
     assert given(moodle) == [5.0]
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("how", ["removed", "unbound"])
 def test_who_leaves_meanwhile_gets_no_score(
     linked: Services,

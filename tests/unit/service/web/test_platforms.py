@@ -192,7 +192,6 @@ ACCEPTED: dict[str, Claims] = {
 }
 
 
-@pytest.mark.sweep(5)
 @pytest.mark.parametrize("how", ACCEPTED)
 def test_who_is_a_student_of_the_list_is_let_in(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, how: str
@@ -220,7 +219,6 @@ TEACHERS: dict[str, Claims] = {
 }
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize("how", TEACHERS)
 def test_who_teaches_by_the_list_is_let_in_as_a_teacher(
     client: httpx.Client,
@@ -291,7 +289,6 @@ REFUSED: dict[str, Claims] = {
 }
 
 
-@pytest.mark.sweep(10)
 @pytest.mark.parametrize("how", REFUSED)
 def test_a_message_that_lacks_something_lets_nobody_in(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, how: str
@@ -344,7 +341,6 @@ SIGNED: dict[str, Callable[[FakeProvider, Claims], str]] = {
 }
 
 
-@pytest.mark.sweep(5)
 @pytest.mark.parametrize("how", SIGNED)
 def test_a_message_that_the_platform_did_not_sign_lets_nobody_in(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, how: str
@@ -454,7 +450,6 @@ def test_unknown_key_ids_ask_for_keys_once_a_minute(
     assert moodle.asked == ["/keys"] * 2
 
 
-@pytest.mark.thorough
 def test_new_keys_of_the_platform_are_fetched(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
 ) -> None:
@@ -634,7 +629,6 @@ class WithOwn:
         return getattr(self._shipped, name)
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize(("course", "leads_to"), [("ros", "walk"), ("other", "")])
 def test_a_link_leads_to_what_its_own_course_uploaded(
     running: tuple[FastAPI, str],

@@ -150,7 +150,6 @@ def test_no_secret_is_logged(
     assert path.rpartition("/")[2] not in caplog.text
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("role", [None, Role.STUDENT, Role.ASSISTANT])
 def test_whoever_is_no_instructor_any_more_lets_nobody_in(
     client: httpx.Client, ready: Services, platform: FakeProvider, path: str, role: Role | None
@@ -165,7 +164,6 @@ def test_whoever_is_no_instructor_any_more_lets_nobody_in(
     assert platform.tools == []
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     "fields",
     [
@@ -195,7 +193,6 @@ WRONG: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize("how", WRONG)
 def test_a_configuration_that_cannot_be_used_adds_nothing(
     client: httpx.Client, ready: Services, platform: FakeProvider, path: str, how: str
@@ -207,7 +204,6 @@ def test_a_configuration_that_cannot_be_used_adds_nothing(
     assert ready.platforms.of_course("ros") == ()
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     "answer",
     [(400, {"error": "x"}), (200, {}), (200, {"client_id": "abc"}), (200, [1]), (302, {}), (500, {})],

@@ -59,7 +59,6 @@ def test_a_trial_shows_its_progress(wang: Browser, handed_in: dict[str, str]) ->
     assert wang.get(page + "/state.json").json() == {"waiting": 2, "total": 2, "open": True}
 
 
-@pytest.mark.thorough
 def test_the_difference_names_who_and_by_which_item(
     wang: Browser, handed_in: dict[str, str], grade_waiting: Callable[..., None]
 ) -> None:
@@ -74,7 +73,6 @@ def test_the_difference_names_who_and_by_which_item(
     assert "li 5 10" not in only
 
 
-@pytest.mark.thorough
 def test_both_gradings_stand_side_by_side(
     wang: Browser, handed_in: dict[str, str], grade_waiting: Callable[..., None]
 ) -> None:
@@ -144,7 +142,6 @@ def test_discarding_changes_nothing(
     assert "/changes/" not in text
 
 
-@pytest.mark.thorough
 def test_a_decision_needs_a_reason(
     wang: Browser, handed_in: dict[str, str], grade_waiting: Callable[..., None]
 ) -> None:
@@ -156,7 +153,6 @@ def test_a_decision_needs_a_reason(
     assert "Nothing changes for anybody" in answer.text
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize(
     ("order", "field", "words"),
     [
@@ -176,7 +172,6 @@ def test_what_is_wrong_stands_at_its_field(
     assert re.search(r'value="latest" checked', answer.text)  # what was chosen is not lost
 
 
-@pytest.mark.thorough
 def test_one_trial_of_an_assignment_is_open_at_a_time(wang: Browser, handed_in: dict[str, str]) -> None:
     start(wang, students="li,han")
     answer = wang.post("/class/regrades", {"assignment": "square"})
@@ -248,7 +243,6 @@ def test_reports_are_saved_for_other_graders(wang: Browser, handed_in: dict[str,
         assert answer.headers["content-disposition"] == f'attachment; filename="{name}-{submission}.json"'
 
 
-@pytest.mark.thorough
 def test_a_service_without_courses_grades_again_too(
     instructor: Browser, put: Callable[..., str], grade_waiting: Callable[..., None]
 ) -> None:

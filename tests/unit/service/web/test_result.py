@@ -143,7 +143,6 @@ def test_what_counts_is_the_same_on_every_page(
     assert 'class="button" href="/assignments/square"' not in result
 
 
-@pytest.mark.thorough
 def test_the_score_reads_the_same_while_items_are_hidden(
     li: Browser, put: Callable[..., str], ruled: Callable[[Rules], None], tokens: dict[str, str]
 ) -> None:
@@ -197,7 +196,6 @@ def test_who_waits_is_told_how_long(position: int | None, left_s: float | None, 
     assert told["text"] == words
 
 
-@pytest.mark.thorough
 def test_staff_go_from_student_to_student(
     browser: Browser, put: Callable[..., str], tokens: dict[str, str]
 ) -> None:

@@ -228,7 +228,6 @@ def test_pages_open_for_the_right_roles(client: httpx.Client, school: dict[str, 
     assert answered == {one: EXPECTED[one] for one in LOOKS}
 
 
-@pytest.mark.thorough
 def test_an_assistant_of_another_section_finds_nobody(client: httpx.Client, school: dict[str, str]) -> None:
     """Pages about one student or submission; whatever is about the class is there for every assistant."""
     about_one = ("{submission_id}", "{student}", "{person}", "/compare", "/pair")
@@ -242,7 +241,6 @@ def test_an_assistant_of_another_section_finds_nobody(client: httpx.Client, scho
     assert {one: answers(client, school, one, ("elsewhere",))[0] for one in LOOKS} == expected
 
 
-@pytest.mark.sweep(10)
 @pytest.mark.parametrize("operation", sorted(set(OPERATIONS) - set(LOOKS)))
 def test_forms_are_taken_from_the_right_roles(
     client: httpx.Client, school: dict[str, str], operation: str
@@ -250,7 +248,6 @@ def test_forms_are_taken_from_the_right_roles(
     assert answers(client, school, operation) == EXPECTED[operation]
 
 
-@pytest.mark.sweep(2)
 @pytest.mark.parametrize(
     ("token", "site"), [("", "same-origin"), ("x" * 32, "none"), (FORM_TOKEN, "cross-site")]
 )

@@ -70,7 +70,6 @@ def test_an_untouched_form_changes_nothing(rules: Rules, zone: str) -> None:
     assert reader.errors == {}
 
 
-@pytest.mark.thorough
 @given(rule_sets())
 def test_what_is_shown_means_what_is_meant(rules: Rules) -> None:
     """Typed anew, without the rules it was made from, a form means the same to the digits it shows."""
@@ -256,7 +255,6 @@ def test_a_student_sees_when_it_is_due_and_what_lateness_leaves(
     assert "Lateness: nothing is accepted after it is due" in browser.get("/assignments/square").text
 
 
-@pytest.mark.thorough
 def test_a_student_reads_beforehand_that_nothing_is_accepted(
     browser: Browser, tokens: dict[str, str], services: Services, put: Callable[..., str]
 ) -> None:
@@ -299,7 +297,6 @@ def hidden(text: str, name: str) -> str:
     return re.findall(rf'name="{name}" value="([^"]*)"', text)[-1]
 
 
-@pytest.mark.thorough
 def test_rules_changed_meanwhile_are_not_lost(wang: Browser, services: Services) -> None:
     seen = re.findall(r'name="seen" value="(\w+)"', wang.get(PAGE).text)[0]
     theirs = Rules(attempts=7)
@@ -348,7 +345,6 @@ def test_a_student_gets_more_and_it_is_taken_back(wang: Browser, services: Servi
     assert "+2" not in wang.get(PAGE).text
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("typed", "field"),
     [

@@ -71,7 +71,6 @@ def test_one_form_sets_dates_of_several_assignments(wang: Browser, services: Ser
     assert rules.of("straight") == before == Rules()
 
 
-@pytest.mark.thorough
 def test_one_form_extends_for_several_people_and_sections(wang: Browser, services: Services) -> None:
     people = [RosterEntry(id=one, name="", sections=("A",)) for one in ("zhou", "zhu")]
     services.courses.import_roster("ros", people, "test")
@@ -91,7 +90,6 @@ def test_one_form_extends_for_several_people_and_sections(wang: Browser, service
         ]
 
 
-@pytest.mark.sweep(3)
 @pytest.mark.parametrize(
     ("typed", "told"),
     [

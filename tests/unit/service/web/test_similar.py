@@ -45,7 +45,6 @@ def test_equal_commands_stand_below(instructor: Browser, put: Callable[..., str]
     assert "Same commands, different text" in listed
 
 
-@pytest.mark.thorough
 def test_a_pair_that_is_not_similar_is_not_shown(instructor: Browser, copied: tuple[str, str]) -> None:
     first, _ = (one.rpartition("/")[2] for one in copied)
     assert instructor.get(f"/class/similar/square/pair?first={first}&second={first}").status_code == 404

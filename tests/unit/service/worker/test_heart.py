@@ -153,7 +153,6 @@ def test_what_takes_long_frees_the_slot_that_is_kept_once_somebody_waits(bench: 
     assert bench.grader.aborts == 1
 
 
-@pytest.mark.thorough
 def test_what_takes_no_longer_than_others_lately_goes_on_in_the_slot_that_is_kept(bench: Bench) -> None:
     """On a slow host, say: an end would only have it run twice."""
     for beats in (4, 4, 400):  # one that takes minutes is not what is ordinary
@@ -231,7 +230,6 @@ def outage(bench: Bench, hearts: Sequence[Heart], seconds: float) -> None:
                     made.beat()
 
 
-@pytest.mark.thorough
 def test_after_an_outage_whoever_comes_back_first_takes_nothing_from_the_others(bench: Bench) -> None:
     for _ in range(2):
         bench.upload()

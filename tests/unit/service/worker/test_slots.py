@@ -239,7 +239,6 @@ def test_how_gradings_went_is_counted(bench: Bench) -> None:
     assert (told.gradings, told.retries, told.lost) == ([(GradeStatus.GRADED, 7.0)], 2, 1)
 
 
-@pytest.mark.sweep(4)
 @pytest.mark.parametrize(
     "fault", [InfrastructureError("died"), ValueError("nonsense"), MemoryError(), RecursionError()]
 )
