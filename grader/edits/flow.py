@@ -16,6 +16,9 @@ _AXES: Final = {
     "angular.y": "angular.z",
     "linear.w": "linear.x",
 }
+_ENDS: Final = ("shutdown", "cancel", "destroy_node", "exit", "destroy_timer", "destroy_publisher")
+_BURST: Final = 3
+_LAST: Final = 3
 _Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
 _Loops: Final = (ast.For, ast.While)
 
@@ -29,10 +32,17 @@ def flow_changes(seen: Situation) -> Iterator[Proposal]:
     yield from _left_over(seen, known)
     yield from _stops(seen)
     yield from _moved(seen)
+    yield from _out_of_branches(seen)
+    yield from _lambdas(seen)
     yield from _counters(seen, known)
     yield from _without_call(seen)
     yield from _never_called(seen)
     yield from _spins(seen)
+    yield from _timers(seen, known)
+    yield from _unpublished(seen, known)
+    yield from _pauses(seen)
+    yield from _removed(seen)
+    yield from _objects(seen)
 
 
 def _axes(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
@@ -97,22 +107,28 @@ def _empty_messages(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Pro
 
 def _filled_nowhere(seen: Situation, fresh: list[NameSet]) -> Iterator[Proposal]:
     """Yield one message for fields that are set on new ones: ``Twist().linear.x = 1.0``."""
+    name = fresh[0].target if fresh else "msg"
+    edits: list[Edit] = []
+    first: ast.stmt | None = None
     for node in ast.walk(seen.script.tree):
-        if not isinstance(node, ast.Assign):
-            continue
-        holder = node.targets[0]
+        holder: ast.expr | None = node.targets[0] if isinstance(node, ast.Assign) else None
         while isinstance(holder, ast.Attribute):
             holder = holder.value
-        if not (isinstance(holder, ast.Call) and dotted(holder.func) == seen.twist):
-            continue
-        name = fresh[0].target if fresh else "msg"
-        edits = [seen.script.replaced(holder, name)]
-        if not fresh:
-            edits.append(seen.script.inserted_before(node, f"{name} = {seen.twist}()"))
-        for call in calls_of(seen.script, "publish"):
-            if call.args and isinstance(call.args[0], ast.Call) and dotted(call.args[0].func) == seen.twist:
-                edits.append(seen.script.replaced(call.args[0], name))
-        yield Proposal("one_message", 1.0, tuple(edits), {"line": node.lineno, "new": name})
+        if (
+            isinstance(node, ast.Assign)
+            and isinstance(holder, ast.Call)
+            and dotted(holder.func) == seen.twist
+        ):
+            edits.append(seen.script.replaced(holder, name))
+            first = first or node
+    if first is None:
+        return
+    if not fresh:
+        edits.append(seen.script.inserted_before(first, f"{name} = {seen.twist}()"))
+    for call in calls_of(seen.script, "publish"):
+        if call.args and isinstance(call.args[0], ast.Call) and dotted(call.args[0].func) == seen.twist:
+            edits.append(seen.script.replaced(call.args[0], name))
+    yield Proposal("one_message", 1.0, tuple(edits), {"line": first.lineno, "new": name})
 
 
 def _left_over(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
@@ -202,6 +218,23 @@ def _moved(seen: Situation) -> Iterator[Proposal]:
                 yield Proposal("out_of_loop", 3.7 + count * 0.2, edits, {"line": line, "loop": node.lineno})
 
 
+def _out_of_branches(seen: Situation) -> Iterator[Proposal]:
+    """Yield what ends a branch moved behind it, so that it runs whatever the test says."""
+    for node in ast.walk(seen.script.tree):
+        if not isinstance(node, ast.If) or node.lineno not in seen.ledger.ran:
+            continue
+        outer: ast.stmt = node
+        while isinstance(above := seen.script.parent(outer), ast.If) and any(
+            one is outer for one in above.orelse
+        ):
+            outer = above  # an elif
+        for branch in (node.body, node.orelse):
+            if len(branch) > 1 and isinstance(branch[-1], ast.Expr):
+                edits = _out_of(seen.script, outer, branch[-1:])
+                values = {"line": branch[-1].lineno, "loop": outer.lineno}
+                yield Proposal("out_of_branch", 2.4, edits, values)
+
+
 def _into(script: ParsedScript, last: ast.stmt, moved: list[ast.stmt]) -> tuple[Edit, ...]:
     texts = [line for one in moved for line in script.source(one).splitlines()]
     if any("\n" in script.source(one) for one in moved):
@@ -287,16 +320,28 @@ def _is_used(script: ParsedScript, name: str) -> bool:
 def _spins(seen: Situation) -> Iterator[Proposal]:
     """Yield what lets callbacks run: a look in the loop that waits, or a spin at the end."""
     node_name = _node_name(seen.script)
+    for call in calls_of(seen.script, "spin_once"):
+        if not any(isinstance(one, _Loops) for one in seen.script.around(call)) and call.args:
+            name = seen.script.source(call.args[0])
+            edit = seen.script.replaced(call, f"rclpy.spin({name})")
+            yield Proposal("spin", 1.0, (edit,), {"line": call.lineno, "name": name})
     if any(True for _ in calls_of(seen.script, "spin")):
         return
-    for line, _, _ in seen.ledger.end[:1]:
-        statement = next(iter(seen.script.statements_on(line)), None)
-        for loop in seen.script.around(statement) if statement is not None else ():
-            if isinstance(loop, ast.While):
-                name = "self" if _is_method(seen.script, loop) else node_name
-                edit = seen.script.inserted_before(loop.body[0], f"rclpy.spin_once({name}, timeout_sec=0.01)")
-                yield Proposal("spin_once", 2.0, (edit,), {"line": loop.lineno})
-    if seen.outcome.status is RunStatus.FINISHED and node_name != "node()":
+    for loop in ast.walk(seen.script.tree) if seen.outcome.hears else ():
+        if isinstance(loop, ast.While):
+            name = "self" if _is_method(seen.script, loop) else node_name
+            edit = seen.script.inserted_before(loop.body[0], f"rclpy.spin_once({name}, timeout_sec=0.01)")
+            yield Proposal("spin_once", 2.0, (edit,), {"line": loop.lineno})
+    listens = any(
+        True
+        for name in ("create_timer", "create_subscription", "create_service")
+        for _ in calls_of(seen.script, name)
+    )
+    if (
+        seen.outcome.status is RunStatus.FINISHED
+        and node_name != "node()"
+        and (listens or "alive" in seen.lost)
+    ):
         made = [one for one in assignments(seen.script) if one.target == node_name]
         if made:
             block = seen.script.block_of(made[-1].statement)
@@ -326,3 +371,119 @@ def _node_name(script: ParsedScript) -> str:
             if called in classes or called.endswith(("create_node", "Node")):
                 return one.target
     return "node()"
+
+
+def _timers(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
+    """Yield the cancelling of a timer, where callbacks make ever more of them."""
+    for one in known:
+        if not (isinstance(one.value, ast.Call) and dotted(one.value.func).endswith("create_timer")):
+            continue
+        if len(one.value.args) < 2 or any(
+            isinstance(node, _Functions) and node.name == "__init__"
+            for node in seen.script.around(one.statement)
+        ):
+            continue
+        callback = dotted(one.value.args[1]).rpartition(".")[2]
+        for node in ast.walk(seen.script.tree):
+            if isinstance(node, _Functions) and node.name == callback:
+                edit = seen.script.inserted_before(node.body[0], f"{one.target}.cancel()")
+                yield Proposal("cancel", 2.0, (edit,), {"line": one.statement.lineno, "name": one.target})
+
+
+def _unpublished(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
+    """Yield the publish of a message that is filled and never sent."""
+    publishers = [
+        one.target
+        for one in known
+        if isinstance(one.value, ast.Call) and dotted(one.value.func).endswith("create_publisher")
+    ]
+    if not publishers or any(True for _ in calls_of(seen.script, "publish")):
+        return
+    filled = [one for one in known if one.target.endswith((".linear.x", ".angular.z"))]
+    for one in filled[-1:]:
+        message = one.target.rpartition(".")[0].rpartition(".")[0]
+        edit = seen.script.inserted_after(one.statement, f"{publishers[0]}.publish({message})")
+        yield Proposal("publish", 1.0, (edit,), {"line": one.statement.lineno, "name": message})
+
+
+def _pauses(seen: Situation) -> Iterator[Proposal]:
+    """Yield a pause in a loop that publishes without one."""
+    for driven in seen.distinct:
+        if driven.motion.waits or driven.motion.times < _BURST:
+            continue
+        for statement in seen.script.statements_on(driven.motion.line):
+            if isinstance(seen.script.parent(statement), _Loops):
+                edits = [seen.script.inserted_after(statement, "time.sleep(0.1)")]
+                if not any(isinstance(one, ast.Import) for one in seen.script.tree.body):
+                    edits.append(seen.script.inserted_before(seen.script.tree.body[0], "import time"))
+                yield Proposal("pause", 2.0, tuple(edits), {"line": statement.lineno})
+
+
+def _removed(seen: Situation) -> Iterator[Proposal]:
+    """Yield the script without a line that drives on, or that ends what should go on."""
+    for motion in {one.motion.lines: one.motion for one in seen.driven[-_LAST:]}.values():
+        for line, _, _ in motion.stack:
+            for statement in seen.script.statements_on(line):
+                if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Call):
+                    edit = seen.script.removed(statement)
+                    yield Proposal(
+                        "removed", 4.5, (edit,), {"line": line, "old": seen.script.source(statement)}
+                    )
+    for node in ast.walk(seen.script.tree):
+        ends = isinstance(node, ast.Break | ast.Return | ast.Continue) or (
+            isinstance(node, ast.stmt) and _is_call(node, _ENDS)
+        )
+        inside = isinstance(node, ast.stmt) and not isinstance(seen.script.parent(node), ast.Module | ast.Try)
+        if (
+            isinstance(node, ast.stmt)
+            and ends
+            and inside
+            and node.lineno in seen.ledger.ran
+            and _has_rest(seen, node)
+        ):
+            edit = seen.script.removed(node)
+            yield Proposal("removed", 2.3, (edit,), {"line": node.lineno, "old": seen.script.source(node)})
+    heads = [one for one in seen.script.tree.body if isinstance(one, ast.If)]
+    guards = [one for one in heads if "__name__" in seen.script.source(one.test)]
+    if len(guards) > 1:
+        edit = seen.script.removed(guards[0])
+        yield Proposal("two_scripts", 0.5, (edit,), {"line": guards[0].lineno, "other": guards[1].lineno})
+
+
+def _has_rest(seen: Situation, statement: ast.stmt) -> bool:
+    """Whether something else was to come behind a statement: in its loop or callback, or in its block."""
+    block = seen.script.block_of(statement)
+    place = next((i for i, one in enumerate(block) if one is statement), 0)
+    around = [one for one in seen.script.around(statement) if isinstance(one, (*_Loops, ast.If))]
+    return (
+        bool(around)
+        or any(not _is_call(one, _ENDS) for one in block[place + 1 :])
+        or _is_callback(seen, block[0])
+    )
+
+
+def _is_callback(seen: Situation, statement: ast.stmt) -> bool:
+    function = next((one for one in seen.script.around(statement) if isinstance(one, _Functions)), None)
+    makers = [*calls_of(seen.script, "create_timer"), *calls_of(seen.script, "create_subscription")]
+    return function is not None and any(
+        dotted(one).rpartition(".")[2] == function.name for call in makers for one in call.args
+    )
+
+
+def _lambdas(seen: Situation) -> Iterator[Proposal]:
+    """Yield the call that a lambda only names."""
+    for node in ast.walk(seen.script.tree):
+        if isinstance(node, ast.Lambda) and dotted(node.body):
+            name = dotted(node.body)
+            edit = seen.script.replaced(node.body, f"{name}()")
+            yield Proposal("brackets", 0.8, (edit,), {"line": node.lineno, "old": name, "new": f"{name}()"})
+
+
+def _objects(seen: Situation) -> Iterator[Proposal]:
+    """Yield an object, where a class of the script's own is given to `spin`."""
+    classes = {node.name for node in ast.walk(seen.script.tree) if isinstance(node, ast.ClassDef)}
+    for call in calls_of(seen.script, "spin"):
+        if call.args and dotted(call.args[0]) in classes:
+            name = dotted(call.args[0])
+            edit = seen.script.replaced(call.args[0], f"{name}()")
+            yield Proposal("brackets", 0.6, (edit,), {"line": call.lineno, "old": name, "new": f"{name}()"})

@@ -9,7 +9,7 @@ from typing import Final
 
 from grader.contracts.outcome import RunStatus, StudentError
 from grader.edits.situation import Proposal, Situation
-from grader.edits.slices import assignments, calls_of, dotted, number_of
+from grader.edits.slices import assignments, calls_of, dotted, expressions_behind, number_of
 from grader.edits.tree import Edit, ParsedScript
 
 MODULES: Final = ("math", "os", "random", "rclpy", "sys", "threading", "time")
@@ -45,7 +45,9 @@ _METHODS: Final = (
     "sleep",
     "ok",
 )
-_NAMES: Final = (*MODULES, *CLASSES, *_FIELDS, *_METHODS)
+_PACKAGES: Final = ("geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs", "std_srvs", "turtlesim")
+_NAMES: Final = (*_PACKAGES, *MODULES, *CLASSES, *_FIELDS, *_METHODS)
+_NODE_MAKERS: Final = ("__init__", "create_node", "Node")
 _QUOTED: Final = re.compile(r"'([A-Za-z_][\w.]*)'")
 _MEANT: Final = re.compile(r"Did you mean: '([^']+)'")
 
@@ -73,10 +75,19 @@ def _of_error(seen: Situation, error: StudentError, line: int) -> Iterator[Propo
     if error.type == "NameError" and quoted:
         yield from _imported(seen, quoted[0])
         yield from _of_self(seen, line, quoted[0])
+        yield from _quoted(seen, line, quoted[0])
+    if error.type == "InvalidNodeNameException":
+        yield from _node_names(seen)
     if error.type in ("AssertionError", "TypeError"):
         yield from _floats(seen, line)
         yield from _parameters(seen, error, line)
         yield from _instances(seen, line)
+    if error.type == "ValueError":
+        for call in calls_of(seen.script, "int"):
+            old = seen.script.source(call)
+            new = f"float{old.removeprefix('int')}"
+            values = {"line": call.lineno, "old": old, "new": new}
+            yield Proposal("float", 0.4, (seen.script.replaced(call, new),), values)
     if error.type == "UnboundLocalError" and quoted:
         yield from _globals(seen, line, quoted[0])
     if error.type == "NotInitializedException":
@@ -188,12 +199,48 @@ def _floats(seen: Situation, line: int) -> Iterator[Proposal]:
             old = seen.script.source(value)
             whole = number_of(value)
             new = f"{old}.0" if whole is not None and old.lstrip("-").isdigit() else f"float({old})"
+            if isinstance(value, ast.Tuple) and old.replace(",", "").replace(" ", "").strip("()").isdigit():
+                new = old.strip("()").replace(" ", "").replace(",", ".")
             edit = seen.script.replaced(value, new)
             yield Proposal("float", 0.2, (edit,), {"line": line, "old": old, "new": new})
+    for node, _ in expressions_behind(seen.script, [line]):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and _is_decimal(node.value):
+            values = {"line": node.lineno, "old": seen.script.source(node), "new": node.value.strip()}
+            yield Proposal("float", 0.25, (seen.script.replaced(node, node.value.strip()),), values)
     for call in calls_of(seen.script, "input"):
         old = seen.script.source(call)
         edit = seen.script.replaced(call, f"float({old})")
         yield Proposal("float", 0.5, (edit,), {"line": call.lineno, "old": old, "new": f"float({old})"})
+
+
+def _is_decimal(text: str) -> bool:
+    return re.fullmatch(r"\s*-?\d+(\.\d*)?\s*", text) is not None
+
+
+def _quoted(seen: Situation, line: int, name: str) -> Iterator[Proposal]:
+    """Yield a text for a name that does not exist, where it is given to a call."""
+    for statement in seen.script.statements_on(line):
+        for node in ast.walk(statement):
+            if (
+                isinstance(node, ast.Name)
+                and node.id == name
+                and isinstance(seen.script.parent(node), ast.Call)
+            ):
+                edit = seen.script.replaced(node, f"'{name}'")
+                yield Proposal("quotes", 0.4, (edit,), {"line": line, "old": name, "new": f"'{name}'"})
+
+
+def _node_names(seen: Situation) -> Iterator[Proposal]:
+    """Yield a name that a node may have."""
+    for node in ast.walk(seen.script.tree):
+        if not (isinstance(node, ast.Call) and node.args and dotted(node.func).endswith(_NODE_MAKERS)):
+            continue
+        given = node.args[0]
+        old = given.value if isinstance(given, ast.Constant) else None
+        if isinstance(old, str):
+            new = re.sub(r"\W+", "_", old.strip(), flags=re.ASCII).strip("_0123456789") or "my_node"
+            edit = seen.script.replaced(given, f"'{new}'")
+            yield Proposal("node_name", 0.3, (edit,), {"line": given.lineno, "old": old, "new": new})
 
 
 def _parameters(seen: Situation, error: StudentError, line: int) -> Iterator[Proposal]:

@@ -5,6 +5,7 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
+from grader.contracts.outcome import RunStatus
 from grader.edits.situation import Driven, Proposal, Situation
 from grader.edits.slices import NumberUse, dotted, expressions_behind, numbers_behind
 from grader.edits.tree import Edit, ParsedScript
@@ -14,12 +15,27 @@ _LEAST_DEGREES: Final = 20.0
 _FITS: Final = 0.02
 _MOST_WANTED: Final = 3
 _PERIODS: Final = ("sleep", "create_timer", "create_rate", "Rate")
+_DEPTHS: Final = ("create_publisher", "create_subscription")
 _LONGEST_PERIOD_S: Final = 0.2
 _MOST_RATIO: Final = 30.0
 _NEAR: Final = 0.005  # what turtlesim's updates and a loop's period may add or take away
-_COMPARISONS: Final = {ast.Lt: "<=", ast.LtE: "<", ast.Gt: ">=", ast.GtE: ">", ast.Eq: ">="}
+_COMPARISONS: Final = {
+    ast.Lt: ("<=", ">"),
+    ast.LtE: ("<", ">="),
+    ast.Gt: (">=", "<"),
+    ast.GtE: (">", "<="),
+    ast.Eq: (">=", "<="),
+    ast.NotEq: ("<", ">"),
+}
 _CONVERSIONS: Final = ("radians", "degrees", "deg2rad", "rad2deg", "int", "round")
-_OPERATORS: Final = {ast.Mult: "/", ast.Div: "*", ast.Add: "-", ast.Sub: "+", ast.FloorDiv: "/"}
+_OPERATORS: Final = {
+    ast.Mult: "/",
+    ast.Div: "*",
+    ast.Add: "-",
+    ast.Sub: "+",
+    ast.FloorDiv: "/",
+    ast.BitXor: "**",
+}
 
 
 def number_changes(seen: Situation) -> Iterator[Proposal]:
@@ -64,46 +80,38 @@ def _targets(seen: Situation, driven: Driven) -> list[tuple[float, float]]:
 def _scaled(
     seen: Situation, driven: Driven, use: NumberUse, targets: list[tuple[float, float]]
 ) -> Iterator[Proposal]:
+    """Yield a number in radians, by the measured ratio or its inverse, or in nanoseconds."""
     unit = "deg" if driven.is_turn else "m"
-    values: dict[str, object] = {"unit": unit}
-    if targets:
-        values |= {"size": targets[0][0], "wanted": targets[0][1]}
     degrees = abs(use.value)
     if driven.motion.w and (degrees in _DEGREES or degrees >= _LEAST_DEGREES) and degrees <= 720.0:
         new = written(math.radians(use.value), like_float=True)
-        yield _replaced(seen, "degrees", 1.0 + use.steps * 0.1, (use, new), **values)
+        yield _replaced(seen, "degrees", 1.0 + use.steps * 0.1, (use, new))
+    whole = _is_whole(seen.script, use.node)
     for place, (size, wanted) in enumerate(targets):
         ratio = wanted / size
         for share in (ratio, 1.0 / ratio):
-            new_value = use.value * share
             if not 1.0 / _MOST_RATIO <= ratio <= _MOST_RATIO or use.value == 0.0:
                 continue
-            if _is_whole(seen.script, use.node) and round(new_value) == use.value:
-                continue
-            new = written(
-                new_value,
-                like_float=not _is_whole(seen.script, use.node),
-                whole=_is_whole(seen.script, use.node),
-            )
-            cost = (
-                2.0
-                + place
-                + use.steps * 0.2
-                + (1.5 if share != ratio else 0.0)
-                + _unlikely(seen.script, use, ratio)
-            )
+            new = written(use.value * share, like_float=not whole, whole=whole)
+            cost = 1.8 + place * 0.6 + use.steps * 0.2 + 0.05 * len(new) + 1.5 * (share != ratio)
+            cost += _unlikely(seen.script, use, ratio)
             yield _replaced(seen, "scaled", cost, (use, new), unit=unit, size=size, wanted=wanted)
-    if 1e3 <= abs(use.value) <= 1e12 and math.log10(abs(use.value)).is_integer():
-        yield _replaced(seen, "scaled", 3.0, (use, "1e9" if use.value != 1e9 else "1.0"), **values)
+    if 1e3 <= abs(use.value) <= 1e12 and math.log10(abs(use.value)).is_integer() and use.value != 1e9:
+        yield _replaced(seen, "nanoseconds", 1.5, (use, "1e9"))
 
 
 def _unlikely(script: ParsedScript, use: NumberUse, ratio: float) -> float:
-    """Return how unlikely it is that this number was meant otherwise: a huge one, a loop's period, one far off."""
+    """Return how unlikely it is that this number was meant otherwise: one far off, a period, a count, a depth."""
     value, parent = abs(use.value), script.parent(use.node)
-    is_period = (
-        isinstance(parent, ast.Call) and dotted(parent.func).endswith(_PERIODS) and value <= _LONGEST_PERIOD_S
-    )
-    return 2.0 * (value >= 1e3 or value <= 1e-3) + 1.5 * is_period + min(abs(math.log(ratio)), 3.0) * 0.3
+    called = dotted(parent.func) if isinstance(parent, ast.Call) else ""
+    unlikely = min(abs(math.log(ratio)), 3.0) * 0.3
+    if called.endswith(_PERIODS) and value <= _LONGEST_PERIOD_S:
+        unlikely += 1.5
+    if called.endswith(_DEPTHS):
+        unlikely += 5.0
+    if called == "range":
+        unlikely += 1.0
+    return unlikely + 2.0 * (value >= 1e3 or value <= 1e-3)
 
 
 def _turned_round(seen: Situation, driven: Driven, use: NumberUse) -> Iterator[Proposal]:
@@ -124,9 +132,10 @@ def _counts(seen: Situation) -> Iterator[Proposal]:
             if count != node.value:
                 cost = 2.2 + place * 0.3 + abs(count - node.value) * 0.05
                 yield _replaced(seen, "count", cost, (use, str(count)))
+        waited = any(line == node.lineno for line, _, _ in seen.ledger.end)
         for near in (node.value + 1, node.value - 1):
-            if near not in seen.wanted.counts and near > 0:
-                yield _replaced(seen, "count", 5.0, (use, str(near)))
+            if near not in seen.wanted.counts and near >= 0:
+                yield _replaced(seen, "count", 1.5 if waited else 5.0, (use, str(near)))
 
 
 def _counts_something(script: ParsedScript, node: ast.Constant) -> bool:
@@ -143,22 +152,55 @@ def _counts_something(script: ParsedScript, node: ast.Constant) -> bool:
 
 def _operators(seen: Situation) -> Iterator[Proposal]:
     """Yield the other comparison, operator, order or unit, where it decides about a motion."""
-    for node, steps in expressions_behind(seen.script, seen.lines):
+    behind = expressions_behind(seen.script, seen.lines)
+    reached = {id(node) for node, _ in behind}
+    tests = [node.test for node in ast.walk(seen.script.tree) if isinstance(node, ast.While)]
+    behind += [
+        (test, 1) for test in tests if id(test) not in reached
+    ]  # the same mistake, where it never came
+    for node, steps in behind:
         cost = steps * 0.1
         if isinstance(node, ast.Compare) and len(node.ops) == 1:
-            new = _COMPARISONS.get(type(node.ops[0]))
-            yield from _between(seen.script, "comparison", 5.5 + cost, (node.left, node.comparators[0]), new)
+            yield from _comparisons(seen.script, node, cost)
         elif isinstance(node, ast.BinOp):
-            new = _OPERATORS.get(type(node.op))
-            yield from _between(seen.script, "operator", 5.0 + cost, (node.left, node.right), new)
-            if isinstance(node.op, ast.Sub):
-                yield from _exchanged(seen.script, 4.0 + cost, node.left, node.right)
-        elif isinstance(node, ast.Call) and len(node.args) == 2 and dotted(node.func).endswith("atan2"):
-            yield from _exchanged(seen.script, 3.0 + cost, *node.args)
-        elif isinstance(node, ast.Call) and len(node.args) == 1 and dotted(node.func).endswith(_CONVERSIONS):
-            old, new = seen.script.source(node), seen.script.source(node.args[0])
-            values = {"line": node.lineno, "old": old, "new": new}
-            yield Proposal("converted", 1.8 + cost, (seen.script.replaced(node, new),), values)
+            yield from _calculations(seen, node, cost)
+        elif isinstance(node, ast.Call):
+            yield from _conversions(seen.script, node, cost)
+
+
+def _comparisons(script: ParsedScript, node: ast.Compare, cost: float) -> Iterator[Proposal]:
+    operands = (node.left, node.comparators[0])
+    if any(isinstance(getattr(one, "value", None), str) for one in operands):
+        return
+    exact = isinstance(node.ops[0], ast.Eq | ast.NotEq)
+    for new in _COMPARISONS.get(type(node.ops[0]), ()):
+        yield from _between(script, "comparison", (1.5 if exact else 5.5) + cost, operands, new)
+
+
+def _calculations(seen: Situation, node: ast.BinOp, cost: float) -> Iterator[Proposal]:
+    new = _OPERATORS.get(type(node.op))
+    caret = 4.5 * isinstance(node.op, ast.BitXor)
+    yield from _between(seen.script, "operator", 5.0 - caret + cost, (node.left, node.right), new)
+    if isinstance(node.op, ast.Sub):
+        clock = any(one in seen.script.source(node) for one in ("time()", "now()"))
+        endless = clock and seen.outcome.status is RunStatus.INTERRUPTED
+        yield from _exchanged(seen.script, (2.0 if endless else 5.0) + cost, node.left, node.right)
+
+
+def _conversions(script: ParsedScript, node: ast.Call, cost: float) -> Iterator[Proposal]:
+    called = dotted(node.func)
+    if len(node.args) == 2 and called.endswith("atan2"):
+        yield from _exchanged(script, 3.0 + cost, *node.args)
+    if len(node.args) != 1 or not called.endswith(_CONVERSIONS):
+        return
+    new = script.source(node.args[0])
+    values = {"line": node.lineno, "old": script.source(node), "new": new}
+    yield Proposal("converted", 1.8 + cost, (script.replaced(node, new),), values)
+    for name, other in (("degrees", "radians"), ("radians", "degrees")):
+        if called.endswith(name):
+            right = called.replace(name, other)
+            values = {"line": node.lineno, "old": called, "new": right}
+            yield Proposal("name", 1.2 + cost, (script.replaced(node.func, right),), values)
 
 
 def _exchanged(script: ParsedScript, cost: float, left: ast.expr, right: ast.expr) -> Iterator[Proposal]:
@@ -172,8 +214,11 @@ def _between(
     """Yield another operator between two operands, if nothing but the operator stands there."""
     left, right = operands
     start, end = script.span(left)[1], script.span(right)[0]
-    if new is not None and not set(script.text[start:end]) & set("()#\n"):
-        yield Proposal(code, cost, (Edit(start, end, f" {new} "),), {"line": left.lineno})
+    old = script.text[start:end]
+    if new is not None and not set(old) & set("()#\n"):
+        spaced = f" {new} " if old.startswith(" ") else new
+        values = {"line": left.lineno, "old": old.strip(), "new": new}
+        yield Proposal(code, cost, (Edit(start, end, spaced),), values)
 
 
 def _is_whole(script: ParsedScript, node: ast.expr) -> bool:

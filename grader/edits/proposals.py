@@ -7,9 +7,25 @@ from grader.edits.flow import flow_changes
 from grader.edits.names import name_changes
 from grader.edits.numbers import number_changes
 from grader.edits.situation import Proposal, Situation
+from grader.edits.state import state_changes
 from grader.edits.tree import applied
 
-_SOURCES = (name_changes, flow_changes, number_changes)
+_MOST_PLACES = 6
+_EVERYWHERE = 0.05  # behind the change at the one place where it is most plausible
+_SOURCES = (name_changes, flow_changes, state_changes, number_changes)
+
+
+def _everywhere(found: list[Proposal]) -> Iterator[Proposal]:
+    """Yield the same change at all its places: who makes a mistake in one function makes it in the next."""
+    groups: dict[tuple[object, ...], list[Proposal]] = {}
+    for one in found:
+        key = (one.code, one.values.get("old"), one.values.get("new"), one.values.get("field"))
+        groups.setdefault(key, []).append(one)
+    for group in groups.values():
+        edits = tuple(dict.fromkeys(edit for one in group for edit in one.edits))
+        if 1 < len(group) <= _MOST_PLACES:
+            first = min(group, key=lambda one: one.cost)
+            yield Proposal(first.code, first.cost + _EVERYWHERE, edits, first.values)
 
 
 class Candidate(NamedTuple):
@@ -22,6 +38,7 @@ class Candidate(NamedTuple):
 def candidates(seen: Situation) -> Iterator[Candidate]:
     """Yield proposals with their texts, each text once, the most plausible first."""
     found = [one for source in _SOURCES for one in source(seen)]
+    found += _everywhere(found)
     offered = {seen.script.text}
     for proposal in sorted(found, key=lambda one: one.cost):
         try:

@@ -1,12 +1,13 @@
 """What a search for a change begins with: the script, what its lines did, and what was wanted of the car."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
 from grader.contracts.outcome import RunOutcome
 from grader.edits.received import Ledger, Motion
-from grader.edits.slices import dotted
+from grader.edits.slices import calls_of, dotted
 from grader.edits.tree import Edit, ParsedScript
 
 HOLD_NS = 1_000_000_000
@@ -69,7 +70,7 @@ class Proposal:
     code: str
     cost: float
     edits: tuple[Edit, ...]
-    values: dict[str, object] = field(default_factory=dict)
+    values: Mapping[str, object] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -108,8 +109,10 @@ class Situation:
 
     @cached_property
     def lines(self) -> tuple[int, ...]:
-        """The lines that decide about any motion, those of the earliest first."""
-        return tuple(dict.fromkeys(line for one in self.driven for line in one.motion.lines))[:_MOST_LINES]
+        """The lines that decide about any motion, the earliest first; of a car that stood, all that publish."""
+        moving = [line for one in self.driven for line in one.motion.lines]
+        published = [call.lineno for call in calls_of(self.script, "publish")]
+        return tuple(dict.fromkeys(moving or published))[:_MOST_LINES]
 
     @cached_property
     def twist(self) -> str:

@@ -112,6 +112,7 @@ def expressions_behind(script: ParsedScript, lines: Iterable[int]) -> list[tuple
                 expressions.setdefault(id(node), (node, steps))
         if steps >= _MOST_STEPS:
             continue
+        waiting += [(one, steps + 1) for one in _declared(script, part)]
         for name in _names(part):
             if name in followed:
                 continue
@@ -170,6 +171,16 @@ def _sets(target: str, name: str) -> bool:
         or target.startswith(f"{name}.")
         or ("." in name and "." in target and target.split(".")[:2] == name.split(".")[:2])
     )
+
+
+def _declared(script: ParsedScript, part: ast.AST) -> Iterator[ast.expr]:
+    """Yield the defaults of the parameters that a part asks for by name."""
+    for node in ast.walk(part):
+        if isinstance(node, ast.Call) and dotted(node.func).endswith("get_parameter") and node.args:
+            name = getattr(node.args[0], "value", None)
+            for call in calls_of(script, "declare_parameter"):
+                if len(call.args) > 1 and getattr(call.args[0], "value", None) == name:
+                    yield call.args[1]
 
 
 def _functions(script: ParsedScript) -> Iterator[_Functions]:

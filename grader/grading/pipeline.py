@@ -25,7 +25,7 @@ from grader.contracts.report import (
     Measurements,
     status_of,
 )
-from grader.contracts.rubric import summed
+from grader.contracts.rubric import ItemStatus, summed
 from grader.contracts.scoring import Run, Scoring
 from grader.contracts.trajectory import encode_trajectory, recorded
 from grader.contracts.upload import decoded
@@ -208,10 +208,15 @@ class Pipeline:
             _scored_run(case, assignment, script, *account)
             for case, account in zip(assignment.cases, accounts, strict=True)
         ]
-        first, _ = accounts[0]
+        items = mark(assignment, runs).items(assignment)
+        lacking = (item.id.rpartition("/")[0] for item in items if item.status is ItemStatus.FAILED)
+        case_id = next(lacking, "")
+        place = next((i for i, run in enumerate(runs) if run.case == case_id), 0)
+        first, _ = accounts[place]
         return Graded(
-            items=mark(assignment, runs).items(assignment),
-            runs=tuple(runs),
+            items=items,
+            outcome=runs[place].outcome,
+            case=runs[place].case,
             work_s=sum(
                 run_work_s(episode.command_count, episode.sim_steps, run.outcome.status)
                 for (episode, _), run in zip(accounts, runs, strict=True)

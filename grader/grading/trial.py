@@ -12,9 +12,8 @@ from typing import Final
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import ProtocolError
 from grader.contracts.explanation import ChangedText, Explanation, ProvenChange
-from grader.contracts.outcome import RunStatus
+from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.contracts.rubric import ItemStatus, RubricItem, summed
-from grader.contracts.scoring import Run
 from grader.contracts.text import Text
 from grader.edits.proposals import Candidate, candidates
 from grader.edits.received import received_ledger, received_script
@@ -26,8 +25,10 @@ from grader.messages.quantity import number, points
 MOST_TRIALS: Final = 24
 MOST_WORK_S: Final = 1.5
 MOST_CHANGES: Final = 3
-_RUN_S: Final = 0.03
+_RUN_S: Final = 0.025
 _COMMAND_S: Final = 0.000_01
+_MANY_COMMANDS: Final = 5_000
+_FURTHER_COMMAND_S: Final = 0.000_2
 _STEP_S: Final = 0.000_005
 _SPOILT_S: Final = 0.5
 """Counted work: of any run, of a command and of a physics step in it, and of a run that reached a limit."""
@@ -44,11 +45,13 @@ class Graded:
     """What grading one text came to.
 
     Attributes:
-        items: with their points. lost: names of the measures that cost points. tree, ledger: of a traced run.
+        items: with their points. outcome, case: of the first run that failed an item, else of the first one.
+        tree, ledger: of that run, if it was traced.
     """
 
     items: tuple[RubricItem, ...]
-    runs: tuple[Run, ...]
+    outcome: RunOutcome
+    case: str
     work_s: float
     tree: bytes = b""
     ledger: bytes = b""
@@ -77,7 +80,14 @@ GradeText = Callable[[str, Assignment, bool], Graded]
 
 def run_work_s(commands: int, steps: int, status: RunStatus) -> float:
     """Return the counted work of one run."""
-    return _RUN_S + commands * _COMMAND_S + steps * _STEP_S + (_SPOILT_S if status in _SPOILT else 0.0)
+    further = max(commands - _MANY_COMMANDS, 0)  # of a script that makes more and more of something
+    return (
+        _RUN_S
+        + commands * _COMMAND_S
+        + further * _FURTHER_COMMAND_S
+        + steps * _STEP_S
+        + (_SPOILT_S if status in _SPOILT else 0.0)
+    )
 
 
 class Search:
@@ -148,8 +158,8 @@ class Search:
             Situation(
                 script=script,
                 ledger=ledger,
-                outcome=now.runs[0].outcome,
-                wanted=wanted_of(self._assignment.in_case(now.runs[0].case)),
+                outcome=now.outcome,
+                wanted=wanted_of(self._assignment.in_case(now.case), lost),
                 topic=self._assignment.world.cmd_vel_topic,
                 lost=lost,
             )
@@ -162,8 +172,8 @@ class Search:
         return new.gains_on(old)
 
 
-def wanted_of(assignment: Assignment) -> WantedSizes:
-    """Return the sizes that an assignment names: in its options, its path and the bands of its items."""
+def wanted_of(assignment: Assignment, lost: frozenset[str]) -> WantedSizes:
+    """Return the sizes that an assignment names: in its options, its path, and the bands of lost items."""
     from grader.checks.kinds import CHECKS
 
     turns, lengths, counts = [], [], []
@@ -180,7 +190,7 @@ def wanted_of(assignment: Assignment) -> WantedSizes:
     measures = CHECKS[assignment.check].measures
     for item in assignment.items:
         kind, low, high = measures.get(item.measure), item.low, item.high
-        if kind is None or not low or low < 0.0:
+        if kind is None or item.measure not in lost or not low or low < 0.0:
             continue
         middle = None if high is None else (low + high) / 2.0
         if kind.unit == "deg":
