@@ -63,6 +63,7 @@ _WRONG_GUARD = re.compile(
 )
 _UNAWAITED = re.compile(r"coroutine '(?:\w+\.)?(\w+)' was never awaited")
 _ONE_CALL = 2  # commands that one call of a callback publishes
+_GROWING = 5_000  # more commands than any script sends that does not make ever more of something
 TOO_BRIEF_NS = 50_000_000  # three updates of turtlesim
 MANY_MOTIONS = 40  # more than the sides and corners of any figure, driven twice
 
@@ -148,6 +149,8 @@ def command_mistakes(
     outcome, topic = run.outcome, world.cmd_vel_topic
     if _teleports(run.trajectory):
         return (mistake("teleported", topic=topic),)
+    if (odd := _turtles_and_timers(run)) is not None:
+        return (odd,)
     if not moves_of(run.trajectory) and (missing := _unpublished(run, world)) is not None:
         return (missing,)
     if (found := _unfit_commands(run, world)) is not None:
@@ -157,6 +160,25 @@ def command_mistakes(
             return (mistake("stop_in_loop", times=motions),)
         return (mistake("too_brief", longest=number(longest_ns / 1e6, "ms")),)
     return _timeouts(run.trajectory, outcome, turns, drives)
+
+
+def _turtles_and_timers(run: Run) -> Mistake | None:
+    """Recognise a script that removes the turtle that is graded, or makes ever more timers."""
+    killed = any(
+        each.kind == "client" and each.name == "/kill" and each.count for each in run.outcome.endpoints
+    )
+    script = ScriptText(run.source)
+    if killed and not moves_of(run.trajectory):
+        lines = script.lines_with(r"\bKill\.Request\(|\bKill\b.*\bcreate_client|create_client\( ?Kill\b") or [
+            1
+        ]
+        return mistake("turtle_killed", line=lines[-1])
+    if run.outcome.command_count >= _GROWING:
+        begins = [callback.begins for callback in script.callbacks("timer")]
+        made = [line for line in script.lines_with(r"\bcreate_timer\(") if script.owner_of(line) in begins]
+        if made and not script.lines_with(r"\.cancel\("):
+            return mistake("timer_in_callback", line=made[0])
+    return None
 
 
 def only_turned(run: Run, spoilt: tuple[str, ...]) -> Iterator[Mistake]:
@@ -435,6 +457,18 @@ def error_caught(run: Run) -> Mistake | None:
     return Mistake("error_caught", join([say("detail.error_caught"), reason], _SPACE))
 
 
+def _elsewhere(publishers: list[Endpoint], outcome: RunOutcome, topic: str) -> Mistake:
+    """Return what was sent to others than the car, if anything was."""
+    twists = [each for each in publishers if each.type == TWIST]
+    lost = [each for each in twists or publishers if each.name not in outcome.heard]  # not between own nodes
+    if lost and all(each.type == _POSE for each in lost):
+        return mistake("pose_published", used=lost[0].name, topic=topic)
+    used = _names(lost or twists or publishers)
+    if not any(each.count for each in publishers):
+        return mistake("nothing_sent", used=used, topic=topic)
+    return mistake("wrong_topic", used=used, topic=topic) if twists else mistake("no_publisher", topic=topic)
+
+
 def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
     """Return why no velocity command arrived; nothing if the script ended before it could send one."""
     outcome, topic = run.outcome, world.cmd_vel_topic
@@ -449,12 +483,7 @@ def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
     if right:
         return (mistake("wrong_type", topic=topic, type=right[0].type, wanted=TWIST),)
     if publishers:
-        lost = [
-            each for each in twists or publishers if each.name not in outcome.heard
-        ]  # not between own nodes
-        if lost and all(each.type == _POSE for each in lost):
-            return (mistake("pose_published", used=lost[0].name, topic=topic),)
-        return (mistake("wrong_topic", used=_names(lost or twists or publishers), topic=topic),)
+        return (_elsewhere(publishers, outcome, topic),)
     if outcome.status not in (RunStatus.FINISHED, RunStatus.INTERRUPTED):
         return ()
     if (call := noted(outcome, "forbidden")) is not None:

@@ -30,6 +30,7 @@ _GROUPS: dict[str, dict[str, str]] = {
         "submit": "hand a file in to a service and wait for its grading / 提交到服务器",
     },
     "teachers / 教师": {
+        "hints": "the codes of mistakes and changes, with their sentences / 错误与改法的代码和文字",
         "assignments": "list, show and validate assignments / 查看作业与评分标准",
         "course": "create a course and import its people / 创建课程、导入名单",
         "token": "issue and revoke the tokens people identify with / 发放和撤销令牌",

@@ -18,7 +18,7 @@ _PERIODS: Final = ("sleep", "create_timer", "create_rate", "Rate")
 _DEPTHS: Final = ("create_publisher", "create_subscription")
 _LONGEST_PERIOD_S: Final = 0.2
 _MOST_RATIO: Final = 30.0
-_NEAR: Final = 0.005  # what turtlesim's updates and a loop's period may add or take away
+_NEAR: Final = 0.01  # what turtlesim's updates and a loop's period may add or take away
 _COMPARISONS: Final = {
     ast.Lt: ("<=", ">"),
     ast.LtE: ("<", ">="),
@@ -92,7 +92,7 @@ def _scaled(
         for share in (ratio, 1.0 / ratio):
             if not 1.0 / _MOST_RATIO <= ratio <= _MOST_RATIO or use.value == 0.0:
                 continue
-            new = written(use.value * share, like_float=not whole, whole=whole)
+            new = written(use.value * share, like_float="." in seen.script.source(use.node), whole=whole)
             cost = 1.8 + place * 0.6 + use.steps * 0.2 + 0.05 * len(new) + 1.5 * (share != ratio)
             cost += _unlikely(seen.script, use, ratio)
             yield _replaced(seen, "scaled", cost, (use, new), unit=unit, size=size, wanted=wanted)
@@ -117,7 +117,8 @@ def _unlikely(script: ParsedScript, use: NumberUse, ratio: float) -> float:
 def _turned_round(seen: Situation, driven: Driven, use: NumberUse) -> Iterator[Proposal]:
     """Yield the other sign for a number that a speed is set to."""
     if use.value in (driven.motion.v, driven.motion.w) and use.value:
-        yield _replaced(seen, "sign", 4.0 + use.steps * 0.2, (use, written(-use.value, like_float=True)))
+        new = written(-use.value, like_float="." in seen.script.source(use.node))
+        yield _replaced(seen, "sign", 4.0 + use.steps * 0.2, (use, new))
 
 
 def _counts(seen: Situation) -> Iterator[Proposal]:

@@ -4,6 +4,7 @@ Type and text of an exception tell which code it gets; the sentence ``mistake.<c
 """
 
 import difflib
+import keyword
 import re
 from collections.abc import Callable, Mapping
 from typing import Final
@@ -408,6 +409,9 @@ _CALLS_OF_MODULES: Final = {"time": "time.time()", "random": "random.random()", 
 _MOST_LINES: Final = 4
 
 
+_OF_PASTED = ("SyntaxError", "IndentationError", "NameError")
+
+
 def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT) -> tuple[str, Text]:
     """Return the code of the mistake behind an exception, and the sentence that explains it.
 
@@ -416,6 +420,8 @@ def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT)
         otherwise: the code if nothing more precise is known.
         script: the script that raised the exception.
     """
+    if error.type in _OF_PASTED and (pasted := script.terminal_line) is not None:
+        return "terminal_output", say("mistake.terminal_output", line=pasted)
     # long lines make patterns slow
     shown = "\n".join(line[:_LONGEST] for line in error.traceback.split("\n"))
     # A script may name its exceptions as it likes; only a plain name is one that the signs know.
@@ -440,6 +446,9 @@ def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT)
 
 def _statement(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at a line that Python does not take: its first word may be a misspelt one of Python's."""
+    word = re.match(r"[ \t]*([a-z]+)[ \t]*=(?!=)", script_line(error))
+    if word is not None and keyword.iskeyword(word[1]):
+        return "keyword_as_name", {"name": word[1]}
     if (above := _without_comma(error, script)) is not None:
         return "missing_comma", {"line": above}
     found = re.match(r"([A-Za-z]+)(?=[ \t]+[A-Za-z_(\"']|[ \t]*:)", script_line(error))

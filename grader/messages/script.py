@@ -80,6 +80,12 @@ class Assigned(NamedTuple):
     value: str
 
 
+_TERMINAL = re.compile(
+    r"Traceback \(most recent call last\):|\[(INFO|WARN|ERROR|FATAL|DEBUG)\] \[\d+\.\d+\] \[|>>> |"
+    r"[\w.-]+@[\w.-]+:\S*[$#] |PS [A-Z]:\\\S*> |\$ (ros2|python3?|colcon|cd|source)\b|  File \".+\", line \d+, in "
+)
+
+
 class ScriptText:
     """The code of a script, line by line, without strings and comments.
 
@@ -108,6 +114,13 @@ class ScriptText:
     def is_short(self) -> bool:
         """Whether it is as short as what beginners write; only then is it searched."""
         return self._source.count("\n") < _LONGEST_SCRIPT and len(self._source) <= _MOST_CHARACTERS
+
+    @cached_property
+    def terminal_line(self) -> int | None:
+        """The first line that a terminal has printed, and nobody writes: a prompt, a log, a traceback."""
+        lines = self._source.split("\n", _LONGEST_SCRIPT)[:_LONGEST_SCRIPT]
+        printed = (number for number, line in enumerate(lines, 1) if _TERMINAL.match(line[:_LONGEST_LINE]))
+        return next(printed, None)
 
     @property
     def has_code(self) -> bool:

@@ -21,8 +21,8 @@ TWIST = "geometry_msgs/msg/Twist"
 AT_REST = drive([(2.0, 0.0, 0.0)])
 
 
-def publisher(name: str = "/turtle1/cmd_vel", kind: str = TWIST) -> Endpoint:
-    return Endpoint(kind="publisher", node="/mover", name=name, type=kind)
+def publisher(name: str = "/turtle1/cmd_vel", kind: str = TWIST, count: int = 0) -> Endpoint:
+    return Endpoint(kind="publisher", node="/mover", name=name, type=kind, count=count)
 
 
 @pytest.mark.parametrize(
@@ -68,12 +68,13 @@ def test_other_ends(status: RunStatus, code: str) -> None:
             "no_publisher",
             "/turtle1/cmd_vel",
         ),
-        (RunStatus.INTERRUPTED, {"endpoints": (publisher("/cmd_vel"),)}, "wrong_topic", "/cmd_vel"),
+        (RunStatus.INTERRUPTED, {"endpoints": (publisher("/cmd_vel"),)}, "nothing_sent", "/cmd_vel"),
+        (RunStatus.INTERRUPTED, {"endpoints": (publisher("/cmd_vel", count=3),)}, "wrong_topic", "/cmd_vel"),
         (
             RunStatus.INTERRUPTED,
-            {"endpoints": (publisher("/cmd_vel", "std_msgs/msg/String"),)},
-            "wrong_topic",
-            "std_msgs/msg/String",
+            {"endpoints": (publisher("/cmd_vel", "std_msgs/msg/String", count=3),)},
+            "no_publisher",
+            "/turtle1/cmd_vel",
         ),
         (
             RunStatus.INTERRUPTED,
