@@ -151,7 +151,8 @@ def read_source(path: Path) -> bytes:
 def is_explained(arguments: argparse.Namespace, result: GradingResult) -> bool:
     """Whether changes are tried: for people who read why marks are lacking."""
     report = result.report
-    return _for_people(arguments) and report.score is not None and report.score < report.max_score
+    lacks = report.score is not None and report.score < report.max_score
+    return _for_people(arguments) and lacks and bool(report.runs)  # a text has none
 
 
 def _explain(slot: Slot, arguments: argparse.Namespace, job: GradingJob, result: GradingResult) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from grader.contracts.assignment import Assignment, Case, ItemSpec
 from grader.contracts.errors import InfrastructureError, UnknownAssignmentError
+from grader.contracts.explanation import Explanation
 from grader.contracts.grading import (
     AssignmentSource,
     Grader,
@@ -20,6 +21,7 @@ from grader.contracts.report import CaseRun, GradeReport, GradeStatus, Measureme
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.submission import Claim
 from grader.contracts.text import Text
+from grader.grading.slot import Slot
 from grader.store.queue import Queue
 from tests.fakes.waiting import PATIENCE_S
 
@@ -43,6 +45,10 @@ class Lent:
 
     def grade(self, job: GradingJob, on_run: Callable[[], None] = lambda: None) -> GradingResult:
         return self._grader.grade(job, on_run)
+
+    def explain(self, job: GradingJob) -> Explanation:
+        """Nothing, of a grader that only grades."""
+        return self._grader.explain(job) if isinstance(self._grader, Slot) else Explanation()
 
     def start(self) -> None:
         """It has started."""
