@@ -7,12 +7,12 @@ import pytest
 
 from grader.contracts.grading import Grader
 from tests.real.output import differences, ours, reason, scripts, stale, table
+from tests.rows import slow_but
 
 FIDELITY = Path(__file__).parents[2] / "docs" / "fidelity.md"
 
 
-@pytest.mark.sweep(60)
-@pytest.mark.parametrize("name", scripts())
+@pytest.mark.parametrize("name", slow_but(60, scripts()))
 def test_a_script_says_what_it_says_at_home(grader: Grader, name: str) -> None:
     found = differences(name, ours(grader, name))
     assert [one for one in found if reason(name, one) is None] == []

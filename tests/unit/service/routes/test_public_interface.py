@@ -33,15 +33,25 @@ def form(part: Any) -> Any:
     }
 
 
-def written(document: Any) -> str:
-    """Return the text of a document, a line for each value."""
-    return json.dumps(document, ensure_ascii=False, indent=1, sort_keys=True) + "\n"
+WIDTH = 150
+
+
+def written(part: Any, indent: int = 0) -> str:
+    """Return a part of the document as JSON: a line where that is short, else one for each field or entry."""
+    line = json.dumps(part, ensure_ascii=False, sort_keys=True)
+    if len(line) + indent <= WIDTH or not isinstance(part, dict | list):
+        return line
+    inner = "\n" + " " * (indent + 1)
+    if isinstance(part, list):
+        return f"[{','.join(inner + written(one, indent + 1) for one in part)}{inner[:-1]}]"
+    fields = (f"{inner}{json.dumps(name)}: {written(part[name], indent + 1)}" for name in sorted(part))
+    return f"{{{','.join(fields)}{inner[:-1]}}}"
 
 
 def test_the_interface_is_the_one_that_is_committed() -> None:
     document = form(openapi_document())
     del document["info"]  # of every release
-    found = written(document)
+    found = written(document) + "\n"
     if "GRADER_OPENAPI_RENEW" in os.environ:
         GOLDEN.write_text(found, encoding="utf-8")
     committed = GOLDEN.read_text(encoding="utf-8")
