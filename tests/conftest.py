@@ -6,13 +6,10 @@ import os
 import shutil
 import sys
 import tempfile
-import warnings
 from collections import defaultdict
 from collections.abc import Callable, Generator, Iterator
-from contextlib import suppress
-from importlib.util import find_spec, module_from_spec
+from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -67,7 +64,7 @@ def pytest_configure(config: pytest.Config) -> None:
     _forget_settings()
     if not hasattr(config, "workerinput"):
         config.stash[_ALIVE] = postgres.begin_run()
-        _compile(config)
+        _compile()
 
 
 @pytest.hookimpl(wrapper=True)
@@ -92,60 +89,11 @@ def _forget_settings() -> None:
             del os.environ[name]
 
 
-def _compile(config: pytest.Config) -> None:
-    """Compile the grader once: the tests start hundreds of interpreters, which would each do it anew.
-
-    So are the tests when several processes run them: pytest takes a second for a hundred modules' assertions, and
-    hypothesis two for the grader's constants, which it draws from.
-    """
+def _compile() -> None:
+    """Compile the grader once: the tests start hundreds of interpreters, which would each do it anew."""
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False
-    several = bool(getattr(config.option, "numprocesses", None))
-    tests = _modules(config.args) if several else []
-    grader = sorted((_ROOT / "grader").rglob("*.py"))
-    shares, children = len(os.sched_getaffinity(0)), []
-    for share in range(shares):
-        if child := os.fork():
-            children.append(child)
-            continue
-        try:
-            for path in grader[share::shares]:
-                compileall.compile_file(path, quiet=2)
-            for path in tests[share::shares]:
-                _rewrite(path)
-            if several:
-                _keep_constants(grader[share::shares])
-        finally:  # whoever imports a module that cannot be compiled tells why
-            os._exit(0)
-    for child in children:
-        os.waitpid(child, 0)
-
-
-def _modules(arguments: list[str]) -> list[Path]:
-    named = [Path(argument.partition("::")[0]).resolve() for argument in arguments]
-    found = [path for one in named for path in (one.rglob("*.py") if one.is_dir() else [one])]
-    return sorted(path for path in found if path.is_relative_to(_ROOT) and path.parent.name != "scripts")
-
-
-def _rewrite(path: Path) -> None:
-    """Have pytest leave the module's compiled code for later, and run none of it: it gets as far as an import."""
-    spec = find_spec(".".join(path.relative_to(_ROOT).with_suffix("").parts))
-    if spec and spec.loader:
-        module = module_from_spec(spec)
-        module.__dict__["__builtins__"] = {}
-        with suppress(ImportError):
-            spec.loader.exec_module(module)
-
-
-def _keep_constants(paths: list[Path]) -> None:
-    """Have hypothesis leave the modules' constants for later."""
-    from hypothesis.internal.constants_ast import constants_from_module
-
-    warnings.simplefilter("ignore")  # hypothesis finds it slow to begin before the tests are collected
-    for path in paths:
-        module = ModuleType(path.stem)
-        module.__file__ = str(path)
-        constants_from_module(module)
+    compileall.compile_dir(_ROOT / "grader", quiet=2, workers=len(os.sched_getaffinity(0)))
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:

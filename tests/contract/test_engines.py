@@ -4,7 +4,6 @@ import threading
 from collections import Counter
 
 import pytest
-from sqlalchemy import event
 
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.regrade import Wanted
@@ -192,19 +191,3 @@ def test_a_claim_made_twice_counts_once(engine: Engine) -> None:
     assert engine.finish(claim)
     assert engine.finish(claim)  # it is there
     assert engine.graded_rows() == 1
-
-
-def test_an_upload_costs_few_statements(engine: Engine) -> None:
-    engine.upload("s1")
-    sent: list[str] = []
-
-    def note(_connection: object, _cursor: object, statement: str, *_: object) -> None:
-        sent.append(" ".join(statement.split()[:3]))
-
-    event.listen(engine.database.engine, "before_cursor_execute", note)
-    engine.upload("s2")
-    alone, known, *stored = sent
-    assert alone.startswith(("BEGIN IMMEDIATE", "SELECT pg_advisory_xact_lock"))
-    assert known.startswith("SELECT course.archived_at")  # and all else that decides about an upload
-    permit = [] if engine.database.is_sqlite else ["INSERT INTO procrastinate_jobs"]
-    assert stored == ["INSERT INTO source", "INSERT INTO submission", *permit]
