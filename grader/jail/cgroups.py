@@ -38,7 +38,7 @@ def own_bound(proc: Path = PROC) -> Bound:
     except OSError:
         return Bound()
     limits: dict[str, int | None] = {}
-    found = Bound()
+    bound = Bound()
     for version, controller, name in (
         (1, "memory", "memory.limit_in_bytes"), (1, "pids", "pids.max"),
         (2, "memory", "memory.max"), (2, "pids", "pids.max"),
@@ -52,8 +52,8 @@ def own_bound(proc: Path = PROC) -> Bound:
         if version == 2 and not (directories[0] / name).exists() and not values:
             continue  # the controller is bound to version 1, or switched off here
         limits[controller] = min(values, default=None)
-        found = Bound(version=version, memory_bytes=limits.get("memory"), tasks=limits.get("pids"))
-    return found
+        bound = Bound(version=version, memory_bytes=limits.get("memory"), tasks=limits.get("pids"))
+    return bound
 
 
 def _mounts(mountinfo: str) -> Iterator[tuple[int, set[str], str, str]]:

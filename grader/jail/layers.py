@@ -151,9 +151,9 @@ def box_uid() -> int:
     """Return a user id that nothing else on this host uses: one per grading process."""
     with open("/proc/self/uid_map", encoding="ascii") as file:
         spans = [tuple(map(int, line.split())) for line in file]
-    wanted = bounds.BOX_UID_BASE + os.getpid()
-    if any(first <= wanted < first + count for first, _, count in spans):
-        return wanted
+    uid = bounds.BOX_UID_BASE + os.getpid()
+    if any(first <= uid < first + count for first, _, count in spans):
+        return uid
     return bounds.BOX_UID_BASE_MAPPED + os.getpid() % bounds.BOX_UID_COUNT_MAPPED
 
 
@@ -162,12 +162,12 @@ def box_uid() -> int:
 
 def allowed_packages(names: Iterable[str] = bounds.ALLOWED_PACKAGES) -> dict[str, str]:
     """Return name -> directory of the third-party packages `names`, as far as installed."""
-    found: dict[str, str] = {}
+    folders: dict[str, str] = {}
     for name in names:
         spec = importlib.util.find_spec(name)
         if spec is not None and spec.submodule_search_locations:
-            found[name] = os.path.realpath(spec.submodule_search_locations[0])
-    return found
+            folders[name] = os.path.realpath(spec.submodule_search_locations[0])
+    return folders
 
 
 def standard_library() -> str:

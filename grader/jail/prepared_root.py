@@ -58,12 +58,12 @@ def prepare(shown: Sequence[str], masked: Sequence[str], place: Path) -> None:
 def is_ready(shown: Sequence[str], masked: Sequence[str], place: Path) -> bool:
     """Return whether the directory is there, belongs to root alone, and shows what is there now."""
     try:
-        told = json.loads(_stamp_of(place).read_text("ascii"))
+        stamp = json.loads(_stamp_of(place).read_text("ascii"))
         status = place.stat()
     except (OSError, ValueError):
         return False
     mine = status.st_uid == 0 and not status.st_mode & _CHANGEABLE
-    return mine and told == {"sources": _digest(shown, masked)}
+    return mine and stamp == {"sources": _digest(shown, masked)}
 
 
 def _stamp_of(place: Path) -> Path:

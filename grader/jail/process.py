@@ -96,16 +96,16 @@ def _schedules(tasks: str) -> list[tuple[int, int]] | None:
 
     None where that is unknown.
     """
-    found = []
+    times = []
     try:
         for thread in os.listdir(tasks):
             with suppress(FileNotFoundError, ProcessLookupError):  # it has ended meanwhile
                 with open(f"{tasks}/{thread}/schedstat", "rb") as file:
                     own_ns, delay_ns = file.read().split()[:2]
-                found.append((int(own_ns), int(delay_ns)))
+                times.append((int(own_ns), int(delay_ns)))
     except (OSError, ValueError):
         return None
-    return found if any(own_ns for own_ns, _ in found) else None  # zeros: this kernel keeps no account
+    return times if any(own_ns for own_ns, _ in times) else None  # zeros: this kernel keeps no account
 
 
 def _state(path: str) -> int:

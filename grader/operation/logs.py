@@ -78,9 +78,9 @@ def note(**fields: Field) -> None:
     This changes the bound mapping itself. An endpoint runs in a thread with a copy of its request's context, which
     shares the mapping, so the request's own log line gets these fields, too.
     """
-    known = _bound.get()
-    if known is not None:
-        known.update(fields)
+    bound = _bound.get()
+    if bound is not None:
+        bound.update(fields)
 
 
 def current() -> Mapping[str, Field]:
@@ -100,10 +100,10 @@ def configure(log_format: "LogFormat", level: "LogLevel") -> None:
 
 def handler(log_format: "LogFormat", stream: TextIO) -> logging.Handler:
     """Return a handler that writes records with their context to `stream`."""
-    made = logging.StreamHandler(stream)
-    made.addFilter(_InContext())
-    made.setFormatter(_TextFormatter() if log_format == "text" else _json())
-    return made
+    handler = logging.StreamHandler(stream)
+    handler.addFilter(_InContext())
+    handler.setFormatter(_TextFormatter() if log_format == "text" else _json())
+    return handler
 
 
 class _InContext(logging.Filter):
@@ -120,11 +120,11 @@ class _TextFormatter(logging.Formatter):
 
     def format(self, record: logging.LogRecord) -> str:
         at = datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds")
-        known = record.__dict__
+        values = record.__dict__
         fields = "".join(
-            f" {name}={visible_line(str(known[name]))}"
+            f" {name}={visible_line(str(values[name]))}"
             for name in _FIELDS
-            if known.get(name) not in (None, "")
+            if values.get(name) not in (None, "")
         )
         line = f"{at} {record.levelname:<7} {record.name}: {visible_line(record.getMessage())}{fields}"
         if record.exc_info:

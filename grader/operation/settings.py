@@ -339,11 +339,11 @@ def load(**overrides: Any) -> Settings:
 
 
 def _check_names() -> None:
-    known = [_PREFIX + name.upper() for name in Settings.model_fields]
+    names = [_PREFIX + name.upper() for name in Settings.model_fields]
     for name in sorted(os.environ):
-        if not name.startswith(_PREFIX) or name in known or name == _OF_PRAIRIELEARN:
+        if not name.startswith(_PREFIX) or name in names or name == _OF_PRAIRIELEARN:
             continue
-        for meant in set(difflib.get_close_matches(name, known, n=1, cutoff=_ALIKE)) - set(os.environ):
+        for meant in set(difflib.get_close_matches(name, names, n=1, cutoff=_ALIKE)) - set(os.environ):
             raise SettingsError(
                 f"{name}: there is no such setting; is it {meant}?", f"{name}：没有这个设置，是不是 {meant}？"
             )

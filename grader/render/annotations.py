@@ -82,8 +82,8 @@ def _ink(axes: Axes, points: Floats, sketch: FigureSketch, walls: bool) -> Float
         lines.append(WINDOW_M * np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)]))
     pixels = np.vstack([_dense(axes.transData.transform(line)) for line in lines])
     box = axes.bbox
-    seen = (pixels > [box.x0 - 5, box.y0 - 5]) & (pixels < [box.x1 + 5, box.y1 + 5])
-    return np.asarray(pixels[seen.all(axis=1)])
+    within = (pixels > [box.x0 - 5, box.y0 - 5]) & (pixels < [box.x1 + 5, box.y1 + 5])
+    return np.asarray(pixels[within.all(axis=1)])
 
 
 def _dense(pixels: Floats) -> Floats:

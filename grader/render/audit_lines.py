@@ -154,10 +154,12 @@ class Teller:
     def late(self, late: Mapping[str, Any], *, in_full: bool) -> str:
         """Return what lateness costs by the JSON of a late rule; `in_full`: with every line of its table."""
         kinds, chosen = kinds_of(LateRule), late["kind"]
-        told = {name: self._in_words(name, kinds[name], late[name]) for name in LATE_PARAMETERS[chosen]}
-        tables = [text for name, text in told.items() if isinstance(kinds[name], fields.Table)]
+        parameters = {name: self._in_words(name, kinds[name], late[name]) for name in LATE_PARAMETERS[chosen]}
+        tables = [text for name, text in parameters.items() if isinstance(kinds[name], fields.Table)]
         return (
-            tables[0] if in_full and tables else on_page(self.language, f"rules.late_short.{chosen}", **told)
+            tables[0]
+            if in_full and tables
+            else on_page(self.language, f"rules.late_short.{chosen}", **parameters)
         )
 
     def _in_words(self, name: str, kind: FieldKind | None, value: Any) -> str:
@@ -180,8 +182,8 @@ class Teller:
                 return _text(value)
 
     def _line(self, name: str, kind: fields.Table, line: Mapping[str, Any]) -> str:
-        told = {part: self._in_words(part, of, line[part]) for part, of in kinds_of(kind.of).items()}
-        return on_page(self.language, f"rules.{name}.line", **told)
+        values = {part: self._in_words(part, of, line[part]) for part, of in kinds_of(kind.of).items()}
+        return on_page(self.language, f"rules.{name}.line", **values)
 
 
 def _empty(value: Any) -> bool:

@@ -146,11 +146,11 @@ def to_classroom50(
         }
         for item in report.items
     ]
-    known = {field: environment.get(name, "") for field, name in CLASSROOM50_FIELDS.items()}
+    identity = {field: environment.get(name, "") for field, name in CLASSROOM50_FIELDS.items()}
     return {
         "schema": "classroom50/result/v1",
-        **known,
-        "review": known["review"] or known["commit"],
+        **identity,
+        "review": identity["review"] or identity["commit"],
         "datetime": written_at.strftime("%Y-%m-%dT%H:%M:%SZ"),
         "score": sum(round(item.earned) for item in report.items),
         "max-score": sum(round(item.points) for item in report.items),

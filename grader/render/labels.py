@@ -49,8 +49,8 @@ def wall_word(wall: str, language: Language) -> str | None:
 
 def note_sentence(note: Note, language: Language) -> str:
     """Return what a note says; its raw text, not yet escaped, when the code is not known."""
-    known = template(language, f"note.{note.code}")
-    if known is None:
+    wording = template(language, f"note.{note.code}")
+    if wording is None:
         return note.text or note.code
     text = note.text
     if note.code == "wall":
@@ -58,4 +58,4 @@ def note_sentence(note: Note, language: Language) -> str:
     elif note.code == "forbidden":
         text = explained(RunStatus.FORBIDDEN, text).get(language)
     first, _, second = text.partition("|")
-    return known.format(text=text, first=first, second=second)
+    return wording.format(text=text, first=first, second=second)

@@ -60,9 +60,9 @@ def draw_turned(axes: Axes, scene: Scene) -> None:
         lw=2.2,
         label=scene.word("turned"),
     )
-    wanted = scene.sketch.wanted_turn_deg if scene.sketch else None
-    if wanted is not None:
-        level = wanted if turned_deg[np.abs(turned_deg).argmax()] >= 0 else -wanted
+    wanted_deg = scene.sketch.wanted_turn_deg if scene.sketch else None
+    if wanted_deg is not None:
+        level = wanted_deg if turned_deg[np.abs(turned_deg).argmax()] >= 0 else -wanted_deg
         axes.axhline(
             level,
             color=palette.MUTED,

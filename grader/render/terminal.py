@@ -168,16 +168,16 @@ def _item(item: RubricItem, language: Language) -> Text:
 
 def _next_steps(report: GradeReport, language: Language) -> Iterator[RenderableType]:
     """Yield the report's hint, then the items' own, each said once, also where an item fails in several cases."""
-    told: dict[str, str] = {}
+    hints: dict[str, str] = {}
     for name, hint in (
         ("", report.hint),
         *((item.id.rpartition("/")[2], item.hint) for item in report.items),
     ):
         said = visible(hint.get(language))
-        if said and said not in told.values():
-            told.setdefault(name, said)
-    if told:
-        yield next_steps(told.values(), language)
+        if said and said not in hints.values():
+            hints.setdefault(name, said)
+    if hints:
+        yield next_steps(hints.values(), language)
 
 
 def next_steps(said: Iterable[str], language: Language) -> RenderableType:

@@ -68,9 +68,9 @@ def _events(
     for record in outcome.logs:
         line = f"[{record.level_name}] [{visible_line(record.name, 80)}]: {visible_line(record.message, 500)}"
         yield TimelineEntry(record.t_ns, line, _LEVEL_STYLE.get(record.level, ""), may_repeat=True)
-    for made in requests:
-        call = f"{visible_line(made.service, 120)}({visible_line(made.values, 200)})"
-        yield TimelineEntry(made.t_ns, word("called", language, call=call), "magenta")
+    for request in requests:
+        call = f"{visible_line(request.service, 120)}({visible_line(request.values, 200)})"
+        yield TimelineEntry(request.t_ns, word("called", language, call=call), "magenta")
     if trajectory is not None:
         yield from _command_runs(trajectory, language)
         yield from _jumps(trajectory, requests, language)
@@ -128,7 +128,9 @@ def _jumps(
     """Yield where a teleport or reset put the car, behind the call that did it."""
     for i in track.jumps:
         taken_ns = int(track.t_ns[i])  # up; the update that puts it down is the next one
-        at_ns = max([taken_ns, *(made.t_ns for made in requests if 0 <= made.t_ns - taken_ns <= _UPDATE_NS)])
+        at_ns = max(
+            [taken_ns, *(request.t_ns for request in requests if 0 <= request.t_ns - taken_ns <= _UPDATE_NS)]
+        )
         heading_deg = math.degrees(math.remainder(float(track.heading_rad[i]), math.tau))
         x, y = (quantity.number(float(place[i]), "m", 3) for place in (track.x_m, track.y_m))
         text = word("jumped", language, x=x, y=y, heading=quantity.number(heading_deg, "deg"))

@@ -36,6 +36,6 @@ def drive_of(runs: Iterable[Iterable[Command]]) -> SentCommands:
             velocity = (one.v_mps, one.w_radps)
             changes += velocity != before
             before = velocity
-        told = [(one.t_ns - start_ns, one.v_mps + 0.0, one.w_radps + 0.0) for one in commands]
-        digest.update(json.dumps(told).encode() + b"\n")
+        sent = [(one.t_ns - start_ns, one.v_mps + 0.0, one.w_radps + 0.0) for one in commands]
+        digest.update(json.dumps(sent).encode() + b"\n")
     return SentCommands(digest.hexdigest(), changes)

@@ -45,20 +45,20 @@ def places(first: Fingerprints, second: Fingerprints, rare: Set[int]) -> tuple[P
         for shared in sorted(ours.keys() & theirs.keys())
         for both in zip(ours[shared], theirs[shared], strict=False)
     ]
-    found: list[Place] = []
+    places: list[Place] = []
     for one in sorted(met, key=lambda place: (place.first.first_line, place.second.first_line)):
-        joined = found[-1].joined(one) if found else None
+        joined = places[-1].joined(one) if places else None
         if joined is None:
-            found.append(one)
+            places.append(one)
         else:
-            found[-1] = joined
-    return tuple(found[:MOST_PLACES])
+            places[-1] = joined
+    return tuple(places[:MOST_PLACES])
 
 
 def _ranges(one: Fingerprints, rare: Set[int]) -> dict[int, list[Range]]:
-    found: dict[int, list[Range]] = defaultdict(list)
+    ranges: dict[int, list[Range]] = defaultdict(list)
     lines = zip(one.hashes.tolist(), one.first_lines.tolist(), one.last_lines.tolist(), strict=True)
     for shared, first_line, last_line in lines:
         if shared in rare:
-            found[shared].append(Range(first_line, last_line))
-    return found
+            ranges[shared].append(Range(first_line, last_line))
+    return ranges

@@ -118,11 +118,11 @@ class _Own:
         unknown = ~np.isin(hashes, given)
         order = np.argsort(hashes[unknown], kind="stable")
         self._owners = owners[unknown][order]
-        found, self._starts, self._having = np.unique(
+        unique, self._starts, self._having = np.unique(
             hashes[unknown][order], return_index=True, return_counts=True
         )
         self._rare = self._having <= few
-        self.rare: frozenset[int] = frozenset(found[self._rare].tolist())
+        self.rare: frozenset[int] = frozenset(unique[self._rare].tolist())
         rare_rows = np.repeat(self._rare, self._having)
         self.counts: NDArray[np.int64] = np.bincount(self._owners[rare_rows], minlength=len(scripts))
 
@@ -166,7 +166,7 @@ def _pair(  # noqa: PLR0913
 
 
 def _same_drives(
-    scripts: Sequence[Script], compared: set[int], few: int, known: frozenset[str]
+    scripts: Sequence[Script], compared: set[int], few: int, given_drives: frozenset[str]
 ) -> set[tuple[int, int]]:
     """Return the pairs that drove alike, in a way that neither many nor the given code drive.
 
@@ -174,7 +174,11 @@ def _same_drives(
     """
     by_digest: dict[str, list[int]] = defaultdict(list)
     for i, one in enumerate(scripts):
-        if one.drive is not None and one.drive.changes >= FEWEST_CHANGES and one.drive.digest not in known:
+        if (
+            one.drive is not None
+            and one.drive.changes >= FEWEST_CHANGES
+            and one.drive.digest not in given_drives
+        ):
             by_digest[one.drive.digest].append(i)
     groups = (group for group in by_digest.values() if len(group) <= few and compared.issuperset(group))
     return {pair for group in groups for pair in combinations(group, 2)}

@@ -148,8 +148,8 @@ def _object(value: object) -> Mapping[str, Any]:
 
 
 def _text(value: object) -> str:
-    known = isinstance(value, str) and len(value) <= _LONGEST and value.isprintable()
-    return str(value).strip() if known else ""
+    usable = isinstance(value, str) and len(value) <= _LONGEST and value.isprintable()
+    return str(value).strip() if usable else ""
 
 
 def _line(value: object) -> str:

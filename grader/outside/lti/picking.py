@@ -78,7 +78,7 @@ def _opaque(data: object) -> str | None:
 def activity(assignment: Assignment, language: Language, address: str, *, scored: bool) -> dict[str, Any]:
     """Return an activity that leads to an assignment, by the service's `address`, in a window of its own."""
     title = assignment.title.get(language)
-    made: dict[str, Any] = {
+    item: dict[str, Any] = {
         "type": _ITEM,
         "title": title,
         "url": address,
@@ -86,9 +86,9 @@ def activity(assignment: Assignment, language: Language, address: str, *, scored
         "window": {"targetName": "_blank"},
     }
     if scored:
-        made["lineItem"] = {
+        item["lineItem"] = {
             "scoreMaximum": assignment.max_score,
             "label": title,
             "resourceId": assignment.id,
         }
-    return made
+    return item

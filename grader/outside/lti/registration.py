@@ -63,46 +63,50 @@ def register(address: str, token: str, public_url: str, name: str, *, private: b
     Raises:
         RegistrationError: the platform does not answer, or says what cannot be used.
     """
-    known = _configuration(address, private=private)
+    configuration = _configuration(address, private=private)
     body = msgspec.json.encode(_tool(public_url, name))
     try:
         status, content = post_json(
-            known.registration_endpoint, body, "application/json", token, public_only=not private
+            configuration.registration_endpoint, body, "application/json", token, public_only=not private
         )
     except UnreachableError as error:
         raise RegistrationError(str(error)) from None
     if status not in _OK:
         raise RegistrationError(f"status {status}: {_words(content)}")
     try:
-        told = decoded(content, _Registered)
+        registered = decoded(content, _Registered)
     except ValueError as error:
-        raise RegistrationError(f"{known.registration_endpoint}: {error}") from None
-    if not told.client_id or told.tool.deployment_id == "":
-        raise RegistrationError(f"the platform names no deployment (client id {told.client_id[:_LONGEST]!r})")
-    family = known.platform.product_family_code.strip().capitalize()
+        raise RegistrationError(f"{configuration.registration_endpoint}: {error}") from None
+    if not registered.client_id or registered.tool.deployment_id == "":
+        raise RegistrationError(
+            f"the platform names no deployment (client id {registered.client_id[:_LONGEST]!r})"
+        )
+    family = configuration.platform.product_family_code.strip().capitalize()
     return NewPlatform(
-        title=f"{family} {urlsplit(known.issuer).hostname}".strip(),
-        issuer=known.issuer,
-        client_id=told.client_id,
-        deployment=str(told.tool.deployment_id),
-        login_url=known.authorization_endpoint,
-        token_url=known.token_endpoint,
-        keys_url=known.jwks_uri,
+        title=f"{family} {urlsplit(configuration.issuer).hostname}".strip(),
+        issuer=configuration.issuer,
+        client_id=registered.client_id,
+        deployment=str(registered.tool.deployment_id),
+        login_url=configuration.authorization_endpoint,
+        token_url=configuration.token_endpoint,
+        keys_url=configuration.jwks_uri,
     )
 
 
 def _configuration(address: str, *, private: bool) -> _Configuration:
     try:
-        found = decoded(get(address, public_only=not private), _Configuration)
+        configuration = decoded(get(address, public_only=not private), _Configuration)
     except UnreachableError as error:
         raise RegistrationError(str(error)) from None
     except ValueError as error:
         raise RegistrationError(f"{address}: {error}") from None
-    if host_of(found.issuer) != host_of(address.partition("?")[0]):  # says the specification, 3.5.1
-        raise RegistrationError(f"{address} is of {found.issuer[:_LONGEST]!r}")
-    if not is_confidential(found.registration_endpoint):
-        raise RegistrationError(f"{found.registration_endpoint[:_LONGEST]!r} is no address with https://")
-    return found
+    if host_of(configuration.issuer) != host_of(address.partition("?")[0]):  # says the specification, 3.5.1
+        raise RegistrationError(f"{address} is of {configuration.issuer[:_LONGEST]!r}")
+    if not is_confidential(configuration.registration_endpoint):
+        raise RegistrationError(
+            f"{configuration.registration_endpoint[:_LONGEST]!r} is no address with https://"
+        )
+    return configuration
 
 
 def _tool(public_url: str, name: str) -> dict[str, Any]:

@@ -55,10 +55,10 @@ def next_page(address: str, links: str) -> str | None:
     Raises:
         UnreachableError: it is on another server, which must not see the token.
     """
-    found = _NEXT.search(links)
-    if found is None:
+    link = _NEXT.search(links)
+    if link is None:
         return None
-    following: str = urljoin(address, found[1])
+    following: str = urljoin(address, link[1])
     if len(following) > 2 * _LONGEST or _origin(following) != _origin(address):
         raise UnreachableError(f"{address}: the next page is on another server")
     return following
@@ -71,12 +71,12 @@ def people_in(content: bytes) -> Iterator[Listed]:
         UnreachableError: it cannot be read.
     """
     try:
-        found = decoded(content, dict[str, Any]).get("members")
+        members = decoded(content, dict[str, Any]).get("members")
     except ValueError as error:
         raise UnreachableError(f"the class list cannot be read: {error}") from None
-    if not isinstance(found, list):
+    if not isinstance(members, list):
         raise UnreachableError("the class list has no members")
-    for one in found:
+    for one in members:
         if isinstance(one, dict):
             yield _listed(one)
 

@@ -151,17 +151,17 @@ class PlatformChannel:
             UnreachableError: the platform does not answer, or not in a form that can be read, or without end.
             NotTakenError: it gives us no access.
         """
-        found: list[Listed] = []
+        people: list[Listed] = []
         token = self._token(platform, ROSTER_SCOPE)
         address: str | None = first_page(platform.people_url)
         pages = 0
-        while address is not None and pages < MOST_PAGES and len(found) <= MOST_PEOPLE:
+        while address is not None and pages < MOST_PAGES and len(people) <= MOST_PEOPLE:
             content, links = get_page(address, ROSTER_TYPE, token, public_only=not self._private)
-            found += people_in(content)
+            people += people_in(content)
             address = next_page(address, links)
             pages += 1
-        if address is None and len(found) <= MOST_PEOPLE:
-            return tuple(found)
+        if address is None and len(people) <= MOST_PEOPLE:
+            return tuple(people)
         raise UnreachableError(
             f"{platform.people_url}: more than {MOST_PEOPLE} people, or {MOST_PAGES} pages"
         )
@@ -176,10 +176,10 @@ class PlatformChannel:
 
     def _token(self, platform: Platform, scope: str) -> str:
         with self._lock:
-            known, until_s = self._tokens.get((platform.id, scope), ("", 0.0))
+            token, until_s = self._tokens.get((platform.id, scope), ("", 0.0))
         now_s = self._clock_s()
         if until_s > now_s:
-            return known
+            return token
         claims = {
             "iss": platform.client_id,
             "sub": platform.client_id,

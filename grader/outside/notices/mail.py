@@ -93,23 +93,23 @@ class MailChannel:
         host, port = parts.hostname or "", parts.port or _PORTS[parts.scheme]
         context = trusting()
         if parts.scheme == _TLS:
-            made: smtplib.SMTP = smtplib.SMTP_SSL(host, port, timeout=PATIENCE_S, context=context)
+            connection: smtplib.SMTP = smtplib.SMTP_SSL(host, port, timeout=PATIENCE_S, context=context)
         else:
-            made = smtplib.SMTP(host, port, timeout=PATIENCE_S)
+            connection = smtplib.SMTP(host, port, timeout=PATIENCE_S)
         try:
-            made.ehlo()
-            if parts.scheme == _PLAIN and not (is_loopback(host) and not made.has_extn("starttls")):
-                made.starttls(context=context)
-                made.ehlo()
+            connection.ehlo()
+            if parts.scheme == _PLAIN and not (is_loopback(host) and not connection.has_extn("starttls")):
+                connection.starttls(context=context)
+                connection.ehlo()
             if self.user:
-                made.login(self.user, self.password)
-            yield made
+                connection.login(self.user, self.password)
+            yield connection
         finally:
             # Whatever it says now, it has taken the letter or not.
             with suppress(smtplib.SMTPException, OSError):
-                made.quit()
+                connection.quit()
             with suppress(OSError):
-                made.close()
+                connection.close()
 
     def _message(self, letter: Letter) -> EmailMessage:
         message = EmailMessage()

@@ -52,14 +52,14 @@ class Cas:
         name = self._entry.attribute
         if not name:
             return Person(subject=user, claimed=user)
-        found = [
+        ids = [
             (one.text or "").strip()
             for one in success.iterfind(f"{_NAMESPACE}attributes/*")
             if one.tag.removeprefix(_NAMESPACE) == name
         ]
-        if len(found) != 1:
-            _log.warning("CAS %s: %d attributes %s of a user, not one", self.id, len(found), name)
-        return Person(subject=user, claimed=found[0] if len(found) == 1 else "")
+        if len(ids) != 1:
+            _log.warning("CAS %s: %d attributes %s of a user, not one", self.id, len(ids), name)
+        return Person(subject=user, claimed=ids[0] if len(ids) == 1 else "")
 
 
 def _service(attempt: SignInAttempt, back: str) -> str:

@@ -218,18 +218,18 @@ _trust = functools.cache(trusting)  # takes longer to make than many an exchange
 def _public(host: str, port: int) -> str:
     """Return the address that the system would try first: it knows which protocols have a route."""
     try:
-        found = [str(one[4][0]) for one in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)]
+        addresses = [str(one[4][0]) for one in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)]
     except OSError as error:
         raise UnreachableError(f"{host}: {error}") from error
-    private = [one for one in found if not _is_public(one)]
+    private = [one for one in addresses if not _is_public(one)]
     if private:
         raise UnreachableError(f"{host} is {private[0]}, in a private network (allow_private_platforms)")
-    return found[0]
+    return addresses[0]
 
 
 def _is_public(address: str) -> bool:
     """Return whether it is one host's of the public network; not an IPv6 address that stands for an IPv4 one."""
-    found = ipaddress.ip_address(address)
-    if isinstance(found, ipaddress.IPv6Address):
-        return found.is_global and found in _UNICAST and found.sixtofour is None and found.teredo is None
-    return found.is_global and not found.is_multicast
+    ip = ipaddress.ip_address(address)
+    if isinstance(ip, ipaddress.IPv6Address):
+        return ip.is_global and ip in _UNICAST and ip.sixtofour is None and ip.teredo is None
+    return ip.is_global and not ip.is_multicast

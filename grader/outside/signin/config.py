@@ -172,8 +172,8 @@ def read_config(path: Path) -> SignInConfig:
     try:
         return SignInConfig.model_validate(document)
     except ValidationError as error:
-        found = {".".join(map(str, one["loc"])): one for one in error.errors()}
-        wrong = [_wrong(path, place, said(one, "en"), said(one, "zh")) for place, one in found.items()]
+        errors = {".".join(map(str, one["loc"])): one for one in error.errors()}
+        wrong = [_wrong(path, place, said(one, "en"), said(one, "zh")) for place, one in errors.items()]
         en, zh = ("\n".join(one.told(language) for one in wrong) for language in ("en", "zh"))
         raise SettingsError(en, zh) from None
 

@@ -90,8 +90,8 @@ class KeySet:
     def _with(self, kid: str | None) -> Any:
         with self._lock:
             now_s = self._clock_s()
-            known = () if self._keys is None else self._keys.keys
-            missing = kid is not None and kid not in {one.kid for one in known}
+            keys = () if self._keys is None else self._keys.keys
+            missing = kid is not None and kid not in {one.kid for one in keys}
             age_s = now_s - self._fetched_s
             if self._keys is None or not 0.0 <= age_s < _DAY_S or (missing and age_s >= _MINUTE_S):
                 self._keys, self._fetched_s = self._fetched(), now_s
@@ -102,8 +102,8 @@ class KeySet:
         from joserfc.jwk import KeySet as Keys
 
         try:
-            found: Any = decoded(get(self._address(), public_only=self._public_only), dict[str, Any])
-            return Keys.import_key_set(found)
+            document: Any = decoded(get(self._address(), public_only=self._public_only), dict[str, Any])
+            return Keys.import_key_set(document)
         except UnreachableError as error:
             raise SignInError("signin_unreachable", str(error)) from None
         except (JoseError, ValueError, TypeError, KeyError) as error:
@@ -148,8 +148,8 @@ class Oidc:
             raise SignInError("signin_failed", f"the answer is of {issuer[:200]!r}")
         code = answer.get("code")
         if not code:
-            told = f"{answer.get('error', 'no code')}: {answer.get('error_description', '')}"
-            raise SignInError("signin_refused", told[:300])
+            reason = f"{answer.get('error', 'no code')}: {answer.get('error_description', '')}"
+            raise SignInError("signin_refused", reason[:300])
         return self._person(self._keys.claims(self._token(code, attempt, back)), attempt)
 
     def _discovered(self) -> _Discovered:
@@ -162,28 +162,32 @@ class Oidc:
     def _asked(self) -> _Discovered:
         address = f"{self._entry.issuer.rstrip('/')}/.well-known/openid-configuration"
         try:
-            found = decoded(get(address), _Discovered)
+            discovered = decoded(get(address), _Discovered)
         except UnreachableError as error:
             raise SignInError("signin_unreachable", str(error)) from None
         except ValueError as error:
             raise SignInError("signin_unreachable", f"{address}: {error}") from None
-        if found.issuer != self._entry.issuer:
-            raise SignInError("signin_unreachable", f"{address} is of {found.issuer[:200]!r}")
-        addresses = (found.authorization_endpoint.partition("?")[0], found.token_endpoint, found.jwks_uri)
+        if discovered.issuer != self._entry.issuer:
+            raise SignInError("signin_unreachable", f"{address} is of {discovered.issuer[:200]!r}")
+        addresses = (
+            discovered.authorization_endpoint.partition("?")[0],
+            discovered.token_endpoint,
+            discovered.jwks_uri,
+        )
         encrypted = self._entry.issuer.startswith("https://")
         if any(host_of(one) is None or (encrypted and not one.startswith("https://")) for one in addresses):
             raise SignInError("signin_unreachable", f"{address} names an address without https://")
-        return found
+        return discovered
 
     def _token(self, code: str, attempt: SignInAttempt, back: str) -> str:
-        known = self._discovered()
+        discovered = self._discovered()
         form = {
             "grant_type": "authorization_code",
             "code": code,
             "redirect_uri": back,
             "code_verifier": attempt.verifier,
         }
-        in_header = self._secret and "client_secret_basic" in known.token_endpoint_auth_methods_supported
+        in_header = self._secret and "client_secret_basic" in discovered.token_endpoint_auth_methods_supported
         credentials = (
             (quote(self._entry.client_id, safe=""), quote(self._secret, safe="")) if in_header else None
         )
@@ -191,12 +195,12 @@ class Oidc:
             form |= {"client_id": self._entry.client_id}
             form |= {"client_secret": self._secret} if self._secret else {}
         try:
-            status, content = post_form(known.token_endpoint, form, credentials)
+            status, content = post_form(discovered.token_endpoint, form, credentials)
         except UnreachableError as error:
             raise SignInError("signin_unreachable", str(error)) from None
         if status != 200:
-            told = content[:300].decode(errors="replace")
-            raise SignInError("signin_refused", f"the code is not accepted: {status} {told}")
+            refusal = content[:300].decode(errors="replace")
+            raise SignInError("signin_refused", f"the code is not accepted: {status} {refusal}")
         try:
             return decoded(content, _Granted).id_token
         except ValueError as error:
