@@ -194,6 +194,20 @@ class Catalog:
         path = self.folder(assignment_id) / "starter.py"
         return path.read_bytes() if path.is_file() else b""
 
+    def files(self, assignment_id: str) -> dict[str, bytes]:
+        """Return all files of an assignment's folder by their paths in it.
+
+        Raises:
+            UnknownAssignmentError: no assignment has that id.
+        """
+        folder = self.folder(assignment_id)
+        paths = (path for path in sorted(folder.rglob("*")) if path.is_file())
+        return {
+            str(path.relative_to(folder)): path.read_bytes()
+            for path in paths
+            if "__pycache__" not in path.parts
+        }
+
     def given_code(self) -> tuple[bytes, ...]:
         """Return the scripts that every student can read: starters, solutions and the lesson's listings."""
         folders, lesson = [*self._folders(), *self._further()], self.lesson()

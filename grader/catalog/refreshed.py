@@ -74,6 +74,13 @@ class RefreshedAssignments:
                 return folder.starter(assignment_id)
         return b""
 
+    def files(self, assignment_id: str) -> Mapping[str, bytes]:
+        """Return the files of an assignment's folder by their paths in it; empty where there is no folder."""
+        for folder in self._folders:
+            with suppress(UnknownAssignmentError):
+                return folder.files(assignment_id)
+        return {}
+
     def given_code(self) -> tuple[bytes, ...]:
         """Return the scripts that every student can read: starters, solutions and the lesson's listings."""
         return tuple(one for folder in self._folders for one in folder.given_code())

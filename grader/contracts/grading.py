@@ -112,6 +112,9 @@ class AssignmentSource(Protocol):
     def starter(self, assignment_id: str) -> bytes:
         """Return the script that students of an assignment begin with; empty where it has none."""
 
+    def files(self, assignment_id: str) -> Mapping[str, bytes]:
+        """Return the files of an assignment's folder by their paths in it; empty where there is no folder."""
+
     def given_code(self) -> tuple[bytes, ...]:
         """Return the scripts that every student can read: starters, solutions and the lesson's listings."""
 

@@ -36,8 +36,13 @@ Mark = tuple[int, datetime]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NewOwnAssignment:
-    """An upload that was read: the folder as a zip, and what reading it gave, as JSON."""
+    """An upload that was read: the folder as a zip, and what reading it gave, as JSON.
 
+    Attributes:
+        draft: whether students see it only when somebody publishes it.
+    """
+
+    draft: bool
     assignment: str
     version: int
     content: bytes
@@ -96,7 +101,7 @@ class OwnAssignments(TimedPart):
     def add(self, new: NewOwnAssignment, signed: Signature) -> None:
         """Keep an upload, which waits to be examined, in place of one that the course does not use.
 
-        Without rules the assignment begins as a draft: students see it when somebody publishes it.
+        Without rules a `draft` begins as one: students see it when somebody publishes it.
 
         Raises:
             RefusedError: the course is archived, or has `MOST_OWN` already.
@@ -124,13 +129,13 @@ class OwnAssignments(TimedPart):
                     not_before=signed.at,
                 )
             )
-            if session.get(RulesRow, (course, new.assignment)) is None:
+            if new.draft and session.get(RulesRow, (course, new.assignment)) is None:
                 add_rules(session, new.assignment, Rules(shown=Shown.DRAFT), signed)
             after = {"version": new.version, "size_bytes": len(new.content)}
             record(session, signed, "assignment.upload", f"assignment {new.assignment}", after=after)
 
-    def remove(self, assignment: str, signed: Signature, reason: str = "") -> None:
-        """Remove all that was uploaded of an assignment.
+    def remove(self, assignment: str, signed: Signature, reason: str = "", *, in_use: bool = False) -> None:
+        """Remove all that was uploaded of an assignment; with `in_use` also where something was handed in.
 
         Raises:
             RefusedError: there is none, something was handed in for it, or the course is archived.
@@ -144,7 +149,7 @@ class OwnAssignments(TimedPart):
             versions = session.execute(locked).scalars().all()
             if not versions:
                 raise RefusedError("assignment_not_found")
-            if _handed_in(session, course, assignment):
+            if not in_use and _handed_in(session, course, assignment):
                 raise RefusedError("assignment_in_use")
             session.execute(delete(_row).where(*of))
             subject = f"assignment {assignment}"

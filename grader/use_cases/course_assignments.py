@@ -1,4 +1,7 @@
-"""The assignments of each course: those of every course, from folders, and those that were uploaded to it."""
+"""The assignments of each course: those of every course, from folders, and those that were uploaded to it.
+
+One that was uploaded stands in the place of the one of its id that every course has.
+"""
 
 import logging
 import threading
@@ -23,10 +26,6 @@ _GIVEN = ("starter.py", "solution.py", "starter.zip", "solution.zip")
 _OUTDATED = Text(
     zh="服务升级后这个作业的文件要重新上传",
     en="the service was upgraded since this was uploaded; upload the folder again",
-)
-_TAKEN = Text(
-    zh="安装里现在有同名的作业：请改 id 再上传",
-    en="every course has an assignment of this id now; choose another id and upload the folder again",
 )
 
 
@@ -101,35 +100,32 @@ class _OfCourse:
     uploaded: Mapping[str, Assignment | Text]
 
     def all(self) -> tuple[Assignment, ...]:
-        shared = self.shared.all()
-        taken = {one.id for one in shared}
-        own = [one for id_, one in self.uploaded.items() if isinstance(one, Assignment) and id_ not in taken]
-        return tuple(sorted((*shared, *own), key=lambda one: (one.order, one.id)))
+        own = {id_: one for id_, one in self.uploaded.items() if isinstance(one, Assignment)}
+        shared = (one for one in self.shared.all() if one.id not in own)
+        return tuple(sorted((*shared, *own.values()), key=lambda one: (one.order, one.id)))
 
     def get(self, assignment_id: str) -> Assignment:
+        own = self.uploaded.get(assignment_id)
+        if isinstance(own, Assignment):
+            return own
         try:
             return self.shared.get(assignment_id)
         except UnknownAssignmentError:
-            own = self.uploaded.get(assignment_id)
-            if isinstance(own, Assignment):
-                return own
             raise UnknownAssignmentError.among((one.id for one in self.all()), assignment_id) from None
 
     def troubles(self) -> Mapping[str, Text]:
-        taken = {one.id for one in self.shared.all()}
-        told = dict(self.shared.troubles())
-        for id_, one in self.uploaded.items():
-            if id_ in taken:
-                told[id_] = _TAKEN
-            elif isinstance(one, Text):
-                told[id_] = one
-        return told
+        own = {id_: one for id_, one in self.uploaded.items() if isinstance(one, Text)}
+        return {**self.shared.troubles(), **own}
 
     def starter(self, assignment_id: str) -> bytes:
-        if assignment_id in {one.id for one in self.shared.all()}:
-            return self.shared.starter(assignment_id)
+        return self._stored(assignment_id).get("starter.py") or self.shared.starter(assignment_id)
+
+    def files(self, assignment_id: str) -> Mapping[str, bytes]:
+        return self._stored(assignment_id) or self.shared.files(assignment_id)
+
+    def _stored(self, assignment_id: str) -> Mapping[str, bytes]:
         folder = self.stored.in_use(self.course).get(assignment_id)
-        return b"" if folder is None else unpacked(folder).get("starter.py", b"")
+        return {} if folder is None else unpacked(folder)
 
     def given_code(self) -> tuple[bytes, ...]:
         folders = [unpacked(one) for one in self.stored.in_use(self.course).values()]

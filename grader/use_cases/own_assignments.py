@@ -16,13 +16,9 @@ from grader.grading.examination.reading import declared_id, misfits_of, read_fol
 from grader.grading.examination.reference import wants_reference
 from grader.grading.examination.zipped import packed, unpacked
 from grader.store.own_assignments import NewOwnAssignment
+from grader.use_cases.assignments import is_own
 from grader.use_cases.callers import require_instructor, require_staff, taught_course
 from grader.use_cases.services import Services
-
-_TAKEN = Text(
-    zh="每门课程都有同名的作业：换一个 id（和文件夹名）",
-    en="every course has an assignment of this id; choose another one",
-)
 
 
 def own_assignments(services: Services, caller: Caller) -> tuple[OwnAssignment, ...]:
@@ -66,6 +62,7 @@ def upload(services: Services, caller: Caller, content: bytes) -> OwnAssignment:
         raise _refused(reading.misfits)
     _require_fit(services, caller, reading.assignment)
     new = NewOwnAssignment(
+        draft=is_own(services, course, reading.assignment.id),
         assignment=reading.assignment.id,
         version=reading.assignment.version,
         content=packed(declared_id(files), files),
@@ -94,17 +91,18 @@ def folder(services: Services, caller: Caller, assignment_id: str) -> bytes:
 
 
 def remove(services: Services, caller: Caller, assignment_id: str, reason: str) -> None:
-    """Remove an uploaded assignment for which nothing was handed in.
+    """Remove an uploaded assignment for which nothing was handed in, or which stands in the place of another.
 
     Raises:
         RefusedError: the caller is no instructor, there is none of that id, or something was handed in.
     """
-    taught_course(caller)
-    services.own_assignments.remove(assignment_id, services.signature(caller), reason)
+    course = taught_course(caller)
+    replaces = not is_own(services, course, assignment_id)
+    services.own_assignments.remove(assignment_id, services.signature(caller), reason, in_use=replaces)
 
 
 def _require_fit(services: Services, caller: Caller, new: Assignment) -> None:
-    """Refuse an id that every course has, and a rubric that was changed under its version."""
+    """Refuse a rubric that was changed under its version."""
     known = services.assignments.of(caller.course)
     try:
         before = known.get(new.id)
@@ -113,9 +111,6 @@ def _require_fit(services: Services, caller: Caller, new: Assignment) -> None:
     # What its solution drives is found out by running it.
     if before.path is not None and wants_reference(new):
         before = replace(before, path=replace(before.path, trace=()))
-    mine = {one.assignment for one in own_assignments(services, caller)}
-    if new.id not in mine:
-        raise _refused((Misfit(file=SPEC_NAME, field="id", told=_TAKEN),))
     error = same_version(before, new)
     if error is not None:
         raise _refused((Misfit(file=SPEC_NAME, field="version", told=error.text),))

@@ -111,6 +111,9 @@ class FakeAssignments:
     def starter(self, assignment_id: str) -> bytes:
         return f"# {assignment_id}\n".encode()
 
+    def files(self, assignment_id: str) -> dict[str, bytes]:
+        return {}
+
     def given_code(self) -> tuple[bytes, ...]:
         return ()
 

@@ -22,6 +22,7 @@ from grader.service.web import (
     practice,
     registering,
     regrading,
+    rubric_pages,
     rule_pages,
     rules_at_once,
     rules_of_section,
@@ -61,6 +62,7 @@ ROUTERS = (
     people_pages.router,
     course_pages.router,
     own_pages.router,
+    rubric_pages.router,
     similar_pages.router,
 )
 

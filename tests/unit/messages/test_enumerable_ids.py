@@ -89,6 +89,7 @@ TEMPLATES: Mapping[str, Iterable[str]] = {
     "rules.hint.": (),  # where there is none, the form has none
     "rules.late.": LATE_PARAMETERS,
     "rules.shown.": rules.Shown,
+    "rubric_form.": ("low", "high", "ramp"),
     "run.": ("stdout", "stderr"),
 }
 """What pages put together, ``say('appeal.state.' ~ one)``: the beginning of the id, and all that may follow."""

@@ -10,11 +10,14 @@ from typing import Any
 import httpx
 import pytest
 
-from grader.catalog import default_root
+from grader.catalog import Catalog, default_root
 from grader.checks import evaluate_text
-from grader.contracts.errors import InfrastructureError
+from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.identity import Caller, Role
+from grader.contracts.own_assignment import OwnState
 from grader.contracts.record import from_json, to_plain
+from grader.contracts.text import Text
 from grader.formats.packages.bundle import bundled
 from grader.grading.examination.confined import _read
 from grader.grading.examination.reading import Reading
@@ -24,7 +27,9 @@ from grader.service.worker.examiner import Examiner, Uploads
 from grader.store.audit import Signature
 from grader.store.database import Database
 from grader.store.own_assignments import OwnAssignments
+from grader.use_cases import own_assignments
 from grader.use_cases.course_assignments import CourseAssignments
+from grader.use_cases.rubric_changes import ItemChange, change_rubric, is_changed
 from grader.use_cases.services import Services
 from tests.fakes.clock import FakeClock
 from tests.fakes.essays import grade_essay
@@ -274,8 +279,6 @@ def test_each_course_has_its_own(desk: Desk, clock: FakeClock) -> None:
     clock.advance(3)
     items = [desk.services.assignments.of(one).get("walk").items[0].points for one in ("ros", "other")]
     assert items == [80.0, 60.0]
-    taken = desk.upload(folder(SPEC.replace(b"id: walk", b"id: square"))).json()
-    assert taken["errors"][0]["field"] == "assignment.yaml: id"
 
 
 def test_what_is_stored_can_be_downloaded_and_removed(
@@ -362,3 +365,70 @@ def test_what_this_version_cannot_use_disables_only_itself(desk: Desk, clock: Fa
     assert desk.checklist("wang") == ["straight", "square"]
     assert list(desk.services.assignments.of("ros").troubles()) == ["walk"]
     assert desk.services.assignments.of("other").troubles() == {}
+
+
+def shares(desk: Desk) -> None:
+    """Let every course have the assignment whose files these are."""
+    shared = FakeAssignments()
+    shared.assignments = (*shared.assignments, Catalog().get("calculation"))
+    shared.files = lambda assignment_id: FILES  # type: ignore[method-assign]
+    desk.services.assignments._shared = shared
+
+
+INSTRUCTOR = Caller(person="wang", role=Role.INSTRUCTOR, course="ros")
+BRIEF = Text(zh="算一算", en="Compute it")
+
+
+def changes(points: tuple[float, float]) -> list[ItemChange]:
+    items = zip(Catalog().get("calculation").items, points, strict=True)
+    return [
+        ItemChange(title=item.title, points=given, low=item.low, high=item.high, ramp=item.ramp)
+        for item, given in items
+    ]
+
+
+def test_a_course_changes_the_rubric_of_a_shared_assignment_and_takes_that_back(
+    desk: Desk, clock: FakeClock
+) -> None:
+    shares(desk)
+    services = desk.services
+    upload = change_rubric(services, INSTRUCTOR, "calculation", BRIEF, changes((60.0, 40.0)))
+    assert (upload.version, upload.state) == (Catalog().get("calculation").version + 1, OwnState.WAITING)
+    assert desk.examiner.step()
+    clock.advance(3)
+
+    assert [one.state for one in services.own_assignments.of("ros")] == [OwnState.READY]
+    ours, theirs = (services.assignments.of(one).get("calculation") for one in ("ros", "other"))
+    assert [item.points for item in ours.items] == [60.0, 40.0]
+    assert ours.brief == BRIEF
+    assert theirs == Catalog().get("calculation")
+    assert [one.id for one in services.assignments.of("ros").all()].count("calculation") == 1
+    assert "calculation" in desk.checklist("li")  # no draft: students had it before
+    assert is_changed(services, INSTRUCTOR, ours)
+
+    desk.upload(folder())
+    own_assignments.remove(services, INSTRUCTOR, "calculation", "")
+    clock.advance(3)
+    assert services.assignments.of("ros").get("calculation") == theirs
+
+
+def test_a_second_change_builds_on_the_first(desk: Desk, clock: FakeClock) -> None:
+    shares(desk)
+    for points in ((60.0, 40.0), (70.0, 30.0)):
+        change_rubric(desk.services, INSTRUCTOR, "calculation", BRIEF, changes(points))
+        desk.examiner.step()
+        clock.advance(3)
+    ours = desk.services.assignments.of("ros").get("calculation")
+    assert ours.version == Catalog().get("calculation").version + 2
+    assert [item.points for item in ours.items] == [70.0, 30.0]
+
+
+def test_a_rubric_that_cannot_be_names_the_field(desk: Desk) -> None:
+    shares(desk)
+    with pytest.raises(RefusedError) as refused:
+        change_rubric(desk.services, INSTRUCTOR, "calculation", BRIEF, changes((0.0, 100.0)))
+    assert refused.value.code == "invalid_assignment"
+    assert [one.field for one in refused.value.members["misfits"]] == ["items.0.points"]
+    with pytest.raises(RefusedError) as short:
+        change_rubric(desk.services, INSTRUCTOR, "calculation", BRIEF, changes((1.0, 2.0))[:1])
+    assert short.value.code == "changed_meanwhile"

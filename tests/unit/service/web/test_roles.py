@@ -113,6 +113,8 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /class/course": (303, 403, 403, 403, 303, 303),
     "GET /class/rules": STAFF,
     "POST /class/rules": (303, 403, 403, 403, 422, 422),  # no assignment is chosen
+    "GET /class/rubric/{assignment_id}": STAFF,
+    "POST /class/rubric/{assignment_id}": (303, 403, 403, 403, 412, 412),  # without a value for each item
     "GET /class/rules/{assignment_id}": STAFF,
     "POST /class/rules/{assignment_id}": (303, 403, 403, 403, 303, 303),
     "POST /class/rules/{assignment_id}/extensions": (303, 403, 403, 403, 303, 422),

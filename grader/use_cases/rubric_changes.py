@@ -1,0 +1,95 @@
+"""A course's own points, bands and texts for an assignment that every course has.
+
+The change is an upload of the assignment's folder with another ``assignment.yaml`` and the next version. It is
+examined like every upload, and stands in the place of the shared one in this course alone.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import yaml
+
+from grader.catalog.files import SPEC_NAME
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import RefusedError
+from grader.contracts.identity import Caller
+from grader.contracts.own_assignment import OwnAssignment
+from grader.contracts.text import Text
+from grader.grading.examination.zipped import packed
+from grader.use_cases.assignments import require_published
+from grader.use_cases.callers import taught_course
+from grader.use_cases.own_assignments import own_assignments, upload
+from grader.use_cases.services import Services
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ItemChange:
+    """What an item of the rubric is to be. `low`, `high`: the band of full credit; None: open on that side."""
+
+    title: Text
+    points: float
+    low: float | None
+    high: float | None
+    ramp: float
+
+
+def change_rubric(
+    services: Services,
+    caller: Caller,
+    assignment_id: str,
+    brief: Text,
+    items: Sequence[ItemChange],
+) -> OwnAssignment:
+    """Keep a changed rubric until a worker has examined it; then the course uses it. `items`: in its order.
+
+    Raises:
+        RefusedError: the caller is no instructor, there is no such assignment or no folder of it, another rubric
+            came meanwhile, or the file would not be what an assignment's must be: `errors` names the fields.
+    """
+    taught_course(caller)
+    assignment = require_published(services, caller, assignment_id)
+    files = services.assignments.of(caller.course).files(assignment_id)
+    if SPEC_NAME not in files:
+        raise RefusedError("assignment_not_found")
+    spec: dict[str, Any] = yaml.safe_load(files[SPEC_NAME])
+    if len(items) != len(spec["items"]):
+        raise RefusedError("changed_meanwhile")
+    uploads = [one.version for one in own_assignments(services, caller) if one.assignment == assignment_id]
+    spec["version"] = max(assignment.version, *uploads, 0) + 1
+    spec["brief"] = _languages(brief)
+    for item, change in zip(spec["items"], items, strict=True):
+        _change(item, change)
+    _widen(spec)
+    text = yaml.safe_dump(spec, allow_unicode=True, sort_keys=False, width=120)
+    return upload(services, caller, packed(assignment_id, {**files, SPEC_NAME: text.encode()}))
+
+
+def is_changed(services: Services, caller: Caller, assignment: Assignment) -> bool:
+    """Return whether the course has a rubric of its own for an assignment that every course has."""
+    shared = {one.id: one for one in services.assignments.of(None).all()}
+    return assignment.id in shared and shared[assignment.id] != assignment
+
+
+def _change(item: dict[str, Any], change: ItemChange) -> None:
+    item["title"], item["points"] = _languages(change.title), _number(change.points)
+    for name, value in (("low", change.low), ("high", change.high), ("ramp", change.ramp or None)):
+        if value is None:
+            item.pop(name, None)
+        else:
+            item[name] = _number(value)
+
+
+def _widen(spec: Mapping[str, Any]) -> None:
+    """Let wrong attempts score anything but full marks: their bands were of the old points."""
+    most = sum(item["points"] for item in spec["items"])
+    for attempt in spec.get("wrong", ()):
+        attempt["score"] = [0, _number(most)]
+
+
+def _languages(text: Text) -> dict[str, str]:
+    return {"zh": text.zh, "en": text.en}
+
+
+def _number(value: float) -> float | int:
+    return int(value) if value == int(value) else value
