@@ -24,7 +24,7 @@ from grader.use_cases.services import Services
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ItemChange:
+class NewItem:
     """What an item of the rubric is to be. `low`, `high`: the band of full credit; None: open on that side."""
 
     title: Text
@@ -39,7 +39,7 @@ def change_rubric(
     caller: Caller,
     assignment_id: str,
     brief: Text,
-    items: Sequence[ItemChange],
+    items: Sequence[NewItem],
 ) -> OwnAssignment:
     """Keep a changed rubric until a worker has examined it; then the course uses it. `items`: in its order.
 
@@ -71,7 +71,7 @@ def is_changed(services: Services, caller: Caller, assignment: Assignment) -> bo
     return assignment.id in shared and shared[assignment.id] != assignment
 
 
-def _change(item: dict[str, Any], change: ItemChange) -> None:
+def _change(item: dict[str, Any], change: NewItem) -> None:
     item["title"], item["points"] = _languages(change.title), _number(change.points)
     for name, value in (("low", change.low), ("high", change.high), ("ramp", change.ramp or None)):
         if value is None:

@@ -15,7 +15,7 @@ from grader.service.web.errors import form_problem
 from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import page
 from grader.use_cases.assignments import require_published
-from grader.use_cases.rubric_changes import ItemChange, change_rubric, is_changed
+from grader.use_cases.rubric_changes import NewItem, change_rubric, is_changed
 
 router = APIRouter(prefix="/class/rubric", include_in_schema=False, dependencies=[Depends(require_staff)])
 Id = Annotated[str, Path(max_length=64)]
@@ -59,9 +59,9 @@ def change(errand: InstructorDep, assignment_id: Id, form: Annotated[RubricForm,
     return RedirectResponse("/class/own?done=uploaded", status_code=303)
 
 
-def _change(number: int, row: tuple[str, ...]) -> ItemChange:
+def _change(number: int, row: tuple[str, ...]) -> NewItem:
     title_zh, title_en, points, low, high, ramp = row
-    return ItemChange(
+    return NewItem(
         title=Text(zh=title_zh.strip(), en=title_en.strip()),
         points=_number(points, f"items.{number}.points"),
         low=_number(low, f"items.{number}.low") if low.strip() else None,

@@ -29,7 +29,7 @@ from grader.store.database import Database
 from grader.store.own_assignments import OwnAssignments
 from grader.use_cases import own_assignments
 from grader.use_cases.course_assignments import CourseAssignments
-from grader.use_cases.rubric_changes import ItemChange, change_rubric, is_changed
+from grader.use_cases.rubric_changes import NewItem, change_rubric, is_changed
 from grader.use_cases.services import Services
 from tests.fakes.clock import FakeClock
 from tests.fakes.essays import grade_essay
@@ -379,10 +379,10 @@ INSTRUCTOR = Caller(person="wang", role=Role.INSTRUCTOR, course="ros")
 BRIEF = Text(zh="算一算", en="Compute it")
 
 
-def changes(points: tuple[float, float]) -> list[ItemChange]:
+def changes(points: tuple[float, float]) -> list[NewItem]:
     items = zip(Catalog().get("calculation").items, points, strict=True)
     return [
-        ItemChange(title=item.title, points=given, low=item.low, high=item.high, ramp=item.ramp)
+        NewItem(title=item.title, points=given, low=item.low, high=item.high, ramp=item.ramp)
         for item, given in items
     ]
 
