@@ -15,7 +15,7 @@ import numpy as np
 
 from grader.checks.drive import is_drive, is_motion, moves_of, times_begun, with_ends
 from grader.checks.listening import waits_in_vain
-from grader.checks.measure import Measure, Mistake, mistake
+from grader.checks.measure import Mistake, mistake
 from grader.contracts.assignment import ROBOT_TOPICS, World
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, StudentError
 from grader.contracts.scoring import Run
@@ -377,25 +377,10 @@ def swings(run: Run, spoilt: tuple[str, ...]) -> Mistake | None:
 def driving_mistakes(run: Run, own: Iterable[Mistake]) -> tuple[Mistake, ...]:
     """Return what probably went wrong in a drive, the likeliest cause first.
 
-    What ended the script, or what it slept through, comes before the check's `own` mistakes; that nobody at home
-    would have heard it comes last. Each check decides where `command_mistakes` stands among its own.
+    What ended the script, or what it slept through, comes before the check's `own` mistakes. Each check
+    decides where `command_mistakes` stands among its own.
     """
-    return (*script_mistakes(run), *asleep(run), *own, *lost_at_home(run))
-
-
-def lost_at_home(run: Run) -> Iterator[Mistake]:
-    """Recognise a script that has published all its motions before turtlesim would discover its publisher at home.
-
-    The episode notes that (``unheard``), unless the script first waits for a subscriber.
-    """
-    if noted(run.outcome, "unheard") is not None:
-        yield mistake("lost_at_home")
-
-
-def unheard(run: Run, measure: str) -> dict[str, Measure]:
-    """Return `measure` as unmeasured if nobody at home would have heard the commands; else nothing."""
-    lost = any(lost_at_home(run))
-    return {measure: Measure(math.nan, {"why": say("item.unheard")})} if lost else {}
+    return (*script_mistakes(run), *asleep(run), *own)
 
 
 def without_node(run: Run) -> Mistake:

@@ -30,7 +30,6 @@ from grader.sim.frames import (
     EXCEPTION,
     FINISHED,
     INTERRUPTED_NOTE,
-    LISTENER_NOTE,
     PRINTED_TOO_MUCH,
     STALLED,
     SYNTAX_ERROR,
@@ -156,7 +155,7 @@ def _shown_notes(episode: EpisodeResult) -> Iterator[Note]:
         interrupted = interrupted or note.code == INTERRUPTED_NOTE
         failed_late = interrupted and note.code == THREAD_NOTE
         told_otherwise = failed and note.code == CAUGHT_NOTE
-        if note.code not in {INTERRUPTED_NOTE, LISTENER_NOTE} and not failed_late and not told_otherwise:
+        if note.code != INTERRUPTED_NOTE and not failed_late and not told_otherwise:
             yield note
 
 

@@ -21,7 +21,6 @@ from grader.sim.frames import (
     CLIENT,
     INTERRUPTED_NOTE,
     LEDGER,
-    LISTENER_NOTE,
     PUBLISHER,
     SERVICE,
     STARTED_NOTE,
@@ -29,7 +28,6 @@ from grader.sim.frames import (
     SYNTAX_ERROR,
     THREADS_NOTE,
     TREE,
-    UNHEARD_NOTE,
     Advance,
     CallsFrame,
     CarState,
@@ -74,9 +72,6 @@ NEVER_NS: Final = 1 << 62
 _TWIST: Final = struct.Struct("<4s6d")
 
 
-DISCOVERY_NS = 110_000_000
-"""A message sent within this time of its publisher's creation counts as lost at home, where discovery takes 50 to
-500 ms: one in ten arrives. The first tick of a timer of 10 Hz comes a little later than 0.1 s."""
 _CONTESTED: Final = 20  # more changes from a drive to a turn than any figure has
 _LONGEST_VALUES: Final = 200
 
@@ -192,8 +187,6 @@ class Episode:
         self._has_started = False
         self._may_have_run = False
         self._facts = {TREE: b"", LEDGER: b""}
-        self._motion_commanded = False
-        self._motion_heard = False  # at home, too: see DISCOVERY_NS
 
     @property
     def now_ns(self) -> int:
@@ -445,7 +438,7 @@ class Episode:
         if entity.type != kind:
             self._journal.note("type_mismatch", entity.name)
         elif entity.what == PUBLISHER and entity.reliable:
-            self._sinks[entity.id] = partial(self._command, entity.name, entity.t_ns)
+            self._sinks[entity.id] = partial(self._command, entity.name)
         elif entity.what == PUBLISHER:
             self._journal.note("incompatible_qos", entity.name)
         elif (note := self._world.qos_note(entity)) is not None:
@@ -468,15 +461,12 @@ class Episode:
         except ProtocolError:
             self._journal.note("unreadable_message", ROSOUT)
 
-    def _command(self, topic: str, created_ns: int, times_ns: Sequence[int], payload: bytes) -> None:
+    def _command(self, topic: str, times_ns: Sequence[int], payload: bytes) -> None:
         """Take a Twist. A script may publish raw bytes; those that are not a Twist are dropped, as DDS does."""
         if len(payload) != _TWIST.size or payload[:4] != HEADER:
             self._journal.note("unreadable_message", topic)
             return
         _, x, y, _, _, _, turn = _TWIST.unpack(payload)
-        if x or turn:
-            self._motion_commanded = True
-            self._motion_heard |= times_ns[-1] - created_ns > DISCOVERY_NS
         self._world.command(topic, times_ns, x, y, turn)
 
     def _advance(self, frame: Advance, link: Link) -> None:
@@ -581,9 +571,6 @@ class Episode:
             journal.note("wall", contact.wall)
         for code in _seen_in(received, trajectory):
             journal.note(code)
-        looked_for_listeners = any(note.code == LISTENER_NOTE for note in journal.notes)
-        if self._motion_commanded and not self._motion_heard and not looked_for_listeners:
-            journal.note(UNHEARD_NOTE)
         if received.clamped:
             journal.note("clamped_robot" if self._spec.world.kind == "robot" else "clamped_command")
 

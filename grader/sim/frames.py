@@ -13,12 +13,6 @@ APART = 1 << 20
 INTERRUPTED_NOTE = "interrupted"
 """Sent by the shim when the horizon's Ctrl+C is raised."""
 
-LISTENER_NOTE = "asked_for_listeners"
-"""Sent by the shim when a script looks whether somebody listens to it."""
-
-UNHEARD_NOTE = "unheard"
-"""Given to a script that moved the car, whose motions at home would all have come before anybody listened."""
-
 STARTED_NOTE = "started"
 """Sent by the shim when the script has been compiled, before any of its code runs."""
 

@@ -74,7 +74,7 @@ _TURNED_LONG: Final = frozenset(("endless_turn", "turns_too_far", "too_slow"))
 _TOO_FAR: Final = frozenset(("wall_hit", "turns_behind_loop"))
 _BY_POSE: Final = _LOST | {"side_goes_on", "turned_instead", "no_turns", "no_turns_by_pose"}
 """Mistakes that a wrong comparison with a pose may cause."""
-_NOT_ON: Final = frozenset(("lost_at_home", "not_spinning", "never_spun"))
+_NOT_ON: Final = frozenset(("not_spinning", "never_spun"))
 _WAITS: Final = frozenset(("waits_in_loop", "waits_without_spin"))
 _KEPT_BUSY: Final = frozenset(("waits_in_loop", "cpu_limit", "log_not_reached", "publish_not_reached"))
 _LEFT_OUT: Final = (

@@ -262,7 +262,7 @@ def spin_once(seen: Searched) -> Mistake | None:
     """Find a ``spin_once`` that stands in no loop; where there were commands, callbacks must have sent them."""
     ran = seen.mistake.code in {"no_turns", "too_short", "turn_too_short"}
     calls_back = seen.script.lines_with(r"\bcreate_(timer|subscription|service)\(")
-    if (ran or seen.mistake.code == "lost_at_home") and not calls_back:
+    if ran and not calls_back:
         return None
     once = seen.script.lines_with(r"\bspin_once\(")
     loose = [line for line in once if not is_repeated(line, seen.script)]

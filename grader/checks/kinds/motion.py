@@ -19,7 +19,7 @@ from grader.checks.measure import (
     mistake,
     one_of,
 )
-from grader.checks.mistakes import command_mistakes, driving_mistakes, unheard
+from grader.checks.mistakes import command_mistakes, driving_mistakes
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchLabel, SketchSide
@@ -55,7 +55,7 @@ def measure(assignment: Assignment, run: Run) -> Measures:
     measures = {"commands": Measure(float(run.outcome.command_count))}
     if drive is not None:
         measures |= _motion(drive, backward=_is_backward(assignment))
-    return measures | unheard(run, "advance_m")
+    return measures
 
 
 def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:

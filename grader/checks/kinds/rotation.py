@@ -7,7 +7,7 @@ import numpy as np
 
 from grader.checks.drive import FAST_TURN_RADPS, Drive, commanded_at_end, drive_of, fastest_radps, moves_of
 from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake, mistake
-from grader.checks.mistakes import command_mistakes, driving_mistakes, steers, unheard
+from grader.checks.mistakes import command_mistakes, driving_mistakes, steers
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel
@@ -39,7 +39,7 @@ def measure(assignment: Assignment, run: Run) -> Measures:
     if drive is not None:
         measures |= _rotation(drive.path)
         measures["rate_radps"] = Measure(fastest_radps(run))
-    return measures | unheard(run, "turned_deg")
+    return measures
 
 
 def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:

@@ -172,7 +172,6 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("unequal_sides", GROWS.format(line="target = start + i * 1.57"), "unequal_sides"),
         ("never_spun", "node.create_timer(0.1, tick)\nrclpy.spin_once(node)\n", "spin_once"),
         ("not_spinning", "rclpy.spin_once(node)\n", "spin_once"),
-        ("lost_at_home", "pub.publish(msg)\nrclpy.spin_once(node)\n", "lost_at_home"),
         ("sides_missing", "for x in xs:\n    go(x)\n    xs.remove(x)\n", "removes_in_loop"),
         (
             "sides_missing",

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from grader.checks import sketch
-from grader.contracts.outcome import Note, RunStatus
+from grader.contracts.outcome import RunStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.trajectory import Contact, Trajectory
 from tests.unit.checks.shipped import assignment, graded, item, score
@@ -190,20 +190,6 @@ def test_the_sketch_says_where_points_were_lost() -> None:
     assert short.sides[0].ok is False
     assert short.labels == ()
     assert math.dist(*short.ideal_m) == pytest.approx(0.49)  # what was asked for, not what was driven
-
-
-@pytest.mark.parametrize("idle_s", [0.0, 2.0])
-def test_a_drive_that_nobody_hears_at_home_does_not_count(idle_s: float) -> None:
-    unheard = (Note(code="unheard", text=""),)
-    trajectory = drive([(0.05, 20.0, 0.0)], idle_s=idle_s)
-    lost = graded("straight", trajectory, notes=unheard)
-    assert (score(lost), lost.mistakes) == (10, ("lost_at_home",))
-    assert "time.sleep(1)" in lost.hint.en
-    assert score(graded("straight", trajectory)) == 100  # of a publisher that was found in time
-    kept_on = graded(
-        "straight", drive([(0.5, 2.0, 0.0)]), notes=(Note(code="discovery", text="/turtle1/cmd_vel"),)
-    )
-    assert score(kept_on) == 100
 
 
 def test_a_car_that_creeps_is_told_to_drive_faster() -> None:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from grader.checks import evaluate, sketch
-from grader.contracts.outcome import Endpoint, Note, RunStatus
+from grader.contracts.outcome import Endpoint, RunStatus
 from grader.contracts.rubric import ItemStatus
 from tests.unit.checks.shipped import assignment, graded, item, score
 from tests.unit.checks.trajectories import drive, polygon_legs, run_of
@@ -156,14 +156,3 @@ def test_credit_falls_with_a_turn_rate_that_nobody_means() -> None:
 
 def test_the_points_for_the_rate_need_a_turn() -> None:
     assert score(graded("spin", drive([(2.0, 1.0, 0.0)]))) == 10
-
-
-def test_a_turn_that_nobody_hears_at_home_does_not_count() -> None:
-    unheard = (Note(code="unheard", text=""),)
-    once = graded("spin", drive([(0.05, 0.0, 10.0)]), notes=unheard)
-    assert item(once, "turn").measured is None
-    assert (score(once), once.mistakes[-1]) == (10, "lost_at_home")
-    kept_on = graded(
-        "spin", drive([(FULL_S, 0.0, 1.0)]), notes=(Note(code="discovery", text="/turtle1/cmd_vel"),)
-    )
-    assert score(kept_on) == 100

@@ -19,7 +19,7 @@ from grader.render.labels import (
     status_word,
     word,
 )
-from grader.sim.frames import INTERRUPTED_NOTE, LISTENER_NOTE, STARTED_NOTE, THREADS_NOTE
+from grader.sim.frames import INTERRUPTED_NOTE, STARTED_NOTE, THREADS_NOTE
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -59,7 +59,7 @@ def test_every_note_that_the_shim_and_the_episode_make_has_its_words(language: L
     root = Path(grader.__file__).parent
     sources = [path.read_text() for part in ("shim", "sim") for path in (root / part).rglob("*.py")]
     made = {code for text in sources for code in re.findall(r'\bnote(?:_once)?\(\s*"(\w+)"', text)}
-    unseen = {INTERRUPTED_NOTE, LISTENER_NOTE, STARTED_NOTE, THREADS_NOTE}
+    unseen = {INTERRUPTED_NOTE, STARTED_NOTE, THREADS_NOTE}
     assert {code for code in made if note_sentence(Note(code=code), language) == code} == unseen
 
 

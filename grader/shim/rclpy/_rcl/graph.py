@@ -44,6 +44,7 @@ if TYPE_CHECKING:
         def match(self, reader: Reader) -> None: ...
         def unmatch(self, reader: Reader) -> None: ...
         def mismatch(self, policy: int) -> None: ...
+        def is_looked_for(self) -> None: ...
 
     class Reader(Endpoint, Protocol):
         """An end that listens."""
@@ -92,6 +93,9 @@ class WorldEndpoint:
 
     def mismatch(self, policy: int) -> None:
         """The world does not mind."""
+
+    def is_looked_for(self) -> None:
+        """The world publishes whoever asks."""
 
 
 class EndpointsByName:

@@ -261,7 +261,8 @@ class NodeHandle(Handle):
     def get_count_subscribers(self, topic: str) -> int:
         """Return how many subscriptions a topic has."""
         self.require_context("Error in rcl_count_subscribers")
-        link.note_once("asked_for_listeners")
+        for writer in self.graph.writers.at(topic):
+            writer.is_looked_for()  # type: ignore[attr-defined]
         kernel.charge()  # a loop that asks must let time pass
         return len(self.graph.readers.at(topic))
 
