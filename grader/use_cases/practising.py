@@ -10,6 +10,7 @@ from concurrent.futures import Future
 from contextlib import ExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 from grader.checks import sketch
 from grader.contracts.assignment import SUFFIXES, Assignment
@@ -154,7 +155,7 @@ async def practising(
         run = services.practice.run(job)
         counted = stack.pop_all()
 
-    def ended(answer: "Future[GradingResult]") -> None:
+    def ended(answer: "Future[Any]") -> None:
         if not answer.cancelled() and answer.exception() is None:
             wall_s = answer.result().measurements.wall_s
             services.allowances.practice.charge(owner, wall_s // _USUAL_S)

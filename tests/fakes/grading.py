@@ -228,6 +228,7 @@ class FakeGrader:
         aborts: how often `abort` was called.
         runs: whether the script is running when a fault comes.
         progress: what it tells of each run.
+        explanation: what it finds for each script that lacks marks.
         hold: when set, gradings wait until `release` (or `abort`, which makes them fail).
     """
 
@@ -236,6 +237,8 @@ class FakeGrader:
         self.runs = False
         self.progress: list[RunProgress] = []
         self.graded: list[str] = []
+        self.explanation = Explanation()
+        self.explained = 0
         self.starts = 0
         self.closed = 0
         self.aborts = 0
@@ -253,6 +256,10 @@ class FakeGrader:
 
     def start(self) -> None:
         self.starts += 1
+
+    def explain(self, job: GradingJob) -> Explanation:
+        self.explained += 1
+        return self.explanation
 
     def grade(
         self,

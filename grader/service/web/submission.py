@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 from fastapi import APIRouter, Depends, Form, Header, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
-from fastapi.responses import JSONResponse, RedirectResponse
+from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from grader.contracts.appeal import LONGEST_TEXT
@@ -38,7 +38,7 @@ from grader.service.web.access import (
 )
 from grader.service.web.comparison import DiffLine, changes
 from grader.service.web.forms import OWN_FORM
-from grader.service.web.pages import page
+from grader.service.web.pages import fragment, page
 from grader.service.web.result import (
     StreamText,
     figure_document,
@@ -49,7 +49,7 @@ from grader.service.web.result import (
 )
 from grader.service.web.source import SourceView, failing_lines, source_view
 from grader.service.web.waiting import left_s, progress
-from grader.use_cases import appealing, commenting, recordings, submissions
+from grader.use_cases import appealing, commenting, explaining, recordings, submissions
 from grader.use_cases.assignments import item_title, published, terms_of
 from grader.use_cases.following import SubjectWatch
 from grader.use_cases.judging import judged_items, may_correct
@@ -91,6 +91,7 @@ def read(errand: KnownDep, submission_id: SubmissionId, case: Case = None, *, sa
             is_open=submissions.is_open(submission),
         ),
         late=found.lateness,
+        explained=explaining.is_explained(errand.services, submission, found.grading),
         hiding=hiding(errand.services, submission),
         same=same,
         corrections=_corrections(errand, submission, found.grading),
@@ -216,6 +217,15 @@ def read_film(errand: KnownDep, submission_id: SubmissionId, case: Case = None) 
     drawn = recordings.film(errand.services, errand.caller, submission_id, case)
     headers = {"ETag": f'"{drawn.tag}"'}
     return Response(drawn.content, media_type="image/png", headers=headers)
+
+
+@router.get("/explanation", dependencies=[COSTLY])
+async def read_explanation(errand: KnownDep, submission_id: SubmissionId) -> Response:
+    """Return the part of the page with the changes that were tried; nothing where none gains."""
+    await run_in_threadpool(access.require_sight, errand, submission_id)
+    explanation = await explaining.explain(errand.services, errand.caller, submission_id)
+    html = fragment(errand.request, "explanation.html", changes=explanation.changes)
+    return HTMLResponse(html.strip(), headers={"Cache-Control": "no-store"})
 
 
 @router.get("/plot.png", dependencies=[DRAWN])

@@ -84,6 +84,7 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /submissions/{submission_id}/state.json": OWN,
     "GET /submissions/{submission_id}/trajectory.json": OWN,
     "GET /submissions/{submission_id}/sketch.json": OWN,
+    "GET /submissions/{submission_id}/explanation": OWN,
     "GET /submissions/{submission_id}/plot.png": OWN,
     "GET /submissions/{submission_id}/film.png": (303, 404, 404, 404, 404, 404),  # no PyBullet world
     "GET /submissions/{submission_id}/recording.mcap": OWN,
