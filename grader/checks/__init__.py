@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 from grader.checks.causes import with_causes
 from grader.checks.expectations import expected_measures, with_expectations, with_expected_mistakes
+from grader.checks.expectations import unmet as unmet_in
 from grader.checks.fit import misfits
 from grader.checks.kinds import CHECKS, KINDS, OLDER_NAMES, TEXT_CHECKS
 from grader.checks.measure import Check, Findings, Kind, Measures, first_causes
@@ -82,6 +83,12 @@ def _measured(check: Check, case: Assignment, run: Run) -> Measures:
         name: replace(one, value=significant(one.value), share=significant(one.share))
         for name, one in measures.items()
     }
+
+
+def unmet(assignment: Assignment, marks: Marks) -> tuple[str, ...]:
+    """Return the places of the expectations that a script does not meet, such as ``items.2.expect.0``."""
+    found = (place for measures in marks.measures for place in unmet_in(assignment, measures))
+    return tuple(dict.fromkeys(found))
 
 
 def unexplained(assignment: Assignment, runs: Sequence[Run], marks: Marks) -> Scoring:

@@ -86,6 +86,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def _add_package_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
+        "-a",
+        "--assignment",
+        default="",
+        metavar="ID",
+        help="speak to the script as this assignment does / 按这个作业的步骤和程序对话",
+    )
+    parser.add_argument(
         "--executable",
         default="",
         metavar="NAME",
@@ -109,13 +116,18 @@ def run(arguments: argparse.Namespace) -> int:
             f"{arguments.file} is a script: --executable and --launch choose what to run of a package",
             f"{arguments.file} 是脚本：--executable 和 --launch 用来选功能包里要运行的程序",
         )
-    job = GradingJob(
-        file_name=handed_in_name(arguments.file), source=source, assignment=_sandpit(arguments, source)
-    )
+    assignment = _spoken_to(arguments) if arguments.assignment else _sandpit(arguments, source)
+    job = GradingJob(file_name=handed_in_name(arguments.file), source=source, assignment=assignment)
     with faults_explained(), Slot(SlotConfig(mode=arguments.isolation)) as slot:
         result = slot.grade(job)
     _show(arguments, result)
     return 0 if result.report.runs[0].outcome.blame is Blame.NOBODY else 1
+
+
+def _spoken_to(arguments: argparse.Namespace) -> Assignment:
+    from grader.catalog import Catalog
+
+    return Catalog().get(arguments.assignment).of_course(arguments.distro)
 
 
 def _sandpit(arguments: argparse.Namespace, source: bytes = b"") -> Assignment:

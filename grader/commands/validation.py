@@ -70,10 +70,24 @@ def validate(
     console().print(table)
     for note in unusual_totals(findings):
         console().print(styled.Text(note.get(language)))
+    for assignment_id, examination in examinations.items():
+        if examination.idle:
+            console().print(styled.Text(_idle(catalog, assignment_id, examination.idle).get(language)))
     if details:
         for assignment_id, examination in examinations.items():
             _print_details(assignment_id, examination, language)
     return 1 if any(finding.problem != EMPTY for finding in findings) else 0
+
+
+def _idle(catalog: Catalog, assignment_id: str, places: tuple[str, ...]) -> Text:
+    """Say which expectations no wrong attempt fails: they may test nothing."""
+    lines = ", ".join(
+        catalog.place(assignment_id, place).rpartition("assignment.yaml:")[2] for place in places
+    )
+    return Text(
+        zh=f"{assignment_id}：这些期望没有一个错误程序不满足，可能什么也没查（行号：字段）：{lines}",
+        en=f"{assignment_id}: no wrong attempt fails these expectations, so they may test nothing: {lines}",
+    )
 
 
 def write_scripts(catalog: Catalog, assignment_ids: Iterable[str], folder: Path) -> None:

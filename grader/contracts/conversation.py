@@ -4,11 +4,12 @@ An assignment has *steps* (publish, call, send a goal, set and get parameters, s
 *expectations*. Carrying the steps out gives a `Conversation`, by which the expectations are judged.
 """
 
-from collections.abc import Mapping
-from typing import Any, Final, Literal
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Final, Literal, TypeVar
 
 from grader.contracts.record import Record, field
 
+_T = TypeVar("_T")
 Values = dict[str, Any]
 """Fields of a message, by name; those of a step may be formulas ("= 2 * n")."""
 
@@ -37,6 +38,8 @@ MOST_SENT: Final = 1_000
 
 FORMULA_MARK: Final = "="
 PATTERN_MARK: Final = "~"
+
+_SHOWN: Final = 90  # characters of one side of a row
 
 
 class Step(Record):
@@ -267,3 +270,96 @@ def plain_parameter(told: Mapping[str, Any]) -> tuple[str, Any] | None:
     if not 1 <= number <= len(_PARAMETER_TYPES):
         return None
     return _PARAMETER_TYPES[number - 1], told[_PARAMETER_FIELDS[number - 1][0]]
+
+
+class Saying(Record, kw_only=False):
+    """A line of a conversation as it is shown.
+
+    Attributes:
+        way: ``in``: it was sent to the script. ``out``: the script sent it. ``call``: the script was asked, and
+            answered at `until_ns` (None: it did not). ``ask``: the script asked.
+        name: the topic, service or action. text: what was said, short.
+    """
+
+    t_ns: int
+    way: Literal["in", "out", "call", "ask"]
+    name: str
+    text: str
+    until_ns: int | None = None
+
+
+def sayings(conversation: Conversation, steps: Mapping[str, Step]) -> tuple[Saying, ...]:
+    """Return a conversation in order of time: of each topic and service the first and the last lines."""
+    lines: dict[str, list[Saying]] = {}
+    for each in conversation.exchanges:
+        if each.sent_ns is not None:
+            step = steps[each.step]
+            lines.setdefault(f"in {step.target}", []).append(_sent(each, step, each.sent_ns))
+            lines.setdefault(f"feedback {step.target}", []).extend(
+                Saying(one.t_ns, "out", f"{step.target} feedback", shown(one.values)) for one in each.feedback
+            )
+    for name, messages in conversation.heard.items():
+        lines[f"out {name}"] = [
+            Saying(one.t_ns, "out", name, "?" if one.values is None else shown(one.values))
+            for one in _ends(messages)
+        ]
+    for one in conversation.served:
+        text = f"{shown(one.values)} → {shown(one.answer)}"
+        lines.setdefault(f"ask {one.step}", []).append(
+            Saying(one.t_ns, "ask", steps[one.step].target, text, one.answered_ns)
+        )
+    kept = (line for each in lines.values() for line in _ends(each))
+    return tuple(sorted(kept, key=lambda line: (line.t_ns, line.way, line.name)))
+
+
+def _sent(sent: Sent, step: Step, sent_ns: int) -> Saying:
+    """Return the line of something that was sent, with its answer."""
+    if step.kind == "publish":
+        return Saying(sent_ns, "in", step.target, shown(sent.values))
+    told = shown(sent.values) if sent.values else ", ".join(step.names)
+    answer = f" → {shown(sent.answer)}" if sent.answer is not None else ""
+    status = "REJECTED" if sent.accepted is False else sent.status
+    text = f"{told}{answer}{f' ({status})' if status else ''}"
+    ended_ns = sent.accepted_ns if sent.accepted is False else sent.answered_ns
+    return Saying(sent_ns, "call", step.target, text, ended_ns)
+
+
+MOST_SAYINGS: Final = 60
+"""Lines kept of one topic or service."""
+
+
+def _ends(lines: Sequence[_T]) -> Sequence[_T]:
+    half = MOST_SAYINGS // 2
+    return lines if len(lines) <= MOST_SAYINGS else [*lines[:half], *lines[-half:]]
+
+
+def clip(text: str) -> str:
+    """Return a text short enough for a row."""
+    return text if len(text) <= _SHOWN else text[: _SHOWN - 1] + "…"
+
+
+def shown(value: Any) -> str:
+    """Return a value as a row shows it: ``a = 3, b = 4``."""
+    return clip(", ".join(_fields("", value))) or "—"
+
+
+def _fields(name: str, value: Any) -> Iterator[str]:
+    if isinstance(value, Mapping):
+        for field, each in value.items():
+            yield from _fields(f"{name}.{field}" if name else str(field), each)
+    else:
+        text = _plain(value)
+        yield f"{name} = {text}" if name else text
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, list | tuple | bytes):
+        listed = [_plain(each) for each in value[:12]]
+        return f"[{', '.join(listed)}{', …' if len(value) > 12 else ''}]"
+    return str(value) if not isinstance(value, dict) else ", ".join(_fields("", value))

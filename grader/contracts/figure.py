@@ -11,7 +11,7 @@ from grader.contracts.text import Text
 
 Point = tuple[float, float]
 
-View = Literal["path", "heading", "log", "frames"]
+View = Literal["path", "heading", "log", "frames", "talk"]
 
 PictureForm = Literal["png", "svg"]
 """File format of a drawn figure."""
@@ -89,7 +89,7 @@ class FigureSketch(Record):
 
     Attributes:
         view: ``path`` (plan view), ``heading`` (turning in place: heading over time), ``log`` (log lines
-            over time).
+            over time), ``talk`` (a conversation over time).
         sides, corners: as detected, in the order driven; at most a few dozen of each.
         ideal_m: vertices of the wanted figure, fitted to the motion (rotated, translated, scaled); empty
             when there is none.

@@ -10,7 +10,7 @@ import ast
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
-from functools import cache
+from functools import lru_cache
 from typing import Any, Final
 
 MOST_CHARACTERS: Final = 400
@@ -33,7 +33,8 @@ class FormulaError(ValueError):
 def matches(pattern: str, text: str) -> bool:
     """Return whether a text fits a pattern, in which ``#`` is a number and ``*`` any text."""
     reached = {0}  # how far in the text the pattern may have come
-    for index, part in enumerate(parts := re.split(r"([#*])", pattern)):
+    parts = _parts(pattern)
+    for index, part in enumerate(parts):
         if part == "*":
             if index == len(parts) - 2 and not parts[-1]:
                 return bool(reached)
@@ -43,6 +44,11 @@ def matches(pattern: str, text: str) -> bool:
         elif part:
             reached = {start + len(part) for start in reached if text.startswith(part, start)}
     return len(text) in reached
+
+
+@lru_cache(maxsize=4_096)
+def _parts(pattern: str) -> list[str]:
+    return re.split(r"([#*])", pattern)
 
 
 _NUMBER: Final = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?")
@@ -121,7 +127,7 @@ class Formula:
             raise FormulaError(f"{self.text}: {error}") from None
 
 
-@cache
+@lru_cache(maxsize=4_096)
 def formula(text: str) -> Formula:
     """Read a formula.
 
@@ -245,7 +251,8 @@ class _Evaluation:
         self._work += 1
         if self._work > MOST_WORK:
             raise FormulaError("takes too long")
-        return _bounded(getattr(self, f"_{type(node).__name__.lower()}")(node))
+        value: Value = _METHODS[type(node)](self, node)
+        return value if type(value) in _PLAIN else _bounded(value)
 
     def _constant(self, node: ast.Constant) -> Value:
         return node.value
@@ -343,6 +350,27 @@ class _Evaluation:
     def _formattedvalue(self, node: ast.FormattedValue) -> str:
         value = self.of(node.value)
         return format(value, "" if node.format_spec is None else self.of(node.format_spec))
+
+
+_METHODS: Final[Mapping[type, Callable[[_Evaluation, Any], Value]]] = {
+    kind: getattr(_Evaluation, f"_{kind.__name__.lower()}")
+    for kind in (
+        *(
+            ast.Constant,
+            ast.Name,
+            ast.Attribute,
+            ast.Subscript,
+            ast.BinOp,
+            ast.UnaryOp,
+            ast.BoolOp,
+            ast.Compare,
+        ),
+        *(ast.IfExp, ast.Call, ast.List, ast.Tuple, ast.ListComp, ast.GeneratorExp, ast.JoinedStr),
+        ast.FormattedValue,
+    )
+}
+_PLAIN: Final = frozenset({bool, float, type(None)})
+"""Types whose values need no bound."""
 
 
 def _bounded(value: Value) -> Value:

@@ -36,6 +36,7 @@ class GradingResult(Record):
     Attributes:
         trajectories: per case id, the bytes of `grader.contracts.encode_trajectory`.
         requests: per case id, the first calls of the world's services; not stored.
+        unmet: what items expected and did not get, as `grader.checks.unmet` names it; not stored.
         encoded: `report` in its one byte form, if that is at hand already.
     """
 
@@ -43,6 +44,7 @@ class GradingResult(Record):
     trajectories: Mapping[str, bytes]
     measurements: Measurements
     requests: Mapping[str, tuple[WorldRequest, ...]] = field(default_factory=dict)
+    unmet: tuple[str, ...] = ()
     encoded: bytes | None = None
 
     def report_bytes(self) -> bytes:

@@ -10,7 +10,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.contracts.record import Record
+from grader.contracts.conversation import Saying
+from grader.contracts.record import Record, to_plain
 
 COMMAND_LIFE_NS: Final = 1_000_000_000
 """turtlesim drops a command once more than this has passed since it came."""
@@ -68,6 +69,7 @@ class Trajectory:
         commands: commands in order of time, bounded by one per update.
         end_ns: virtual time at which the episode ended (>= t_ns[-1]; the car rested since).
         pictures: of a PyBullet world, in order of time; of others none.
+        sayings: lines of a conversation; none where the assignment asks for none.
     """
 
     t_ns: Ints
@@ -81,6 +83,7 @@ class Trajectory:
     contacts: tuple[Contact, ...] = ()
     commands: tuple[Command, ...] = field(default=())
     pictures: tuple[Picture, ...] = ()
+    sayings: tuple[Saying, ...] = ()
 
     def __len__(self) -> int:
         return len(self.t_ns)
@@ -121,6 +124,7 @@ def encode_trajectory(trajectory: Trajectory) -> bytes:
         "jumps": list(trajectory.jumps),
         "contacts": [asdict(contact) for contact in trajectory.contacts],
         **_pictures(trajectory),
+        **({"sayings": [to_plain(each) for each in trajectory.sayings]} if trajectory.sayings else {}),
         "commands": _written(_rounded_commands(trajectory.commands)),
     }
     return msgspec.json.encode(document)
@@ -140,6 +144,7 @@ def decode_trajectory(data: bytes) -> Trajectory:
             Picture(t_ns=t_ns, png=b64decode(png, validate=True))
             for t_ns, png in document.get("pictures", ())
         ),
+        sayings=tuple(Saying(**each) for each in document.get("sayings", ())),
         **floats,
     )
 

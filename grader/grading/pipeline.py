@@ -150,7 +150,7 @@ class Pipeline:
         if job.assignment.input == "text":
             return self._read(job)
         _simulator(job.assignment.world)  # before anything runs
-        from grader.checks import mark
+        from grader.checks import mark, unmet
 
         script = _script_of(job)
         cases = job.assignment.cases
@@ -162,16 +162,14 @@ class Pipeline:
         trajectories = {run.case: encode_trajectory(run.trajectory) for run in runs}
         marks = mark(job.assignment, runs)
         report = _report(job, runs, _explained(job.assignment, runs, marks), trajectories)
-        cut = outputs_within_budget(
-            _cut_output(case, jail, job.assignment)
-            for case, (episode, jail) in zip(cases, accounts, strict=True)
-            if not is_repeatable(episode, jail)
-        )
         return GradingResult(
             report=report,
             trajectories=trajectories,
-            measurements=replace(self._measurements(accounts), cut_output=cut),
+            measurements=replace(
+                self._measurements(accounts), cut_output=_cut_outputs(job.assignment, accounts)
+            ),
             requests={case.id: episode.requests for case, (episode, _) in zip(cases, accounts, strict=True)},
+            unmet=unmet(job.assignment, marks),
         )
 
     def explain(self, job: GradingJob) -> Explanation:
@@ -302,6 +300,15 @@ class Pipeline:
             isolation=self._sandbox.isolation,
             missing_layers=tuple(self._sandbox.missing_layers),
         )
+
+
+def _cut_outputs(assignment: Assignment, accounts: Sequence[Account]) -> tuple[CaseOutput, ...]:
+    """Return what scripts had printed that a clock ended."""
+    return outputs_within_budget(
+        _cut_output(case, jail, assignment)
+        for case, (episode, jail) in zip(assignment.cases, accounts, strict=True)
+        if not is_repeatable(episode, jail)
+    )
 
 
 def _cut_output(case: Case, jail: JailReport, assignment: Assignment) -> CaseOutput:

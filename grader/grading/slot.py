@@ -278,6 +278,7 @@ class Slot:
                     case: tuple(from_plain(WorldRequest, one) for one in made)
                     for case, made in answer["requests"].items()
                 },
+                unmet=tuple(map(str, answer["unmet"])),
             )
         except (KeyError, AttributeError, TypeError, ValueError) as error:
             raise self._failed(error) from error
@@ -339,6 +340,7 @@ def result_message(result: GradingResult) -> tuple[dict[str, Any], list[bytes]]:
         "trajectories": list(result.trajectories),
         "measurements": result.measurements,
         "requests": result.requests,
+        "unmet": result.unmet,
     }
     return message, [result.report.canonical_bytes(), *result.trajectories.values()]
 

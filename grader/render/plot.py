@@ -27,10 +27,12 @@ from grader.render.loglines import draw_log, row_count
 from grader.render.motion import draw_speed, draw_turned, draw_yaw_rate
 from grader.render.plan import draw_plan
 from grader.render.scene import Scene, compose
+from grader.render.talk import draw_talk, lane_count
 from grader.render.typeface import clipped, drawable, rc
 
 _WIDTH_IN, _HEIGHT_IN = 12.0, 6.75
 _LOG_ROW_IN = 0.34
+_LANE_IN = 0.62
 _DPI = 120
 _LEFT = (0.062, 0.165, 0.49, 0.685)
 _UPPER_RIGHT = (0.635, 0.54, 0.34, 0.31)
@@ -97,6 +99,8 @@ def _settings() -> Iterator[None]:
 def _figure(scene: Scene) -> Figure:
     if scene.view == "log":
         return _log_figure(scene)
+    if scene.view == "talk":
+        return _talk_figure(scene)
     if scene.view == "frames":
         return _frames_figure(scene)
     figure = _sheet(scene, _HEIGHT_IN)
@@ -120,6 +124,14 @@ def _log_figure(scene: Scene) -> Figure:
     height_in = above_in + log_in + below_in
     figure = _sheet(scene, height_in)
     draw_log(figure.add_axes((0.035, below_in / height_in, 0.93, log_in / height_in)), scene)
+    return figure
+
+
+def _talk_figure(scene: Scene) -> Figure:
+    above_in, below_in, lanes_in = 1.1, 0.7, (lane_count(scene) + 0.6) * _LANE_IN
+    height_in = above_in + lanes_in + below_in
+    figure = _sheet(scene, height_in)
+    draw_talk(figure.add_axes((0.2, below_in / height_in, 0.77, lanes_in / height_in)), scene)
     return figure
 
 

@@ -37,9 +37,11 @@ class Scene:
 
     @property
     def view(self) -> View:
-        """Kind of plot: what the sketch says, else log lines for a car that never moved."""
+        """Kind of plot: what the sketch says, else what was said, or log lines, for a car that never moved."""
         if self.sketch is not None:
             return self.sketch.view
+        if self.trajectory is not None and self.trajectory.sayings and not self.moved:
+            return "talk"
         return "path" if self.moved or not self.outcome.logs else "log"
 
     @property

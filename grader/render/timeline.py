@@ -72,12 +72,31 @@ def _events(
         call = f"{visible_line(request.service, 120)}({visible_line(request.values, 200)})"
         yield TimelineEntry(request.t_ns, word("called", language, call=call), "magenta")
     if trajectory is not None:
+        yield from _sayings(trajectory, language)
         yield from _command_runs(trajectory, language)
         yield from _jumps(trajectory, requests, language)
         for contact in trajectory.contacts:
             wall = wall_word(contact.wall, language) or visible_line(contact.wall, 20)
             yield TimelineEntry(contact.start_ns, word("contact", language, wall=wall), "yellow")
     yield TimelineEntry(outcome.duration_ns, _end(outcome, language), "bold")
+
+
+def _sayings(track: Trajectory, language: Language) -> Iterator[TimelineEntry]:
+    """Yield what was said: to the script with an arrow to the right, by it with one to the left."""
+    for each in track.sayings:
+        arrow = "←" if each.way in ("out", "ask") else "→"
+        text = f"{arrow} {visible_line(each.name, 80)}  {visible_line(each.text, 200)}"
+        if each.way in ("call", "ask"):
+            took_ns = None if each.until_ns is None else each.until_ns - each.t_ns
+            told = word("no_answer", language)
+            if took_ns is not None:
+                told = word(
+                    "answered_after", language, time=quantity.number(took_ns * _NANO, "s", _TIME_DECIMALS)
+                )
+            text += f"  {told}"
+        yield TimelineEntry(
+            each.t_ns, text, "green" if arrow == "←" else "blue", may_repeat=each.way == "out"
+        )
 
 
 def _command_runs(track: Trajectory, language: Language) -> Iterator[TimelineEntry]:

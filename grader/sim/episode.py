@@ -3,11 +3,12 @@
 import hashlib
 import struct
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from grader.contracts.assignment import EPOCH_NS, AgentStep, Distro, InterfaceDefinition, ServiceCall, World
-from grader.contracts.conversation import Conversation, Expectation, Step
+from grader.contracts.conversation import Conversation, Expectation, Step, sayings
 from grader.contracts.errors import AssignmentError, ProtocolError
 from grader.contracts.grading import WorldRequest
 from grader.contracts.outcome import AgentResult, Endpoint, LogRecord, Note, ServiceResult
@@ -536,7 +537,9 @@ class Episode:
             self._now_ns = self._spec.horizon_ns  # Ctrl+C comes there, whenever a script says it came
         end_ns, violation = self._come_to_rest(violation)
         self._world.finish(end_ns)
-        trajectory = self._recorder.finish(end_ns)
+        conversation = None if self._talk is None else self._talk.result()
+        said = () if conversation is None else sayings(conversation, {one.id: one for one in self._spec.said})
+        trajectory = replace(self._recorder.finish(end_ns), sayings=said)
         self._note_motion(trajectory)
         return EpisodeResult(
             trajectory=trajectory,
@@ -555,7 +558,7 @@ class Episode:
             sim_steps=self._world.steps_run,
             calls=self._calls.results,
             agent=() if self._agent is None else self._agent.results,
-            conversation=None if self._talk is None else self._talk.result(),
+            conversation=conversation,
             most_steps=self._spec.steps,
             requests=tuple(self._requests),
             recorded=None if self._bullet is None else self._bullet.calls,

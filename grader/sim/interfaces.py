@@ -10,6 +10,7 @@ these: those of its assignment's own interfaces, and of all that ROS has (`with_
 import ast
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
@@ -195,9 +196,19 @@ WORLD: Final = Types(FIELDS, DEFAULTS)
 
 def with_interfaces(own: Iterable[InterfaceDefinition]) -> Types:
     """Return the types that an assignment's calls may have: its own interfaces, and all of ROS's."""
+    lines = tuple(each.lines for each in own)
+    return _types_with(lines) if lines else _standard_types()
+
+
+@cache
+def _standard_types() -> Types:
+    return _types_with(())
+
+
+def _types_with(own: tuple[str, ...]) -> Types:
     fields, defaults = dict(FIELDS), dict(DEFAULTS)
     entries = _STANDARD.read_text("utf-8").split("\n@")[1:]
-    for entry in (*entries, *(each.lines for each in own)):
+    for entry in (*entries, *own):
         for name, members in _structures(entry):
             fields[name] = tuple((field[0], _trusted(field[1])) for field in members)
             literals = {field[0]: ast.literal_eval(field[2]) for field in members if len(field) > 2}

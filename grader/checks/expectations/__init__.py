@@ -88,14 +88,23 @@ def _parts(mistakes: Sequence[Mistake]) -> list[Mistake]:
     return [each for each in mistakes if each.measures]
 
 
+def unmet(assignment: Assignment, measures: Measures) -> Iterator[str]:
+    """Yield the places of the expectations that are not met in full, such as ``items.2.expect.0``."""
+    for i, item in enumerate(assignment.items):
+        if item.expect and item.measure in measures:
+            for k in measures[item.measure].details.get("unmet", ()):  # type: ignore[attr-defined]
+                yield f"items.{i}.expect.{k}"
+
+
 def _measure(item: ItemSpec, verdicts: Sequence[Verdict]) -> Measure:
     share = sum(each.share for each in verdicts) / len(verdicts)
+    missing = tuple(k for k, each in enumerate(verdicts) if each.share < 1.0)
     met = sum(each.share >= 1.0 for each in verdicts)
     rows = [_row(one, each) for one, each in zip(item.expect, verdicts, strict=True) if each.share < 1.0]
     more = [say("expected.more", count=len(rows) - _MOST_ROWS)] if len(rows) > _MOST_ROWS else []
     told = join([*rows[:_MOST_ROWS], *more], _ROWS) if rows else EMPTY
     percent = min(100.0, round(100.0 * share, 2))
-    return Measure(percent, {"met": met, "count": len(verdicts), "rows": told})
+    return Measure(percent, {"met": met, "count": len(verdicts), "rows": told, "unmet": missing})
 
 
 def _row(one: Expectation, verdict: Verdict) -> Text:

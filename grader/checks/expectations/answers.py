@@ -12,7 +12,6 @@ from grader.checks.expectations.verdict import (
     Reason,
     Verdict,
     because,
-    clip,
     counted,
     equals,
     holds,
@@ -20,12 +19,11 @@ from grader.checks.expectations.verdict import (
     named,
     only,
     plain,
-    shown,
     unknown,
     wanted_of,
 )
 from grader.checks.measure import Mistake, mistake
-from grader.contracts.conversation import Expectation, Sent, Step, plain_parameter
+from grader.contracts.conversation import Expectation, Sent, Step, clip, plain_parameter, shown
 from grader.contracts.outcome import RunStatus
 from grader.contracts.text import EMPTY, Text
 from grader.messages import join, say

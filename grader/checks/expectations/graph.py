@@ -12,14 +12,13 @@ from grader.checks.expectations.verdict import (
     Reason,
     Verdict,
     because,
-    clip,
     holds,
     named,
     plain,
     unknown,
 )
 from grader.checks.measure import Mistake, mistake
-from grader.contracts.conversation import Expectation, TurtleSample
+from grader.contracts.conversation import Expectation, TurtleSample, clip
 from grader.contracts.text import Text
 from grader.geometry import exact
 from grader.messages import say

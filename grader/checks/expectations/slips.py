@@ -9,8 +9,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from grader.checks.expectations.verdict import Verdict, equals, shown
+from grader.checks.expectations.verdict import Verdict, equals
 from grader.checks.measure import Mistake, mistake
+from grader.contracts.conversation import shown
 from grader.contracts.formula import FormulaError, formula
 
 Pair = tuple[Mapping[str, Any], Any, Mapping[str, Any] | None]

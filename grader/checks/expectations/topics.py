@@ -13,7 +13,6 @@ from grader.checks.expectations.verdict import (
     Reason,
     Verdict,
     because,
-    clip,
     closeness,
     counted,
     equals,
@@ -22,12 +21,11 @@ from grader.checks.expectations.verdict import (
     named,
     only,
     plain,
-    shown,
     unknown,
     wanted_of,
 )
 from grader.checks.measure import Mistake, mistake
-from grader.contracts.conversation import Expectation, Message, Party, Sent
+from grader.contracts.conversation import Expectation, Message, Party, Sent, clip, shown
 from grader.contracts.text import EMPTY, Text
 from grader.messages import join, say
 from grader.messages.quantity import number

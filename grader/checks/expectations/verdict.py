@@ -2,7 +2,7 @@
 
 import bisect
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Final
 
 from grader.checks.measure import Mistake, mistake
@@ -25,7 +25,6 @@ from grader.contracts.text import EMPTY, Text
 from grader.messages import say
 
 NS_PER_S: Final = 1e9
-_SHOWN: Final = 90  # characters of one side of a row
 _PRECISE: Final = 9  # decimals that count: more of them differ between processors
 
 
@@ -228,38 +227,6 @@ def in_count(number: int, count: tuple[int, int | None] | None) -> float:
     if number < least:
         return number / least
     return 1.0 if most is None or number <= most else most / number
-
-
-def clip(text: str) -> str:
-    """Return a text short enough for a row."""
-    return text if len(text) <= _SHOWN else text[: _SHOWN - 1] + "…"
-
-
-def shown(value: Any) -> str:
-    """Return a value as a row shows it: ``a = 3, b = 4``."""
-    return clip(", ".join(_fields("", value))) or "—"
-
-
-def _fields(name: str, value: Any) -> Iterator[str]:
-    if isinstance(value, Mapping):
-        for field, each in value.items():
-            yield from _fields(f"{name}.{field}" if name else str(field), each)
-    else:
-        text = _plain(value)
-        yield f"{name} = {text}" if name else text
-
-
-def _plain(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    if isinstance(value, str):
-        return f'"{value}"'
-    if isinstance(value, list | tuple | bytes):
-        listed = [_plain(each) for each in value[:12]]
-        return f"[{', '.join(listed)}{', …' if len(value) > 12 else ''}]"
-    return str(value) if not isinstance(value, dict) else ", ".join(_fields("", value))
 
 
 def only(wanted: Any, came: Any) -> Any:

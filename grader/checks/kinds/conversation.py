@@ -52,8 +52,8 @@ def _alive(outcome: RunOutcome) -> float:
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
-    """Return the view of log lines over time."""
-    return FigureSketch(view="log")
+    """Return the view of what was said over time, or else of log lines."""
+    return FigureSketch(view="talk" if run.trajectory.sayings else "log")
 
 
 def node_mistakes(run: Run) -> tuple[Mistake, ...]:

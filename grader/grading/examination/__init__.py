@@ -4,7 +4,7 @@ The scripts come as data: of a folder of the operator's by `grader assignments v
 database. Whoever grades them confines them as it confines students' scripts.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from grader.checks import problems as check_problems
@@ -73,12 +73,14 @@ class Examination:
     """All that is known about one assignment.
 
     Attributes:
+        idle: expectations that no wrong file shows to test anything, such as ``items.2.expect.0``.
         sensitivity: by case; without those where the solution's motion cannot be driven again without its script.
     """
 
     findings: list[Finding]
     margins: list[Margin] = field(default_factory=list)
     sensitivity: dict[str, list[Sensitivity]] = field(default_factory=dict)
+    idle: tuple[str, ...] = ()
 
 
 def own_scripts(
@@ -121,16 +123,36 @@ def examine(
     starter = grader.grade(_job(assignment, own.starter)).report
     gift = _GIFT if _all_passed(starter) else EMPTY
     findings.append(_finding(assignment, own.starter.name, starter, gift))
+    idle = set(_expectations(assignment))
     for attempt, script in own.wrong:
         before_each()
-        report_of_wrong = grader.grade(_job(assignment, script)).report
-        told = _unexpected(attempt, report_of_wrong)
-        findings.append(_finding(assignment, f"wrong/{attempt.file}", report_of_wrong, told))
+        graded = grader.grade(_job(assignment, script))
+        idle -= _proven(assignment, attempt, graded.unmet)
+        told = _unexpected(attempt, graded.report)
+        findings.append(_finding(assignment, f"wrong/{attempt.file}", graded.report, told))
     return Examination(
         findings=findings,
         margins=margins(assignment, report),
+        idle=tuple(sorted(idle)),
         sensitivity={run.case: sensitivities(assignment, run) for run in runs} if sensitive else {},
     )
+
+
+def _expectations(assignment: Assignment) -> Iterator[str]:
+    """Yield the places of all that items expect."""
+    for i, item in enumerate(assignment.items):
+        yield from (f"items.{i}.expect.{k}" for k in range(len(item.expect)))
+
+
+def _proven(assignment: Assignment, attempt: WrongAttempt, unmet: Sequence[str]) -> set[str]:
+    """Return the expectations that a wrong attempt shows to test something.
+
+    One that meets no expectation at all shows that only of the item which it is there for.
+    """
+    if len(unmet) < len(set(_expectations(assignment))):
+        return set(unmet)
+    item = next(i for i, item in enumerate(assignment.items) if item.id == attempt.fails)
+    return {place for place in unmet if place.startswith(f"items.{item}.")}
 
 
 def misfits(assignment: Assignment) -> list[tuple[str, Text]]:

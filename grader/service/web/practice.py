@@ -70,7 +70,9 @@ async def run(request: Request, run: Annotated[UnderWay, Depends(_begun)]) -> As
 
 def _shown(request: Request, seen: Practice) -> dict[str, Any]:
     language = language_of(request)
-    moved = seen.trajectory is not None and (seen.figure is None or seen.figure.view not in ("log", "frames"))
+    moved = seen.trajectory is not None and (
+        seen.figure is None or seen.figure.view not in ("log", "frames", "talk")
+    )
     html = fragment(
         request,
         "practice_result.html",

@@ -308,7 +308,7 @@ def _changed(services: Services, submission: Submission, attempts: Sequence[Subm
 
 def _is_replayed(figure: FigureSketch | None) -> bool:
     """Whether there is a motion to replay: no log messages alone, and no pictures of a PyBullet world."""
-    return figure is None or figure.view not in ("log", "frames")
+    return figure is None or figure.view not in ("log", "frames", "talk")
 
 
 def _cut_output(services: Services, stored: StoredReport) -> dict[str, tuple[StreamText, StreamText]]:

@@ -69,7 +69,7 @@ def send(message, *blobs):
 config = receive()
 REPORT = json.dumps({REPORT!r}).encode()
 RESULT = {{"kind": "result", "trajectories": ["default"],
-          "measurements": dict({MEASUREMENTS!r}, isolation=config["mode"]), "requests": {{}}}}
+          "measurements": dict({MEASUREMENTS!r}, isolation=config["mode"]), "requests": {{}}, "unmet": []}}
 BLOBS = REPORT, b"t" * 200_000
 def serve():
     while True:
