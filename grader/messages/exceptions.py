@@ -225,6 +225,7 @@ _SIGNS: Final = (
     ),
     (r"TypeError: (?P<name>\w+)\(\) takes no arguments", "no_init"),
     (r"RecursionError: ", "recursion"),
+    (r"ValueError: generator already executing", "two_spins"),
     (r"TypeError: rclpy_resolve_name\(\)", "wrong_order"),
     (r"TypeError: __init__\(\): [^|]*\.(Service|Client)\(arg0", "wrong_order"),
     (r"TypeError: isinstance\(\) arg 2 must be a type.*" + _AT + r".*\.publish\(", "wrong_order"),

@@ -522,3 +522,37 @@ while time.time() < end:
 print("end")
 """)
     assert run.stdout == "answered\nend\n", run.stderr
+
+
+def test_a_timeout_of_the_timers_period_loses_no_tick(run_script):
+    """Upstream makes the timer of the timeout after the node's own (a01_thread_spin_main_spin_once_timeout)."""
+    source = """
+        import rclpy, time
+        rclpy.init()
+        node, ticks = rclpy.create_node("n"), []
+        node.create_timer(0.1, lambda: ticks.append(time.time()))
+        for _ in range(30):
+            rclpy.spin_once(node, timeout_sec=0.1)
+        print(len(ticks))
+    """
+    assert run_script(dedent(source)).stdout == "30\n"
+
+
+def test_the_second_thread_that_waits_in_an_executor_fails_and_its_node_is_not_served(run_script):
+    source = """
+        import rclpy, threading, time
+        rclpy.init()
+        ticks = {"a": 0, "b": 0}
+        def spin(name):
+            node = rclpy.create_node(name)
+            node.create_timer(0.1, lambda: ticks.update({name: ticks[name] + 1}))
+            try:
+                rclpy.spin(node)
+            except ValueError as error:
+                print(name, error)
+        for name in ticks:
+            threading.Thread(target=spin, args=[name], daemon=True).start()
+        time.sleep(1.05)
+        print(ticks)
+    """
+    assert run_script(dedent(source)).stdout == "b generator already executing\n{'a': 10, 'b': 0}\n"

@@ -187,3 +187,13 @@ def test_deadlocks_are_stalls(run_bare: RunScript, source: str, text: str) -> No
     end = run_bare(source).exit
     assert end["reason"] == 2
     assert text in end["text"]
+
+
+def test_after_ctrl_c_the_end_of_the_program_waits_for_its_threads(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import threading, time\ndef work():\n    time.sleep(3)\n    print('done')\n"
+        "threading.Thread(target=work).start()\n"
+        "try:\n    time.sleep(9)\nexcept KeyboardInterrupt:\n    print('caught')\n",
+        horizon_s=2,
+    )
+    assert (run.stdout, run.stderr, run.exit["code"]) == ("caught\ndone\n", "", 0)

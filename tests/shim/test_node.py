@@ -347,3 +347,20 @@ other.spin_once()
 """)
     assert run.stdout == "tick\n"
     assert run.stderr.splitlines()[-1] == "AttributeError: 'str' object has no attribute '_executor_event'"
+
+
+def test_a_node_leaves_the_graph_when_nothing_refers_to_it(run_script):
+    source = """
+        rclpy.init()
+        def make(keep):
+            node = Node("a")
+            node.publisher = node.create_publisher(Twist, "x", 1)
+            if keep:
+                return node.publisher
+        watcher = Node("watcher")
+        make(False)
+        print(watcher.get_node_names(), watcher.count_publishers("x"))
+        publisher = make(True)
+        print(watcher.get_node_names(), watcher.count_publishers("x"))
+    """
+    assert lines(run_script, source) == ["['turtlesim', 'watcher'] 0", "['turtlesim', 'watcher', 'a'] 1"]

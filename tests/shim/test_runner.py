@@ -475,3 +475,18 @@ def test_a_script_named_like_what_it_imports_finds_itself(
 def test_a_script_named_like_a_module_written_in_c_gets_that(run_script: RunScript) -> None:
     run = run_script("import time\nprint(time.sleep(1))\n", file_name="time.py")
     assert run.stdout == "None\n"
+
+
+def test_at_the_end_of_python_no_message_can_be_made_and_nothing_be_logged(run_script: RunScript) -> None:
+    """As recorded (style__stop_in_destructor, c27_del_log): both import something."""
+    run = run_script(
+        "import rclpy\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\n"
+        "class Careful(Node):\n    def __init__(self):\n        super().__init__('careful')\n"
+        "        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n        self.made = Twist()\n"
+        "    def __del__(self):\n        self.pub.publish(self.made)\n        print('sent')\n"
+        "        self.pub.publish(Twist())\n        print('stopped')\n"
+        "rclpy.init()\nnode = Careful()\n"
+    )
+    assert run.stdout == "sent\n"
+    assert run.stderr.endswith("\nImportError: sys.meta_path is None, Python is likely shutting down\n")
+    assert len(run.published("/turtle1/cmd_vel")) == 1

@@ -349,3 +349,11 @@ def test_old_names_warn(run_bare: RunScript) -> None:
         "DeprecationWarning: isSet() is deprecated, use is_set() instead",
         "DeprecationWarning: activeCount() is deprecated, use active_count() instead",
     ]
+
+
+def test_threads_whose_stacks_would_take_the_memory_cannot_start(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import threading\nthreading.stack_size(512 * 1024 * 1024)\n"
+        "try:\n    threading.Thread(target=print).start()\nexcept RuntimeError as error:\n    print(error)\n"
+    )
+    assert run.stdout == "can't start new thread\n"

@@ -51,6 +51,7 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
             ("float(",),
         ),
         (error("RecursionError", "maximum recursion depth exceeded"), "recursion", ("17", "exceeded")),
+        (error("ValueError", "generator already executing"), "two_spins", ("MultiThreadedExecutor",)),
         (error("NameError", "name '_name_' is not defined"), "underscores", ("__main__",)),
         (error("NameError", "name '__main__' is not defined"), "name_without_quotes", ("'__main__'",)),
         (error("NameError", "name 'name' is not defined"), "unknown_name", ("'name'",)),
