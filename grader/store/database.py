@@ -133,6 +133,7 @@ class Database:
         self.announcer = _announcer(self._engine)
         self._turns = _Turns()
         self._disk = _Disk(f"{self._engine.url.database}-wal")
+        self._own = threading.local()
         self._closed = False
         event.listen(self._engine, "checkin", self._close_late)
 
@@ -174,9 +175,21 @@ class Database:
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
-        """One transaction that only reads, on one consistent snapshot. Raises as `writing` does."""
+        """One transaction that only reads, on one consistent snapshot. Raises as `writing` does.
+
+        Within another one of the same thread it is that one: whoever asks several parts of the store for one
+        answer gets one snapshot, and pays for one transaction.
+        """
+        outer: Session | None = getattr(self._own, "session", None)
+        if outer is not None:
+            yield outer
+            return
         with self._transaction(self._snapshots) as session:
-            yield session
+            self._own.session = session
+            try:
+                yield session
+            finally:
+                self._own.session = None
 
     @contextmanager
     def at_once(self) -> Iterator[Connection]:

@@ -77,6 +77,9 @@ Parameters: `course`, `assignment` and `student`.
 """
 
 
+_ABOUT_ONE = select(*ABOUT, _course_of.archived_at, _course_of.distro).select_from(ABOUT_FROM)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CourseRules:
     """The rules of all assignments of a course. Without courses there are none.
@@ -113,6 +116,9 @@ class CourseRules:
         )
 
 
+_NO_COURSE = CourseRules(zone=ZoneInfo(_UTC), archived=False, by_assignment={}, extensions={})
+
+
 class StoredRules(StorePart):
     """Reads and changes rules; every change is in the audit log. Safe to share between threads."""
 
@@ -120,6 +126,27 @@ class StoredRules(StorePart):
         """Return all rules of a course as they are at one instant."""
         with self._database.reading() as session:
             return rules_of(session, course)
+
+    def about(self, course: str | None, student: str, assignment: str) -> CourseRules:
+        """Return of a course's rules those that concern one student's submissions to one assignment."""
+        if course is None:
+            return _NO_COURSE
+        asked = {"course": course, "student": student, "assignment": assignment}
+        with self._database.reading() as session:
+            zone, document, due, extra_attempts, sections, archived_at, distro = (
+                session.connection().execute(_ABOUT_ONE, asked).one()
+            )
+        extended = extra_attempts is not None
+        return CourseRules(
+            zone=ZoneInfo(zone or _UTC),
+            archived=archived_at is not None,
+            by_assignment={} if document is None else {assignment: _read(document)},
+            extensions={(assignment, student): Extension(due=due, extra_attempts=extra_attempts)}
+            if extended
+            else {},
+            sections={student: (sections or "").split(_BETWEEN)},
+            distro=distro,
+        )
 
     def set(
         self,
@@ -219,7 +246,7 @@ def tag(rules: Rules | Extension) -> str:
 def rules_of(session: Session, course: str | None) -> CourseRules:
     """Return all rules of a course in the transaction of `session`."""
     if course is None:
-        return CourseRules(zone=ZoneInfo(_UTC), archived=False, by_assignment={}, extensions={})
+        return _NO_COURSE
     row = session.get(CourseRow, course)
     ruled = select(RulesRow).where(col(RulesRow.course) == course)
     extended = select(ExtensionRow).where(col(ExtensionRow.course) == course)

@@ -1,6 +1,6 @@
 """Submissions and their gradings, as they are read one by one or in lists."""
 
-from sqlalchemy import Select, select
+from sqlalchemy import Select, and_, bindparam, select
 from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
@@ -22,6 +22,18 @@ from grader.store.tables import (
     TrajectoryRow,
     as_contract,
     submission_of,
+)
+
+_WITH_GRADING = (
+    select(SubmissionRow, GradingRow)
+    .outerjoin(
+        GradingRow,
+        and_(
+            col(GradingRow.submission_id) == col(SubmissionRow.id),
+            col(GradingRow.attempt) == col(SubmissionRow.graded_attempt),
+        ),
+    )
+    .where(col(SubmissionRow.id) == bindparam("id"), col(SubmissionRow.regrade).is_(None))
 )
 
 
@@ -52,10 +64,12 @@ class Submissions(StorePart):
     def with_report(self, submission_id: str) -> tuple[Submission, StoredReport | None] | None:
         """Return a submission and its latest grading as they are at one instant, or None, as `get` does."""
         with self._database.reading() as session:
-            row = _handed_in(session, submission_id)
-            if row is None:
+            both = session.execute(_WITH_GRADING, {"id": submission_id}).first()
+            if both is None:
                 return None
-            return submission_of(row), _latest_report(session, submission_id)
+            row, grading = both
+            stored = None if grading is None else _stored_report(session, grading, submission_id)
+            return submission_of(row), stored
 
     def trajectory(self, report: StoredReport, case_id: str) -> bytes | None:
         """Return the trajectory of one case as gzip of its JSON, or None."""

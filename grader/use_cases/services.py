@@ -1,5 +1,7 @@
 """What use cases work with, made by the composition root."""
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -89,7 +91,8 @@ class Services:
     bots: BotChannel
     mail: MailChannel | None
 
-    # the database, by subject
+    # the database: one snapshot for what one thread reads within the context; and by subject
+    snapshot: Callable[[], AbstractContextManager[object]]
     intake: Intake
     submissions: Submissions
     queue: Queue
@@ -159,6 +162,7 @@ class Services:
             providers=providers,
             **outside_channels(settings, clock, providers, Platforms(database, clock)),
             allowances=Allowances.of(settings, clock),
+            snapshot=database.reading,
             queue=queue,
             workers=workers,
             **_stores(database, clock),

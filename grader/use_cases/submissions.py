@@ -13,7 +13,7 @@ from grader.store.rules import CourseRules
 from grader.use_cases.assignments import require_published
 from grader.use_cases.callers import require_staff
 from grader.use_cases.services import Services
-from grader.use_cases.visibility import found, shown_list, visible_submission
+from grader.use_cases.visibility import found_by_rules, shown_list, visible_submission
 
 _OPEN = (SubmissionState.QUEUED, SubmissionState.RUNNING)
 
@@ -114,14 +114,14 @@ def read(services: Services, caller: Caller, submission_id: str) -> ShownSubmiss
     Raises:
         RefusedError: the caller may not see it.
     """
-    submission, grading = found(services, caller, submission_id)
+    submission, grading, known = found_by_rules(services, caller, submission_id)
     position, estimated = place(services, submission)
     return ShownSubmission(
         submission=submission,
         grading=grading,
         position=position,
         estimated_finish_at=estimated,
-        lateness=_lateness(submission, services.rules.of(submission.course)),
+        lateness=_lateness(submission, known),
     )
 
 

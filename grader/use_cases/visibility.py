@@ -23,6 +23,7 @@ from grader.contracts.rules import is_hidden
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import LANGUAGES, Text
 from grader.operation.logs import note
+from grader.store.rules import CourseRules
 from grader.use_cases.services import Services
 
 _RETRY_AFTER_S = 5
@@ -58,8 +59,24 @@ def found(services: Services, caller: Caller, submission_id: str) -> tuple[Submi
     Raises:
         RefusedError: no submission has that id, or it is somebody else's; the refusal is the same.
     """
+    submission, report, _ = found_by_rules(services, caller, submission_id)
+    return submission, report
+
+
+def found_by_rules(
+    services: Services, caller: Caller, submission_id: str
+) -> tuple[Submission, StoredReport | None, CourseRules]:
+    """Return what `found` does, and the rules that concern the submission.
+
+    Raises:
+        RefusedError: as `found`.
+    """
     submission, report = services.submissions.with_report(submission_id) or (None, None)
-    return shown(services, caller, _seen(caller, submission), report)
+    submission = _seen(caller, submission)
+    known = services.rules.about(submission.course, submission.student, submission.assignment)
+    hides = caller.course is not None and caller.role is Role.STUDENT
+    hidden = known.of(submission.assignment).hidden_at(services.clock()) if hides else frozenset[str]()
+    return *_shown(submission, report, hidden), known
 
 
 def graded(services: Services, caller: Caller, submission_id: str) -> tuple[Submission, StoredReport]:
@@ -100,13 +117,6 @@ def shown_assignments(
         _without_items(one.of_course(known.distro), known.of(one.id).hidden_at(now) if hides else frozenset())
         for one in assignments
     )
-
-
-def shown(
-    services: Services, caller: Caller, submission: Submission, stored: StoredReport | None
-) -> tuple[Submission, StoredReport | None]:
-    """Return a submission and its grading as the caller may see them."""
-    return _shown(submission, stored, _hidden(services, caller, submission.assignment)[submission.assignment])
 
 
 def _shown(

@@ -6,7 +6,7 @@ that ``Accept-Language`` weighs most, else the service's default.
 
 import re
 from collections.abc import AsyncIterator, Collection, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
@@ -79,9 +79,10 @@ class Errand:
     caller: Caller
 
 
-def _identified(
-    services: ServicesDep, credentials: Annotated[HTTPAuthorizationCredentials | None, Depends(bearer)]
-) -> Caller:
+CredentialsDep = Annotated[HTTPAuthorizationCredentials | None, Depends(bearer)]
+
+
+def _identified(services: ServicesDep, credentials: CredentialsDep) -> Caller:
     caller = services.callers.identify(None if credentials is None else credentials.credentials)
     if caller is None:
         raise RefusedError("unauthorized")
@@ -155,6 +156,26 @@ async def _errand(
     _refuse_unknown_parameters(request)
     with under_way(request, services, caller):
         yield Errand(services, caller)
+
+
+@contextmanager
+def on_one_snapshot(
+    request: Request, services: Services, credentials: HTTPAuthorizationCredentials | None
+) -> Iterator[tuple[Errand, ExitStack]]:
+    """Do what `ErrandDep` does, and read whatever is read in the context on one snapshot, in one transaction.
+
+    For an endpoint that is asked again and again. With `ErrandDep` who asks is found out in another thread, and so
+    in another transaction.
+
+    Yields:
+        What is asked for, and the snapshot, to be closed once everything is read.
+    """
+    with ExitStack() as counted, ExitStack() as snapshot:
+        snapshot.enter_context(services.snapshot())
+        caller = _identified(services, credentials)
+        _refuse_unknown_parameters(request)
+        counted.enter_context(under_way(request, services, caller))
+        yield Errand(services, caller), snapshot
 
 
 ErrandDep = Annotated[Errand, Depends(_errand)]

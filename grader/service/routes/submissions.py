@@ -3,8 +3,11 @@
 What a script wrote is shown in bounded length and with no invisible characters in it.
 """
 
+import hashlib
 import json
+import math
 from collections.abc import Mapping
+from contextlib import nullcontext
 from datetime import datetime
 from typing import Annotated, Any
 from uuid import UUID
@@ -25,10 +28,14 @@ from grader.render.escape import visible
 from grader.service.requests.dependencies import (
     COSTLY,
     SUBMISSIONS,
+    CredentialsDep,
     ErrandDep,
     LanguageDep,
     QueryWhole,
+    ServicesDep,
     SubmissionId,
+    is_held,
+    on_one_snapshot,
 )
 from grader.service.requests.middleware import UploadRoute, arrival_of, known_parts
 from grader.service.routes.problems import responses
@@ -46,6 +53,8 @@ uploads = APIRouter(
     route_class=UploadRoute,
     dependencies=[Depends(known_parts)],
 )
+_UNKNOWN_S = 2  # where nobody can say when a grading will be done
+_LATEST_S = 30
 _EXAMPLE_ID = "0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f"
 
 
@@ -368,20 +377,63 @@ def _receipt(submission: Submission, repeated: bool) -> Receipt:
 @router.get(
     "/{submission_id}",
     summary="A submission and its grading",
-    responses=responses("submission_not_found", "invalid_request"),
+    response_model=SubmissionView,
+    responses={
+        200: {
+            "headers": {
+                "ETag": {"description": "Of all but the estimate.", "schema": {"type": "string"}},
+                "Retry-After": {
+                    "description": "While it is open: seconds until there may be news.",
+                    "schema": {"type": "integer"},
+                },
+            }
+        },
+        304: {"description": "Nothing changed since the answer with the ETag of If-None-Match."},
+        **responses("submission_not_found", "invalid_request"),
+    },
 )
-def read(
-    errand: ErrandDep, response: Response, language: LanguageDep, submission_id: SubmissionId
-) -> SubmissionView:
-    """Return where a submission stands; once graded, with score, rubric items, feedback and what ran."""
-    found = submissions.read(errand.services, errand.caller, submission_id)
-    response.headers.update(
-        {"Content-Language": language, "Vary": "Accept-Language", "Cache-Control": "no-store"}
-    )
-    if found.grading is None:  # whoever waits for the result asks often
-        return _view(found, language)
-    with errand.services.allowances.costly.one_more(errand.caller, f"submission {submission_id}"):
-        return _view(found, language)
+def read(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: ServicesDep,
+    credentials: CredentialsDep,
+    language: LanguageDep,
+    submission_id: SubmissionId,
+    if_none_match: Annotated[str | None, Header(max_length=1_000)] = None,
+) -> Response:
+    """Return where a submission stands; once graded, with score, rubric items, feedback and what ran.
+
+    Whoever waits for the result follows the events, or asks again after the seconds of Retry-After.
+    """
+    with on_one_snapshot(request, services, credentials) as (errand, snapshot):
+        shown = submissions.read(services, errand.caller, submission_id)
+        snapshot.close()
+        headers = _headers(shown, language, services.clock())
+        if if_none_match is not None and is_held(if_none_match, headers["ETag"]):
+            return Response(status_code=304, headers=headers)
+        # whoever waits for the result asks often
+        is_costly = shown.grading is not None
+        costly = services.allowances.costly.one_more(errand.caller, f"submission {submission_id}")
+        with costly if is_costly else nullcontext():
+            content = _view(shown, language).model_dump_json()
+    return Response(content, media_type="application/json", headers=headers)
+
+
+def _headers(shown: ShownSubmission, language: Language, now: datetime) -> dict[str, str]:
+    """Return the headers of a submission's answer. Its weak ETag leaves out the estimate, which always moves."""
+    grading = shown.grading
+    made = None if grading is None else (grading.sha256, grading.judgements)
+    told = repr((shown.submission, made, shown.position, shown.lateness, language))
+    headers = {
+        "Content-Language": language,
+        "Vary": "Accept-Language, Authorization",
+        "Cache-Control": "private, no-cache",
+        "ETag": f'W/"{hashlib.sha256(told.encode()).hexdigest()[:32]}"',
+    }
+    if submissions.is_open(shown.submission):
+        finish = shown.estimated_finish_at
+        soon_s = _UNKNOWN_S if finish is None else math.ceil((finish - now).total_seconds())
+        headers["Retry-After"] = str(min(max(soon_s, 1), _LATEST_S))
+    return headers
 
 
 @router.get(

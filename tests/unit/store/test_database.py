@@ -143,6 +143,18 @@ def test_writers_of_one_process_take_turns(sqlite_database: Database) -> None:
         assert session.execute(select(func.count()).select_from(CourseRow)).scalar_one() == 40
 
 
+def test_what_one_thread_reads_within_a_reading_is_one_snapshot(database: Database) -> None:
+    with database.reading() as outer:
+        assert course_ids(database) == set()
+        with ThreadPoolExecutor(1) as pool:
+            pool.submit(add, database, "new").result()
+            assert pool.submit(course_ids, database).result() == {"new"}
+        with database.reading() as inner:
+            assert inner is outer
+        assert course_ids(database) == set()
+    assert course_ids(database) == {"new"}
+
+
 def test_a_checkpoint_empties_the_log_into_the_file(sqlite_database: Database, tmp_path: Path) -> None:
     Courses(sqlite_database, FakeClock()).create("ros2", "ROS 2", "UTC", "wang")
     checkpoint(sqlite_database)

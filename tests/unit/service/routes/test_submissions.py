@@ -1,17 +1,20 @@
 import hashlib
 import io
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
+from typing import Any
 
 import httpx
 import pytest
 from mcap.reader import make_reader
+from sqlalchemy import Engine, event
 
 from grader.formats.packages.bundle import bundled
 from grader.use_cases.services import Services
 from tests.fakes.clock import FakeClock
-from tests.fakes.grading import trajectory
+from tests.fakes.grading import grade_next, trajectory
 from tests.fakes.packages import below, package_files, zipped
 from tests.fakes.server import PNG, FakePlotter
 
@@ -62,6 +65,52 @@ def test_waiting_submissions_know_their_place(upload: Upload, client: httpx.Clie
     clock.advance(1)
     second = upload(student="b").headers["Location"]
     assert [client.get(url).json()["queue_position"] for url in (first, second)] == [0, 1]
+
+
+def test_whoever_waits_is_told_when_to_ask_again(
+    upload: Upload, client: httpx.Client, services: Services, clock: FakeClock
+) -> None:
+    url = upload().headers["Location"]
+    waiting = client.get(url)
+    assert waiting.headers["Retry-After"] == "2"
+    tag = waiting.headers["ETag"]
+    assert client.get(url, headers={"If-None-Match": tag}).status_code == 304
+    grade_next(services.queue, services.assignments)
+    graded = client.get(url, headers={"If-None-Match": tag})
+    assert graded.status_code == 200
+    assert "Retry-After" not in graded.headers
+    assert client.get(url, headers={"If-None-Match": graded.headers["ETag"]}).content == b""
+
+
+@pytest.mark.parametrize("person", ["li", "wang"])
+def test_a_submission_is_read_in_one_transaction_of_few_statements(
+    upload: Upload, client: httpx.Client, services: Services, school: Any, person: str
+) -> None:
+    """Whoever waits asks again and again: by far the most requests of an evening."""
+    url = upload(student="", headers=school.as_("li")).headers["Location"]
+    engine = services.queue._database.engine
+    for _ in ("waiting", "graded"):
+        client.get(url, headers=school.as_(person))  # what the process remembers for seconds is there now
+        with executed(engine) as statements:
+            assert client.get(url, headers=school.as_(person)).status_code == 200
+        assert [one for one in statements if one.startswith("BEGIN")] == ["BEGIN DEFERRED"]
+        assert len(statements) - 1 <= 5
+        grade_next(services.queue, services.assignments)
+
+
+@contextmanager
+def executed(engine: Engine) -> Iterator[list[str]]:
+    """Yield the statements that are executed meanwhile."""
+    statements: list[str] = []
+
+    def note(_connection: Any, _cursor: Any, statement: str, *_: Any) -> None:
+        statements.append(statement)
+
+    event.listen(engine, "before_cursor_execute", note)
+    try:
+        yield statements
+    finally:
+        event.remove(engine, "before_cursor_execute", note)
 
 
 @pytest.mark.parametrize(
