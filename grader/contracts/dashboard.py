@@ -1,5 +1,6 @@
 """What an instructor sees of a class, as the store counts it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -41,14 +42,13 @@ class StudentProgress:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ItemFailures:
-    """How many students fail one rubric item.
+    """How many students fail one rubric item of an assignment.
 
     Attributes:
         item: id of the item, ``case/id`` when there are several cases.
         ever: students who failed it in at least one graded submission. still: in their best one.
     """
 
-    assignment: str
     item: str
     ever: int
     still: int
@@ -58,9 +58,32 @@ class ItemFailures:
 class MistakeCount:
     """How many students made one recognised mistake at least once."""
 
-    assignment: str
     code: str
     students: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class AssignmentState:
+    """What a class has done at one assignment; the same object for as long as nothing of it changes.
+
+    Attributes:
+        progress: in order of student. failures, mistakes: the most frequent first.
+    """
+
+    progress: tuple[StudentProgress, ...]
+    failures: tuple[ItemFailures, ...]
+    mistakes: tuple[MistakeCount, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StudentState:
+    """What one student has done; the same object for as long as nothing of it changes.
+
+    Attributes:
+        progress: in order of assignment.
+    """
+
+    progress: tuple[StudentProgress, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,10 +91,15 @@ class ClassState:
     """Everything the store knows about a class, from one snapshot.
 
     Attributes:
+        students, assignments: in order of id.
         mark: differs between snapshots that differ.
     """
 
-    progress: tuple[StudentProgress, ...]
-    failures: tuple[ItemFailures, ...]
-    mistakes: tuple[MistakeCount, ...]
+    students: Mapping[str, StudentState]
+    assignments: Mapping[str, AssignmentState]
     mark: str = ""
+
+    @property
+    def progress(self) -> tuple[StudentProgress, ...]:
+        """Return all cells of the class, in order of student and assignment."""
+        return tuple(one for student in self.students.values() for one in student.progress)

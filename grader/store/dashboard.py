@@ -1,26 +1,42 @@
 """What an instructor asks about a class: the matrix of its work, and what is failed and mistaken most.
 
-Counting a whole class anew takes a tenth of a second for 6,300 submissions, and while a class is graded
-something changes all the time. So the class is counted cell by cell, where a cell is one student at one
-assignment. Every cell has a mark that differs whenever its submissions, their gradings or the rules differ.
-All marks are one grouped query, and only cells whose mark is new are counted again.
+The class is counted cell by cell, where a cell is one student at one assignment, and kept. What a look costs
+depends on what has changed since the one before, not on the size of the class:
+
+- Submissions change only while they are open. So a look reads those that are open, those that were open at the
+  look before, and those that ended since shortly before it (`_Window`). Cells whose submissions differ are counted
+  again.
+- People, rules, judgements and re-grades are in the audit log, and what is erased changes the number of
+  submissions. When either number is not what it should be, the whole class is looked at. Every cell has a mark
+  that differs whenever its submissions, their gradings or the rules differ, and cells whose mark is new are
+  counted again.
 """
 
+import hashlib
 import threading
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta
 from itertools import groupby
 from typing import Any
 
-from sqlalchemy import ColumnElement, Select, and_, case, func, select
+from sqlalchemy import ColumnElement, Select, and_, case, func, select, union_all
 from sqlmodel import Session, SQLModel, col
 
-from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount, StudentProgress
+from grader.contracts.dashboard import (
+    AssignmentState,
+    ClassState,
+    ItemFailures,
+    MistakeCount,
+    StudentProgress,
+    StudentState,
+)
 from grader.contracts.judgement import settled
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemScore, ItemStatus
 from grader.contracts.submission import Judgement, SubmissionState
+from grader.store.clock import Clock
 from grader.store.courses import in_class
 from grader.store.database import Database
 from grader.store.intake import as_attempts
@@ -39,6 +55,9 @@ Place = tuple[str, str]
 
 Mark = tuple[Any, ...]
 _PASSING = (SubmissionState.QUEUED, SubmissionState.RUNNING, SubmissionState.INFRASTRUCTURE_ERROR)
+_OPEN = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
+_MARGIN = timedelta(minutes=1)  # between the instant that a row says and its commit
+_DIGEST_BYTES = 8
 _FEW_STUDENTS = 200  # up to here asked for by name; for more, reading the whole class costs no more
 
 
@@ -59,113 +78,200 @@ class CountedCell:
     mistakes: frozenset[str]
 
 
+_Submission = tuple[str, str, int, int | None, str]
+"""Student, assignment, claims, the grading that stands, state."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Window:
+    """The submissions of a course that may have changed lately, at one look.
+
+    Attributes:
+        since: those that ended later are in it, beside those that are open.
+        rows: by id. open: the ids of those that are not graded.
+        submissions: how many there are in all, trials included. changes: of people, rules and grades.
+    """
+
+    since: datetime
+    rows: Mapping[str, _Submission]
+    open: frozenset[str]
+    submissions: int
+    changes: int
+
+    def same(self, other: "_Window") -> bool:
+        """Whether nothing has changed between two looks."""
+        same_numbers = (self.submissions, self.changes, self.open) == (
+            other.submissions,
+            other.changes,
+            other.open,
+        )
+        return same_numbers and all(other.rows.get(id_) == row for id_, row in self.rows.items())
+
+
 @dataclass(frozen=True, slots=True)
 class _CountedClass:
     """What was last counted about a course."""
 
+    window: _Window
+    cells: Mapping[Place, CountedCell]
     state: ClassState
-    cells: dict[Place, CountedCell]
+    digest: int
+    parts: dict[frozenset[str], ClassState] = field(default_factory=dict)
 
 
 class Dashboard:
     """Counts over all submissions; safe to share between threads."""
 
-    def __init__(self, database: Database) -> None:
+    def __init__(self, database: Database, clock: Clock) -> None:
         self._database = database
+        self._clock = clock
         self._latest: dict[str | None, _CountedClass] = {}
         self._counting = threading.Lock()
 
     def state(self, course: str | None = None, students: frozenset[str] | None = None) -> ClassState:
         """Count everything of a course on one snapshot, students in order of name; with `students` only theirs.
 
-        Without courses (None) everything that was handed in is one class. While nothing changes, counting
-        again is a matter of looking at the marks.
+        Without courses (None) everything that was handed in is one class.
         """
         whole = self._whole(course)
         if students is None:
             return whole.state
-        cells = [cell for (student, _), cell in whole.cells.items() if student in students]
-        return _state(cells, f"{whole.state.mark} {sorted(students)}")
+        known = whole.parts.get(students)
+        if known is None:
+            cells = {place: cell for place, cell in whole.cells.items() if place[0] in students}
+            known = _state(cells, f"{whole.state.mark} {sorted(students)}", None, set(cells))
+            whole.parts[students] = known
+        return known
 
     def cells(self, course: str | None) -> Mapping[Place, CountedCell]:
         """Return what `state` counts, by student and assignment."""
         return self._whole(course).cells
 
     def _whole(self, course: str | None) -> _CountedClass:
-        with self._database.reading() as session:
-            mark = _mark(session, course)
+        with self._counting, self._database.reading() as session:  # the next caller finds it counted
             known = self._latest.get(course)
-            if known is not None and known.state.mark == mark:
+            window = _window(session, course, self._clock() - _MARGIN)
+            if known is not None and window.same(known.window):
                 return known
-        # One count at a time: the next caller finds it made.
-        with (
-            self._counting,
-            self._database.reading() as session,
-        ):
-            return self._count(session, course)
-
-    def _count(self, session: Session, course: str | None) -> _CountedClass:
-        mark, known = _mark(session, course), self._latest.get(course)
-        if known is not None and known.state.mark == mark:
-            return known
-        before = {} if known is None else known.cells
-        cells = counted(session, course, rules_of(session, course), before)
-        made = self._latest[course] = _CountedClass(_state(cells.values(), mark), cells)
-        return made
+            places = None if known is None else _changed(known.window, window)
+            made = self._latest[course] = _count(session, course, known, window, places)
+            return made
 
 
-def _state(cells: Collection[CountedCell], mark: str) -> ClassState:
-    return ClassState(
-        progress=tuple(cell.progress for cell in cells),
-        failures=_failures(cells),
-        mistakes=_mistakes(cells),
-        mark=mark,
+def _count(
+    session: Session,
+    course: str | None,
+    known: _CountedClass | None,
+    window: _Window,
+    places: set[Place] | None,
+) -> _CountedClass:
+    """Count `places` again, or where nobody knows which (None), all that differ from `known`."""
+    before: Mapping[Place, CountedCell] = {} if known is None else known.cells
+    rules = rules_of(session, course)
+    if places is None:
+        cells = counted(session, course, rules, before)
+        places = {one for one in before.keys() | cells.keys() if before.get(one) is not cells.get(one)}
+    else:
+        marks = _marks(session, course, rules, places)
+        fresh = _read(session, course, rules, marks, places) if places else {}
+        cells = {
+            place: cell for place, cell in before.items() if place in fresh or place not in places
+        } | fresh
+        if fresh.keys() - before.keys():
+            cells = dict(sorted(cells.items()))
+    digest = 0 if known is None else known.digest
+    for place in places:
+        digest ^= _digest(place, before.get(place)) ^ _digest(place, cells.get(place))
+    mark = f"{digest:x} {window.changes}"
+    state = _state(cells, mark, None if known is None else known.state, places)
+    return _CountedClass(window, cells, state, digest)
+
+
+def _digest(place: Place, cell: CountedCell | None) -> int:
+    if cell is None:
+        return 0
+    told = repr((place, cell.mark)).encode()
+    return int.from_bytes(hashlib.blake2b(told, digest_size=_DIGEST_BYTES).digest(), "big")
+
+
+def _window(session: Session, course: str | None, since: datetime) -> _Window:
+    row = SubmissionRow
+    told = (row.student, row.assignment, row.attempt, row.graded_attempt, row.state)
+    # of all courses: the databases would look for those of one by an index of that, which has all its submissions
+    columns = (col(row.id), col(row.course), col(row.regrade), *(col(one) for one in told))
+    open_ = select(*columns).where(col(row.state).in_(_OPEN))
+    ended = select(*columns).where(col(row.finished_at) >= since)
+    found = session.execute(union_all(open_, ended))
+    rows = {id_: tuple(values) for id_, of, regrade, *values in found if of == course and regrade is None}
+    submissions = select(func.count()).select_from(row).where(col(row.course) == course)
+    # their number, not the newest: on PostgreSQL an older one may be committed later
+    changes = select(func.count()).select_from(AuditRow).where(col(AuditRow.course) == course)
+    return _Window(
+        since,
+        rows,
+        frozenset(id_ for id_, values in rows.items() if values[-1] in _OPEN),
+        session.execute(submissions).scalar_one(),
+        session.execute(changes).scalar_one(),
     )
 
 
-def _mark(session: Session, course: str | None) -> str:
-    """Return what changes with everything that is counted: claims, gradings, states, people and rules.
+def _changed(before: _Window, now: _Window) -> set[Place] | None:
+    """Return the cells that changed between two looks; None if nobody knows which."""
+    new = now.rows.keys() - before.rows.keys()
+    if before.changes != now.changes or before.submissions + len(new) != now.submissions:
+        return None
+    differ = {(row[0], row[1]) for id_, row in now.rows.items() if before.rows.get(id_) != row}
+    gone = before.open - now.rows.keys()
+    return differ | {(before.rows[id_][0], before.rows[id_][1]) for id_ in gone}
 
-    Claims and gradings raise their numbers for ever, so no two changes cancel out; people, rules, judgements and
-    re-grades are in the audit log.
-    """
-    row = SubmissionRow
-    sums = select(
-        col(row.state),
-        func.count(),
-        func.min(col(row.id)),  # another one when the oldest are erased
-        func.sum(col(row.attempt)),
-        func.sum(func.coalesce(col(row.graded_attempt), 0)),
-    ).where(col(row.course) == course, col(row.regrade).is_(None))
-    states = session.execute(sums.group_by(col(row.state)).order_by(col(row.state))).all()
-    # their number, not the newest: on PostgreSQL an older one may be committed later
-    changes = session.execute(
-        select(func.count()).select_from(AuditRow).where(col(AuditRow.course) == course)
-    ).scalar_one()
-    return repr(([tuple(one) for one in states], changes))
+
+def _state(
+    cells: Mapping[Place, CountedCell], mark: str, before: ClassState | None, places: Collection[Place]
+) -> ClassState:
+    """Return the state of a class in which only `places` differ from `before`."""
+    changed_students, changed_assignments = ({place[i] for place in places} for i in range(2))
+    of_student: dict[str, list[CountedCell]] = defaultdict(list)
+    of_assignment: dict[str, list[CountedCell]] = defaultdict(list)
+    for (student, assignment), cell in cells.items():
+        if student in changed_students:
+            of_student[student].append(cell)
+        if assignment in changed_assignments:
+            of_assignment[assignment].append(cell)
+    students = {} if before is None else dict(before.students)
+    assignments = {} if before is None else dict(before.assignments)
+    for one in changed_students:
+        students.pop(one, None)
+    for one in changed_assignments:
+        assignments.pop(one, None)
+    students |= {
+        one: StudentState(progress=tuple(cell.progress for cell in own)) for one, own in of_student.items()
+    }
+    assignments |= {one: _assignment_state(own) for one, own in of_assignment.items()}
+    return ClassState(
+        students=dict(sorted(students.items())), assignments=dict(sorted(assignments.items())), mark=mark
+    )
+
+
+def _assignment_state(cells: Collection[CountedCell]) -> AssignmentState:
+    return AssignmentState(
+        progress=tuple(cell.progress for cell in cells), failures=_failures(cells), mistakes=_mistakes(cells)
+    )
 
 
 def _failures(cells: Iterable[CountedCell]) -> tuple[ItemFailures, ...]:
-    ever: Counter[tuple[str, str]] = Counter()
-    still: Counter[tuple[str, str]] = Counter()
+    ever: Counter[str] = Counter()
+    still: Counter[str] = Counter()
     for cell in cells:
-        assignment = cell.progress.assignment
-        ever.update((assignment, item) for item in cell.failed)
-        still.update((assignment, item) for item in cell.still)
-    failures = (
-        ItemFailures(assignment=assignment, item=item, ever=count, still=still[assignment, item])
-        for (assignment, item), count in ever.items()
-    )
-    return tuple(sorted(failures, key=lambda one: (one.assignment, -one.ever, one.item)))
+        ever.update(cell.failed)
+        still.update(cell.still)
+    failures = (ItemFailures(item=item, ever=count, still=still[item]) for item, count in ever.items())
+    return tuple(sorted(failures, key=lambda one: (-one.ever, one.item)))
 
 
 def _mistakes(cells: Iterable[CountedCell]) -> tuple[MistakeCount, ...]:
-    made = Counter((cell.progress.assignment, code) for cell in cells for code in cell.mistakes)
-    counts = (
-        MistakeCount(assignment=assignment, code=code, students=count)
-        for (assignment, code), count in made.items()
-    )
-    return tuple(sorted(counts, key=lambda one: (one.assignment, -one.students, one.code)))
+    made = Counter(code for cell in cells for code in cell.mistakes)
+    counts = (MistakeCount(code=code, students=count) for code, count in made.items())
+    return tuple(sorted(counts, key=lambda one: (-one.students, one.code)))
 
 
 def counted(
@@ -178,13 +284,16 @@ def counted(
     return {place: fresh[place] if place in new else before[place] for place in marks}
 
 
-def _marks(session: Session, course: str | None, known: CourseRules) -> dict[Place, Mark]:
-    """Return the mark of each cell.
+def _marks(
+    session: Session, course: str | None, known: CourseRules, places: Collection[Place] | None = None
+) -> dict[Place, Mark]:
+    """Return the mark of each cell, or of `places` and perhaps of others.
 
     Claims and gradings raise their numbers for ever and judgements are only added, so no two changes cancel out.
     What is erased is the oldest: then there is another first one.
     """
     row = SubmissionRow
+    among = in_class(course) if places is None else and_(in_class(course), _among(places))
     place = (col(row.student), col(row.assignment))
     numbers = (
         func.count(),
@@ -193,11 +302,11 @@ def _marks(session: Session, course: str | None, known: CourseRules) -> dict[Pla
         func.sum(func.coalesce(col(row.graded_attempt), 0)),
         *(func.sum(case((col(row.state) == state.value, 1), else_=0)) for state in _PASSING),
     )
-    grouped = select(*place, *numbers).where(in_class(course)).group_by(*place).order_by(*place)
+    grouped = select(*place, *numbers).where(among).group_by(*place).order_by(*place)
     judged = (
         select(*place, func.count())
         .join(JudgementRow, col(JudgementRow.submission_id) == col(row.id))
-        .where(in_class(course))
+        .where(among)
         .group_by(*place)
     )
     judgements = {(student, assignment): count for student, assignment, count in session.execute(judged)}

@@ -1,14 +1,20 @@
 """The class at a glance, from what the store counted and the assignments' own texts."""
 
-from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from datetime import datetime
+from functools import lru_cache
 from statistics import fmean
 from typing import Literal
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount, StudentProgress
+from grader.contracts.dashboard import (
+    AssignmentState,
+    ClassState,
+    MistakeCount,
+    StudentProgress,
+    StudentState,
+)
 from grader.contracts.identity import Caller, Member, Role
 from grader.contracts.rubric import summed
 from grader.contracts.submission import PersonCost
@@ -19,6 +25,8 @@ from grader.use_cases.people import members
 from grader.use_cases.services import ServiceHealth, Services
 
 _BINS = 10
+_KEPT_STUDENTS, _KEPT_ASSIGNMENTS = 20_000, 1_000  # of all courses; beyond these, counted at each look
+_NOBODY = AssignmentState(progress=(), failures=(), mistakes=())
 STUCK_ATTEMPTS = 3
 _PROGRESS = tuple(one.name for one in fields(StudentProgress))  # asked once: a class has thousands of cells
 
@@ -103,11 +111,17 @@ class Risk:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Overview:
-    """The class at a glance. `total_students`: that fit the selection, on all pages."""
+    """The class at a glance.
+
+    Attributes:
+        students: who handed in. roster: the students of the course.
+        total_students: that fit the selection, on all pages.
+    """
 
     generated_at: datetime
     pass_fraction: float
     students: Sequence[StudentLine]
+    roster: Sequence[Member]
     total_students: int
     at_risk: Sequence[Risk]
     waiting_for_person: int
@@ -126,13 +140,13 @@ class Selection:
     limit: int | None = None
 
 
-@dataclass(frozen=True)
-class _Told:
-    """What the statistics of an assignment are made of."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Done:
+    """What a student has done: cells by assignment, and those where the student is stuck."""
 
-    progress: list[StudentProgress]
-    failures: list[ItemFailures]
-    mistakes: list[MistakeCount]
+    cells: Mapping[str, Cell]
+    total_score: float
+    stuck: tuple[Cell, ...]
 
 
 def costs(services: Services, caller: Caller) -> tuple[PersonCost, ...]:
@@ -148,26 +162,21 @@ def overview(services: Services, caller: Caller, state: ClassState, language: La
     """
     require_staff(caller)
     pass_fraction = services.settings.pass_fraction
-    students: dict[str, dict[str, Cell]] = defaultdict(dict)
-    told: dict[str, _Told] = defaultdict(lambda: _Told([], [], []))
-    for one in state.progress:
-        students[one.student][one.assignment] = _cell(one, pass_fraction)
-        told[one.assignment].progress.append(one)
-    for failure in state.failures:
-        told[failure.assignment].failures.append(failure)
-    for mistake in state.mistakes:
-        told[mistake.assignment].mistakes.append(mistake)
+    students = {student: _done(one, pass_fraction) for student, one in state.students.items()}
+    told = {id_: _statistics(one, pass_fraction) for id_, one in state.assignments.items()}
+    nothing = _statistics(_NOBODY, pass_fraction)
     known = {assignment.id: assignment for assignment in in_course(services, caller)}
     ids = [*known, *sorted(set(told) - set(known))]
     roster = {one.id: one for one in members(services, caller, Role.STUDENT)}
     return Overview(
         generated_at=services.clock(),
         pass_fraction=pass_fraction,
-        students=[_student(student, cells, roster.get(student)) for student, cells in students.items()],
+        students=[_student(student, done, roster.get(student)) for student, done in students.items()],
+        roster=tuple(roster.values()),
         total_students=len(students),
         at_risk=_at_risk(students, roster),
-        waiting_for_person=sum(one.waits_for_person for one in state.progress),
-        assignments=[_statistics(id_, known.get(id_), told[id_], pass_fraction, language) for id_ in ids],
+        waiting_for_person=sum(one.waiting_for_person for one in told.values()),
+        assignments=[_named(told.get(id_, nothing), id_, known.get(id_), language) for id_ in ids],
         health=services.health(),
     )
 
@@ -193,19 +202,18 @@ def selected(whole: Overview, selection: Selection) -> Overview:
     return replace(whole, students=page, total_students=len(fitting))
 
 
-def _at_risk(students: Mapping[str, Mapping[str, Cell]], roster: Mapping[str, Member]) -> list[Risk]:
+def _at_risk(students: Mapping[str, _Done], roster: Mapping[str, Member]) -> list[Risk]:
     """Return who may need help: first who tries and fails, most often first, then who has not begun."""
     stuck = [
         Risk(
             student=student,
             name=_name(roster.get(student)),
             reason="stuck",
-            assignment=assignment,
+            assignment=cell.assignment,
             attempts=cell.attempts,
         )
-        for student, cells in students.items()
-        for assignment, cell in cells.items()
-        if cell.stuck
+        for student, done in students.items()
+        for cell in done.stuck
     ]
     idle = [
         Risk(student=one.id, name=one.name, reason="not_started", assignment=None, attempts=0)
@@ -235,11 +243,24 @@ def _mean_attempts_to_pass(progress: Iterable[StudentProgress], pass_fraction: f
     return round(fmean(passed), 2) if passed else None
 
 
-def _student(student: str, cells: dict[str, Cell], member: Member | None) -> StudentLine:
-    total = summed(cell.counted_score for cell in cells.values() if cell.counted_score is not None)
-    sections = () if member is None else member.sections
+def _student(student: str, done: _Done, member: Member | None) -> StudentLine:
     return StudentLine(
-        student=student, name=_name(member), sections=sections, total_score=total, assignments=cells
+        student=student,
+        name=_name(member),
+        sections=() if member is None else member.sections,
+        total_score=done.total_score,
+        assignments=done.cells,
+    )
+
+
+@lru_cache(maxsize=_KEPT_STUDENTS)
+def _done(told: StudentState, pass_fraction: float) -> _Done:
+    """Return what a student has done. Most students are the same at the next look."""
+    cells = [_cell(one, pass_fraction) for one in told.progress]
+    return _Done(
+        cells={one.assignment: one for one in cells},
+        total_score=summed(one.counted_score for one in cells if one.counted_score is not None),
+        stuck=tuple(one for one in cells if one.stuck),
     )
 
 
@@ -253,21 +274,32 @@ def _passed(progress: StudentProgress, pass_fraction: float) -> bool:
     return score is not None and most is not None and score >= pass_fraction * most
 
 
-def _statistics(
-    assignment_id: str,
-    assignment: Assignment | None,
-    told: _Told,
-    pass_fraction: float,
-    language: Language,
+def _named(
+    told: AssignmentOverview, assignment_id: str, assignment: Assignment | None, language: Language
 ) -> AssignmentOverview:
+    """Return the statistics of an assignment with its texts."""
+    return replace(
+        told,
+        id=assignment_id,
+        title=assignment_id if assignment is None else assignment.title.get(language),
+        max_score=None if assignment is None else assignment.max_score,
+        most_failed_items=[
+            replace(one, title=item_title(assignment, one.id, language)) for one in told.most_failed_items
+        ],
+    )
+
+
+@lru_cache(maxsize=_KEPT_ASSIGNMENTS)
+def _statistics(told: AssignmentState, pass_fraction: float) -> AssignmentOverview:
+    """Return the statistics of an assignment without its texts. Most assignments are the same at the next look."""
     students = len(told.progress)
     passed = sum(_passed(one, pass_fraction) for one in told.progress)
     scored = sum(one.counted_score is not None for one in told.progress)
     scores = [one.best_score for one in told.progress if one.best_score is not None]
     return AssignmentOverview(
-        id=assignment_id,
-        title=assignment_id if assignment is None else assignment.title.get(language),
-        max_score=None if assignment is None else assignment.max_score,
+        id="",
+        title="",
+        max_score=None,
         students=students,
         waiting_for_person=sum(one.waits_for_person for one in told.progress),
         submissions=sum(one.attempts for one in told.progress),
@@ -276,14 +308,11 @@ def _statistics(
         mean_score=round(fmean(scores), 2) if scores else None,
         score_distribution=_distribution(told.progress),
         mean_attempts_to_pass=_mean_attempts_to_pass(told.progress, pass_fraction),
-        most_failed_items=[_failed(failure, assignment, language) for failure in told.failures],
+        most_failed_items=[
+            FailedItem(id=one.item, title="", count=one.ever, still=one.still) for one in told.failures
+        ],
         most_common_mistakes=told.mistakes,
     )
-
-
-def _failed(one: ItemFailures, assignment: Assignment | None, language: Language) -> FailedItem:
-    title = item_title(assignment, one.item, language)
-    return FailedItem(id=one.item, title=title, count=one.ever, still=one.still)
 
 
 def _distribution(progress: Iterable[StudentProgress]) -> list[Bin]:

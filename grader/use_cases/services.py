@@ -185,7 +185,7 @@ def _stores(database: Database, clock: Clock) -> dict[str, Any]:
         "judgements": Judgements(database),
         "comments": Comments(database),
         "appeals": Appeals(database),
-        "dashboard": Dashboard(database),
+        "dashboard": Dashboard(database, clock),
         "rules": StoredRules(database),
         "audit": AuditLog(database),
         "costs": Costs(database, clock),

@@ -6,7 +6,7 @@ from fastapi import APIRouter, Depends, Query, Response
 
 from grader import __version__
 from grader.contracts.errors import RefusedError
-from grader.contracts.identity import Role, sections_of
+from grader.contracts.identity import sections_of
 from grader.contracts.judgement import judged
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import StoredReport, Submission, SubmissionState
@@ -25,7 +25,7 @@ from grader.use_cases.concerned import Concern, concerned
 from grader.use_cases.course_life import counted_space
 from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, costs, overview
 from grader.use_cases.own_assignments import own_troubles
-from grader.use_cases.people import members, names, person
+from grader.use_cases.people import names, person
 from grader.use_cases.services import Services
 from grader.use_cases.similar import is_compared
 
@@ -38,14 +38,13 @@ _STATUSES = {*SubmissionState, *GradeStatus}
 @router.get("")
 def read_matrix(errand: StaffDep, query: Annotated[MatrixQuery, Query()]) -> Response:
     """Show students by assignments."""
-    students = members(errand.services, errand.caller, Role.STUDENT)
     whole = _overview(errand)
     return page(
         errand.request,
         "class.html",
         overview=whole,
-        matrix=matrix(whole, query, students),
-        sections=sections_of(students),
+        matrix=matrix(whole, query, whole.roster),
+        sections=sections_of(whole.roster),
         shows=SHOWS,
         stuck_attempts=STUCK_ATTEMPTS,
         unread=unread(errand.services, errand.caller),

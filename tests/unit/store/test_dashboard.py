@@ -1,6 +1,6 @@
 import random
 from contextlib import suppress
-from typing import Any
+from dataclasses import asdict
 
 import pytest
 
@@ -24,7 +24,7 @@ from tests.fakes.submissions import Submissions
 
 class Class:
     def __init__(self, database: Database, queue: Queue, submissions: Submissions, clock: FakeClock) -> None:
-        self.dashboard = Dashboard(database)
+        self.dashboard = Dashboard(database, clock)
         self.queue = queue
         self.submissions = submissions
         self.clock = clock
@@ -55,7 +55,7 @@ def school(database: Database, queue: Queue, submissions: Submissions, clock: Fa
 
 def test_an_empty_class_is_empty(school: Class) -> None:
     state = school.dashboard.state()
-    assert (state.progress, state.failures, state.mistakes) == ((), (), ())
+    assert (state.progress, state.students, state.assignments) == ((), {}, {})
 
 
 def test_the_best_submission_counts_and_the_latest_shows(school: Class) -> None:
@@ -94,22 +94,66 @@ def test_failures_count_students_not_submissions(school: Class) -> None:
     school.graded("ann", b"good good")
     school.graded("bob", b"good")
     school.graded("cyd", b"good good", "straight")
-    failures = {(f.assignment, f.item): (f.ever, f.still) for f in school.dashboard.state().failures}
-    assert failures == {("square", "closed"): (2, 1), ("square", "sides"): (1, 0)}
+    assignments = school.dashboard.state().assignments
+    failures = {one.item: (one.ever, one.still) for one in assignments["square"].failures}
+    assert failures == {"closed": (2, 1), "sides": (1, 0)}
+    assert assignments["straight"].failures == ()
 
 
 def test_most_failed_comes_first(school: Class) -> None:
     school.graded("ann", b"good")
     school.graded("bob", b"x")
-    assert [failure.item for failure in school.dashboard.state().failures] == ["closed", "sides"]
+    failures = school.dashboard.state().assignments["square"].failures
+    assert [failure.item for failure in failures] == ["closed", "sides"]
 
 
 def test_mistakes_count_students(school: Class) -> None:
     school.graded("ann", b"x")
     school.graded("ann", b"xx")
     school.graded("bob", b"good good")
-    mistakes = [(m.code, m.students) for m in school.dashboard.state().mistakes]
+    mistakes = [(m.code, m.students) for m in school.dashboard.state().assignments["square"].mistakes]
     assert mistakes == [("never_stops", 1), ("turns_too_short", 1)]
+
+
+def test_what_has_not_changed_stays_the_same_object(school: Class) -> None:
+    school.graded("ann", b"good")
+    school.graded("bob", b"good", "straight")
+    before = school.dashboard.state()
+    assert school.dashboard.state() is before
+    school.graded("cyd", b"x", "straight")
+    after = school.dashboard.state()
+    assert after.students["ann"] is before.students["ann"]
+    assert after.assignments["square"] is before.assignments["square"]
+    assert len(after.assignments["straight"].progress) == 2
+
+
+def test_one_upload_makes_one_cell_be_counted(school: Class, monkeypatch: pytest.MonkeyPatch) -> None:
+    for student in ("ann", "bob"):
+        school.graded(student, b"good")
+    school.dashboard.state()
+    read: list[object] = []
+    original = dashboard._among
+    monkeypatch.setattr(dashboard, "_among", lambda places: read.append(set(places)) or original(places))
+    school.submits("bob", b"x")
+    school.dashboard.state()
+    school.clock.advance(600)
+    assert school.dashboard.state().students["bob"].progress[0].state is SubmissionState.QUEUED
+    assert read == [{("bob", "square")}] * 2  # its mark, its rows
+
+
+def test_a_clock_that_is_set_back_hides_nothing(school: Class) -> None:
+    school.graded("ann", b"good")
+    school.dashboard.state()
+    school.clock.advance(-86_400)
+    school.graded("bob", b"good good")
+    waiting = school.submits("cyd", b"x")
+    assert [one.best_score for one in school.dashboard.state().progress] == [5.0, 10.0, None]
+    school.clock.advance(-86_400)
+    school.queue.sweep()
+    claim = grade_next(school.queue, FakeAssignments())
+    assert claim is not None
+    assert claim.submission_id == waiting
+    assert [one.best_score for one in school.dashboard.state().progress] == [5.0, 10.0, 0.0]
 
 
 def test_counting_only_what_changed_counts_the_same(school: Class, database: Database) -> None:
@@ -142,7 +186,7 @@ def test_counting_only_what_changed_counts_the_same(school: Class, database: Dat
         school.clock.advance(60)
         chance.choice([hand_in, hand_in, grade_one, grade_one, school.queue.reconcile, grade_again])()
         state = school.dashboard.state()
-        assert state == Dashboard(database).state()
+        assert asdict(state) == asdict(Dashboard(database, school.clock).state())
         seen.add(state.mark)
     assert len(seen) > 30
 
@@ -168,19 +212,3 @@ def test_changed_rules_count_at_once_and_only_where_they_hold(
     assert [one.counted_score for one in before] == [10.0] * 4
     assert [one.counted_score for one in after] == [0.0, 10.0, 0.0, 10.0]
     assert read == [{("ann", "square"), ("bob", "square")}]
-
-
-def test_who_counts_later_counts_no_older_state(school: Class, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Between the look at the marks and the counting, others hand in, and somebody else counts."""
-    mark = dashboard._mark
-
-    def overtaken(*arguments: Any) -> str:
-        monkeypatch.setattr(dashboard, "_mark", mark)
-        before = mark(*arguments)
-        school.submits("b", b"good")
-        school.dashboard.state()
-        return before
-
-    school.submits("a", b"good")
-    monkeypatch.setattr(dashboard, "_mark", overtaken)
-    assert [one.student for one in school.dashboard.state().progress] == ["a", "b"]

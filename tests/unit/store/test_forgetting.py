@@ -220,7 +220,7 @@ def test_a_regrade_names_nobody_who_was_forgotten(taught: Class, database: Datab
 
 def test_the_class_is_counted_anew_when_as_much_is_erased_as_came(taught: Class, database: Database) -> None:
     taught.work()
-    board = Dashboard(database)
+    board = Dashboard(database, taught.clock)
     before = {one.student: one for one in board.state("ros").progress}["20260124"]
     taught.clock.advance(401 * 86_400)
     taught.life.erase_old_work("ros", 400, "cron")
