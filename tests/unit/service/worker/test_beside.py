@@ -142,3 +142,4 @@ def test_a_workers_end_of_the_link() -> None:
     ours.close()
     assert gone.wait(60.0)
     link.retried()  # the service is gone: nothing happens
+    link._socket.close()
