@@ -162,7 +162,6 @@ class Services:
             providers=providers,
             **outside_channels(settings, clock, providers, Platforms(database, clock)),
             allowances=Allowances.of(settings, clock),
-            snapshot=database.reading,
             queue=queue,
             workers=workers,
             **_stores(database, clock),
@@ -179,6 +178,7 @@ class Services:
 
 def _stores(database: Database, clock: Clock) -> dict[str, Any]:
     return {
+        "snapshot": database.reading,
         "intake": Intake(database),
         "submissions": Submissions(database),
         "regrades": Regrades(database),
