@@ -78,18 +78,18 @@ def ask(services: Services, caller: Caller, submission_id: str, item: str, reaso
     if not services.rules.of(caller.course).of(submission.assignment).may_appeal_at(services.clock()):
         raise RefusedError("appeals_closed")
     items = judged(stored).items
-    found = next((one for one in items if one.id == item), None)
-    if found is None:
+    measured = next((one for one in items if one.id == item), None)
+    if measured is None:
         raise RefusedError("item_not_found", field="item", allowed=[one.id for one in items])
-    if not _can_gain(found):
-        waits = found.status is ItemStatus.NEEDS_MANUAL
+    if not _can_gain(measured):
+        waits = measured.status is ItemStatus.NEEDS_MANUAL
         raise RefusedError("invalid_request", _WAITS if waits else _FULL, field="item")
     asked = Asked(
         item=item,
         reason=checked_text(reason, LONGEST_TEXT, _TEXT, "reason"),
         attempt=stored.attempt,
-        earned=found.earned,
-        points=found.points,
+        earned=measured.earned,
+        points=measured.points,
     )
     try:
         return services.appeals.ask(submission.id, asked, services.signature(caller))
@@ -123,11 +123,11 @@ def appeals_of(services: Services, caller: Caller, submission_id: str) -> tuple[
 
 def look(services: Services, caller: Caller, submission: Submission) -> dict[str, Appeal]:
     """Return the appeals about a submission by item, and note that its student has seen the answers."""
-    found = _shown(services, caller, submission)
-    news = [one.item for one in found if one.state in ANSWERS and not one.seen]
+    appeals = _shown(services, caller, submission)
+    news = [one.item for one in appeals if one.state in ANSWERS and not one.seen]
     if news and caller.role is Role.STUDENT:
         services.appeals.seen(submission.id, news, services.clock())
-    return {one.item: one for one in found}
+    return {one.item: one for one in appeals}
 
 
 def open_to(
@@ -135,7 +135,7 @@ def open_to(
     caller: Caller,
     submission: Submission,
     stored: StoredReport | None,
-    known: Mapping[str, Appeal],
+    appeals: Mapping[str, Appeal],
 ) -> frozenset[str]:
     """Return the items about which the caller may ask now; `known` are the appeals there are, by item."""
     if caller.course is None or caller.role is not Role.STUDENT or stored is None:
@@ -143,7 +143,7 @@ def open_to(
     rules = services.rules.of(caller.course)
     if rules.archived or not rules.of(submission.assignment).may_appeal_at(services.clock()):
         return frozenset()
-    asked = {item for item, one in known.items() if one.state is not AppealState.WITHDRAWN}
+    asked = {item for item, one in appeals.items() if one.state is not AppealState.WITHDRAWN}
     return frozenset(one.id for one in judged(stored).items if _can_gain(one) and one.id not in asked)
 
 
@@ -151,11 +151,11 @@ def pending(services: Services, caller: Caller) -> Pending | None:
     """Return the appeals that a student of a course is reminded of; None when there are none."""
     if caller.course is None or caller.person is None or caller.role is not Role.STUDENT:
         return None
-    found = services.appeals.of_student(caller.course, caller.person)
-    if not found:
+    appeals = services.appeals.of_student(caller.course, caller.person)
+    if not appeals:
         return None
-    known, now = services.rules.of(caller.course), services.clock()
-    shown = [one for one in found if not is_hidden(one.item, known.of(one.assignment).hidden_at(now))]
+    rules, now = services.rules.of(caller.course), services.clock()
+    shown = [one for one in appeals if not is_hidden(one.item, rules.of(one.assignment).hidden_at(now))]
     told = Pending(
         open=[one for one in shown if one.is_open], answered=[one for one in shown if not one.is_open]
     )
@@ -210,10 +210,10 @@ def answer(  # noqa: PLR0913
     text = checked_text(given.text, LONGEST_TEXT, _TEXT)
     if given.state not in ANSWERS or (given.points is not None) is not (given.state is AppealState.CORRECTED):
         raise RefusedError("invalid_request", _POINTS, field="points")
-    known = {one.item: one for one in services.appeals.of(submission.id)}
-    if item not in known:
+    appeals = {one.item: one for one in services.appeals.of(submission.id)}
+    if item not in appeals:
         raise RefusedError("appeal_not_found")
-    if not known[item].is_open:
+    if not appeals[item].is_open:
         raise RefusedError("appeal_decided")
     if given.points is not None:
         judging.give(
@@ -227,11 +227,11 @@ def answer(  # noqa: PLR0913
 
 
 def _shown(services: Services, caller: Caller, submission: Submission) -> tuple[Appeal, ...]:
-    found = services.appeals.of(submission.id)
-    if not found or caller.is_staff:
-        return found
+    appeals = services.appeals.of(submission.id)
+    if not appeals or caller.is_staff:
+        return appeals
     hidden = services.rules.of(submission.course).of(submission.assignment).hidden_at(services.clock())
-    return tuple(one for one in found if not is_hidden(one.item, hidden))
+    return tuple(one for one in appeals if not is_hidden(one.item, hidden))
 
 
 def _can_gain(item: RubricItem) -> bool:

@@ -104,8 +104,8 @@ def checklist(services: Services, caller: Caller) -> tuple[Assignment, ...]:
     course_rules, now = services.rules.of(caller.course), services.clock()
     is_student = caller.role is Role.STUDENT
     every = services.assignments.of(caller.course).all()
-    seen = [one for one in every if not is_student or course_rules.of(one.id).shown_at(now)]
-    return shown_assignments(services, caller, seen)
+    visible = [one for one in every if not is_student or course_rules.of(one.id).shown_at(now)]
+    return shown_assignments(services, caller, visible)
 
 
 def in_course(services: Services, caller: Caller) -> tuple[Assignment, ...]:

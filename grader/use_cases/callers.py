@@ -76,8 +76,8 @@ class Callers:
             return self.identify(None)
         if not self._is_open():
             return self._tokens.session_caller(session)
-        known = hmac.compare_digest(session.encode(errors="replace"), self._operator_session.encode())
-        return OPERATOR if known else None
+        is_operator = hmac.compare_digest(session.encode(errors="replace"), self._operator_session.encode())
+        return OPERATOR if is_operator else None
 
     def close_session(self, session: str) -> None:
         """End `session`; that of the operator of a service without courses stays."""

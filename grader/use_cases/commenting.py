@@ -40,11 +40,11 @@ def comments(services: Services, caller: Caller, submission_id: str) -> tuple[Co
 
 def read_comments(services: Services, caller: Caller, submission: Submission) -> tuple[Comment, ...]:
     """Return the comments on a submission, and note that the caller, who may see it, has seen them."""
-    found = services.comments.of(submission.id)
+    comments = services.comments.of(submission.id)
     is_student = caller.role is Role.STUDENT
-    if any(comment.by_student is not is_student and not comment.seen for comment in found):
+    if any(comment.by_student is not is_student and not comment.seen for comment in comments):
         services.comments.seen(submission.id, services.clock(), by_student=is_student)
-    return found
+    return comments
 
 
 def add_comment(
@@ -89,10 +89,10 @@ def unread(services: Services, caller: Caller) -> Unread | None:
     if caller.course is None or caller.person is None:
         return None
     if caller.is_staff:
-        found = services.comments.unseen_by_staff(caller.course, caller.students)
+        counts = services.comments.unseen_by_staff(caller.course, caller.students)
     else:
-        found = services.comments.unseen_by_student(caller.course, caller.person)
-    return Unread(count=sum(found.values()), first=next(iter(found))) if found else None
+        counts = services.comments.unseen_by_student(caller.course, caller.person)
+    return Unread(count=sum(counts.values()), first=next(iter(counts))) if counts else None
 
 
 def author_names(services: Services, comments: tuple[Comment, ...], course: str | None) -> dict[str, str]:

@@ -63,27 +63,27 @@ def concerned(
     _check_codes(concern, own.values())
     roster = {one.id: one for one in members(services, caller, Role.STUDENT)}
     fits = _fits(concern)
-    found = [
+    students = [
         _concerned(roster.get(student), cell, concern)
         for student, cell in own.items()
         if caller.looks_after(student) and fits(cell)
     ]
-    return tuple(sorted(found, key=lambda one: (not one.still, -one.progress.attempts, one.student)))
+    return tuple(sorted(students, key=lambda one: (not one.still, -one.progress.attempts, one.student)))
 
 
 def _check_item(item: str, assignment: Assignment | None, cells: Iterable[CountedCell]) -> None:
-    known = [] if assignment is None else [one.id for one in assignment.items]
+    ids = [] if assignment is None else [one.id for one in assignment.items]
     failed = {one for cell in cells for one in cell.failed}  # also by an earlier version of it
-    if item not in failed and item.rpartition("/")[2] not in known:
+    if item not in failed and item.rpartition("/")[2] not in ids:
         detail = Text(zh="没有这个评分项。", en="There is no such item.")
-        raise RefusedError("invalid_request", detail, field="item", allowed=known)
+        raise RefusedError("invalid_request", detail, field="item", allowed=ids)
 
 
 def _check_codes(concern: Concern, cells: Iterable[CountedCell]) -> None:
     statuses = [one.value for one in (*SubmissionState, *GradeStatus)]
-    made = {one for cell in cells for one in cell.mistakes}  # also what an earlier version recognised
+    recognised = {one for cell in cells for one in cell.mistakes}  # also what an earlier version recognised
     mistake = concern.mistake
-    if mistake is not None and mistake not in made and template("en", f"mistake.{mistake}") is None:
+    if mistake is not None and mistake not in recognised and template("en", f"mistake.{mistake}") is None:
         detail = Text(zh="没有这种错误。", en="There is no such mistake.")
         raise RefusedError("invalid_request", detail, field="mistake")
     if concern.status is not None and concern.status not in statuses:

@@ -67,11 +67,11 @@ class CourseAssignments:
         now_s = self._monotonic_s()
         if self._read_at_s is not None and now_s - self._read_at_s < _FRESH_S:
             return
-        known = {}
+        fresh = {}
         for key, mark in self._own.marks().items():
             before = self._known.get(key)
-            known[key] = (mark, self._read(key, mark)) if before is None or before[0] != mark else before
-        self._known, self._read_at_s = known, now_s
+            fresh[key] = (mark, self._read(key, mark)) if before is None or before[0] != mark else before
+        self._known, self._read_at_s = fresh, now_s
 
     def _read(self, key: tuple[str, str], mark: Mark) -> Assignment | Text:
         course, assignment_id = key
@@ -83,10 +83,10 @@ class CourseAssignments:
             return _OUTDATED
         if assignment is None:
             return _OUTDATED
-        found = misfits(assignment)
-        if found:
-            told = refusals(found)
-            return Text(zh=told.told("zh"), en=told.told("en"))
+        problems = misfits(assignment)
+        if problems:
+            refusal = refusals(problems)
+            return Text(zh=refusal.told("zh"), en=refusal.told("en"))
         return assignment
 
 

@@ -97,12 +97,12 @@ class _Export:
         rows = [(one.id, one.name, one.role.value, one.email, "；".join(one.sections)) for one in people]
         yield "members.csv", csv_table([head, *rows]).encode()
         yield "gradebook.csv", gradebook_csv(services, self._caller, "plain").encode()
-        known = services.rules.of(course)
+        course_rules = services.rules.of(course)
         extensions = [
             {"assignment": assignment, "student": person, **to_document(one)}
-            for (assignment, person), one in sorted(known.extensions.items(), key=lambda pair: pair[0])
+            for (assignment, person), one in sorted(course_rules.extensions.items(), key=lambda pair: pair[0])
         ]
-        rules = {name: to_document(one) for name, one in sorted(known.by_assignment.items())}
+        rules = {name: to_document(one) for name, one in sorted(course_rules.by_assignment.items())}
         yield "rules.json", _json({"rules": rules, "extensions": extensions})
         for name, content in sorted(services.own_assignments.in_use(course).items()):
             yield f"assignments/{name}.zip", content

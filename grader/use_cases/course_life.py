@@ -44,14 +44,14 @@ def copy_course(services: Services, caller: Caller, new: NewCourse) -> CopiedCou
     """
     require_instructor(caller)
     course = own_course(services, caller)
-    known = member_of(services, caller, caller.person or "")
-    teacher = replace(known, course=new.id, role=Role.INSTRUCTOR, sections=())
+    member = member_of(services, caller, caller.person or "")
+    teacher = replace(member, course=new.id, role=Role.INSTRUCTOR, sections=())
     try:
-        made = services.course_life.copy(course.id, new, teacher, caller.signature)
+        copy = services.course_life.copy(course.id, new, teacher, caller.signature)
     except CourseError as error:
         raise RefusedError("invalid_course", error.text, field=error.field) from None
-    _, token = services.tokens.issue(made.id, teacher.id, timedelta(days=_DAYS), caller.signature)
-    return CopiedCourse(course=made, instructor=teacher.id, token=token)
+    _, token = services.tokens.issue(copy.id, teacher.id, timedelta(days=_DAYS), caller.signature)
+    return CopiedCourse(course=copy, instructor=teacher.id, token=token)
 
 
 def archive_course(services: Services, caller: Caller, reason: str, *, archived: bool) -> Course:
@@ -117,11 +117,11 @@ def counted_space(services: Services, caller: Caller) -> tuple[datetime, Space, 
     counted = services.space.latest()
     if counted is None:
         return None
-    found = counted.courses
-    others = [one for of, one in found.items() if of != course.id]
+    spaces = counted.courses
+    others = [one for of, one in spaces.items() if of != course.id]
     return (
         counted.at,
-        found.get(course.id, Space()),
+        spaces.get(course.id, Space()),
         Space(
             submissions=sum(one.submissions for one in others),
             sources_bytes=sum(one.sources_bytes for one in others),

@@ -245,10 +245,10 @@ class Watching:
     def _look(self, subjects: set[Subject]) -> dict[Subject, Standing | ClassStanding]:
         ids = {name for what, name in subjects if what == "submission" and name is not None}
         courses = {name for what, name in subjects if what == "class"}
-        found: dict[Subject, Standing | ClassStanding] = {}
+        standings: dict[Subject, Standing | ClassStanding] = {}
         for id_, standing in self._standings.of(ids).items():
             estimated_at = self.estimates.finish(standing, standing.position)
-            found["submission", id_] = replace(standing, estimated_at=estimated_at)
+            standings["submission", id_] = replace(standing, estimated_at=estimated_at)
         for course, class_standing in self._standings.of_classes(courses).items():
-            found["class", course] = class_standing
-        return found
+            standings["class", course] = class_standing
+        return standings

@@ -147,8 +147,8 @@ def _give(  # noqa: PLR0913
     for item, points, seen in wanted:
         if not math.isclose(points, round(points, 2), abs_tol=1e-9):
             raise RefusedError("invalid_points", _DECIMALS, field="points")
-        told = comment.replace("\r\n", "\n")
-        one = Given(item=item, points=round(points, 2), comment=told, corrects=corrects, answers=answers)
+        text = comment.replace("\r\n", "\n")
+        one = Given(item=item, points=round(points, 2), comment=text, corrects=corrects, answers=answers)
         given.append((one, seen))
     try:
         services.judgements.judge_all(submission_id, given, services.signature(caller))

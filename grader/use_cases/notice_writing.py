@@ -128,9 +128,9 @@ def _look(services: Services, course: str) -> _Look:
 
 def _for_groups(look: _Look, groups: set[Outlet]) -> Iterator[Draft]:
     if Outlet.CLASS in groups:
-        told = look.services.notices.notified_states(look.course, Outlet.CLASS)
-        yield from _due_for_all(look, told)
-        yield from _graded_for_all(look, told)
+        notified = look.services.notices.notified_states(look.course, Outlet.CLASS)
+        yield from _due_for_all(look, notified)
+        yield from _graded_for_all(look, notified)
     if Outlet.STAFF in groups:
         yield from _faults(
             look, Outlet.STAFF, "", look.services.notices.notified_states(look.course, Outlet.STAFF)
@@ -140,18 +140,18 @@ def _for_groups(look: _Look, groups: set[Outlet]) -> Iterator[Draft]:
 def _for_people(look: _Look, wishes: MailWishes) -> Iterator[Draft]:
     if not wishes:
         return
-    told = look.services.notices.notified_states(look.course, Outlet.MAIL)
+    notified = look.services.notices.notified_states(look.course, Outlet.MAIL)
     for member in look.students:
         if member.email and wishes.due:
-            yield from _due_for_one(look, member.id, told)
+            yield from _due_for_one(look, member.id, notified)
         if member.email and wishes.graded:
-            yield from _graded_for_one(look, member.id, told)
+            yield from _graded_for_one(look, member.id, notified)
     for member in look.instructors:
         if member.email and wishes.faults:
-            yield from _faults(look, Outlet.MAIL, member.id, told)
+            yield from _faults(look, Outlet.MAIL, member.id, notified)
 
 
-def _due_for_all(look: _Look, told: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
+def _due_for_all(look: _Look, notified: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
     """Write to a group of dates that rules set. Extensions are left out: they concern one student and staff."""
     lines, until, states = [], look.now, {}
     for id_ in look.assignments:
@@ -161,7 +161,7 @@ def _due_for_all(look: _Look, told: Mapping[tuple[str, str], str]) -> Iterator[D
         dates = {look.rules.of(id_, one.id).due for one in look.students}
         soon = sorted(one for one in dates if one is not None and look.is_soon(one))
         state = _digest(*(one.astimezone(look.zone).isoformat() for one in soon))
-        if not soon or told.get(("", f"due/{id_}")) == state:
+        if not soon or notified.get(("", f"due/{id_}")) == state:
             continue
         states[f"due/{id_}"] = state
         for due in soon:
@@ -181,7 +181,7 @@ def _due_for_all(look: _Look, told: Mapping[tuple[str, str], str]) -> Iterator[D
         )
 
 
-def _due_for_one(look: _Look, student: str, told: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
+def _due_for_one(look: _Look, student: str, notified: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
     """Write to a student who has not handed in anything for it yet."""
     lines, until, states = [], look.now, {}
     for id_ in look.assignments:
@@ -191,7 +191,7 @@ def _due_for_one(look: _Look, student: str, told: Mapping[tuple[str, str], str])
             continue
         assert due is not None
         state = due.astimezone(look.zone).isoformat()
-        if told.get((student, f"due/{id_}")) != state:
+        if notified.get((student, f"due/{id_}")) != state:
             states[f"due/{id_}"] = state
             lines.append(
                 on_page(
@@ -215,11 +215,11 @@ def _due_for_one(look: _Look, student: str, told: Mapping[tuple[str, str], str])
         )
 
 
-def _graded_for_all(look: _Look, told: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
+def _graded_for_all(look: _Look, notified: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
     """Report once a day how much was graded; a mean of few or a pass rate would reveal somebody's points."""
     today = look.now.astimezone(look.zone).date()
     end = datetime.combine(today, _GRADED_AT, look.zone)
-    if look.now < end or look.now > end + _GRADED_UNTIL or told.get(("", "graded"), "") >= str(today):
+    if look.now < end or look.now > end + _GRADED_UNTIL or notified.get(("", "graded"), "") >= str(today):
         return
     since = datetime.combine(today - timedelta(days=1), _GRADED_AT, look.zone)
     counts = look.services.notices.graded_between(look.course, since, end)
@@ -244,7 +244,7 @@ def _graded_for_all(look: _Look, told: Mapping[tuple[str, str], str]) -> Iterato
     )
 
 
-def _graded_for_one(look: _Look, student: str, told: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
+def _graded_for_one(look: _Look, student: str, notified: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
     """Write to a student what counts for an assignment, whatever changed it, once nothing of theirs waits."""
     lines, states = [], {}
     for id_ in look.assignments:
@@ -258,7 +258,7 @@ def _graded_for_one(look: _Look, student: str, told: Mapping[tuple[str, str], st
         is_open = bool(look.rules.of(id_).hidden_at(look.now)) or one.waits_for_person
         points = None if is_open else one.counted_score
         state = _digest(one.latest_submission, repr(points), str(one.waits_for_person))
-        if told.get((student, f"graded/{id_}")) == state:
+        if notified.get((student, f"graded/{id_}")) == state:
             continue
         states[f"graded/{id_}"] = state
         if points is None or one.max_score is None:
@@ -279,13 +279,15 @@ def _graded_for_one(look: _Look, student: str, told: Mapping[tuple[str, str], st
         )
 
 
-def _faults(look: _Look, outlet: Outlet, person: str, told: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
+def _faults(
+    look: _Look, outlet: Outlet, person: str, notified: Mapping[tuple[str, str], str]
+) -> Iterator[Draft]:
     """Write to staff what the service failed to grade, or that it grades nothing."""
     counts: dict[str, int] = {}
     states = {}
     failed = look.services.notices.given_up_since(look.course, look.now - _LOOKED_BACK)
     for id_, (assignment, attempt) in sorted(failed.items()):
-        if told.get((person, f"fault/{id_}")) != str(attempt):
+        if notified.get((person, f"fault/{id_}")) != str(attempt):
             states[f"fault/{id_}"] = str(attempt)
             counts[assignment] = counts.get(assignment, 0) + 1
     lines = [
@@ -293,7 +295,7 @@ def _faults(look: _Look, outlet: Outlet, person: str, told: Mapping[tuple[str, s
         for id_, count in counts.items()
     ]
     stalled = _is_stalled(look)
-    if stalled != (told.get((person, "stalled")) == "yes"):
+    if stalled != (notified.get((person, "stalled")) == "yes"):
         states["stalled"] = "yes" if stalled else "no"
         lines += [on_page(look.language, "notices.faults.stalled")] if stalled else []
     if states:

@@ -50,7 +50,7 @@ class Setup:
 def setup_of(services: Services, caller: Caller) -> Setup:
     """Return what the caller's course has set up. For instructors of a course."""
     course = taught_course(caller)
-    known = services.notices.webhooks(course).values()
+    webhooks = services.notices.webhooks(course).values()
     return Setup(
         webhooks={
             one.outlet: ShownWebhook(
@@ -60,7 +60,7 @@ def setup_of(services: Services, caller: Caller) -> Setup:
                 signed=bool(one.secret),
                 changed_at=one.changed_at,
             )
-            for one in known
+            for one in webhooks
         },
         mail=services.notices.wishes(course),
         can_mail=services.mail is not None,
@@ -107,8 +107,8 @@ def set_mail(services: Services, caller: Caller, wishes: MailWishes) -> None:
     course = taught_course(caller)
     if wishes and services.mail is None:
         raise RefusedError("mail_not_set_up")
-    known = services.notices.wishes(course)
-    new = {one.value: getattr(wishes, one) and not getattr(known, one) for one in NoticeKind}
+    before = services.notices.wishes(course)
+    new = {one.value: getattr(wishes, one) and not getattr(before, one) for one in NoticeKind}
     count_as_told(services, course, None, MailWishes(**new))
     services.notices.set_wishes(wishes, services.signature(caller))
 

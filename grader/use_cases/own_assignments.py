@@ -35,13 +35,13 @@ def own_troubles(services: Services, caller: Caller) -> dict[str, Text]:
 
     For staff.
     """
-    told = dict(services.assignments.of(caller.course).troubles())
+    troubles = dict(services.assignments.of(caller.course).troubles())
     for one in own_assignments(services, caller):
         if one.state is OwnState.REFUSED:
             lines = [(place_of(each), each.told) for each in one.examined.misfits]
             lines += [(each.script, each.problem) for each in one.examined.verdicts if each.problem != EMPTY]
-            told[one.assignment] = _listed(lines)
-    return told
+            troubles[one.assignment] = _listed(lines)
+    return troubles
 
 
 def upload(services: Services, caller: Caller, content: bytes) -> OwnAssignment:
@@ -103,9 +103,9 @@ def remove(services: Services, caller: Caller, assignment_id: str, reason: str) 
 
 def _require_fit(services: Services, caller: Caller, new: Assignment) -> None:
     """Refuse a rubric that was changed under its version."""
-    known = services.assignments.of(caller.course)
+    catalog = services.assignments.of(caller.course)
     try:
-        before = known.get(new.id)
+        before = catalog.get(new.id)
     except UnknownAssignmentError:
         return
     # What its solution drives is found out by running it.

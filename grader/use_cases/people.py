@@ -50,8 +50,8 @@ def members(services: Services, caller: Caller, role: Role | None = None) -> Seq
     Of students those that the caller looks after. For staff.
     """
     require_staff(caller)
-    found = services.courses.members(caller.course, role)
-    return tuple(one for one in found if one.role is not Role.STUDENT or caller.looks_after(one.id))
+    members_of_role = services.courses.members(caller.course, role)
+    return tuple(one for one in members_of_role if one.role is not Role.STUDENT or caller.looks_after(one.id))
 
 
 def set_distro(services: Services, caller: Caller, distro: Distro, reason: str) -> Course:
@@ -116,11 +116,11 @@ def add_member(services: Services, caller: Caller, entry: RosterEntry) -> Member
     """
     course = taught_course(caller)
     if services.courses.member(course, entry.id) is not None:
-        told = Text(
+        reason = Text(
             zh=f"已经有成员 {entry.id}：要修改，请打开这个人的页面。",
             en=f"There is a member {entry.id} already; to change what is known of them, open their page.",
         )
-        raise RefusedError("invalid_roster", told, field="person")
+        raise RefusedError("invalid_roster", reason, field="person")
     return set_member(services, caller, entry)
 
 
@@ -218,12 +218,12 @@ def names(services: Services, caller: Caller) -> dict[str, str]:
     return {member.id: member.name for member in members(services, caller, Role.STUDENT)}
 
 
-def named(known: Mapping[str, str], student: str) -> str:
+def named(names: Mapping[str, str], student: str) -> str:
     """Return a student's name if there is one that says more than the id, else nothing."""
-    name = known.get(student, "")
+    name = names.get(student, "")
     return "" if name == student else name
 
 
-def person(known: Mapping[str, str], student: str) -> str:
+def person(names: Mapping[str, str], student: str) -> str:
     """Return a student's id with the name behind it, if there is one that says more."""
-    return f"{student} {named(known, student)}".rstrip()
+    return f"{student} {named(names, student)}".rstrip()

@@ -105,6 +105,6 @@ def _opened(services: Services, secret: str) -> tuple[Platform, OpenPicking]:
 
 
 def _member(services: Services, platform: Platform, asked: OpenPicking) -> Member | None:
-    known = services.identities.of_subject(platform.provider, asked.subject)
-    person = next((one.person for one in known if one.course == platform.course), None)
+    identities = services.identities.of_subject(platform.provider, asked.subject)
+    person = next((one.person for one in identities if one.course == platform.course), None)
     return None if person is None else services.courses.member(platform.course, person)

@@ -83,13 +83,13 @@ def _planned(services: Services, platform: Platform, listed: Iterable[Listed]) -
     bound = services.identities.subjects(platform.provider)
     added: dict[str, tuple[str, RosterEntry]] = {}  # with the platform's name for the person
     taken: set[str] = set()
-    nameless, known, others = [], 0, 0
+    nameless, enrolled, others = [], 0, 0
     for one in listed:
         person = next((claim for claim in one.claimed if is_person_id(claim)), None)
         if not one.learns:
             others += 1
         elif one.subject in bound or any(claim.casefold() in here for claim in one.claimed):
-            known += 1
+            enrolled += 1
         elif person is None or (key := person.casefold()) in taken:
             nameless.append(one.name or one.subject)
         elif added.get(key, (one.subject,))[0] != one.subject:
@@ -99,7 +99,7 @@ def _planned(services: Services, platform: Platform, listed: Iterable[Listed]) -
             added.setdefault(key, (one.subject, _entry(person, one)))
     ordered = tuple(added[key][1] for key in sorted(added))
     return PeoplePlan(
-        platform=platform, added=ordered, known=known, nameless=tuple(sorted(nameless)), others=others
+        platform=platform, added=ordered, known=enrolled, nameless=tuple(sorted(nameless)), others=others
     )
 
 

@@ -103,11 +103,11 @@ class UnderWay:
 
     async def where(self) -> AsyncIterator[RunProgress | int]:
         """Yield how many have to end before the run begins, then how far it is, as that changes, until it ends."""
-        known: RunProgress | int | None = None
+        last: RunProgress | int | None = None
         while not self._ended.is_set():
             now = self._services.practice.where(self._run)
-            if now != known:
-                known = now
+            if now != last:
+                last = now
                 yield now
             with suppress(TimeoutError):
                 await asyncio.wait_for(self._ended.wait(), _GLANCE_S)
@@ -190,15 +190,17 @@ def _job(services: Services, caller: Caller, assignment_id: str, file_name: str,
     check_name(name, SUFFIXES["script"])
     check_source(source, services.settings.max_upload_bytes)
     # whole: an item that is shown may need one that is not, and what is not shown is left out of the report
-    known = services.assignments.of(caller.course).get(assignment_id)
+    assignments = services.assignments.of(caller.course).get(assignment_id)
     course = services.rules.of(caller.course)
-    return GradingJob(file_name=name, source=source, assignment=for_practice(known.of_course(course.distro)))
+    return GradingJob(
+        file_name=name, source=source, assignment=for_practice(assignments.of_course(course.distro))
+    )
 
 
 def _shown_practice(services: Services, caller: Caller, ran: Assignment, result: GradingResult) -> Practice:
     report = shown_report(services, caller, result.report)
-    known = practisable(services, caller, ran.id)
-    visible = {item.id for item in known.items}
+    task = practisable(services, caller, ran.id)
+    visible = {item.id for item in task.items}
     shown = replace(ran, items=tuple(item for item in ran.items if item.id in visible))
     case = ran.cases[0].id
     content = result.trajectories.get(case)
@@ -212,6 +214,6 @@ def _shown_practice(services: Services, caller: Caller, ran: Assignment, result:
         report=report,
         trajectory=content,
         figure=figure,
-        cases=len(known.cases),
+        cases=len(task.cases),
         cut_output=cut,
     )

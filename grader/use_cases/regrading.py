@@ -39,8 +39,8 @@ def open_regrade(services: Services, caller: Caller, wanted: Wanted) -> Regrade:
     """
     require_instructor(caller)
     require_published(services, caller, wanted.assignment, field="assignment")
-    known = names(services, caller)
-    if unknown := [one for one in wanted.students if known and one not in known]:
+    roster = names(services, caller)
+    if unknown := [one for one in wanted.students if roster and one not in roster]:
         listed = ", ".join(unknown[:10])
         detail = Text(zh=f"没有这些学号：{listed}", en=f"No student has these ids: {listed}")
         raise RefusedError("unknown_student", detail, field="students")
@@ -58,8 +58,8 @@ def all_regrades(services: Services, caller: Caller) -> tuple[Regrade, ...]:
     For staff.
     """
     require_staff(caller)
-    found = services.regrades.all(caller.course)
-    return tuple(_of_caller(caller, one) for one in found if _concerns(caller, one))
+    regrades = services.regrades.all(caller.course)
+    return tuple(_of_caller(caller, one) for one in regrades if _concerns(caller, one))
 
 
 def regrade_of(services: Services, caller: Caller, regrade_id: str) -> Regrade:
@@ -161,30 +161,30 @@ def told_changes(services: Services, caller: Caller, submission_id: str) -> tupl
 
 def look_at_changes(services: Services, caller: Caller, submission: Submission) -> tuple[ToldChange, ...]:
     """Return what `told_changes` does, and note that the submission's student has seen it."""
-    found = _shown_changes(services, caller, submission)
-    if caller.role is Role.STUDENT and any(not one.seen for one in found):
+    changes = _shown_changes(services, caller, submission)
+    if caller.role is Role.STUDENT and any(not one.seen for one in changes):
         services.regrades.seen(submission.id, services.clock())
-    return found
+    return changes
 
 
 def unseen_changes(services: Services, caller: Caller) -> tuple[str, ...]:
     """Return the caller's submissions that re-grades changed and the caller has not looked at since."""
     if caller.course is None or caller.person is None or caller.role is not Role.STUDENT:
         return ()
-    found = services.regrades.unseen(caller.course, caller.person)
-    if not found:
+    changes = services.regrades.unseen(caller.course, caller.person)
+    if not changes:
         return ()
-    known, now = services.rules.of(caller.course), services.clock()
-    shown = (_without(one, known.of(one.assignment).hidden_at(now)) for one in found)
+    rules, now = services.rules.of(caller.course), services.clock()
+    shown = (_without(one, rules.of(one.assignment).hidden_at(now)) for one in changes)
     return tuple(dict.fromkeys(one.submission for one in shown if one is not None))
 
 
 def _shown_changes(services: Services, caller: Caller, submission: Submission) -> tuple[ToldChange, ...]:
-    found = services.regrades.changes_of(submission.id)
-    if not found or caller.role is not Role.STUDENT:
-        return found
+    changes = services.regrades.changes_of(submission.id)
+    if not changes or caller.role is not Role.STUDENT:
+        return changes
     hidden = services.rules.of(submission.course).of(submission.assignment).hidden_at(services.clock())
-    shown = (_without(one, hidden) for one in found)
+    shown = (_without(one, hidden) for one in changes)
     return tuple(one for one in shown if one is not None)
 
 

@@ -40,17 +40,17 @@ def send_scores(services: Services, stopped: Callable[[], bool] = lambda: False)
 def _send_score(services: Services, platform: Platform, link: PlatformLink, person: str, score: Score) -> int:
     """Send one score; return whether it was taken."""
     store, now, digest = services.platform_scores, services.clock(), _digest(score)
-    known = store.claim(link, platform.course, person, digest)
-    if known is None:
+    claimed = store.claim(link, platform.course, person, digest)
+    if claimed is None:
         return 0
-    at = now if known.sent_at is None else max(now, known.sent_at + _A_SECOND)
+    at = now if claimed.sent_at is None else max(now, claimed.sent_at + _A_SECOND)
     try:
         services.platform_channel.send(platform, link.line_item, score, at)
     except NotTakenError as error:
-        store.failed(link, person, known.tries + 1, str(error))
+        store.failed(link, person, claimed.tries + 1, str(error))
         return 0
     except UnreachableError as error:
-        store.failed(link, person, known.tries + 1, str(error))
+        store.failed(link, person, claimed.tries + 1, str(error))
         raise
     store.sent(link, person, digest, at)
     return 1
@@ -61,13 +61,13 @@ def _wanted(services: Services, platform: Platform, link: PlatformLink) -> Itera
     people = services.platform_scores.people(platform)
     if not people:
         return
-    known, now = services.platform_scores.known(link), services.clock()
+    sent, now = services.platform_scores.known(link), services.clock()
     hidden = bool(services.rules.of(platform.course).of(link.assignment).hidden_at(now))
     for progress in services.dashboard.state(platform.course).progress:
         if progress.assignment != link.assignment or progress.student not in people:
             continue
         score = _score(services, people, progress, hidden=hidden)
-        row = known.get(progress.student)
+        row = sent.get(progress.student)
         due = row is None or not ahead(row.not_before, now)
         if score is not None and due and (row is None or row.sha256 != _digest(score)):
             yield progress.student, score

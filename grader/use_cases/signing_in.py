@@ -74,10 +74,10 @@ def arrive(services: Services, provider: str, person: Person) -> Arrival:
     identities, within = services.identities, _within(services, provider)
     claimed = (person.claimed,) if person.claimed else ()
     identities.bind_claimed(provider, person.subject, persons=claimed, email=person.email, within=within)
-    known = identities.of_subject(provider, person.subject)
-    if len(known) == 1 and (session := identities.open_session(known[0])) is not None:
+    held_identities = identities.of_subject(provider, person.subject)
+    if len(held_identities) == 1 and (session := identities.open_session(held_identities[0])) is not None:
         return Arrival(session=session)
-    return Arrival(held=identities.hold(provider, person.subject), courses=_titled(services, known))
+    return Arrival(held=identities.hold(provider, person.subject), courses=_titled(services, held_identities))
 
 
 def show_token(services: Services, held: str, token: str) -> str | None:
@@ -139,10 +139,10 @@ def _enter(services: Services, held: str, course: str) -> str:
 
 
 def _recognised(services: Services, held: str) -> tuple[str, str]:
-    found = services.identities.held(held)
-    if found is None:
+    arrival = services.identities.held(held)
+    if arrival is None:
         raise RefusedError("signin_expired")
-    return found
+    return arrival
 
 
 def _within(services: Services, provider: str) -> str | None:
@@ -159,8 +159,8 @@ def _within(services: Services, provider: str) -> str | None:
     return platform.course
 
 
-def _titled(services: Services, known: tuple[Identity, ...]) -> tuple[tuple[str, str], ...]:
-    return tuple((one.course, services.courses.get(one.course).title) for one in known)
+def _titled(services: Services, identities: tuple[Identity, ...]) -> tuple[tuple[str, str], ...]:
+    return tuple((one.course, services.courses.get(one.course).title) for one in identities)
 
 
 def _require_courses(services: Services) -> None:

@@ -73,10 +73,10 @@ async def side_by_side(
     return await services.comparer.run(read)
 
 
-def _shown(caller: Caller, found: Similar) -> Similar:
+def _shown(caller: Caller, similar: Similar) -> Similar:
     """Return the pairs of students whom the caller looks after; they are compared with the whole class."""
     if caller.students is None:
-        return found
+        return similar
 
     def own(pairs: Sequence[SimilarPair]) -> tuple[SimilarPair, ...]:
         return tuple(
@@ -86,10 +86,10 @@ def _shown(caller: Caller, found: Similar) -> Similar:
         )
 
     return replace(
-        found,
-        too_little=tuple(one for one in found.too_little if caller.looks_after(one)),
-        pairs=own(found.pairs),
-        same_drives=own(found.same_drives),
+        similar,
+        too_little=tuple(one for one in similar.too_little if caller.looks_after(one)),
+        pairs=own(similar.pairs),
+        same_drives=own(similar.same_drives),
     )
 
 
@@ -112,11 +112,11 @@ def _similar(services: Services, caller: Caller, assignment_id: str) -> Similar:
     staff = services.comparer.scripts.of_staff(caller.course, assignment_id)
     given = services.assignments.of(caller.course).given_code()
     key = (caller.course, assignment_id, scripts, staff, _digest(given), len(own))
-    known = services.comparer.results.find(key)
-    if known is not None:
-        return known
-    made = _compared(services, assignment_id, scripts, staff, given)
-    return services.comparer.results.keep(key, replace(made, not_compared=len(own) - len(scripts)))
+    kept = services.comparer.results.find(key)
+    if kept is not None:
+        return kept
+    compared = _compared(services, assignment_id, scripts, staff, given)
+    return services.comparer.results.keep(key, replace(compared, not_compared=len(own) - len(scripts)))
 
 
 def _compared(
@@ -152,9 +152,9 @@ def _grams(services: Services, staff: Collection[HandedIn], given: Sequence[byte
     """Return every run of tokens in the code that all were given; what staff handed in is such code."""
     handed_in = {one.sha256 for one in staff}
     key = (frozenset(handed_in), _digest(given))
-    known = services.comparer.grams.find(key)
-    if known is not None:
-        return known
+    kept = services.comparer.grams.find(key)
+    if kept is not None:
+        return kept
     theirs = [source for _, source in services.comparer.scripts.sources(handed_in)]
     every = [grams(tokens_of(code_of(one))) for one in (*given, *theirs)]
     made = np.unique(np.concatenate([np.zeros(0, dtype=np.uint64), *every]))

@@ -91,11 +91,11 @@ def listed(
     if wanted.since is not None and wanted.since.tzinfo is None:
         zone = services.rules.of(caller.course).zone
         wanted = replace(wanted, since=wanted.since.replace(tzinfo=zone))
-    found = services.submissions.of_class(caller.course, wanted, limit + 1, caller.students)
-    if not found:
+    submissions = services.submissions.of_class(caller.course, wanted, limit + 1, caller.students)
+    if not submissions:
         _require_known(services, caller, wanted)
-    page = found[:limit]
-    return shown_list(services, caller, page), page[-1].id if len(found) > limit else None
+    page = submissions[:limit]
+    return shown_list(services, caller, page), page[-1].id if len(submissions) > limit else None
 
 
 def _require_known(services: Services, caller: Caller, wanted: SubmissionFilter) -> None:
@@ -186,27 +186,27 @@ def history(
     Raises:
         RefusedError: the student's work is not the caller's to see.
     """
-    listed, known = attempts(services, caller, student, assignment), services.rules.of(caller.course)
-    counted = set() if caller.course is None else _counted(listed, known, caller, services.clock())
+    listed, rules = attempts(services, caller, student, assignment), services.rules.of(caller.course)
+    counted = set() if caller.course is None else _counted(listed, rules, caller, services.clock())
     return tuple(
-        PastAttempt(submission=one, lateness=_lateness(one, known), counts=one.id in counted)
+        PastAttempt(submission=one, lateness=_lateness(one, rules), counts=one.id in counted)
         for one in listed
     )
 
 
-def _counted(listed: Iterable[Submission], known: CourseRules, caller: Caller, now: datetime) -> set[str]:
+def _counted(listed: Iterable[Submission], rules: CourseRules, caller: Caller, now: datetime) -> set[str]:
     """Return the ids of the attempts that count; of none with items that are hidden from the caller."""
     own: dict[str, list[Submission]] = defaultdict(list)
     for one in listed:
-        if caller.is_staff or not known.of(one.assignment).hidden_at(now):
+        if caller.is_staff or not rules.of(one.assignment).hidden_at(now):
             own[one.assignment].append(one)
-    found = (
-        known.of(assignment, some[0].student).counting(
-            known.extension(assignment, some[0].student), as_attempts(some)
+    counting = (
+        rules.of(assignment, some[0].student).counting(
+            rules.extension(assignment, some[0].student), as_attempts(some)
         )
         for assignment, some in own.items()
     )
-    return {one.attempt.id for one in found if one is not None}
+    return {one.attempt.id for one in counting if one is not None}
 
 
 def best_of(submissions: Iterable[Submission]) -> dict[str, Submission]:
@@ -219,9 +219,9 @@ def best_of(submissions: Iterable[Submission]) -> dict[str, Submission]:
     return best
 
 
-def _lateness(submission: Submission, known: CourseRules) -> Lateness:
-    rules = known.of(submission.assignment, submission.student)
-    extension = known.extension(submission.assignment, submission.student)
+def _lateness(submission: Submission, course_rules: CourseRules) -> Lateness:
+    rules = course_rules.of(submission.assignment, submission.student)
+    extension = course_rules.extension(submission.assignment, submission.student)
     score, received_at = submission.score, submission.received_at
     return Lateness(
         late_s=rules.late_s(extension, received_at),

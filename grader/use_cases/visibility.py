@@ -111,10 +111,10 @@ def shown_assignments(
     """Return assignments as the course grades them, without the items that the caller does not see now."""
     if caller.course is None:
         return tuple(assignments)
-    known, now = services.rules.of(caller.course), services.clock()
+    rules, now = services.rules.of(caller.course), services.clock()
     hides = caller.role is Role.STUDENT
     return tuple(
-        _without_items(one.of_course(known.distro), known.of(one.id).hidden_at(now) if hides else frozenset())
+        _without_items(one.of_course(rules.distro), rules.of(one.id).hidden_at(now) if hides else frozenset())
         for one in assignments
     )
 

@@ -43,6 +43,7 @@ def test_no_page_names_a_student_of_another_section(
         "provider_id": "campus",
         "secret": "x" * 43,
         "regrade_id": regrade,
+        "name": "grader.whl",
         "platform": "gradescope",
     }
     both = {"first": own.rpartition("/")[2], "second": of["submission_id"]}
