@@ -1,6 +1,6 @@
 """Check assignments by their own files: solutions get full marks, wrong scripts the scores they must get."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 
@@ -18,8 +18,9 @@ from grader.contracts.errors import AssignmentError
 from grader.contracts.grading import Grader
 from grader.contracts.notation import written
 from grader.contracts.text import EMPTY, Language, Text, trouble
-from grader.grading.examination import Examination, Finding, own_scripts
+from grader.grading.examination import Examination, Finding, OwnScript, own_scripts
 from grader.grading.examination import examine as examine_scripts
+from grader.grading.examination.blind import driven_blindly, looks
 from grader.grading.examination.reference import traced, wants_reference
 from grader.grading.examination.sensitivity import Sensitivity
 from grader.grading.slot import Slot, SlotConfig
@@ -40,7 +41,9 @@ _LESS_COSTS = Text(zh="小多少开始扣", en="too small: costs from")
 _LESS_LEAVES_NOTHING = Text(zh="小多少扣完", en="nothing left at")
 _MORE_COSTS = Text(zh="大多少开始扣", en="too large: costs from")
 _MORE_LEAVES_NOTHING = Text(zh="大多少扣完", en="nothing left at")
+_DRIVER = Text(zh="不看的开法", en="driver that looks at nothing")
 _USUAL_TOTAL = 100
+_SHIFT = 100  # of the seeds of another room
 _WHICH_COSTS = Text(zh="：答案的动作差多少就扣多少", en=": which error in the solution's motion costs what")
 
 
@@ -49,16 +52,44 @@ def validate(
 ) -> int:
     """Grade the files of the assignments and print their scores; return 0 when all are as expected.
 
-    On a terminal, standard error shows the progress.
+    Exercises with a sensor or a goal are also driven by drivers that look at nothing, which may earn little. On a
+    terminal, standard error shows the progress.
 
     `details`: print the solution's margins and the rubric's sensitivity as well.
     """
-    table = _table(language, EMPTY, _ASSIGNMENT, _SCRIPT, _SCORE, _PROBLEM)
     examinations: dict[str, Examination] = {}
+    blind: dict[str, list[Finding]] = {}
     with Slot(SlotConfig()) as slot, closing(followed(list(assignment_ids))) as under_way:
         for assignment_id in under_way:
             examinations[assignment_id] = examine(catalog, assignment_id, slot, sensitive=details)
+            if looks(catalog.get(assignment_id)):
+                blind[assignment_id] = _blindly(catalog, assignment_id, slot)
     findings = [finding for each in examinations.values() for finding in each.findings]
+    console().print(_scores(findings, language))
+    for note in unusual_totals(findings):
+        console().print(styled.Text(note.get(language)))
+    for assignment_id, examination in examinations.items():
+        if examination.idle:
+            console().print(styled.Text(_idle(catalog, assignment_id, examination.idle).get(language)))
+    if blind:
+        console().print(_blind_table(blind, language))
+    if details:
+        for assignment_id, examination in examinations.items():
+            _print_details(assignment_id, examination, language)
+    findings += [finding for each in blind.values() for finding in each]
+    return 1 if any(finding.problem != EMPTY for finding in findings) else 0
+
+
+def _blindly(catalog: Catalog, assignment_id: str, grader: Grader) -> list[Finding]:
+    assignment = catalog.get(assignment_id)
+    file = catalog.own_file(assignment, "solution")
+    solution = OwnScript(name=file.name, source=handed_in(file))
+    return driven_blindly(assignment, solution, grader, catalog.with_seeds(_SHIFT).get(assignment_id))
+
+
+def _scores(findings: Iterable[Finding], language: Language) -> Table:
+    """Return what each of the assignments' own files scored."""
+    table = _table(language, EMPTY, _ASSIGNMENT, _SCRIPT, _SCORE, _PROBLEM)
     for finding in findings:
         table.add_row(
             "✗" if finding.problem != EMPTY else "✓",
@@ -67,16 +98,26 @@ def validate(
             f"{'—' if finding.score is None else written(finding.score)}/{written(finding.max_score)}",
             styled.Text(finding.problem.get(language), style="red"),
         )
-    console().print(table)
-    for note in unusual_totals(findings):
-        console().print(styled.Text(note.get(language)))
-    for assignment_id, examination in examinations.items():
-        if examination.idle:
-            console().print(styled.Text(_idle(catalog, assignment_id, examination.idle).get(language)))
-    if details:
-        for assignment_id, examination in examinations.items():
-            _print_details(assignment_id, examination, language)
-    return 1 if any(finding.problem != EMPTY for finding in findings) else 0
+    return table
+
+
+def _blind_table(blind: Mapping[str, Sequence[Finding]], language: Language) -> Table:
+    """Return what each driver that looks at nothing earned, a row for each, a column for each exercise."""
+    table = _table(language, _DRIVER, *(Text(zh=one, en=one) for one in blind))
+    scores = {
+        (assignment_id, one.script): one for assignment_id, findings in blind.items() for one in findings
+    }
+    for driver in dict.fromkeys(driver for _, driver in scores):
+        cells = (scores.get((assignment_id, driver)) for assignment_id in blind)
+        table.add_row(driver, *map(_cell, cells))
+    return table
+
+
+def _cell(finding: Finding | None) -> styled.Text:
+    if finding is None or finding.score is None:
+        return styled.Text(NOTHING)
+    is_paid = finding.problem != EMPTY
+    return styled.Text(f"{'✗ ' if is_paid else ''}{written(finding.score)}", style="red" if is_paid else "")
 
 
 def _idle(catalog: Catalog, assignment_id: str, places: tuple[str, ...]) -> Text:

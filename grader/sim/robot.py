@@ -80,10 +80,13 @@ class WheelDrive:
 
 
 class Odometry:
-    """The pose that adds up from how far the wheels have turned; zero at the start, as on the robot."""
+    """The pose that adds up from how far the wheels have turned, from the start pose on.
 
-    def __init__(self) -> None:
-        self.x_m = self.y_m = self.heading_rad = 0.0
+    So the frame of the odometry is that of the room, as in Gazebo; the robot itself counts from zero.
+    """
+
+    def __init__(self, start: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
+        self.x_m, self.y_m, self.heading_rad = start
         self.v_mps = self.w_radps = 0.0
         self.wheels_radps: tuple[float, ...] = (0.0, 0.0)
         self._wheels = (0.0, 0.0)

@@ -79,7 +79,7 @@ class RobotBody(Client):
         self._drive = WheelDrive(rough_seed)
         self.commanded = self.velocity = self.wheels_rad = (0.0, 0.0)
         self.beat = self.now_ns = self.steps_run = 0
-        self.odometry = Odometry()
+        self.odometry = Odometry(start)
         self._zero_rad = (0.0, 0.0)
         self._touched: dict[int, int] = {}
         with faults():

@@ -1,5 +1,6 @@
 """Check ``room``: each measure against a drive whose measure is known."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -70,8 +71,27 @@ def test_the_band_counts_from_where_it_was_first_kept() -> None:
     assert found["band_m"].value == pytest.approx(1.5, abs=0.02)
     far = examine(task("band_pct", band_low_m=0.25, band_high_m=0.45), straight(1.9)).measures
     # in the middle 0.6 m from the post, then nearer to the right wall: 0.45 m at x = 1.55, 0.25 m at 1.75
-    assert far["band_m"].value == pytest.approx(0.2, abs=0.02)
+    assert far["band_m"].value == pytest.approx(0.0, abs=0.02)  # towards the wall, not along it
     assert far["band_pct"].value == pytest.approx(100.0 * 0.2 / 0.35, abs=5.0)
+
+
+def test_circles_beside_a_wall_lead_nowhere() -> None:
+    run, laps = straight(1.5, y_m=-0.6), 5
+    angle = np.linspace(0.0, -math.tau * laps, len(run.trajectory))
+    x, y = 0.1 * np.sin(-angle), -0.6 + 0.1 * (np.cos(angle) - 1.0)
+    track = replace(run.trajectory, x_m=x, y_m=y, heading_rad=angle)
+    for options in ({}, {"wall_side": "right"}):
+        rubric = task("band_m", band_low_m=0.1, band_high_m=0.6, **options)
+        assert examine(rubric, replace(run, trajectory=track)).measures["band_m"].value < 0.05
+
+
+def test_driving_and_floor_count_until_something_is_touched() -> None:
+    touch = Contact(start_ns=4 * 10**9, end_ns=5 * 10**9, wall="box")
+    free, touched = (
+        examine(task("moving_s"), straight(1.5, contacts=each)).measures for each in ((), (touch,))
+    )
+    assert touched["moving_s"].value == pytest.approx(4.0, abs=0.05)
+    assert touched["covered_pct"].value < free["covered_pct"].value
 
 
 def along_bottom(*, heading_deg: float = 0.0, there_and_back: bool = False) -> Findings:

@@ -17,6 +17,7 @@ from grader.checks.kinds.places.visits import (
     outside_of,
     visits,
     way_of,
+    within_budget,
 )
 from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake
 from grader.checks.mistakes import driving_mistakes
@@ -86,9 +87,10 @@ def measure(assignment: Assignment, run: Run) -> Measures:
     if drive is None or wanted is None:
         return {}
     way = way_of(run, moving_at_end=drive.moving_at_end)
-    seen = visits(wanted, way)
+    counted = _counted(assignment, wanted, way)
+    seen = visits(wanted, counted)
     return {
-        **_of_the_goals(wanted, way, seen),
+        **_of_the_goals(wanted, way, counted, seen),
         **_of_the_way(assignment, run, way),
         **_of_the_motion(run, drive),
         "detour_pct": _detour(way, seen),
@@ -101,15 +103,23 @@ def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mista
     if drive is None or wanted is None:
         return driving_mistakes(run, ())
     way = way_of(run, moving_at_end=drive.moving_at_end)
-    return driving_mistakes(run, place_mistakes(assignment, run, drive, way, visits(wanted, way)))
+    seen = visits(wanted, _counted(assignment, wanted, way))
+    return driving_mistakes(run, place_mistakes(assignment, run, drive, way, seen))
 
 
-def _of_the_goals(wanted: WantedPlaces, way: Way, seen: list[Visit]) -> dict[str, Measure]:
+def _counted(assignment: Assignment, wanted: WantedPlaces, way: Way) -> Way:
+    """Return the part of a way in which goals count. In a room with walls the straight way says nothing."""
+    room = assignment.world.room
+    is_open = room is None or all(solid.kind == "edge" for solid in room.solids)
+    return within_budget(wanted, way) if is_open else way
+
+
+def _of_the_goals(wanted: WantedPlaces, way: Way, counted: Way, seen: list[Visit]) -> dict[str, Measure]:
     done = [visit.done_s for visit in seen if visit.done_s is not None]
     missed = [visit for visit in seen if visit.done_s is None]
     last = wanted.visit[-1].region
     off_m = exact.hypot(float(way.x_m[-1]) - last.x_m, float(way.y_m[-1]) - last.y_m)
-    nearly = [share for share in nearly_reached(wanted, way, seen) if share] if missed else []
+    nearly = [share for share in nearly_reached(wanted, counted, seen) if share] if missed else []
     worth = math.fsum(nearly)
     more = say("places.nearly", count=len(nearly), worth=number(worth, "1")) if nearly else EMPTY
     found = {
@@ -183,7 +193,7 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     if drive is None:
         return FigureSketch()
     way = way_of(run, moving_at_end=drive.moving_at_end)
-    seen, hit = visits(wanted, way), entered(wanted.avoid, way)
+    seen, hit = visits(wanted, _counted(assignment, wanted, way)), entered(wanted.avoid, way)
     goals = tuple(
         _drawn(visit.goal.region, _plain(str(visit.number)), ok=visit.done_s is not None) for visit in seen
     )

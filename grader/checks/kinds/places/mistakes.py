@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from grader.checks.drive import Drive, share_backwards
-from grader.checks.kinds.places.visits import Visit, Way, entered
+from grader.checks.kinds.places.visits import Visit, Way, entered, outside_of
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import command_mistakes, loop_in_callback, only_turned, swings
 from grader.checks.scoring import fits
@@ -41,12 +41,23 @@ EXCHANGED_M = 0.5  # from the goal with x and y exchanged: a car that rests this
 LOST_TIMES, LOST_M = 1.25, 0.5
 
 
+def _was_there(visit: Visit, way: Way) -> bool:
+    """Return whether the car came to a goal after all, when its way was too long already."""
+    return visit.entered_s is None and bool(np.any(outside_of(visit.goal.region, way) <= 0.0))
+
+
 def place_mistakes(
     assignment: Assignment, run: Run, drive: Drive, way: Way, visits: Sequence[Visit]
 ) -> Iterator[Mistake]:
     """Yield what probably went wrong on the way to the places."""
     turns = (*_GOAL_MEASURES, *_END_MEASURES)
     yield from command_mistakes(run, assignment.world, turns=turns, drives=_DRIVE_MEASURES)
+    if (
+        late := next((one for one in visits if one.done_s is None and _was_there(one, way)), None)
+    ) is not None:
+        driven_m = exact.total(exact.hypot(np.diff(way.x_m), np.diff(way.y_m)))
+        told = {"number": late.number, "driven": number(driven_m, "m"), "straight": number(late.first_m, "m")}
+        yield mistake("place_wandered", _GOAL_MEASURES, **told)
     touched = list(_touched(assignment, run, way))
     if all(visit.done_s is not None for visit in visits):
         ending = list(_ending(assignment, run, drive, way, visits))

@@ -18,6 +18,10 @@ SAME_M = 0.01  # jumps that are shorter, all together, do not count as being put
 # A missed goal counts this much at most, the less, the larger it must be to be reached; nothing at twice its size.
 NEARLY_COUNTS = 0.75
 NEARLY_STEPS = 25  # from that to nothing
+# Of the straight way from goal to goal: who wanders about meets any goal some day. Twice this lets a search in,
+# half of it a controller that drives in arcs.
+MOST_TIMES = 3.0
+SPARE_M = 1.0  # for a short way
 FOR_EVER_S = math.inf
 Stay = tuple[float, float]
 """When the car came into a region, and when it left it."""
@@ -94,6 +98,19 @@ def _driven(trajectory: Trajectory) -> int:
         if put_m > SAME_M:
             return i
     return len(trajectory)
+
+
+def within_budget(wanted: WantedPlaces, way: Way) -> Way:
+    """Return the part of a way in which goals count: up to `MOST_TIMES` the straight way from goal to goal."""
+    x, y, straight_m = float(way.x_m[0]), float(way.y_m[0]), 0.0
+    for goal in wanted.visit:
+        straight_m += exact.hypot(goal.region.x_m - x, goal.region.y_m - y)
+        x, y = goal.region.x_m, goal.region.y_m
+    along_m = np.concatenate(([0.0], np.cumsum(exact.hypot(np.diff(way.x_m), np.diff(way.y_m)))))
+    count = int(np.searchsorted(along_m, MOST_TIMES * straight_m + SPARE_M, side="right"))
+    if count == len(way.t_s):
+        return way
+    return replace(way, t_s=way.t_s[:count], x_m=way.x_m[:count], y_m=way.y_m[:count], rests=False)
 
 
 def outside_of(region: Region, way: Way) -> Floats:

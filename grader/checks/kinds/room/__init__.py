@@ -30,6 +30,7 @@ MEASURES = {
     "clearance_m": MeasureKind("m"),
     "ahead_m": MeasureKind("m"),
     "settled": MeasureKind(form="flag"),
+    "turned_deg": MeasureKind("deg"),
     "moving_s": MeasureKind("s"),
     "covered_pct": MeasureKind("%"),
     "band_pct": MeasureKind("%"),
@@ -68,8 +69,11 @@ def measure(assignment: Assignment, run: Run) -> Measures:
         "clearance_m": clearance(room, trajectory),
         "ahead_m": _ahead(room, trajectory),
         "settled": Measure(0.0 if drive.moving_at_end else 1.0),
+        "turned_deg": Measure(
+            math.degrees(abs(float(trajectory.heading_rad[-1] - trajectory.heading_rad[0])))
+        ),
         "moving_s": Measure(_moving_s(trajectory)),
-        "covered_pct": Measure(100.0 * _covered(room, drive)),
+        "covered_pct": Measure(100.0 * _covered(room, trajectory)),
         **_band(band),
         **_line(assignment, room, drive),
     }
@@ -94,20 +98,27 @@ def _ahead(room: Room, trajectory: Trajectory) -> Measure:
 
 
 def _moving_s(trajectory: Trajectory) -> float:
-    """Return for how long the robot drove; turning on the spot is not driving."""
+    """Return for how long the robot drove before it touched anything; turning on the spot is not driving."""
     steps_s = np.diff(trajectory.t_ns) * 1e-9
-    return exact.total(steps_s[np.abs(trajectory.v_mps[1:]) > MOVING_MPS])
+    drives = np.abs(trajectory.v_mps[1:]) > MOVING_MPS
+    return exact.total(steps_s[drives & (trajectory.t_ns[1:] * 1e-9 <= _touched_s(trajectory))])
 
 
-def _covered(room: Room, drive: Drive) -> float:
-    """Return which share of the floor's cells the robot has been in, of those it can be in."""
+def _touched_s(trajectory: Trajectory) -> float:
+    """Return when the robot first touched something."""
+    return min((one.start_ns * 1e-9 for one in trajectory.contacts), default=math.inf)
+
+
+def _covered(room: Room, trajectory: Trajectory) -> float:
+    """Return in which share of the cells it can be in the robot was before it touched anything."""
     columns = np.arange(room.left_m + CELL_M / 2.0, room.right_m, CELL_M)
     rows = np.arange(room.bottom_m + CELL_M / 2.0, room.top_m, CELL_M)
     x, y = (each.ravel() for each in np.meshgrid(columns, rows))
     free = np.ones(len(x), dtype=bool)
     for solid in room.solids:
         free &= from_point_m(solid, x, y) > (_AROUND_M if solid.kind != "ramp" else -1.0)
-    at_x, at_y, _ = points_of(drive)
+    free_of_touch = trajectory.t_ns * 1e-9 <= _touched_s(trajectory)
+    at_x, at_y = trajectory.x_m[free_of_touch], trajectory.y_m[free_of_touch]
     column = np.clip(((at_x - room.left_m) / CELL_M).astype(int), 0, len(columns) - 1)
     row = np.clip(((at_y - room.bottom_m) / CELL_M).astype(int), 0, len(rows) - 1)
     been = np.zeros(len(x), dtype=bool)

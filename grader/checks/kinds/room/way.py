@@ -46,7 +46,7 @@ class WallFollowing:
     Attributes:
         low_m, high_m: between which the nearest wall should be.
         kept_share: of the way, forwards and with the wall on the wanted side.
-        way_m: how far that led; what was driven backwards leads back.
+        way_m: how far that led along the walls; what leads back, as half of a circle does, is taken off.
         backwards_share: of the way, driven in reverse gear.
         other_side_share: of the way, near enough to a wall, but with it on the other side.
     """
@@ -78,7 +78,7 @@ def wall_following(assignment: Assignment, room: Room, drive: Drive) -> WallFoll
         low_m=low_m,
         high_m=high_m,
         kept_share=float(np.mean(kept & (direction > 0.0))),
-        way_m=max(0.0, POINT_M * float(np.sum(direction[kept]))),
+        way_m=_net_m(_progress_m(room, way)[first:], kept, side),
         backwards_share=float(np.mean(direction < 0.0)),
         other_side_share=float(np.mean((within & ~beside)[first:])),
     )
@@ -88,6 +88,27 @@ def _nearest_m(room: Room, x_m: Floats, y_m: Floats) -> Floats:
     """Return how far points are from the nearest solid that stands above the floor."""
     walls = [from_point_m(solid, x_m, y_m) for solid in room.solids if solid.kind != "ramp"]
     return np.asarray(np.min(np.array(walls), axis=0))
+
+
+def _progress_m(room: Room, way: WayPoints) -> Floats:
+    """Return how far each point of the way leads along the nearest wall, with it on the right."""
+    aside = _ASIDE_M
+    away_x = _nearest_m(room, way.x_m + aside, way.y_m) - _nearest_m(room, way.x_m - aside, way.y_m)
+    away_y = _nearest_m(room, way.x_m, way.y_m + aside) - _nearest_m(room, way.x_m, way.y_m - aside)
+    if len(way.x_m) < 2:
+        return np.zeros(len(way.x_m))
+    step_x, step_y = np.gradient(way.x_m), np.gradient(way.y_m)
+    return np.asarray((away_y * step_x - away_x * step_y) / (2.0 * aside))
+
+
+def _net_m(progress_m: Floats, kept: NDArray[np.bool_], side: float | None) -> float:
+    """Return the sum of the progress that was kept, but no more than all of it comes to.
+
+    Otherwise the way back, further off or with the wall on the other side, would be free. Without a wanted side
+    the direction that leads further counts.
+    """
+    sign = -side if side is not None else math.copysign(1.0, exact.total(progress_m[kept]))
+    return max(0.0, min(sign * exact.total(progress_m[kept]), sign * exact.total(progress_m)))
 
 
 def _on_side(room: Room, way: WayPoints, side: float) -> NDArray[np.bool_]:
