@@ -63,7 +63,7 @@ _MODULES: Final = tuple(dict.fromkeys((
 
 _LIBRARIES_NOT_HERE: Final = frozenset((
     "PIL", "RPi", "bs4", "cv2", "cv_bridge", "flask", "gazebo_msgs", "gym",
-    "gymnasium", "imageio", "moveit_msgs", "nav2_simple_commander", "open3d",
+    "gymnasium", "imageio", "matplotlib", "moveit_msgs", "mpl_toolkits", "nav2_simple_commander", "open3d",
     "openai", "pandas", "psutil", "pybullet", "pybullet_data", "pygame", "requests", "scipy", "seaborn", "serial",
     "skimage", "sklearn", "smbus", "spidev", "sympy", "tensorflow", "torch", "torchvision", "tqdm",
     "transforms3d", "ultralytics", "usb", "yolov5",

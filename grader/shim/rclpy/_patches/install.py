@@ -57,9 +57,6 @@ LAZY = {
 }
 """Module -> (our module, of this package unless it has a dot, function called with it once it is there)."""
 
-PICTURES = ("matplotlib", "mpl_toolkits")
-"""Packages that draw; `pictures` replaces them."""
-
 _OURS = ("rclpy._kernel", "rclpy._link", "rclpy._patches", "rclpy._process", "rclpy._storage")
 _SYSTEM = ("posix", "_io")
 """Modules of the import system, which keep the real files: they read the shim and the standard library."""
@@ -188,10 +185,6 @@ class PostImport:
     def find_spec(
         self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        if name.partition(".")[0] in PICTURES:
-            from rclpy._patches import pictures
-
-            return pictures.spec_of(name)
         if name not in LAZY or name in self._busy:
             return None
         self._busy.add(name)
