@@ -179,10 +179,10 @@ def _moving_at_end(trajectory: Trajectory) -> bool:
 
 
 def _pausing(run: Run) -> bool:
-    last_ns, trajectory = run.outcome.last_command_ns, run.trajectory
-    if run.outcome.status is not RunStatus.INTERRUPTED or last_ns is None:
+    trajectory = run.trajectory
+    if run.outcome.status is not RunStatus.INTERRUPTED or run.outcome.last_command_ns is None:
         return False
-    rested_ns = trajectory.end_ns - min(last_ns, _last_driven_ns(trajectory))
+    rested_ns = trajectory.end_ns - _last_driven_ns(trajectory)
     return rested_ns <= MAX_PAUSE_NS or rested_ns <= _longest_rest_ns(trajectory)
 
 

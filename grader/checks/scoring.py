@@ -172,7 +172,12 @@ def credit(spec: ItemSpec, value: float) -> float:
     x = distance / spec.ramp
     if spec.expect:
         return 1.0 - x  # a share of what is expected earns that share
-    return 1.0 - x * x * (3.0 - 2.0 * x)  # flat at both ends: nobody loses much by a hair
+    return smoothly(x)
+
+
+def smoothly(x: float) -> float:
+    """Return what is left at a share `x` of the way to nothing: flat at both ends, nobody loses much by a hair."""
+    return 1.0 - x * x * (3.0 - 2.0 * x)
 
 
 def weight(needed: Iterable[float]) -> float:

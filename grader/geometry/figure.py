@@ -200,6 +200,10 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
     total = len(segments.straights)
     lengths = [chord(path, *span(path, segments, i)) for i in range(total)]
     lap = _lap(path, segments, corners, sides, cut_short=cut_short)
+    if total == sides > lap and not cut_short and _repeats(lengths, corners, lap, cut_short=False):
+        return _Extent(
+            0, total
+        )  # as many sides as are wanted, each turned too far: not laps of another figure
     if _halves(lengths, corners, lap):
         return _Extent(0, total, joined=True)
     if _begins_inside(path, segments, lengths, lap) and _repeats(

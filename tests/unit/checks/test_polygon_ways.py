@@ -288,8 +288,8 @@ def test_a_third_side_counts_as_far_as_it_was_driven() -> None:
         legs = polygon_legs(4, lengths_m=lengths, laps=len(lengths) / 4, last_turn=False)
         earned.append(score(graded("square", drive(legs))))
     assert earned == sorted(earned)
-    assert earned[0] == 5
-    assert earned[-1] == 77.5
+    assert earned[0] == 47.5  # half of the figure
+    assert earned[-1] == 67.65
     said = item(
         graded("square", drive(polygon_legs(4, lengths_m=[2.0, 2.0, 0.8], laps=0.75))), "sides"
     ).message
@@ -359,6 +359,6 @@ def test_a_side_that_is_left_out_between_its_turns_is_one_side_missing(sides: in
     """Two turns follow the last side that was driven, as if there were one between them."""
     turn: Leg = (math.tau / sides, 0.0, 1.0)
     scoring = graded(POLYGONS[sides], drive([*polygon_legs(sides, laps=(sides - 1) / sides), turn]))
-    assert item(scoring, "angles").earned == 25
-    assert score(scoring) == 72.5
+    assert item(scoring, "angles").earned == pytest.approx(25 * (sides - 1) / sides, abs=0.01)
+    assert item(scoring, "rest").earned == 0
     assert scoring.mistakes[0] == "sides_missing"

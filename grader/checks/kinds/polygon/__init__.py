@@ -13,7 +13,7 @@ from grader.checks.kinds.polygon.figures import DrivenPolygon, WantedPolygon, dr
 from grader.checks.kinds.polygon.mistakes import polygon_mistakes
 from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake, Option
 from grader.checks.mistakes import driving_mistakes
-from grader.checks.scoring import fits
+from grader.checks.scoring import credit, fits, smoothly
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchSide
 from grader.contracts.scoring import Run
@@ -39,6 +39,7 @@ MEASURES = {
 
 
 _LENGTHS = ("side_spread_pct", "side_error_pct")
+_OF_THE_SIDES = ("corner_deg", "curved_pct", "opposite_corners")
 _OF_THE_FIGURE = ("curved_pct", "opposite_corners", "gap_pct", "settled")
 _ONLY_RECTANGLES = Text(
     zh="只用于 4 条边，和 side_m 一起：请删掉", en="only for 4 sides, beside side_m; remove it"
@@ -52,7 +53,7 @@ def measure(assignment: Assignment, run: Run) -> Measures:
     """Measure the figure that the car drove in `run`."""
     wanted = wanted_polygon(assignment.options)
     driven = driven_polygon(assignment, wanted, run)
-    return {} if driven is None else _measures(wanted, driven, _wall_m(run, driven))
+    return {} if driven is None else _measures(assignment, wanted, driven, _wall_m(run, driven))
 
 
 def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
@@ -63,54 +64,96 @@ def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mista
     return driving_mistakes(run, own)
 
 
-def _measures(wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float) -> dict[str, Measure]:
+def _measures(
+    assignment: Assignment, wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float
+) -> dict[str, Measure]:
     figure = driven.figure
     taken = {
         "distance_m": Measure(float(driven.drive.path.along_m[-1])),
-        "sides": Measure(0.0, {"lengths": "—", "bent": EMPTY, "part": EMPTY}),
+        "sides": Measure(0.0, {"lengths": "—", "part": EMPTY}),
         "settled": _settled(driven),
     }
     if figure is None:
         return taken
-    taken["sides"] = _side_count(figure, len(figure.sides_m), driven.left_out(wanted))
-    taken["side_spread_pct"] = _spread(figure.sides_m, wall_m)
-    if wanted.lengths_m is not None:
-        taken["side_error_pct"] = _side_error(wanted, figure.sides_m)
+    taken["sides"] = _side_count(figure, wanted, driven.left_out(wanted))
     taken["curved_pct"] = Measure(100.0 * figure.curved_share)
     taken["gap_pct"] = _gap_measure(driven, figure)
     taken |= _corner_measures(wanted, driven)
-    # A piece of the last side must not cost more than a missing side.
-    if driven.is_unfinished(wanted) and not driven.is_other(wanted):
-        taken["sides"] = _side_count(figure, len(figure.sides_m) - 1)
-        taken["side_spread_pct"] = _spread(figure.sides_m[:-1], wall_m)
-        if wanted.lengths_m is not None:
-            taken["side_error_pct"] = _side_error(wanted, figure.sides_m[:-1])
-        taken["gap_pct"] = Measure(math.nan, {"why": say("polygon.unfinished")})
+    done = driven.done_share(wanted)
+    taken |= {name: _of_a_part(taken[name], done) for name in _OF_THE_SIDES if name in taken}
+    taken |= _lengths(assignment, wanted, driven, wall_m)
     if (otherness := round(driven.otherness(wanted), 3)) > 0.0:
         spoilt = _OF_THE_FIGURE if len(figure.sides_m) == wanted.sides else (*_OF_THE_FIGURE, *_LENGTHS)
         taken |= {name: _of_another(taken[name], otherness) for name in spoilt if name in taken}
+        if len(figure.sides_m) != wanted.sides:
+            share = taken["sides"].share * (1.0 - otherness)
+            taken["sides"] = _shared(taken["sides"], share, say("polygon.near_another"))
     return taken
+
+
+def _of_a_part(measure: Measure, done: float) -> Measure:
+    """Return a measure of the sides that were driven, which are a part of those that are wanted."""
+    return measure if done >= 1.0 else _shared(measure, measure.share * done, say("polygon.part_of_figure"))
+
+
+def _shared(measure: Measure, share: float, why: Text) -> Measure:
+    return replace(measure, details={**measure.details, "why": why}, share=share)
+
+
+def _lengths(
+    assignment: Assignment, wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float
+) -> dict[str, Measure]:
+    """Return the measures of the sides' lengths, as far as these sides are the wanted ones.
+
+    A last side that was begun and not driven to its end must not cost more than if it had not been begun.
+    """
+    figure = driven.figure
+    assert figure is not None
+    taken = _lengths_of(wanted, figure.sides_m, wall_m)
+    if driven.left_out(wanted, whole=1.0) <= 0.0:
+        return taken
+    without = _lengths_of(wanted, figure.sides_m[:-1], wall_m)
+    return {
+        name: max(taken[name], without[name], key=lambda one: _credit(assignment, name, one))
+        for name in taken
+    }
+
+
+def _credit(assignment: Assignment, name: str, measure: Measure) -> float:
+    spec = assignment.item_on(name)
+    return measure.share if spec is None else credit(spec, measure.value) * measure.share
+
+
+def _lengths_of(wanted: WantedPolygon, sides_m: Sequence[float], wall_m: float) -> dict[str, Measure]:
+    taken = {"side_spread_pct": _spread(sides_m, wall_m)}
+    if wanted.lengths_m is not None:
+        taken["side_error_pct"] = _side_error(wanted, sides_m)
+    share = min(len(sides_m) / wanted.sides, 1.0)
+    return {name: _of_a_part(one, share) for name, one in taken.items()}
 
 
 def _of_another(measure: Measure, otherness: float) -> Measure:
     """Return a measure of another figure, which earns nothing for being driven well."""
     if otherness >= 1.0:
         return Measure(math.nan, {"why": say("polygon.other")})
-    why = {"why": say("polygon.near_another")}
-    return replace(measure, details={**measure.details, **why}, share=1.0 - otherness)
+    return _shared(measure, measure.share * (1.0 - otherness), say("polygon.near_another"))
 
 
-def _side_count(figure: PolygonFigure, count: int, left_out: float = 0.0) -> Measure:
-    """Return the number of sides, less a part for bent ones and for what was left out of the last one.
+def _side_count(figure: PolygonFigure, wanted: WantedPolygon, left_out: float) -> Measure:
+    """Return the number of sides, less what was left out of the last one.
 
     From some bend on, a side is taken for a turn, and the corners beside it are lost as well. So that the score
-    does not jump there, one side that bends almost that much takes 1.5 off the number, and all of them together 2.
+    does not jump there, less of the number counts the more one side bends, and the more all of them do.
     """
-    lost = 1.5 * max(figure.bows) + 0.5 * min(figure.bows)
-    bent = say("polygon.bent_sides") if lost > 0.0 else EMPTY
+    count = len(figure.sides_m)
     part = say("polygon.part_of_side") if left_out > 0.0 else EMPTY
-    details = {"lengths": listed(figure.sides_m, "m"), "bent": bent, "part": part}
-    return Measure(count - lost - left_out, details)
+    counted = Measure(count - left_out, {"lengths": listed(figure.sides_m, "m"), "part": part})
+    if count == 1:
+        return _shared(counted, 0.0, say("polygon.part_of_figure"))  # a straight is no part of a figure
+    straight = smoothly(min(0.75 * max(figure.bows) + 0.25 * min(figure.bows), 1.0))
+    if count > wanted.sides:
+        return _shared(counted, straight * (wanted.sides / count) ** 2, say("polygon.part_of_figure"))
+    return _shared(counted, straight, say("polygon.bent_sides")) if straight < 1.0 else counted
 
 
 def _gap_measure(driven: DrivenPolygon, figure: PolygonFigure) -> Measure:

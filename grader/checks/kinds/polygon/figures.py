@@ -17,8 +17,15 @@ from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
 from grader.geometry import exact
 from grader.geometry.coarse import coarse_looks
-from grader.geometry.figure import NEARLY_CLOSED_SHARE, PolygonFigure, alike, chord, measure_polygon
-from grader.geometry.path import Segments, bare, median, segment, without_overshoots
+from grader.geometry.figure import (
+    NEARLY_CLOSED_SHARE,
+    REPEAT_TOLERANCE,
+    PolygonFigure,
+    alike,
+    chord,
+    measure_polygon,
+)
+from grader.geometry.path import Segments, bare, segment, without_overshoots
 
 FULL_TURN_DEG = 360.0
 Bools = NDArray[np.bool_]
@@ -197,35 +204,39 @@ class DrivenPolygon:
             return complete * (1.0 - _from(max(sides) / min(sides), ALIKE_RATIO, EQUAL_RATIO))
         return complete * _oblong(sides)
 
-    def is_unfinished(self, wanted: WantedPolygon) -> bool:
-        """Whether the figure ends within its last side, and its other sides have one length."""
-        figure = self.figure
-        if figure is None or len(figure.sides_m) != wanted.sides or figure.repeated or figure.overrun:
-            return False
-        *whole, last = figure.sides_m
-        if wanted.lengths_m is not None and wanted.side_error_pct(whole) > 100.0 * (1.0 - UNFINISHED_SHARE):
-            return False  # the whole ones earn nothing for their lengths that the last one could take away
-        alike, across = (whole[::2], whole[1]) if wanted.differing else (whole, median(whole))
-        return max(alike) <= EQUAL_RATIO * min(alike) and last < UNFINISHED_SHARE * across
+    def left_out(self, wanted: WantedPolygon, whole: float = UNFINISHED_SHARE) -> float:
+        """Return which share of its last side a figure left out, against the shortest other of that length.
 
-    def left_out(self, wanted: WantedPolygon) -> float:
-        """Return which share of its last side a figure with too few sides left out, against the shortest other.
-
-        Where the next side begins must not decide about all that needs the number of sides.
+        Where the next side begins must not decide about all that needs the number of sides. A side that is driven
+        to the share `whole` counts as one.
         """
-        if self.figure is None or not 1 < len(self.figure.sides_m) < wanted.sides:
+        figure = self.figure
+        if figure is None or figure.repeated or figure.overrun or not 1 < len(figure.sides_m) <= wanted.sides:
             return 0.0
-        *whole, last = self.figure.sides_m
-        differ = 1.0 if wanted.lengths_m is None else min(wanted.lengths_m) / max(wanted.lengths_m)
-        done_m = UNFINISHED_SHARE * differ * min(whole)
+        *others, last = figure.sides_m
+        across = others[-2::-2] if wanted.differing else others
+        differ = 1.0 if across or wanted.lengths_m is None else min(wanted.lengths_m) / max(wanted.lengths_m)
+        done_m = whole * differ * min(across or others)
         return max(1.0 - last / done_m, 0.0) if done_m > 0.0 else 0.0
+
+    def done_share(self, wanted: WantedPolygon) -> float:
+        """Return how much of the wanted figure its sides are, such as 6 of 8; what follows it adds nothing."""
+        count = 0.0 if self.figure is None else len(self.figure.sides_m) - self.left_out(wanted)
+        return min(count / wanted.sides, 1.0)
 
     @property
     def drove_on_m(self) -> float:
-        """How far the car drove on after the figure, before it came to rest by itself."""
-        if self.figure is None or not self.figure.overrun or self.drive.cut_short:
+        """How far the car drove on after the figure, which it did not repeat.
+
+        Ctrl+C may have cut a further lap short; but none goes straight on for more than a side.
+        """
+        figure = self.figure
+        if figure is None or not figure.overrun:
             return 0.0
-        return float(self.drive.path.along_m[-1] - self.drive.path.along_m[self.figure.end])
+        later = [one.length_m for one in self.segments.straights if one.last > figure.end]
+        if self.drive.cut_short and max(later, default=0.0) <= (1.0 + REPEAT_TOLERANCE) * max(figure.sides_m):
+            return 0.0
+        return float(self.drive.path.along_m[-1] - self.drive.path.along_m[figure.end])
 
     @property
     def long_way(self) -> Bools:
