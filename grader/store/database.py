@@ -22,8 +22,7 @@ writes and not hundreds. Each transaction still succeeds or fails alone. What ha
 a moment before it lasts. What would be made again, the same, does not wait at all (``lasting=False``); the log is
 one sequence, so whatever lasts takes with it all that was committed before.
 
-PostgreSQL: a process keeps to the connections that it used last. `Database.at_once` is for single statements, each
-a transaction by itself: no BEGIN and no COMMIT travel (`grader.store.finishing`).
+PostgreSQL: a process keeps to the connections that it used last. It groups commits by itself.
 """
 
 import hashlib
@@ -129,7 +128,6 @@ class Database:
             if self.is_sqlite
             else {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
         )
-        self._single = self._engine.execution_options(isolation_level="AUTOCOMMIT")
         self.announcer = _announcer(self._engine)
         self._turns = _Turns()
         self._disk = _Disk(f"{self._engine.url.database}-wal")
@@ -158,8 +156,8 @@ class Database:
         """One transaction that may write; committed at the end, rolled back on any exception.
 
         Args:
-            lasting: what is committed survives a power cut. False: on SQLite it may be lost, with all that was
-                committed after it in the same way, unless a lasting commit came later.
+            lasting: what is committed survives a power cut. False: it may be lost, with all that was committed
+                after it in the same way, unless a lasting commit came later.
 
         Raises:
             InfrastructureError: the database cannot be reached or stays locked. When the connection breaks
@@ -169,6 +167,8 @@ class Database:
             self._turns.mine() if self.is_sqlite else nullcontext(),
             self._transaction(self._engine) as session,
         ):
+            if not (lasting or self.is_sqlite):
+                session.connection().exec_driver_sql("SET LOCAL synchronous_commit = off")
             yield session
         if lasting and self.is_sqlite:
             self._disk.take_in()
@@ -190,12 +190,6 @@ class Database:
                 yield session
             finally:
                 self._own.session = None
-
-    @contextmanager
-    def at_once(self) -> Iterator[Connection]:
-        """A connection on which each statement is a transaction by itself. Raises as `writing` does."""
-        with _explained(), self._single.connect() as connection:
-            yield connection
 
     def close(self) -> None:
         """Close every connection; those in use by other threads as soon as their transactions end."""
@@ -358,6 +352,15 @@ def add_once(connection: Connection, table: type[SQLModel], **values: Any) -> No
 def _unless_there(table: type[SQLModel], dialect: str) -> Insert:
     insert = sqlite.insert if dialect == "sqlite" else postgresql.insert
     return insert(table_of(table)).on_conflict_do_nothing()
+
+
+def put(connection: Connection, table: type[SQLModel], **values: Any) -> None:
+    """Add a row, or give the one with its primary key these values."""
+    insert = sqlite.insert if connection.dialect.name == "sqlite" else postgresql.insert
+    keys = [column.name for column in table_of(table).primary_key]
+    others = {name: value for name, value in values.items() if name not in keys}
+    statement = insert(table_of(table)).values(**values)
+    connection.execute(statement.on_conflict_do_update(index_elements=keys, set_=others))
 
 
 @contextmanager

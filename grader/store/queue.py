@@ -8,7 +8,7 @@ submission again whose lease has ended.
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import datetime, timedelta
 from statistics import fmean, median
 from typing import Any, NamedTuple
@@ -20,10 +20,9 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingResult
 from grader.contracts.rubric import to_judge
 from grader.contracts.submission import Claim, QueueState, SubmissionState
-from grader.store.claiming import DUE, change, claim_of, claim_values, due_early, instants, resume, take
+from grader.store.claiming import DUE, change, due_early, instants, resume, take
 from grader.store.clock import LONGEST_PAUSE, Clock, ahead, longer_pause
 from grader.store.database import Database, add_once
-from grader.store.finishing import FinishedRows, finish_at_once
 from grader.store.gradings import (
     AssignmentRows,
     Values,
@@ -327,52 +326,23 @@ class Queue:
         now = self._clock()
         graded = self._assignments.of(assignment)
         grading = grading_values(claim, result, now, graded["sha256"])
-        rows = FinishedRows(_outcome(claim, result, grading), grading, detail_values(grading, result), graded)
-        if not self._database.is_sqlite:
-            finished = self._finish_at_once(claim, rows, claimant)
-            if finished.stored:
-                return finished
-        return self._finish_by_steps(claim, rows, claimant)
-
-    def _finish_by_steps(self, claim: Claim, rows: FinishedRows, claimant: _Claimant | None) -> Finished:
-        # A result that a power cut takes away is graded again and comes out the same.
+        # A result that a power cut, or a crash of the server, takes away is graded again and comes out the same.
         with self._database.writing(lasting=False) as session:
             connection = session.connection()
-            known, graded = _stored_assignments(connection), rows.assignment
-            current = change(connection, claim, rows.changes)
+            known = _stored_assignments(connection)
+            current = change(connection, claim, _outcome(claim, result, grading))
             if current:
                 if graded["sha256"] not in known:
                     add_once(connection, GradedAssignmentRow, **graded)
-                insert_grading(connection, rows.grading, rows.details)
-            stored = current or _stored_already(connection, rows.grading)
+                insert_grading(connection, grading, detail_values(grading, result))
+            stored = current or _stored_already(connection, grading)
             answer_lost = stored and not current
             following = None if claimant is None else self._claim_next(session, claimant, answer_lost)
         if current:
             known.add(graded["sha256"])
         return Finished(stored, following)
 
-    def _finish_at_once(self, claim: Claim, rows: FinishedRows, claimant: _Claimant | None) -> Finished:
-        """Finish by one statement, on PostgreSQL. If the claim is not valid (any more), nothing is done."""
-        next_claim = None
-        if claimant is not None:
-            next_claim = claim_values(claimant.worker, self._clock(), self.lease_s, claimant.in_turn)
-        with self._database.at_once() as connection:
-            known, graded = _stored_assignments(connection), rows.assignment
-            rows = replace(rows, knows_assignment=graded["sha256"] in known)
-            row = finish_at_once(connection, self._database.announcer, claim, rows, next_claim)
-        if row is None:
-            return Finished(stored=False)
-        known.add(graded["sha256"])
-        if claimant is None:
-            return Finished(stored=True)
-        if row.id is not None:
-            return Finished(stored=True, following=claim_of(row[:-1], claimant.worker))
-        if not claimant.in_turn:
-            return Finished(stored=True)
-        with self._database.writing() as session:  # nobody's turn has come, but something may be due
-            return Finished(stored=True, following=self._claim_next(session, claimant))
-
-    def _claim_next(self, session: Session, claimant: _Claimant, answer_lost: bool = False) -> Claim | None:
+    def _claim_next(self, session: Session, claimant: _Claimant, answer_lost: bool) -> Claim | None:
         """Claim what is due next.
 
         `answer_lost` says that an earlier commit stored the result and its answer was lost. What that commit

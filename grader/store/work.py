@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any, Protocol
 
-from sqlalchemy import CTE
 from sqlmodel import Session, col
 
 from grader.contracts.errors import InfrastructureError
@@ -69,10 +68,6 @@ class Announcer(Protocol):
         """Take back the announcement of a row that this transaction claimed without having been told of it."""
         ...
 
-    def taking_back(self, claimed: CTE) -> CTE | None:
-        """Return the part of a statement that does what `claimed` does, for the row of the part `claimed`."""
-        ...
-
     def mend(self, session: Session, now: datetime) -> int:
         """Replace announcements that were lost, and clear away what dead workers left.
 
@@ -90,10 +85,6 @@ class Unannounced:
 
     def claimed(self, session: Session, claim: Claim) -> None:
         """Do nothing."""
-
-    def taking_back(self, claimed: CTE) -> CTE | None:
-        """Return nothing: there is no announcement."""
-        return None
 
     def mend(self, session: Session, now: datetime) -> int:
         """Do nothing."""

@@ -13,7 +13,7 @@ from sqlmodel import col
 
 from grader.contracts.submission import WorkerState
 from grader.store.clock import TimedPart
-from grader.store.database import one_at_a_time
+from grader.store.database import put
 from grader.store.tables import WorkerRow
 
 _FORGOTTEN_AFTER_S = 3_600.0
@@ -24,11 +24,11 @@ class Workers(TimedPart):
 
     def report(self, state: WorkerState) -> None:
         """Store what a worker says about itself; delete workers that have been silent for an hour."""
-        forgotten = col(WorkerRow.seen_at) < self._clock() - timedelta(seconds=_FORGOTTEN_AFTER_S)
-        with self._database.writing() as session:
-            one_at_a_time(session, "worker reports")
-            session.execute(delete(WorkerRow).where(forgotten))
-            session.merge(WorkerRow(**asdict(state)))
+        long_ago = col(WorkerRow.seen_at) < self._clock() - timedelta(seconds=_FORGOTTEN_AFTER_S)
+        forgotten = select(col(WorkerRow.id)).where(long_ago).with_for_update(skip_locked=True)
+        with self._database.writing(lasting=False) as session:  # it is said again at the next beat
+            session.execute(delete(WorkerRow).where(col(WorkerRow.id).in_(forgotten)))
+            put(session.connection(), WorkerRow, **asdict(state))
 
     def leave(self, worker_id: str) -> None:
         """Delete a worker that has stopped in good order, instead of waiting until it counts as silent."""

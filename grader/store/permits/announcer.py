@@ -5,19 +5,17 @@ from datetime import datetime, timedelta
 from typing import Any
 
 from sqlalchemy import (
-    CTE,
     BigInteger,
     ColumnElement,
     DateTime,
-    Delete,
     Integer,
     SQLColumnExpression,
     String,
     bindparam,
     column,
     delete,
-    exists,
     func,
+    literal,
     select,
     table,
     text,
@@ -27,7 +25,7 @@ from sqlmodel import Session, col
 
 from grader.contracts.submission import Claim, SubmissionState
 from grader.store.tables import SubmissionRow
-from grader.store.work import ANNOUNCED, Announcement, announcements
+from grader.store.work import Announcement
 
 QUEUE = "grading"
 TASK = "grade"
@@ -112,12 +110,8 @@ def _values(announced: Announcement, now: datetime) -> dict[str, Any]:
     }
 
 
-def _use_up(lock: ColumnElement[str]) -> Delete:
-    waits = select(JOBS.c.id).where(JOBS.c.queueing_lock == lock, _TODO).with_for_update(skip_locked=True)
-    return delete(JOBS).where(JOBS.c.id == waits.scalar_subquery())
-
-
-_USE_UP = _use_up(bindparam("lock", type_=String))
+_WAITING_FOR = select(JOBS.c.id).where(JOBS.c.queueing_lock == bindparam("lock", type_=String), _TODO)
+_USE_UP = delete(JOBS).where(JOBS.c.id == _WAITING_FOR.with_for_update(skip_locked=True).scalar_subquery())
 
 
 class PermitAnnouncer:
@@ -134,38 +128,46 @@ class PermitAnnouncer:
         """
         session.execute(_USE_UP, {"lock": lock_of(claim.submission_id, claim.attempt - 1)})
 
-    def taking_back(self, claimed: CTE) -> CTE | None:
-        """Return the part of a statement that uses up the permit of the row of the part `claimed`."""
-        lock = select(_lock_of(claimed.c.id, claimed.c.attempt - 1)).scalar_subquery()
-        return _use_up(lock).cte("taken_back")
-
     def mend(self, session: Session, now: datetime) -> int:
         """Sweep, unless another worker does so at this moment.
 
         Jobs that nobody runs any more are deleted. Their rows wait, and count as late after a while, or run under
-        a lease, which ends. If there are fewer permits than late rows, the late rows get the missing ones. Both
-        are counted up to a thousand: that many permits keep the workers busy until a later sweep.
+        a lease, which ends. If there are fewer permits than late rows, the first of these get theirs. Both are
+        counted up to a thousand: that many permits keep the workers busy until a later sweep. No look at all rows
+        is made to find those without a permit, because it does not matter whose permits they are.
         """
         if not session.execute(select(func.pg_try_advisory_xact_lock(_SWEEP_KEY))).scalar_one():
             return 0
         left_over = {"queue": QUEUE, "silent_s": _SILENT_S, "stuck_s": _STUCK_S}
         session.execute(_LEFT_OVER, left_over)
-        late = _late(now)
-        some = select(col(SubmissionRow.id)).where(*late).limit(_AT_ONCE).subquery()
+        some = select(col(SubmissionRow.id)).where(*_late(now)).limit(_AT_ONCE).subquery()
         count = session.execute(select(func.count()).select_from(some)).scalar_one()
         permits = session.execute(_PERMITS, {"queue": QUEUE, "now": now, "most": _AT_ONCE}).scalar_one()
-        missing = int(count) - int(permits)
-        if missing <= 0:
-            return 0
-        rows = session.execute(
-            select(*ANNOUNCED)
-            .where(*late, ~_has_a_permit(now))
-            .order_by(col(SubmissionRow.priority), col(SubmissionRow.turn_at), col(SubmissionRow.id))
-            .limit(missing)
+        return _permits_for_first(session, now) if count > permits else 0
+
+
+def _permits_for_first(session: Session, now: datetime) -> int:
+    """Give each of the first late rows a permit that can be taken; return how many had none."""
+    row = SubmissionRow
+    args = func.jsonb_build_object("submission", col(row.id), "attempt", col(row.attempt))
+    first = (
+        select(literal(QUEUE), literal(TASK), args, -col(row.priority), lock_of_row())
+        .where(*_late(now))
+        .order_by(col(row.priority), col(row.turn_at), col(row.id))
+        .limit(_AT_ONCE)
+    )
+    columns = ["queue_name", "task_name", "args", "priority", "queueing_lock"]
+    given = (
+        insert(JOBS)
+        .from_select(columns, first)
+        .on_conflict_do_update(
+            index_elements=["queueing_lock"],
+            index_where=text("status = 'todo'"),
+            set_={"scheduled_at": None},
+            where=JOBS.c.scheduled_at > now,  # from a time when the clock was ahead
         )
-        late_rows = announcements(rows)
-        defer(session, late_rows, now)
-        return len(late_rows)
+    )
+    return len(session.execute(given.returning(JOBS.c.id)).all())
 
 
 def defer_again(session: Session, submission_id: str, attempt: int, now: datetime) -> None:
@@ -194,9 +196,3 @@ def _late(now: datetime) -> tuple[ColumnElement[bool], ...]:
         col(SubmissionRow.state) == SubmissionState.QUEUED.value,
         col(SubmissionRow.not_before) <= now - timedelta(seconds=_LATE_S),
     )
-
-
-def _has_a_permit(now: datetime) -> ColumnElement[bool]:
-    """Whether a row has a permit of its own that can be taken: not one from a time when the clock was ahead."""
-    due = func.coalesce(JOBS.c.scheduled_at <= now, True)
-    return exists().where(JOBS.c.queueing_lock == lock_of_row(), JOBS.c.status == text("'todo'"), due)

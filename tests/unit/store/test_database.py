@@ -4,24 +4,25 @@ import sqlite3
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing, suppress
+from dataclasses import asdict
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
 
 import pytest
 from sqlalchemy import event, func, inspect, select
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
-from sqlmodel import Session
+from sqlmodel import Session, col
 
 from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, WorkerState
 from grader.store import database as store_database
 from grader.store.courses import Courses
-from grader.store.database import Database, checkpoint, checkpoints
+from grader.store.database import Database, checkpoint, checkpoints, put
 from grader.store.intake import new_id
 from grader.store.queue import Queue, Retries
 from grader.store.schema import migrate
-from grader.store.tables import CourseRow
+from grader.store.tables import CourseRow, WorkerRow
 from grader.store.workers import Workers, presence
 from tests.fakes.clock import START, FakeClock
 from tests.fakes.submissions import Submissions
@@ -368,6 +369,18 @@ def test_silent_workers_are_not_alive(database: Database, clock: FakeClock) -> N
     assert len(workers.alive(10.0)) == 1
     workers.leave("host:1")
     assert workers.alive(10.0) == ()
+
+
+def test_no_heartbeat_waits_for_another_one(postgres_database: Database, clock: FakeClock) -> None:
+    workers = Workers(postgres_database, clock)
+    workers.report(worker(START - timedelta(days=1), "old:1"))
+    with postgres_database.writing() as session:
+        put(session.connection(), WorkerRow, **asdict(worker(clock(), "slow:1")))
+        session.execute(select(WorkerRow).where(col(WorkerRow.id) == "old:1").with_for_update())
+        workers.report(
+            worker(clock(), "host:1")
+        )  # waiting for the one above would end it after half a minute
+    assert [one.id for one in workers.alive(10.0)] == ["host:1", "slow:1"]
 
 
 def test_only_the_first_process_finds_itself_alone(tmp_path: Path) -> None:

@@ -4,7 +4,6 @@ from collections import Counter
 from dataclasses import replace
 from itertools import count
 
-import psycopg._queries
 import pytest
 from sqlalchemy import inspect, text
 from sqlalchemy.event import listen
@@ -314,29 +313,24 @@ def test_a_claim_is_its_workers_alone(queue: Queue, submissions: Submissions, da
     assert submissions.get(added.id).state is SubmissionState.GRADED
 
 
-def test_on_postgresql_a_result_and_the_next_claim_are_one_statement(
+def test_on_postgresql_only_the_commit_of_what_would_be_made_again_does_not_wait(
     postgres_database: Database, clock: FakeClock
 ) -> None:
-    """It is a transaction by itself, whose commit alone does not wait for the disk."""
     submissions, queue = Submissions(postgres_database, clock), Queue(postgres_database, clock, Retries())
     for student in ("a", "b"):
         submissions.add(upload(student))
     claim = claimed(queue)
     asked: list[str] = []
     listen(postgres_database.engine, "before_cursor_execute", lambda *about: asked.append(about[2]))
-    result = result_of(claim)
-    result = replace(result, report=replace(result.report, mistakes=("published_once",)))
-    _, following = queue.finish_and_claim(claim, result, assignment(), "w")
+    _, following = queue.finish_and_claim(claim, result_of(claim), assignment(), "w")
     assert following is not None
-    (statement,) = asked
-    assert "set_config('synchronous_commit', 'off', true)" in statement
-    assert "INSERT INTO graded_mistake" in statement
-    assert (
-        len(statement) <= psycopg._queries.MAX_CACHED_STATEMENT_LENGTH
-    )  # longer ones are read anew each time
+    assert asked[0] == "SET LOCAL synchronous_commit = off"
     with postgres_database.reading() as session:
         assert session.execute(text("SHOW synchronous_commit")).scalar_one() == "on"
         assert session.execute(text("SELECT count(*) FROM procrastinate_jobs")).scalar_one() == 1
+    asked.clear()
+    assert queue.renew([following]) == {following}
+    assert "synchronous_commit" not in "".join(asked)
 
 
 def test_a_renewed_lease_lives_on(queue: Queue, submissions: Submissions, clock: FakeClock) -> None:
