@@ -42,11 +42,11 @@ class NewOwnAssignment:
         draft: whether students see it only when somebody publishes it.
     """
 
-    draft: bool
     assignment: str
     version: int
     content: bytes
     reading: bytes
+    draft: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -124,6 +124,7 @@ ROWS: dict[str, Row] = {
     "POST /class/regrades": Row("enter 403 403 403 422", {"assignment": "straight", "students": "li"}),
     "POST /class/regrades/{regrade_id}": Row("enter 403 403 403 404", {"decision": "discard", "reason": "x"}),
     "POST /class/rules": Row("enter 403 403 403 ok", {"assignment": "square", "shown": "draft"}),
+    "POST /class/rubric/{assignment_id}": Row("enter 403 403 403 412", {}, owner=""),
     "POST /class/rules/{assignment_id}": Row("enter 403 403 403 ok", {"shown": "draft"}),
     "POST /class/rules/{assignment_id}/extensions": Row(
         "enter 403 403 403 422", {"student": "li", "extra_attempts": "1"}
