@@ -227,7 +227,8 @@ START_OUTSIDE = Text(
     "make the room larger or move the start",
 )
 NOT_READ = Text(
-    zh="只读 Python 的启动文件：写 .launch.py", en="only launch files in Python are read; write .launch.py"
+    zh="启动文件以 .launch.py、.launch.xml 或 .launch.yaml 结尾：写全名",
+    en="a launch file ends in .launch.py, .launch.xml or .launch.yaml; write its whole name",
 )
 NUMBER = Text(zh="写成数字，不是 true 或 false", en="write a number, not true or false")
 RANGE = Text(

@@ -459,7 +459,7 @@ class PackageModel(SpecModel):
 
     @model_validator(mode="after")
     def _is_python(self) -> Self:
-        if self.launch and not self.launch.endswith(".py"):
+        if self.launch and not self.launch.endswith((".py", ".xml", ".yaml", ".yml")):
             raise MisfitError(NOT_READ, "launch")
         return self
 

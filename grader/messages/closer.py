@@ -542,6 +542,20 @@ def own_module(error: StudentError, written: str, script: ScriptText) -> Closer:
     return ("own_module", {"name": found[1]}) if found and not _KNOWN_ROOT.match(found[1]) else None
 
 
+def real_package(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a package of ROS that a launch file asks for, and that is not carried here."""
+    found = re.search(r"'(\w+)'", error.message)
+    if found is None or not _REAL_PACKAGE.match(found[1]):
+        return None
+    return "package_not_here", {"name": found[1]}
+
+
+_REAL_PACKAGE: Final = re.compile(
+    r"(moveit|nav2|slam_toolbox|cartographer|turtlebot[34]|gazebo|ros_gz|rviz|rqt|joint_state|robot_state|"
+    r"robot_localization|urdf|xacro|controller_manager|ros2_control|image_|v4l2|usb_cam|teleop_)"
+)
+"""How packages begin that courses use in launch files: navigation, arms, simulators, displays."""
+
 _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "assigned_later": (missing_global,),
     "bad_name": (backslash,),
@@ -571,6 +585,7 @@ _BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
     "text_for_number": (text_plus_number,),
     "time_and_number": (time_to_sleep,),
     "unknown_field": (message_replaced,),
+    "unknown_package": (real_package,),
     "unknown_attribute": (called_in_its_place, too_early, copied),
     "unknown_name": (parameter_called, copied),
     "unknown_part": (handler_order, wanted_field),

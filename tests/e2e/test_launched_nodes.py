@@ -91,18 +91,19 @@ def launched(slot: Slot, nodes: str = PAIR, **changed: str) -> GradeReport:
     return launched_as(slot, LAUNCH.replace("{nodes}", nodes), **changed)
 
 
-def launched_as(slot: Slot, launch: str, **changed: str) -> GradeReport:
+def launched_as(slot: Slot, launch: str, kind: str = "py", **changed: str) -> GradeReport:
     setup = SETUP.format(name=NAME).replace(
         "'drive = my_turtle.drive:main',",
         f"'drive = my_turtle.drive:main', {''.join(_entry(each) for each in ('ask', *changed))}",
     )
     own = {"shared": SHARED, "ask": ASK, "drive": DRIVE, **changed}
     modules = {f"{NAME}/{name}.py": text for name, text in own.items()}
-    files = package_files(**{"setup.py": setup, "launch/both.launch.py": launch, **modules})
+    setup = setup.replace("launch/*.launch.py", f"launch/*.launch.{kind}")
+    files = package_files(**{"setup.py": setup, f"launch/both.launch.{kind}": launch, **modules})
     job = GradingJob(
         file_name="p.zip",
         source=bundled(zipped(files)),
-        assignment=assignment(WantedPackage(launch="both.launch.py")),
+        assignment=assignment(WantedPackage(launch=f"both.launch.{kind}")),
     )
     return slot.grade(job).report
 
@@ -122,6 +123,80 @@ def test_two_nodes_meet_in_the_graph_alone(slot: Slot) -> None:
         "launch_several",
         "my_turtle/ask, my_turtle/drive",
     )
+
+
+XML = """<launch>
+  <arg name="most" default="2.0" description="of the wheels"/>
+  <let name="team" value="team"/>
+  <group>
+    <push-ros-namespace namespace="$(var team)"/>
+    <node pkg="my_turtle" exec="ask" name="boss" args="--loud">
+      <param name="speed" value="0.5"/>
+      <remap from="wish" to="order"/>
+    </node>
+    <node pkg="my_turtle" exec="drive" name="wheels" if="true">
+      <param name="speed" value="$(var most)"/>
+      <remap from="cmd" to="/turtle1/cmd_vel"/>
+    </node>
+    <node pkg="my_turtle" exec="drive" unless="true"/>
+  </group>
+</launch>
+"""
+IN_YAML = """launch:
+- arg:
+    name: most
+    default: "2.0"
+- group:
+    - push_ros_namespace:
+        namespace: team
+    - node:
+        pkg: my_turtle
+        exec: ask
+        name: boss
+        args: --loud
+        param:
+        - name: speed
+          value: 0.5
+        remap:
+        - from: wish
+          to: order
+    - node:
+        pkg: my_turtle
+        exec: drive
+        name: wheels
+        param:
+        - name: speed
+          value: $(var most)
+        remap:
+        - from: cmd
+          to: /turtle1/cmd_vel
+"""
+
+
+@pytest.mark.parametrize(("kind", "launch"), [("xml", XML), ("yaml", IN_YAML)])
+def test_a_launch_file_in_xml_or_yaml_starts_the_same_nodes(slot: Slot, kind: str, launch: str) -> None:
+    report, in_python = launched_as(slot, launch, kind), launched(slot)
+    assert of(report).stdout == of(in_python).stdout
+    assert (report.score, report.items) == (100, in_python.items)
+
+
+@pytest.mark.parametrize(
+    ("kind", "launch", "said"),
+    [
+        ("xml", "<launch><node></launch>", "syntax error"),
+        ("xml", "<launch><node pkg='my_turtle'/></launch>", "Attribute 'exec' of Entity 'node' not found"),
+        ("xml", "<launch><nodes/></launch>", "Unrecognized entity of the type: nodes"),
+        ("yaml", "- node", "Expected only one root"),
+        ("yaml", "launch: [node: {pkg: my_turtle", "syntax error"),
+    ],
+)
+def test_what_is_wrong_with_a_launch_file_in_xml_or_yaml_is_told(
+    slot: Slot, kind: str, launch: str, said: str
+) -> None:
+    outcome = of(launched_as(slot, launch, kind))
+    assert outcome.status is RunStatus.CRASHED
+    assert outcome.error is not None
+    assert said in outcome.error.message
 
 
 def test_it_is_the_same_run_again_and_again(slot: Slot) -> None:

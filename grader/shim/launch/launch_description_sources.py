@@ -1,4 +1,4 @@
-"""Launch files. Those in XML and YAML are not read here."""
+"""Launch files, in Python, XML and YAML."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class InvalidPythonLaunchFileError(Exception):
 
 
 class InvalidFrontendLaunchFileError(InvalidLaunchFileError):
-    """A launch file in XML or YAML, of which none is read here."""
+    """A launch file is neither XML nor YAML, or describes nothing."""
 
 
 def load_python_launch_file_as_module(python_launch_file_path: str) -> ModuleType:
@@ -76,24 +76,32 @@ def get_launch_description_from_python_launch_file(python_launch_file_path: str)
 
 
 def get_launch_description_from_frontend_launch_file(frontend_launch_file_path: str) -> LaunchDescription:
-    """Refuse a launch file in XML or YAML.
+    """Return what a launch file in XML or YAML describes.
 
     Raises:
-        InvalidFrontendLaunchFileError: always.
+        InvalidFrontendLaunchFileError: it is neither.
         OSError: there is no such file.
+        RuntimeError, AttributeError: an element is not known, or lacks an attribute.
     """
-    with open(frontend_launch_file_path, "rb"):
-        pass
-    raise InvalidFrontendLaunchFileError(
-        f"launch file '{frontend_launch_file_path}': only launch files in Python are run here"
-    )
+    from launch.frontend.files import description, read_xml, read_yaml
+
+    with open(frontend_launch_file_path, "rb") as file:
+        text = file.read().decode("utf-8")
+    read = read_xml if frontend_launch_file_path.endswith(".xml") else read_yaml
+    try:
+        root = read(text)
+    except Exception as error:
+        raise InvalidFrontendLaunchFileError(
+            f"The launch file may have a syntax error, or its format is unknown: {error}"
+        ) from None
+    return description(root)
 
 
 def get_launch_description_from_any_launch_file(launch_file_path: str) -> LaunchDescription:
     """Return what a launch file describes.
 
     Raises:
-        InvalidFrontendLaunchFileError: it is not in Python.
+        InvalidFrontendLaunchFileError: it is neither Python nor XML nor YAML.
         InvalidPythonLaunchFileError, OSError: as `get_launch_description_from_python_launch_file`.
     """
     if launch_file_path.endswith(".py"):
@@ -149,7 +157,7 @@ class PythonLaunchDescriptionSource(LaunchDescriptionSource):
 
 
 class FrontendLaunchDescriptionSource(LaunchDescriptionSource):
-    """A launch file in XML or YAML, which is refused when it is asked for."""
+    """A launch file in XML or YAML."""
 
     def __init__(self, launch_file_path: Any, *, parser: Any = None, method: str = "frontend") -> None:
         super().__init__(None, launch_file_path, method)

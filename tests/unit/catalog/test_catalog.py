@@ -138,7 +138,7 @@ def test_an_edit_is_seen_without_a_restart(tmp_path: Path) -> None:
         ("check: node", "check: node\nhorizon: 9", 7, ("horizon", "did you mean horizon_s?")),
         ("check: node", "check: node\nhorizon_s: 9s", 7, ("horizon_s", "without a unit")),
         ("check: node", "check: node\npackage: drive", 7, ("package", "name, executable, launch")),
-        ("check: node", "check: node\npackage: {launch: a.launch.xml}", 7, ("package.launch", ".launch.py")),
+        ("check: node", "check: node\npackage: {launch: a.launch}", 7, ("package.launch", ".launch.py")),
         ("check: node", "check: node\noptions: 3", 7, ("options", "write fields here")),
         ("check: node", "check: node\nfile_patterns: *my*", 7, ("not valid YAML", "begins with *")),
         (

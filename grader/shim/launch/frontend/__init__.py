@@ -1,1 +1,1 @@
-"""Substitutions in a text, such as ``$(var name)``. Launch files in XML and YAML are not read here."""
+"""Launch files in XML and YAML, and substitutions in a text, such as ``$(var name)``."""

@@ -62,7 +62,7 @@ def launch(guard: Any) -> None:
 def _described() -> tuple[Any, Any, str]:
     """Return a context, what the launch file describes, and where that is."""
     from launch._evaluation import LaunchContext
-    from launch.launch_description_sources import PythonLaunchDescriptionSource
+    from launch.launch_description_sources import AnyLaunchDescriptionSource
 
     path = workspace.launch_path()
     if not path:
@@ -75,7 +75,7 @@ def _described() -> tuple[Any, Any, str]:
         sys.exit(1)
     context = LaunchContext(argv=sys.argv[1:])
     context.launch_configurations |= dict(each.split(":=", 1) for each in sys.argv[1:] if ":=" in each)
-    return context, PythonLaunchDescriptionSource(path).get_launch_description(context), path
+    return context, AnyLaunchDescriptionSource(path).get_launch_description(context), path
 
 
 class Launched:

@@ -1,0 +1,226 @@
+"""Launch files in XML and YAML: the elements that courses use, as the actions that a file in Python would make.
+
+``arg``, ``let``, ``node`` (with ``param``, ``remap``, ``env``), ``include``, ``group``, ``push_ros_namespace``,
+``set_env``, ``unset_env``, ``set_parameter``, ``set_remap``, ``timer``, ``log`` and ``executable``, with ``if``
+and ``unless``.
+"""
+
+from __future__ import annotations
+
+from launch import actions, conditions
+from launch._evaluation import LaunchDescription
+from launch.frontend.parse_substitution import parse_substitution
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from typing import Any
+
+
+class Element:
+    """An element: its tag, its attributes as texts, and the elements in it."""
+
+    def __init__(self, tag: str, attributes: dict[str, str], children: list[Element]) -> None:
+        self.tag = tag.replace("-", "_")
+        self.attributes = attributes
+        self.children = children
+
+    def text(self, name: str) -> Any:
+        """Return an attribute with its substitutions, None where it is not there."""
+        value = self.attributes.get(name)
+        return None if value is None else parse_substitution(value)
+
+    def required(self, name: str) -> Any:
+        """Return an attribute that must be there.
+
+        Raises:
+            AttributeError: it is not, as upstream says.
+        """
+        if name not in self.attributes:
+            raise AttributeError(f"Attribute '{name}' of Entity '{self.tag}' not found")
+        return self.text(name)
+
+    def all(self, tag: str) -> Iterator[Element]:
+        """Yield the elements of a kind in it."""
+        return (each for each in self.children if each.tag == tag)
+
+
+def read_xml(text: str) -> Element:
+    """Return the root of a file in XML.
+
+    Raises:
+        xml.etree.ElementTree.ParseError: it is none.
+    """
+    from xml.etree import ElementTree
+
+    def element(node: Any) -> Element:
+        return Element(node.tag, dict(node.attrib), [element(each) for each in node])
+
+    return element(ElementTree.fromstring(text))  # noqa: S314 - the student's own file, in the student's process
+
+
+def read_yaml(text: str) -> Element:
+    """Return the root of a file in YAML: a list of mappings, each with one element.
+
+    Raises:
+        yaml.YAMLError, RuntimeError: it is none.
+    """
+    import yaml
+
+    root = yaml.safe_load(text)
+    if not isinstance(root, dict) or len(root) != 1:
+        raise RuntimeError("Expected only one root, with the key 'launch'")
+    ((tag, inner),) = root.items()
+    return _element(str(tag), inner)
+
+
+def _element(tag: str, inner: Any) -> Element:
+    attributes: dict[str, str] = {}
+    children: list[Element] = []
+    if isinstance(inner, list):
+        for each in inner:
+            children += [_element(str(name), value) for name, value in each.items()]
+    elif isinstance(inner, dict):
+        for name, value in inner.items():
+            if name == "children":
+                children += _element("", value).children
+            elif isinstance(value, list):
+                children += [_element(str(name), each) for each in value]
+            else:
+                attributes[str(name)] = _scalar(value)
+    return Element(tag, attributes, children)
+
+
+def _scalar(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def description(root: Element) -> LaunchDescription:
+    """Return what a file describes.
+
+    Raises:
+        RuntimeError: an element is not known here.
+    """
+    return LaunchDescription([_action(each) for each in root.children])
+
+
+def _action(element: Element) -> Any:
+    make = _ACTIONS.get(element.tag)
+    if make is None:
+        raise RuntimeError(f"Unrecognized entity of the type: {element.tag}")
+    options: dict[str, Any] = {}
+    if "if" in element.attributes:
+        options["condition"] = conditions.IfCondition(element.text("if"))
+    elif "unless" in element.attributes:
+        options["condition"] = conditions.UnlessCondition(element.text("unless"))
+    return make(element, options)
+
+
+def _arg(element: Element, options: dict[str, Any]) -> Any:
+    if "value" in element.attributes:  # as of ROS 1, and in an include
+        return _let(element, options)
+    return actions.DeclareLaunchArgument(
+        element.attributes["name"], default_value=element.text("default"), **options
+    )
+
+
+def _let(element: Element, options: dict[str, Any]) -> Any:
+    return actions.SetLaunchConfiguration(element.required("name"), element.required("value"), **options)
+
+
+def _node(element: Element, options: dict[str, Any]) -> Any:
+    from launch_ros.actions import Node
+
+    parameters = [_parameter(each) for each in element.all("param")]
+    remappings = [(each.required("from"), each.required("to")) for each in element.all("remap")]
+    environment = {each.attributes["name"]: each.required("value") for each in element.all("env")}
+    return Node(
+        package=element.required("pkg"),
+        executable=element.required("exec"),
+        name=element.text("name"),
+        namespace=element.text("namespace"),
+        arguments=_words(element.attributes.get("args", "")),
+        ros_arguments=_words(element.attributes.get("ros_args", "")) or None,
+        parameters=parameters or None,
+        remappings=remappings or None,
+        additional_env=environment or None,
+        output=element.attributes.get("output", "log"),
+        **options,
+    )
+
+
+def _words(text: str) -> list[Any]:
+    import shlex
+
+    return [parse_substitution(each) for each in shlex.split(text)]
+
+
+def _parameter(element: Element) -> Any:
+    if "from" in element.attributes:
+        return element.text("from")
+    return {element.attributes["name"]: _value(element)}
+
+
+def _value(element: Element) -> Any:
+    nested = list(element.all("param"))
+    if nested:
+        return {each.attributes["name"]: _value(each) for each in nested}
+    return element.required("value")
+
+
+def _include(element: Element, options: dict[str, Any]) -> Any:
+    given = [
+        (each.required("name"), each.required("value")) for each in (*element.all("arg"), *element.all("let"))
+    ]
+    return actions.IncludeLaunchDescription(element.required("file"), launch_arguments=given, **options)
+
+
+def _group(element: Element, options: dict[str, Any]) -> Any:
+    scoped = element.attributes.get("scoped", "true").lower() != "false"
+    return actions.GroupAction([_action(each) for each in element.children], scoped=scoped, **options)
+
+
+def _namespace(element: Element, options: dict[str, Any]) -> Any:
+    from launch_ros.actions import PushRosNamespace
+
+    return PushRosNamespace(element.required("namespace"), **options)
+
+
+def _set_parameter(element: Element, options: dict[str, Any]) -> Any:
+    from launch_ros.actions import SetParameter
+
+    return SetParameter(element.required("name"), element.required("value"), **options)
+
+
+def _set_remap(element: Element, options: dict[str, Any]) -> Any:
+    from launch_ros.actions import SetRemap
+
+    return SetRemap(element.required("from"), element.required("to"), **options)
+
+
+def _timer(element: Element, options: dict[str, Any]) -> Any:
+    inner = [_action(each) for each in element.children]
+    return actions.TimerAction(period=float(element.attributes["period"]), actions=inner, **options)
+
+
+_ACTIONS: dict[str, Callable[[Element, dict[str, Any]], Any]] = {
+    "arg": _arg,
+    "let": _let,
+    "node": _node,
+    "include": _include,
+    "group": _group,
+    "push_ros_namespace": _namespace,
+    "set_parameter": _set_parameter,
+    "set_remap": _set_remap,
+    "set_env": lambda element, options: actions.SetEnvironmentVariable(
+        element.required("name"), element.required("value"), **options
+    ),
+    "unset_env": lambda element, options: actions.UnsetEnvironmentVariable(
+        element.required("name"), **options
+    ),
+    "timer": _timer,
+    "log": lambda element, options: actions.LogInfo(msg=element.required("message"), **options),
+    "executable": lambda element, options: actions.ExecuteProcess(
+        cmd=_words(element.attributes["cmd"]), **options
+    ),
+}
