@@ -62,14 +62,14 @@ _MODULES: Final = tuple(dict.fromkeys((
 )))  # fmt: skip
 
 _LIBRARIES_NOT_HERE: Final = frozenset((
-    "PIL", "PyKDL", "RPi", "bs4", "controller_manager", "controller_manager_msgs", "cv2", "cv_bridge", "flask",
-    "gazebo_msgs", "gazebo_ros", "gym", "gymnasium", "image_geometry", "imageio", "joint_state_publisher",
-    "matplotlib", "mediapipe", "moveit", "moveit_commander", "moveit_configs_utils", "moveit_msgs", "mpl_toolkits", "nav2_common",
-    "nav2_msgs", "nav2_simple_commander", "open3d", "openai", "pandas", "psutil", "pybullet", "pybullet_data", "pygame",
-    "pymoveit2", "requests", "robot_localization", "robot_state_publisher", "ros_gz_interfaces", "scipy",
-    "seaborn", "serial", "skimage", "sklearn", "slam_toolbox", "smbus", "spidev", "sympy", "tensorflow",
-    "tf2_sensor_msgs", "torch", "torchvision", "tqdm", "transforms3d", "ultralytics", "urdf_parser_py", "usb",
-    "xacro", "yolov5",
+    "PIL", "PyKDL", "RPi", "bs4", "controller_manager", "controller_manager_msgs", "cv2", "cv_bridge",
+    "flask", "gazebo_msgs", "gazebo_ros", "gym", "gymnasium", "image_geometry", "imageio",
+    "joint_state_publisher", "matplotlib", "mediapipe", "moveit", "moveit_commander", "moveit_configs_utils",
+    "moveit_msgs", "mpl_toolkits", "nav2_common", "nav2_msgs", "nav2_simple_commander", "open3d", "openai",
+    "pandas", "psutil", "pybullet", "pybullet_data", "pygame", "pymoveit2", "requests", "robot_localization",
+    "robot_state_publisher", "ros_gz_interfaces", "scipy", "seaborn", "serial", "skimage", "sklearn",
+    "slam_toolbox", "smbus", "spidev", "sympy", "tensorflow", "tf2_sensor_msgs", "torch", "torchvision",
+    "tqdm", "transforms3d", "ultralytics", "urdf_parser_py", "usb", "xacro", "yolov5",
 ))  # fmt: skip
 """Libraries that a beginner's PC may have and that the sandbox has not."""
 
