@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from typing import Any
 
+    from rclpy._rcl.yaml import YamlEvent
+
 
 class Element:
     """An element: its tag, its attributes as texts, and the elements in it."""
@@ -63,15 +65,30 @@ def read_yaml(text: str) -> Element:
     """Return the root of a file in YAML: a list of mappings, each with one element.
 
     Raises:
-        yaml.YAMLError, RuntimeError: it is none.
+        YamlError, RuntimeError: it is none.
     """
-    import yaml
+    from rclpy._rcl.yaml import events
 
-    root = yaml.safe_load(text)
+    root = _loaded(events(text))
     if not isinstance(root, dict) or len(root) != 1:
         raise RuntimeError("Expected only one root, with the key 'launch'")
     ((tag, inner),) = root.items()
     return _element(str(tag), inner)
+
+
+def _loaded(events: Iterator[YamlEvent]) -> Any:
+    """Return the next value of a stream of YAML: a text, a list or a mapping; None at the end of one."""
+    from rclpy._rcl.yaml import MAPPING, SCALAR, SEQUENCE
+
+    event = next(events, None)
+    if event is None or event.kind not in (SCALAR, SEQUENCE, MAPPING):
+        return None
+    if event.kind == SCALAR:
+        return event.text
+    inner = []
+    while (value := _loaded(events)) is not None:
+        inner.append(value)
+    return inner if event.kind == SEQUENCE else dict(zip(inner[::2], inner[1::2], strict=False))
 
 
 def _element(tag: str, inner: Any) -> Element:
@@ -87,12 +104,8 @@ def _element(tag: str, inner: Any) -> Element:
             elif isinstance(value, list):
                 children += [_element(str(name), each) for each in value]
             else:
-                attributes[str(name)] = _scalar(value)
+                attributes[str(name)] = str(value)
     return Element(tag, attributes, children)
-
-
-def _scalar(value: Any) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def description(root: Element) -> LaunchDescription:
