@@ -11,6 +11,7 @@ from launch._evaluation import LaunchContext, LaunchDescription, checked, perfor
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from typing import Any
 
 
@@ -26,6 +27,11 @@ __all__ = [
     "get_launch_description_from_python_launch_file",
     "load_python_launch_file_as_module",
 ]
+
+
+frontends: dict[str, Callable[[str], Callable[[], LaunchDescription]]] = {}
+"""Readers of launch files in XML and YAML, which `launch.frontend.files` puts here: it needs the actions, and they
+need sources. A reader returns what makes the description, once the text has been read."""
 
 
 class InvalidLaunchFileError(Exception):
@@ -83,18 +89,16 @@ def get_launch_description_from_frontend_launch_file(frontend_launch_file_path: 
         OSError: there is no such file.
         RuntimeError, AttributeError: an element is not known, or lacks an attribute.
     """
-    from launch.frontend.files import description, read_xml, read_yaml
-
     with open(frontend_launch_file_path, "rb") as file:
         text = file.read().decode("utf-8")
-    read = read_xml if frontend_launch_file_path.endswith(".xml") else read_yaml
+    read = frontends["xml" if frontend_launch_file_path.endswith(".xml") else "yaml"]
     try:
-        root = read(text)
+        describe = read(text)
     except Exception as error:
         raise InvalidFrontendLaunchFileError(
             f"The launch file may have a syntax error, or its format is unknown: {error}"
         ) from None
-    return description(root)
+    return describe()
 
 
 def get_launch_description_from_any_launch_file(launch_file_path: str) -> LaunchDescription:

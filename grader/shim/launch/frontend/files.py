@@ -7,9 +7,14 @@ and ``unless``.
 
 from __future__ import annotations
 
+from functools import partial
+
+from launch_ros.actions import Node, PushRosNamespace, SetParameter, SetRemap
+
 from launch import actions, conditions
 from launch._evaluation import LaunchDescription
 from launch.frontend.parse_substitution import parse_substitution
+from launch.launch_description_sources import frontends
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -142,8 +147,6 @@ def _let(element: Element, options: dict[str, Any]) -> Any:
 
 
 def _node(element: Element, options: dict[str, Any]) -> Any:
-    from launch_ros.actions import Node
-
     parameters = [_parameter(each) for each in element.all("param")]
     remappings = [(each.required("from"), each.required("to")) for each in element.all("remap")]
     environment = {each.attributes["name"]: each.required("value") for each in element.all("env")}
@@ -194,20 +197,14 @@ def _group(element: Element, options: dict[str, Any]) -> Any:
 
 
 def _namespace(element: Element, options: dict[str, Any]) -> Any:
-    from launch_ros.actions import PushRosNamespace
-
     return PushRosNamespace(element.required("namespace"), **options)
 
 
 def _set_parameter(element: Element, options: dict[str, Any]) -> Any:
-    from launch_ros.actions import SetParameter
-
     return SetParameter(element.required("name"), element.required("value"), **options)
 
 
 def _set_remap(element: Element, options: dict[str, Any]) -> Any:
-    from launch_ros.actions import SetRemap
-
     return SetRemap(element.required("from"), element.required("to"), **options)
 
 
@@ -237,3 +234,6 @@ _ACTIONS: dict[str, Callable[[Element, dict[str, Any]], Any]] = {
         cmd=_words(element.attributes["cmd"]), **options
     ),
 }
+
+frontends["xml"] = lambda text: partial(description, read_xml(text))
+frontends["yaml"] = lambda text: partial(description, read_yaml(text))

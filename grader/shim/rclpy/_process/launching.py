@@ -62,6 +62,7 @@ def launch(guard: Any) -> None:
 def _described() -> tuple[Any, Any, str]:
     """Return a context, what the launch file describes, and where that is."""
     from launch._evaluation import LaunchContext
+    from launch.frontend import files  # noqa: F401 - it reads launch files in XML and YAML, also included ones
     from launch.launch_description_sources import AnyLaunchDescriptionSource
 
     path = workspace.launch_path()
