@@ -7,7 +7,28 @@ from rclpy._jazzy.overlay import extends
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from typing import Any
+
+_OF_ONE = {
+    "ParameterNotDeclaredException": "Invalid access to undeclared parameter(s): {}",
+    "ParameterAlreadyDeclaredException": "Parameter(s) already declared: {}",
+    "InvalidParameterException": "Invalid parameter name: {}",
+    "ParameterImmutableException": "Attempted to modify read-only parameter: {}",
+    "ParameterUninitializedException": "The parameter '{0}' is not initialized: {0}",
+}
+"""Exception about one thing -> its text."""
+
+
+def _told(text: str) -> Callable[[Exception, Any], None]:
+    def __init__(self: Exception, about: Any, /) -> None:  # noqa: N807 - it becomes the class's own
+        Exception.__init__(self, text.format(about))
+
+    return __init__
+
+
+for _name, _text in _OF_ONE.items():
+    setattr(getattr(exceptions, _name), "__init__", _told(_text))  # noqa: B010
 
 
 @extends(exceptions.NotInitializedException)
@@ -17,30 +38,6 @@ class NotInitializedException(exceptions.NotInitializedException):
     def __init__(self, message: str | None = None) -> None:
         told = f" msg:{message}" if message else ""
         Exception.__init__(self, f"rclpy.init() has not been called.{told}")
-
-
-@extends(exceptions.ParameterNotDeclaredException)
-class ParameterNotDeclaredException(exceptions.ParameterNotDeclaredException):
-    """A parameter is used before it is declared."""
-
-    def __init__(self, parameters: Any) -> None:
-        Exception.__init__(self, f"Invalid access to undeclared parameter(s): {parameters}")
-
-
-@extends(exceptions.ParameterAlreadyDeclaredException)
-class ParameterAlreadyDeclaredException(exceptions.ParameterAlreadyDeclaredException):
-    """A parameter is declared twice."""
-
-    def __init__(self, parameters: Any) -> None:
-        Exception.__init__(self, f"Parameter(s) already declared: {parameters}")
-
-
-@extends(exceptions.InvalidParameterException)
-class InvalidParameterException(exceptions.InvalidParameterException):
-    """A parameter's name is invalid."""
-
-    def __init__(self, parameter_name: str) -> None:
-        Exception.__init__(self, f"Invalid parameter name: {parameter_name}")
 
 
 @extends(exceptions.InvalidParameterTypeException)
@@ -67,22 +64,6 @@ class InvalidParameterValueException(exceptions.InvalidParameterValueException):
         Exception.__init__(
             self, f"Invalid parameter value ({value}) for parameter. Reason: {reason}: {parameter}"
         )
-
-
-@extends(exceptions.ParameterImmutableException)
-class ParameterImmutableException(exceptions.ParameterImmutableException):
-    """A read-only parameter is to be changed."""
-
-    def __init__(self, parameter_name: str) -> None:
-        Exception.__init__(self, f"Attempted to modify read-only parameter: {parameter_name}")
-
-
-@extends(exceptions.ParameterUninitializedException)
-class ParameterUninitializedException(exceptions.ParameterUninitializedException):
-    """A parameter that was declared without a value is read."""
-
-    def __init__(self, parameter_name: str) -> None:
-        Exception.__init__(self, f"The parameter '{parameter_name}' is not initialized: {parameter_name}")
 
 
 @extends(exceptions.ROSInterruptException)

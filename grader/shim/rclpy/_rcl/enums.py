@@ -32,13 +32,19 @@ class ClockChange(NativeEnum):
 
 
 class QosPolicyKind(NativeEnum):
-    """Which policy of two endpoints does not fit."""
+    """Which policy of two endpoints does not fit; an enumeration of C, so it equals its number."""
 
     RMW_QOS_POLICY_INVALID = 1
     RMW_QOS_POLICY_DURABILITY = 2
     RMW_QOS_POLICY_DEADLINE = 4
     RMW_QOS_POLICY_LIVELINESS = 8
     RMW_QOS_POLICY_RELIABILITY = 16
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, (int, QosPolicyKind)) and int(self) == int(other)
+
+    def __hash__(self) -> int:
+        return hash(self.value)
 
 
 QosPolicyKind.__name__ = QosPolicyKind.__qualname__ = "rmw_qos_policy_kind_t"
