@@ -16,6 +16,7 @@ from grader.contracts.record import Record
 from grader.contracts.rubric import RubricItem, Unit
 from grader.contracts.text import Language, Text
 from grader.messages import sentence
+from grader.messages.words import in_digits, words_pattern
 
 NOTHING: Final = "—"
 """Shown in the place of a number that is not there."""
@@ -23,12 +24,6 @@ NOTHING: Final = "—"
 _MAX_LISTED: Final = 8  # the sides of an octagon: more would fill the sentence
 _MAX_DECIMALS: Final = 5  # of a number near the edge of a band; reports keep four
 _EXACTNESS: Final = re.compile(r"\s*(?:±|\+ ?/ ?[-−–])\s*\d+(?:[.,]\d+)?")
-_IN_WORDS: Final = re.compile(
-    r"(?<![第一])[零〇一二两三四五六七八九十百千][零〇一二两三四五六七八九十百千点]*(?=\s*(秒|分钟|毫秒|米|厘米|公里|千米|度|弧度))"
-    r"|\b(one|two|three|four|five|six|seven|eight|nine|ten|eleven|twelve|[a-z]+teen|[a-z]+ty(-[a-z]+)?)"
-    r"(?=\s+(seconds?|minutes?|metres?|meters?|degrees?|radians?)\b)",
-    re.IGNORECASE,
-)
 _FOREIGN: Final = (
     r"平方(?:厘米|分米|千米|公里|米)|平米|立方(?:厘米|分米|米)"
     r"|小时|公斤|千克|[ck]?m(?:\^?[23])(?!\d)|(?:kg|hours?|h)(?![A-Za-z])"
@@ -190,10 +185,12 @@ def quantities(text: str) -> Iterator[SpokenQuantity]:
     """Yield the numbers of `text` in order: ``约 12 秒``, ``12.0s``, ``0.2 min``; no exactness (``± 0.1``).
 
     Full-width characters count as the ordinary ones. A comma between digits is a decimal one (``12,0``), before
-    each three of them a thousands separator (``1,200``); a full-width comma is punctuation.
+    each three of them a thousands separator (``1,200``); a full-width comma is punctuation. A number in words
+    counts where a unit follows it (``十二秒``).
     """
-    pattern, units = _reader()
+    pattern, words, units = _reader()
     plain = _EXACTNESS.sub("", unicodedata.normalize("NFKC", text.replace("，", "， ")))
+    plain = in_digits(plain, words)
     found = list(pattern.finditer(plain))
     ends = [*(match.start() for match in found[1:]), len(plain)]
     for match, end in zip(found, ends, strict=False):  # without numbers there is one end
@@ -203,15 +200,9 @@ def quantities(text: str) -> Iterator[SpokenQuantity]:
         yield SpokenQuantity(float(digits), known, match["foreign"] or "", plain[match.end() : end])
 
 
-def number_in_words(text: str) -> str | None:
-    """Return the last number with a unit that is written in words (``十二``, ``twelve``), if there is one."""
-    found = [match[0] for match in _IN_WORDS.finditer(text)]
-    return found[-1] if found else None
-
-
 @cache
-def _reader() -> tuple[re.Pattern[str], Mapping[str, Unit]]:
-    """Return the pattern of a number with its unit, and the unit of each spelling.
+def _reader() -> tuple[re.Pattern[str], re.Pattern[str], Mapping[str, Unit]]:
+    """Return the pattern of a number with its unit, that of one in words, and the unit of each spelling.
 
     Made when the first text is read: compiling it would cost every start of the command line a millisecond.
     """
@@ -227,4 +218,4 @@ def _reader() -> tuple[re.Pattern[str], Mapping[str, Unit]]:
         rf"(?:\s*[(\[]?\s*(?:(?P<unit>{spellings})(?![A-Za-z0-9/^])|(?P<foreign>{_FOREIGN})))?",
         re.IGNORECASE,
     )
-    return pattern, units
+    return pattern, words_pattern(units), units

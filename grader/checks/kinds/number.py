@@ -21,12 +21,16 @@ from grader.messages.quantity import (
     SpokenQuantity,
     is_unit,
     number,
-    number_in_words,
     quantities,
 )
 
 MEASURES = {"correct": MeasureKind(form="flag"), "with_unit": MeasureKind(form="flag")}
 _DECIMALS = 3
+_CHOICE = re.compile(
+    r"\b(?:or|maybe|perhaps|also|otherwise|alternatively)\b|或|还是|也可能|也许|可能|要么|不然", re.I
+)
+_LISTED = re.compile(r"[\s,、;/.。]*")
+_EACH = re.compile(r"每|各|\b(?:per|each|every)\b", re.I)
 _EXPLAINED = re.compile(
     r"\s*(?!\W*(?:or|and|to|或|还是|和|及|到|至)\b|\W*(?:或|还是|和|及|到|至))(?:[=(]|\W*[^\W\d])"
 )
@@ -37,9 +41,7 @@ def examine(assignment: Assignment, text: str) -> Findings:
     unit = _unit(assignment)
     given = _answering(assignment, text, unit)
     if given is None:
-        return Findings(
-            {"correct": UNMEASURED, "with_unit": UNMEASURED}, number_mistakes(text, None, None, unit)
-        )
+        return Findings({"correct": UNMEASURED, "with_unit": UNMEASURED}, number_mistakes(None, None, unit))
     value = given.in_unit(unit)
     answer = None if value is None else _known(assignment, value)
     right = answer is not None and answer.right
@@ -51,7 +53,7 @@ def examine(assignment: Assignment, text: str) -> Findings:
         "correct": Measure(1.0 if right else 0.0, values),
         "with_unit": Measure(1.0 if given.unit and value is not None else 0.0, {"unit": unit}),
     }
-    mistakes = number_mistakes(text, given, answer, unit)
+    mistakes = number_mistakes(given, answer, unit)
     named = None if right or given.unit == unit else _known(assignment, given.value)
     if not mistakes and given.unit and named is not None and named.right:
         mistakes = (mistake("right_in_other_unit", given=values["given"], unit=unit),)
@@ -62,7 +64,7 @@ def given_answers(text: str, unit: Unit) -> list[SpokenQuantity]:
     """Return the quantities that may answer: the last in a fitting unit and the first, else the last number.
 
     Some compute and end with the answer, others give it and then say why. The first does not answer where it is
-    computed with (``12 s + 6 s``) or one of several (``12 s or 13 s``).
+    computed with (``12 s + 6 s``).
     """
     found = list(quantities(text))
     fitting = [each for each in found if each.unit and each.in_unit(unit) is not None]
@@ -71,15 +73,37 @@ def given_answers(text: str, unit: Unit) -> list[SpokenQuantity]:
     return [fitting[-1], *(each for each in fitting[:1] if _EXPLAINED.match(each.behind))]
 
 
+def guesses(text: str, unit: Unit) -> list[SpokenQuantity]:
+    """Return the quantities in a fitting unit between which a text leaves the choice; none, or two and more.
+
+    ``12 s or 9 s``, ``12 s ... it may also be 9 s``, or a bare list: ``9 s, 12 s``. In ``每边 3 秒，12 秒`` the
+    first is a part.
+    """
+    found = list(quantities(text))
+    fits = [bool(each.unit) and each.in_unit(unit) is not None for each in found]
+    lists = _EACH.search(text) is None
+    chosen = [
+        {i, i + 1}
+        for i, each in enumerate(found[:-1])
+        if fits[i]
+        and fits[i + 1]
+        and (_CHOICE.search(each.behind) or (lists and _LISTED.fullmatch(each.behind)))
+    ]
+    return [found[i] for i in sorted(set().union(*chosen))]
+
+
 def _answering(assignment: Assignment, text: str, unit: Unit) -> SpokenQuantity | None:
-    """Return the first of these that is right, else the first; None without any number."""
+    """Return what answers: of several guesses a wrong one, else one that is right; None without any number."""
+    if (several := guesses(text, unit)) and not all(_is_right(assignment, each, unit) for each in several):
+        return next(each for each in several if not _is_right(assignment, each, unit))
     given = given_answers(text, unit)
-    for each in given:
-        value = each.in_unit(unit)
-        known = None if value is None else _known(assignment, value)
-        if known is not None and known.right:
-            return each
-    return given[0] if given else None
+    return next((each for each in given if _is_right(assignment, each, unit)), given[0] if given else None)
+
+
+def _is_right(assignment: Assignment, given: SpokenQuantity, unit: Unit) -> bool:
+    value = given.in_unit(unit)
+    known = None if value is None else _known(assignment, value)
+    return known is not None and known.right
 
 
 def _unit(assignment: Assignment) -> Unit:
@@ -105,23 +129,16 @@ def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
     return (("answers", told),)
 
 
-def number_mistakes(
-    text: str, given: SpokenQuantity | None, answer: Answer | None, unit: Unit
-) -> tuple[Mistake, ...]:
+def number_mistakes(given: SpokenQuantity | None, answer: Answer | None, unit: Unit) -> tuple[Mistake, ...]:
     """Return what is known about a wrong answer.
 
     Args:
-        text: the whole answer.
         given: the quantity that was taken for the answer, if there was any number.
         answer: the known answer it is nearest to, if any.
         unit: the one asked for.
     """
     if given is None:
-        if (words := number_in_words(text)) is not None:
-            return (mistake("number_in_words", words=words, unit=unit),)
         return (mistake("no_number", unit=unit),)
-    if (given.foreign or given.in_unit(unit) is None) and (words := number_in_words(text)) is not None:
-        return (mistake("number_in_words", words=words, unit=unit),)
     if given.foreign:
         return (mistake("other_unit", given=given.foreign, unit=unit),)
     if given.unit and given.in_unit(unit) is None:
