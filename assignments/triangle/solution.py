@@ -26,7 +26,7 @@ class Triangle(Node):
         end = time.time() + seconds
         while time.time() < end:
             self.publisher.publish(msg)
-            time.sleep(0.01)
+            time.sleep(0.02)
         self.publisher.publish(Twist())
         time.sleep(0.1)
 

@@ -83,6 +83,7 @@ from grader.contracts.assignment import (
     Answer,
     Assignment,
     Case,
+    Counts,
     Distro,
     Input,
     ItemSpec,
@@ -593,6 +594,7 @@ class AssignmentModel(SpecModel):
     path: PathModel | None = None
     places: PlacesModel | None = None
     package: PackageModel | None = None
+    counts: Counts = "either"
     items: Annotated[tuple[ItemModel, ...], Field(min_length=1)]
     wrong: Annotated[tuple[WrongModel, ...], Field(max_length=MOST_ATTEMPTS)] = ()
 

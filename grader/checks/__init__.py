@@ -7,6 +7,7 @@ assignment's use of its check.
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 
 from grader.checks.causes import with_causes
 from grader.checks.expectations import expected_measures, with_expectations, with_expected_mistakes
@@ -31,7 +32,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError
 from grader.contracts.figure import FigureSketch
 from grader.contracts.notation import significant
-from grader.contracts.rubric import ItemStatus, PublishedRubric, RubricItem
+from grader.contracts.rubric import ItemStatus, PublishedRubric, RubricItem, summed
 from grader.contracts.scoring import Run, Scoring
 from grader.contracts.text import Text
 
@@ -41,12 +42,15 @@ class Marks:
     """The points of one submission, final before anything is explained.
 
     Attributes:
+        runs: what was scored. as_commanded: their motions are those of the commands, each obeyed at once.
         measures: of each run. scored: the items of each run. together: those that are scored across the runs.
     """
 
+    runs: tuple[Run, ...]
     measures: tuple[Measures, ...]
     scored: tuple[tuple[RubricItem, ...], ...]
     together: Mapping[str, RubricItem]
+    as_commanded: bool = False
 
     def items(self, assignment: Assignment) -> tuple[RubricItem, ...]:
         """Return all items in the order of the report."""
@@ -58,11 +62,30 @@ def mark(assignment: Assignment, runs: Sequence[Run]) -> Marks:
 
     Each item's points are divided evenly among the runs; with several runs the items are named
     ``case/item``. Those that are scored across the runs come last, under their own names.
+
+    Where commands came faster than turtlesim takes them, the motions as commanded are scored as well, unless the
+    assignment counts what was driven. They count, unless what was driven loses at most half as many points: what
+    is wrong both ways gains nothing by being less wrong by chance. That is decided once for all runs, because a
+    script drives all of them in one way.
+
     Deterministic; nothing that a script did makes it raise.
 
     Raises:
         AssignmentError: the assignment does not fit its check (see `problems`).
     """
+    driven = _marks(assignment, runs)
+    if assignment.counts == "driven" or all(run.trajectory.commanded is None for run in runs):
+        return driven
+    obeyed = [replace(run, trajectory=run.trajectory.at_once()) for run in runs]
+    commanded = replace(_marks(assignment, obeyed), as_commanded=True)
+    return driven if 2.0 * _lost(assignment, driven) <= _lost(assignment, commanded) > 0.0 else commanded
+
+
+def _lost(assignment: Assignment, marks: Marks) -> float:
+    return summed(item.points - item.earned for item in marks.items(assignment))
+
+
+def _marks(assignment: Assignment, runs: Sequence[Run]) -> Marks:
     check = _script_check(assignment)
     measures = [_measured(check, assignment.in_case(run.case), run) for run in runs]
     portions = [
@@ -73,7 +96,7 @@ def mark(assignment: Assignment, runs: Sequence[Run]) -> Marks:
         for measured, portion in zip(measures, portions, strict=True)
     ]
     together = together_scored(check, assignment, runs, measures) if len(runs) > 1 else {}
-    return Marks(tuple(measures), tuple(scored), together)
+    return Marks(tuple(runs), tuple(measures), tuple(scored), together)
 
 
 def _measured(check: Check, case: Assignment, run: Run) -> Measures:
@@ -91,14 +114,14 @@ def unmet(assignment: Assignment, marks: Marks) -> tuple[str, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def unexplained(assignment: Assignment, runs: Sequence[Run], marks: Marks) -> Scoring:
+def unexplained(assignment: Assignment, marks: Marks) -> Scoring:
     """Return marks with nothing said of their causes."""
-    return summarise(marks.items(assignment), [], [run.outcome for run in runs])
+    return summarise(marks.items(assignment), [], [run.outcome for run in marks.runs])
 
 
-def explained(assignment: Assignment, runs: Sequence[Run], marks: Marks) -> Scoring:
+def explained(assignment: Assignment, marks: Marks) -> Scoring:
     """Return the same marks with what probably caused them, and what to do."""
-    bare = unexplained(assignment, runs, marks)
+    bare, runs = unexplained(assignment, marks), marks.runs
     if bare.items and not is_wanting(bare.items, [run.outcome for run in runs]):
         return bare
     check = _script_check(assignment)
@@ -127,7 +150,7 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
     Raises:
         AssignmentError: as `mark`.
     """
-    return explained(assignment, runs, mark(assignment, runs))
+    return explained(assignment, mark(assignment, runs))
 
 
 def _findings(check: Check, assignment: Assignment, run: Run, measures: Measures) -> Findings:
@@ -195,6 +218,9 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     """
     task = assignment.in_case(run.case)
     drawn = _script_check(assignment).sketch(task, run)
+    if (commanded := run.trajectory.commanded) is not None:
+        points = zip(commanded.x_m.round(3).tolist(), commanded.y_m.round(3).tolist(), strict=True)
+        drawn = replace(drawn, commanded_m=tuple(point for point, _ in groupby(points)))
     return drawn if task.world.room is None else replace(drawn, solids=solids_of(task.world.room))
 
 

@@ -4,15 +4,21 @@ Remarks are notes: they cost nothing, and `note.<code>` says what to change. Eac
 """
 
 import itertools
+import math
 import re
 from collections.abc import Iterator
 from typing import Final
 
+import numpy as np
+
 from grader.checks.causes.counts import unchanged_counter
 from grader.contracts.outcome import Note, RunStatus
+from grader.contracts.rubric import Unit
 from grader.contracts.scoring import Run
-from grader.contracts.trajectory import COMMAND_LIFE_NS
+from grader.contracts.trajectory import COMMAND_LIFE_NS, Trajectory
+from grader.geometry.path import driven_path
 from grader.messages.arithmetic import value_of
+from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
 _PLACEHOLDER: Final = re.compile(r"\{([A-Za-z_][\w.]*)(?:[:!][^{}]*)?\}")
@@ -27,6 +33,23 @@ def remarks(run: Run) -> tuple[Note, ...]:
         return ()
     looks = (_endless, _braces, _slow_timer, _faster)
     return tuple(Note(code=code, text=text) for look in looks for code, text in look(run, script))
+
+
+def counted_note(driven: Trajectory, *, as_commanded: bool) -> Note | None:
+    """Return the note that says which motion counts; None where the turtle drove as commanded."""
+    if driven.commanded is None:
+        return None
+    told = "|".join(
+        number(value, unit) for each in (driven, driven.commanded) for value, unit in _extent(each)
+    )
+    return Note(code="counted_commanded" if as_commanded else "counted_driven", text=told)
+
+
+def _extent(motion: Trajectory) -> tuple[tuple[float, Unit], ...]:
+    """Return how far a motion goes, and how far it turns, back and forth added."""
+    path = driven_path(motion.x_m, motion.y_m, motion.heading_rad, motion.jumps)
+    gone, turned = (float(np.abs(np.diff(each)).sum()) for each in (path.signed_m, path.heading_rad))
+    return (gone, "m"), (math.degrees(turned), "deg")
 
 
 def _endless(run: Run, script: ScriptText) -> Iterator[tuple[str, str]]:

@@ -36,8 +36,8 @@ EXPECTED = "expected"
 EPOCH_NS: Final = 1_700_000_000_625_000_000
 """Wall clock that a script reads at virtual time 0, nanoseconds since 1970."""
 
-WINDOW_M: Final = 499 / 45
-"""Side of turtlesim's window: 500 pixels at 45 pixels per metre (turtlesim's turtle_frame.cpp)."""
+WINDOW_M: Final = 11.088889122009277
+"""Side of turtlesim's window: 499 pixels at 45 per metre, which turtlesim keeps in 32 bits (turtle_frame.cpp)."""
 
 
 MIB: Final = 1024 * 1024
@@ -71,8 +71,8 @@ class Limits(Record):
 class StartPose(Record):
     """Pose of the car at the start of an episode, in turtlesim's frame."""
 
-    x_m: float = 5.544445
-    y_m: float = 5.544445
+    x_m: float = WINDOW_M / 2.0
+    y_m: float = WINDOW_M / 2.0
     heading_deg: float = 0.0
 
 
@@ -438,6 +438,9 @@ class Answer(Record):
 _GRADE_NOTHING = frozenset({"id", "version", "order", "title", "brief", "file_patterns", "items"})
 
 
+Counts = Literal["driven", "either"]
+
+
 class Assignment(Record):
     """A validated assignment.
 
@@ -456,6 +459,8 @@ class Assignment(Record):
         path: what the check ``path`` compares with. places: where the check ``places`` looks.
         interfaces: which the script can import besides ROS's own.
         distro: release of ROS 2 that the script finds; None: the course's, see `of_course` and `release`.
+        counts: where commands come faster than turtlesim takes them, score what the turtle ``driven`` did, or
+            ``either`` that or the motion as commanded, whichever is better as a whole.
     """
 
     id: str
@@ -481,6 +486,7 @@ class Assignment(Record):
     path: WantedPath | None = None
     places: WantedPlaces | None = None
     package: WantedPackage | None = None
+    counts: Counts = "either"
 
     @property
     def release(self) -> Distro:

@@ -100,6 +100,7 @@ class FigureSketch(Record):
             the trajectory's own end.
         regions: places to visit or to avoid; at most a few dozen.
         solids: what stands in a robot's room; none in turtlesim's window.
+        commanded_m: the path as commanded, where the turtle drove another (`Trajectory.commanded`).
         wanted_turn_deg: turn that earns full credit in the ``heading`` view, or None.
     """
 
@@ -115,3 +116,4 @@ class FigureSketch(Record):
     wanted_turn_deg: float | None = None
     regions: tuple[SketchRegion, ...] = ()
     solids: tuple[SketchSolid, ...] = ()
+    commanded_m: tuple[Point, ...] = ()

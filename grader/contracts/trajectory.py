@@ -4,7 +4,7 @@ import json
 from base64 import b64decode, b64encode
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import msgspec
 import numpy as np
@@ -14,7 +14,7 @@ from grader.contracts.conversation import Saying
 from grader.contracts.record import Record, to_plain
 
 COMMAND_LIFE_NS: Final = 1_000_000_000
-"""turtlesim drops a command once more than this has passed since it came."""
+"""turtlesim drops a command once more than this has passed since it was taken."""
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -32,7 +32,7 @@ class Contact(Record):
 
 
 class Command(NamedTuple):
-    """A velocity command as the script sent it, at most one per update of 16 ms (the last wins).
+    """A velocity command as the script sent it. Of several between two updates of 16 ms, the last is kept.
 
     The car obeys 100 m/s and 100 rad/s at most; one with NaN or infinity in it is a stop.
     """
@@ -70,6 +70,8 @@ class Trajectory:
         end_ns: virtual time at which the episode ended (>= t_ns[-1]; the car rested since).
         pictures: of a PyBullet world, in order of time; of others none.
         sayings: lines of a conversation; none where the assignment asks for none.
+        commanded: the motion that the same commands would have made, each obeyed at once, where turtlesim let them
+            wait for long; its `commands` are left out. None: they did not wait.
     """
 
     t_ns: Ints
@@ -84,9 +86,14 @@ class Trajectory:
     commands: tuple[Command, ...] = field(default=())
     pictures: tuple[Picture, ...] = ()
     sayings: tuple[Saying, ...] = ()
+    commanded: "Trajectory | None" = None
 
     def __len__(self) -> int:
         return len(self.t_ns)
+
+    def at_once(self) -> "Trajectory":
+        """Return the motion of a turtle that obeys each command at once."""
+        return self if self.commanded is None else replace(self.commanded, commands=self.commands)
 
 
 # --------------------------------------------------------------------------------------------------- JSON
@@ -111,13 +118,20 @@ def recorded(trajectory: Trajectory) -> Trajectory:
         v_mps=on_grid(trajectory.v_mps),
         w_radps=on_grid(trajectory.w_radps),
         commands=_rounded_commands(trajectory.commands),
+        commanded=None if trajectory.commanded is None else recorded(trajectory.commanded),
     )
 
 
 def encode_trajectory(trajectory: Trajectory) -> bytes:
     """Return canonical JSON of the trajectory as it is `recorded` (times in whole nanoseconds)."""
+    commanded = {} if trajectory.commanded is None else {"commanded": _motion(trajectory.commanded)}
+    commands = _written(_rounded_commands(trajectory.commands))
+    return msgspec.json.encode({**_motion(trajectory), **commanded, "commands": commands})
+
+
+def _motion(trajectory: Trajectory) -> dict[str, object]:
     columns = {name: _written(on_grid(getattr(trajectory, name)).tolist()) for name in _FLOAT_COLUMNS}
-    document = {
+    return {
         "t_ns": trajectory.t_ns.tolist(),
         **columns,
         "end_ns": trajectory.end_ns,
@@ -125,26 +139,28 @@ def encode_trajectory(trajectory: Trajectory) -> bytes:
         "contacts": [asdict(contact) for contact in trajectory.contacts],
         **_pictures(trajectory),
         **({"sayings": [to_plain(each) for each in trajectory.sayings]} if trajectory.sayings else {}),
-        "commands": _written(_rounded_commands(trajectory.commands)),
     }
-    return msgspec.json.encode(document)
 
 
 def decode_trajectory(data: bytes) -> Trajectory:
     """Return the trajectory that `encode_trajectory` wrote. Only for bytes written by the grader itself."""
-    document = json.loads(data)
+    return _read(json.loads(data))
+
+
+def _read(document: dict[str, Any]) -> Trajectory:
     floats = {name: np.array(document[name], dtype=np.float64) for name in _FLOAT_COLUMNS}
     return Trajectory(
         t_ns=np.array(document["t_ns"], dtype=np.int64),
         end_ns=document["end_ns"],
         jumps=tuple(document["jumps"]),
         contacts=tuple(Contact(**contact) for contact in document["contacts"]),
-        commands=tuple(Command(*command) for command in document["commands"]),
+        commands=tuple(Command(*command) for command in document.get("commands", ())),
         pictures=tuple(
             Picture(t_ns=t_ns, png=b64decode(png, validate=True))
             for t_ns, png in document.get("pictures", ())
         ),
         sayings=tuple(Saying(**each) for each in document.get("sayings", ())),
+        commanded=_read(document["commanded"]) if "commanded" in document else None,
         **floats,
     )
 

@@ -161,7 +161,7 @@ class Pipeline:
         ]
         trajectories = {run.case: encode_trajectory(run.trajectory) for run in runs}
         marks = mark(job.assignment, runs)
-        report = _report(job, runs, _explained(job.assignment, runs, marks), trajectories)
+        report = _report(job, _told(runs, marks), _explained(job.assignment, marks), trajectories)
         return GradingResult(
             report=report,
             trajectories=trajectories,
@@ -352,15 +352,26 @@ def _within_file(outcome: RunOutcome, script: _Script) -> RunOutcome:
     return replace(outcome, error=replace(error, line=None))
 
 
-def _explained(assignment: Assignment, runs: Sequence[Run], marks: "Marks") -> Scoring:
+def _told(runs: Sequence[Run], marks: "Marks") -> list[Run]:
+    """Return the runs, with a note on which motion counts where the turtle drove another than was commanded."""
+    from grader.checks.remarks import counted_note
+
+    notes = [counted_note(run.trajectory, as_commanded=marks.as_commanded) for run in runs]
+    return [
+        run if note is None else replace(run, outcome=replace(run.outcome, notes=(*run.outcome.notes, note)))
+        for run, note in zip(runs, notes, strict=True)
+    ]
+
+
+def _explained(assignment: Assignment, marks: "Marks") -> Scoring:
     """Return the marks with their explanation; without one if looking for it fails."""
     from grader.checks import explained, unexplained
 
     try:
-        return explained(assignment, runs, marks)
+        return explained(assignment, marks)
     except Exception:  # it reads the script and what its process says of itself
         logging.getLogger(__name__).exception("%s: no explanation of the marks", assignment.id)
-        return unexplained(assignment, runs, marks)
+        return unexplained(assignment, marks)
 
 
 def _episode_spec(job: GradingJob, script: _Script, case: Case) -> EpisodeSpec:

@@ -58,4 +58,7 @@ def note_sentence(note: Note, language: Language) -> str:
     elif note.code == "forbidden":
         text = explained(RunStatus.FORBIDDEN, text).get(language)
     first, _, second = text.partition("|")
+    if note.code.startswith("counted_"):
+        first, second, third, fourth = text.split("|")
+        return wording.format(first=first, second=second, third=third, fourth=fourth)
     return wording.format(text=text, first=first, second=second)

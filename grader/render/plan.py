@@ -36,6 +36,7 @@ def draw_plan(axes: Axes, scene: Scene) -> None:
     _robot(axes, track, sketch)
     _ideal(axes, sketch, scene)
     _regions(axes, sketch)
+    _commanded(axes, sketch, scene)
     _draw_path(axes, track, path, sketch, scene)
     for side in sketch.sides:
         _draw_side(axes, side)
@@ -63,6 +64,7 @@ def _frame(axes: Axes, path: Floats, sketch: FigureSketch) -> None:
     """Fix limits: equal scales, everything inside, the panel filled."""
     corners = [
         *sketch.ideal_m,
+        *sketch.commanded_m,
         *(side.start_m for side in sketch.sides),
         *(side.end_m for side in sketch.sides),
         *(point for region in sketch.regions for point in region.outline_m),
@@ -139,6 +141,13 @@ def _ideal(axes: Axes, sketch: FigureSketch, scene: Scene) -> None:
         xs, ys, color=palette.IDEAL, lw=8, solid_joinstyle="miter", solid_capstyle="butt", zorder=1.5,
         label=scene.word("ideal"),
     )  # fmt: skip
+
+
+def _commanded(axes: Axes, sketch: FigureSketch, scene: Scene) -> None:
+    """Draw the path as commanded, where the turtle drove another."""
+    if sketch.commanded_m:
+        xs, ys = zip(*sketch.commanded_m, strict=True)
+        axes.plot(xs, ys, color=palette.COMMAND, lw=1.4, ls="--", zorder=2.2, label=scene.word("commanded"))
 
 
 def _regions(axes: Axes, sketch: FigureSketch) -> None:

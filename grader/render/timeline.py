@@ -73,7 +73,8 @@ def _events(
         yield TimelineEntry(request.t_ns, word("called", language, call=call), "magenta")
     if trajectory is not None:
         yield from _sayings(trajectory, language)
-        yield from _command_runs(trajectory, language)
+        yield from _command_runs(trajectory.at_once(), language)
+        yield from _waits(outcome, trajectory, language)
         yield from _jumps(trajectory, requests, language)
         for contact in trajectory.contacts:
             wall = wall_word(contact.wall, language) or visible_line(contact.wall, 20)
@@ -99,8 +100,23 @@ def _sayings(track: Trajectory, language: Language) -> Iterator[TimelineEntry]:
         )
 
 
+def _waits(outcome: RunOutcome, driven: Trajectory, language: Language) -> Iterator[TimelineEntry]:
+    """Yield when what the turtle drove first differs from what was commanded, and by how much it may."""
+    for note in outcome.notes:
+        if note.code == "commands_wait" and (commanded := driven.commanded) is not None:
+            rate, _, seconds = note.text.partition("|")
+            both = min(len(driven), len(commanded))
+            equal = driven.t_ns[:both] == commanded.t_ns[:both]
+            for one, other in ((driven.x_m, commanded.x_m), (driven.y_m, commanded.y_m)):
+                equal &= one[:both] == other[:both]
+            equal &= driven.heading_rad[:both] == commanded.heading_rad[:both]
+            at_ns = int(driven.t_ns[min(int(equal.argmin()), both - 1)])
+            text = word("waits", language, rate=rate, time=quantity.number(float(seconds), "s", 2))
+            yield TimelineEntry(at_ns, text, "yellow")
+
+
 def _command_runs(track: Trajectory, language: Language) -> Iterator[TimelineEntry]:
-    """Yield one event for each stretch of equal commands, with what the car did until it ended."""
+    """Yield one event for each stretch of equal commands, with what they made the car do until it ended."""
     path = driven_path(track.x_m, track.y_m, track.heading_rad, track.jumps)
     commands, first = track.commands, 0
     for i in range(1, len(commands) + 1):

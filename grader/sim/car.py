@@ -5,12 +5,18 @@ accumulates. A step is not a whole number of nanoseconds (12 500 000 / 3): its i
 
 The nominal car moves by turtlesim's own law, one update every 16 ms. The rough one is a cheap classroom robot: its
 drive lags, and its wheels are unequal and slip.
+
+The law adds, multiplies, divides and rounds down, all of which IEEE 754 defines to the last bit; sine and cosine
+are those of `geometry.exact`, which need no more. So the nominal car drives the same bits everywhere.
 """
 
 import math
 import random
+from functools import lru_cache
 from pathlib import Path
 from typing import Final, TypeAlias
+
+from grader.geometry import exact
 
 NS_PER_S: Final = 1_000_000_000
 UPDATE_NS: Final = 16_000_000  # turtlesim's timer
@@ -23,6 +29,9 @@ _THREE_STEPS_NS: Final = 3 * NS_PER_S // STEPS_PER_S
 
 PlanarPose: TypeAlias = tuple[float, float, float]
 """x in metres, y in metres, heading in radians, in turtlesim's frame."""
+
+PI: Final = 3.14159265
+"""turtlesim's (turtle.h). Its headings turn by twice that at a fold."""
 
 URDF: Final = Path(__file__).with_name("car.urdf")
 
@@ -61,23 +70,31 @@ def last_step_at(t_ns: int) -> int:
 
 
 def fold(angle_rad: float) -> float:
-    """Fold an angle to [-pi, pi), as turtlesim does; NaN for an infinite one.
+    """Fold an angle to [-PI, PI) of turtlesim's own, as it does; NaN for what is no angle.
 
     An angle that lies there already keeps its bits.
     """
-    if -math.pi <= angle_rad < math.pi:
+    if -PI <= angle_rad < PI:
         return angle_rad
-    if math.isinf(angle_rad):
+    if not math.isfinite(angle_rad):
         return math.nan
-    folded = math.remainder(angle_rad, math.tau)
-    return -math.pi if folded >= math.pi else folded
+    return angle_rad - 2.0 * PI * math.floor((angle_rad + PI) / (2.0 * PI))
+
+
+@lru_cache(maxsize=8)  # a straight has one heading
+def cos_sin(angle_rad: float) -> tuple[float, float]:
+    """Return cosine and sine, the same bits on every processor."""
+    return exact.cos_sin(angle_rad + 0.0)  # -0.0 is the cache's 0.0
 
 
 def turtlesim_update(pose: PlanarPose, v_mps: float, w_radps: float) -> PlanarPose:
     """Return the pose one update later: turtlesim turns first, then moves along the new heading."""
     heading = fold(pose[2] + w_radps * UPDATE_S)
+    if not v_mps:
+        return pose[0], pose[1], heading
+    c, s = cos_sin(heading)
     reach = v_mps * UPDATE_S
-    return pose[0] + math.cos(heading) * reach, pose[1] + math.sin(heading) * reach, heading
+    return pose[0] + c * reach, pose[1] + s * reach, heading
 
 
 def twist_to_wheels(v_mps: float, w_radps: float) -> tuple[float, float]:

@@ -11,6 +11,8 @@ from grader.sim.car import (
     UPDATE_S,
     PlanarPose,
     RoughDrive,
+    cos_sin,
+    fold,
     last_step_at,
     step_time_ns,
     turtlesim_update,
@@ -19,7 +21,7 @@ from grader.sim.car import (
 if TYPE_CHECKING:
     from grader.sim.bullet import CarBody
 
-CAR_MODEL: Final = 2  # raised whenever the same commands may give another trajectory
+CAR_MODEL: Final = 3  # raised whenever the same commands may give another trajectory
 
 _HALF_S: Final = STEP_S / 2.0
 _TOUCH_M: Final = 1e-6  # a wall pushed by less is not being pushed: the car slides along it
@@ -58,19 +60,20 @@ class Car:
         pose: the car's at that instant.
         velocity: (v, w) at which the wheels turned in that update, whether or not a wall was in the way.
         resting: stopped, told to stay so, and seen at rest: updates would change nothing.
+        lost: whether the pose is not a number, as a teleport may leave it. Nobody watches the car meanwhile.
         body_pose: where PyBullet has the body, at the last whole step before that instant; that of the nominal car
             may be seven updates behind while it drives.
         steps_run: steps of 1/240 s simulated since `reset`; those of a resting car are not.
         commanded: the twist that acts from the next update on.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, has_body: bool = True) -> None:
         """Make the car, and the world of its body.
 
         Raises:
             InfrastructureError: PyBullet failed.
         """
-        self._body = _body()
+        self._body = _body() if has_body else None
         self._walls = False
         self._rough: RoughDrive | None = None
         self._measured = (0.0, 0.0)
@@ -78,6 +81,8 @@ class Car:
         self.velocity = self.commanded = (0.0, 0.0)
         self.now_ns = self.steps_run = 0
         self.resting = True
+        self.lost = False
+        self._beyond: PlanarPose | None = None  # where the next update begins, outside the walls
 
     def close(self) -> None:
         """Give the body back. Nothing else is usable afterwards."""
@@ -101,6 +106,7 @@ class Car:
         self.velocity = self.commanded = self._measured = (0.0, 0.0)
         self.now_ns = self.steps_run = 0
         self.resting = True
+        self.lost, self._beyond = False, None
         if self._body is not None:
             self._body.reset()
         self._place(start)
@@ -136,10 +142,19 @@ class Car:
         self.now_ns = max(self.now_ns, t_ns - t_ns % UPDATE_NS)
 
     def put(self, pose: PlanarPose) -> None:
-        """Take the car up and put it down in `pose`, after the present update; its velocity is kept."""
+        """Take the car up and put it down in `pose`, after the present update; its velocity is kept.
+
+        A nominal car that drives may be put outside the walls: its next update moves it from there, then holds it.
+        """
         self.observe()
+        self.lost = not isfinite(sum(pose))
+        if self.lost:
+            self.pose = pose
+            return
+        pose = (pose[0], pose[1], fold(pose[2]))
         self._place(pose)
         self._watcher.jump(self.now_ns, self.pose, *self._measured)
+        self._beyond = None if self.resting or self._rough is not None else pose
 
     def stop_dead(self) -> None:
         """Take all velocity away at once, as for a robot that is removed or made anew."""
@@ -150,7 +165,8 @@ class Car:
 
     def observe(self) -> None:
         """Hand the watcher the state at the present update."""
-        self._watcher.sample(self.now_ns, self.pose, *self._measured)
+        if not self.lost:
+            self._watcher.sample(self.now_ns, self.pose, *self._measured)
 
     def _follow_the_law(self, t_ns: int) -> None:
         """Move by turtlesim's law up to `t_ns`, or to rest; let the body follow now and then."""
@@ -158,19 +174,23 @@ class Car:
         self.resting = v == w == 0.0
         each_time = self.resting or abs(v) > _QUICK_MPS or abs(w) > _QUICK_RADPS
         last_ns = self.now_ns + UPDATE_NS if self.resting else t_ns
+        beyond, self._beyond = self._beyond, None
         while self.now_ns + UPDATE_NS <= last_ns:
             before = self.pose
             self.now_ns += UPDATE_NS
-            x, y, heading = turtlesim_update(before, v, w)
+            x, y, heading = turtlesim_update(beyond or before, v, w)
+            beyond = None
+            self._measured = (v, w)
             if self._walls and not (0.0 <= x <= WINDOW_M and 0.0 <= y <= WINDOW_M):
                 start_ns = self.now_ns - UPDATE_NS
                 x = self._held(start_ns, self.now_ns, x, "left", "right")
                 y = self._held(start_ns, self.now_ns, y, "bottom", "top")
-                along = (x - before[0]) * cos(heading) + (y - before[1]) * sin(heading)
-                self._measured = (along / UPDATE_S, w)
-            else:
-                self._measured = (v, w)
+                c, s = cos_sin(heading)
+                self._measured = (((x - before[0]) * c + (y - before[1]) * s) / UPDATE_S, w)
             self.pose = (x, y, heading)
+            if self.lost:
+                self._measured = (v, w)
+                continue
             if self._body is not None and (each_time or self.now_ns % (_BEHIND_UPDATES * UPDATE_NS) == 0):
                 self._body.turn_wheels(v, w)
                 self._body.follow(before, self.pose, self.now_ns)

@@ -14,6 +14,7 @@ from grader.contracts.grading import WorldRequest
 from grader.contracts.outcome import AgentResult, Endpoint, LogRecord, Note, ServiceResult
 from grader.contracts.record import Record
 from grader.contracts.trajectory import Trajectory
+from grader.sim.car import NS_PER_S, UPDATE_NS, UPDATE_S
 from grader.sim.cdr import HEADER
 from grader.sim.cdr import decode as read
 from grader.sim.driving import Car
@@ -75,6 +76,8 @@ _TWIST: Final = struct.Struct("<4s6d")
 
 _CONTESTED: Final = 20  # more changes from a drive to a turn than any figure has
 _LONGEST_VALUES: Final = 200
+WAIT_NOTE: Final = "commands_wait"
+"""Commands came faster than updates: how many a second, and for how many seconds one waited at most."""
 
 
 class EpisodeSpec(Record):
@@ -539,7 +542,9 @@ class Episode:
         self._world.finish(end_ns)
         conversation = None if self._talk is None else self._talk.result()
         said = () if conversation is None else sayings(conversation, {one.id: one for one in self._spec.said})
-        trajectory = replace(self._recorder.finish(end_ns), sayings=said)
+        trajectory = self._recorder.finish(end_ns)
+        commanded = self._world.as_commanded(trajectory)
+        trajectory = replace(trajectory, sayings=said, commanded=commanded)
         self._note_motion(trajectory)
         return EpisodeResult(
             trajectory=trajectory,
@@ -574,6 +579,9 @@ class Episode:
             journal.note("wall", contact.wall)
         for code in _seen_in(received, trajectory):
             journal.note(code)
+        if trajectory.commanded is not None:
+            rate_hz = received.count / len(trajectory.commands) * (NS_PER_S / UPDATE_NS)
+            journal.note(WAIT_NOTE, f"{rate_hz:.0f}|{received.longest_wait * UPDATE_S:.2f}")
         if received.clamped:
             journal.note("clamped_robot" if self._spec.world.kind == "robot" else "clamped_command")
 

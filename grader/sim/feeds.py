@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Final
 
-from grader.sim.car import PlanarPose, fold
+from grader.sim.car import PlanarPose, cos_sin, fold
 from grader.sim.cdr import HEADER, encode
 from grader.sim.frames import APART, MESSAGE_EVENT, RESPONSE_EVENT, Event, Request
 from grader.sim.interfaces import header, quaternion
@@ -176,7 +176,7 @@ class Feeds:
         """Learn of a teleport: shift the origin of the odometry so that it stays where it was."""
         x, y, turn = _relative(before, self._origin)
         heading = after[2] - turn
-        c, s = math.cos(heading), math.sin(heading)
+        c, s = cos_sin(heading)
         self._origin = (after[0] - (x * c - y * s), after[1] - (x * s + y * c), heading)
 
     def _pose(self, _t_ns: int) -> bytes:
@@ -219,5 +219,5 @@ class Feeds:
 
 def _relative(pose: PlanarPose, origin: PlanarPose) -> PlanarPose:
     dx, dy = pose[0] - origin[0], pose[1] - origin[1]
-    c, s = math.cos(origin[2]), math.sin(origin[2])
+    c, s = cos_sin(origin[2])
     return dx * c + dy * s, dy * c - dx * s, pose[2] - origin[2]

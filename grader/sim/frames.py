@@ -150,6 +150,7 @@ class CarState(NamedTuple):
         publishers: ids whose messages are commands.
         t_ns: instant of the last update; the rest is as it left it.
         velocity: (v, w) in that update. commanded: (v, w) from the next one on, until `drop_ns`.
+        waiting: (v, w) of the commands of which each update takes one, in order.
         resting: whether updates would change nothing.
         window_m: width and height of the window, whose walls hold the car; 0: it has none.
     """
@@ -160,6 +161,7 @@ class CarState(NamedTuple):
     pose: tuple[float, float, float]
     velocity: tuple[float, float]
     commanded: tuple[float, float]
+    waiting: tuple[tuple[float, float], ...]
     drop_ns: int
     resting: bool
     window_m: float

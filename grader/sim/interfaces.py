@@ -8,14 +8,13 @@ these: those of its assignment's own interfaces, and of all that ROS has (`with_
 """
 
 import ast
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
 from grader.contracts.assignment import InterfaceDefinition
-from grader.sim.car import NS_PER_S, fold
+from grader.sim.car import NS_PER_S, cos_sin, fold
 
 Fields: TypeAlias = tuple[tuple[str, str], ...]
 
@@ -229,8 +228,8 @@ def header(t_ns: int, frame: str) -> dict[str, Any]:
 
 def quaternion(heading_rad: float) -> dict[str, float]:
     """Return geometry_msgs/msg/Quaternion of a heading in the plane."""
-    half = fold(heading_rad) / 2.0
-    return {"z": math.sin(half), "w": math.cos(half)}
+    w, z = cos_sin(fold(heading_rad) / 2.0)
+    return {"z": z, "w": w}
 
 
 def _structures(entry: str) -> Iterator[tuple[str, list[list[str]]]]:

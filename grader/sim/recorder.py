@@ -56,9 +56,9 @@ class Recorder:
         self._samples.append((self._t_ns, *pose, v_mps, w_radps))
 
     def command(self, came: Iterable[tuple[int, int]], v_mps: float, w_radps: float) -> None:
-        """Add a command that came once or several times: for each, the update that takes it, and when it came.
+        """Add a command that came once or several times: for each, the first update after it, and when it came.
 
-        Of several for one update the last counts.
+        Of several between two updates the last is kept: 60 a second are enough to show, and to obey at once.
         """
         commands, before = self._commands, self._command_update
         for update, t_ns in came:
@@ -159,12 +159,13 @@ class ReceivedCommands:
         motions: how many were no stop.
         contested: how many drives came in one update with a turn on the spot, or the reverse.
         first_ns, last_ns: when the first and the last one came.
+        longest_wait: for how many updates one waited beyond the first that could take it.
     """
 
     def __init__(self, recorder: Recorder) -> None:
         self._recorder = recorder
         self.count = self.nonfinite = self.lateral = self.clamped = self.motions = 0
-        self.contested = 0
+        self.contested = self.longest_wait = 0
         self._last: tuple[int, bool] | None = None  # the last motion's update, and whether it was a drive
         self.first_ns: int | None = None
         self.last_ns: int | None = None
@@ -178,8 +179,7 @@ class ReceivedCommands:
         """Take a command that came once or several times in a row.
 
         Args:
-            came: for each time, which update of the car acts on it (of several commands the last counts), and when
-                it was; in order.
+            came: for each time, which update of the car is the first after it, and when it was; in order.
             asked: its speeds ahead and to the left, and its yaw rate.
             obeyed: speed and yaw rate as the car takes them, and whether the command was finite.
         """

@@ -1,5 +1,6 @@
 """turtlesim's action rotate_absolute, as the services and topics an action is made of."""
 
+import struct
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -18,6 +19,7 @@ _SERVICES: Final = {
 }
 _TOPICS: Final = {"feedback": f"{TYPE}_FeedbackMessage", "status": "action_msgs/msg/GoalStatusArray"}
 
+_FLOAT: Final = struct.Struct("<f")
 TURN_RADPS: Final = 1.0
 NEAR_RAD: Final = 0.02
 MAX_GOALS: Final = 64
@@ -42,7 +44,7 @@ class Goal:
 class RotateAction:
     """Turns the turtle to an absolute heading at 1 rad/s, tick by tick (`Turtle::update` of turtlesim 1.4).
 
-    It succeeds within 0.02 rad of the goal; a new goal or any velocity command aborts the present one.
+    It succeeds within 0.02 rad of the goal; a new goal, or any velocity command that is taken, aborts it.
     """
 
     def __init__(self, name: str, turtle: AnyTurtle, outbox: Outbox, epoch_ns: int) -> None:
@@ -85,7 +87,7 @@ class RotateAction:
             self._result(values["goal_id"]["uuid"], request, t_ns)
 
     def interrupt(self) -> None:
-        """Abort the present goal: a velocity command came, or the turtle is gone."""
+        """Abort the present goal: a velocity command was taken, or the turtle is gone."""
         if self._active is not None:
             self._end(self._active, _ABORTED)
 
@@ -94,11 +96,11 @@ class RotateAction:
         goal = self._active
         if goal is not None:
             heading = self._turtle.pose[2]
-            remaining = fold(goal.theta_rad - heading)
+            remaining = fold(fold(goal.theta_rad) - _in_32_bits(heading))
             if goal.status == _CANCELING:
                 self._end(goal, _CANCELED)
             else:
-                goal.delta_rad = fold(goal.start_rad - heading)
+                goal.delta_rad = fold(_in_32_bits(goal.start_rad - heading))
                 feedback = {"goal_id": {"uuid": goal.uuid}, "feedback": {"remaining": remaining}}
                 self._publish("feedback", t_ns, feedback)
                 if abs(remaining) < NEAR_RAD:
@@ -164,3 +166,8 @@ class RotateAction:
 
     def _info(self, goal: Goal) -> dict[str, Any]:
         return {"goal_id": {"uuid": goal.uuid}, "stamp": stamp(self._epoch_ns + goal.t_ns)}
+
+
+def _in_32_bits(angle_rad: float) -> float:
+    value: float = _FLOAT.unpack(_FLOAT.pack(angle_rad))[0]
+    return value

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from grader.contracts.conversation import TurtleSample
+from grader.contracts.trajectory import Trajectory
 from grader.sim.feeds import Outbox
 from grader.sim.frames import CarState, Entity, Request
 from grader.sim.recorder import ReceivedCommands
@@ -95,6 +96,10 @@ class SimulatedWorld:
     def settle(self, from_ns: int, until_ns: int) -> int:
         """Run the world on without the script until the car rests; return when that is."""
         raise NotImplementedError
+
+    def as_commanded(self, recorded: Trajectory) -> Trajectory | None:
+        """Return the motion if each command had been obeyed at once; None where they did not wait for long."""
+        return None
 
     def finish(self, end_ns: int) -> None:
         """Drive up to `end_ns`, when the episode ended, and record the last sample."""

@@ -8,10 +8,11 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
-from grader.contracts.assignment import Distro, World
+from grader.contracts.assignment import WINDOW_M, Distro, World
 from grader.contracts.conversation import TurtleSample
+from grader.contracts.trajectory import Trajectory
 from grader.sim import parameters
-from grader.sim.car import UPDATE_NS, PlanarPose, fold, next_update
+from grader.sim.car import UPDATE_NS, PlanarPose, cos_sin, next_update
 from grader.sim.cdr import Values, decode, encode
 from grader.sim.feeds import Feeds, Pen
 from grader.sim.frames import GRAPH_EVENT, CarState, Entity, Event, Request
@@ -27,19 +28,22 @@ MAX_PENDING: Final = 1_000
 MAX_TURTLES: Final = 100
 FAR_M: Final = 1e6  # as far as a teleport goes in a world without walls
 
+_NOWHERE: Final = (math.nan, math.nan, math.nan)
+
 GRADED: Final = "turtle1"
 
+# In the order in which they are made, and served.
 _WINDOW_SERVICES: Final = {
+    **{f"{NODE_NAME}/{name}": kind for name, kind in parameters.SERVICES.items()},
     "/clear": "std_srvs/srv/Empty",
     "/reset": "std_srvs/srv/Empty",
     "/spawn": "turtlesim/srv/Spawn",
     "/kill": "turtlesim/srv/Kill",
-    **{f"{NODE_NAME}/{name}": kind for name, kind in parameters.SERVICES.items()},
 }
 _TURTLE_SERVICES: Final = {
     "set_pen": "turtlesim/srv/SetPen",
-    "teleport_absolute": "turtlesim/srv/TeleportAbsolute",
     "teleport_relative": "turtlesim/srv/TeleportRelative",
+    "teleport_absolute": "turtlesim/srv/TeleportAbsolute",
 }
 _TOPIC_NAME: Final = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
@@ -80,9 +84,9 @@ class Presence:
 class TurtleWorld(SimulatedWorld):
     """Everything that is not the script: the turtles and turtlesim's interface. One turtle, a car, is graded.
 
-    All happens in turtlesim's updates, every 16 ms. An update serves the requests that came since the last one,
-    moves the turtles and publishes. A turtle that the script spawns has topics, services and an action of its own;
-    the script learns when they come and go.
+    All happens in turtlesim's updates, every 16 ms. An update takes one command of each turtle, then serves one
+    request of each service and of each action, then moves the turtles and publishes. A turtle that the script
+    spawns has topics, services and an action of its own; the script learns when they come and go.
 
     Attributes:
         turtle: the graded one.
@@ -102,7 +106,7 @@ class TurtleWorld(SimulatedWorld):
         # The last number given to a turtle spawned without a name; turtlesim gives none twice.
         self._numbered = 1
         self._parameters = Parameters(distro)
-        self._pending: deque[tuple[str, Request]] = deque()
+        self._pending: dict[str, deque[Request]] = {}
         self._now_ns = 0
         self._reckoned = False  # whether the script reckons the poses by itself
         self._heard = False  # whether anybody listens; asked several times an update
@@ -120,6 +124,7 @@ class TurtleWorld(SimulatedWorld):
         }
         self._topics: dict[str, str] = {}
         self._commands: dict[str, Presence] = {}
+        self._turns: list[tuple[str, ...]] = []
         self._index()
 
     def graph(self) -> dict[str, list[Any]]:
@@ -156,6 +161,10 @@ class TurtleWorld(SimulatedWorld):
         """Build the physical world. To be called first, once; InfrastructureError."""
         self.turtle.appear()
 
+    def as_commanded(self, recorded: Trajectory) -> Trajectory | None:
+        """Return the motion if each command had been obeyed at once; None where they did not wait for long."""
+        return self.turtle.at_once(recorded)
+
     def finish(self, end_ns: int) -> None:
         """Drive up to `end_ns`, when the episode ended, and record the last sample."""
         self.turtle.finish(end_ns)
@@ -181,7 +190,6 @@ class TurtleWorld(SimulatedWorld):
         for t_ns in times_ns:
             if self.next_due() is not None:
                 self.advance(t_ns)
-                commanded.action.interrupt()
             if commanded.name == GRADED:
                 self.turtle.receive((t_ns,), linear_x, linear_y, angular_z)
             else:
@@ -207,10 +215,15 @@ class TurtleWorld(SimulatedWorld):
     def request(self, service: str, request: Request) -> bool:
         """Queue a request to one of `services` for the next update; false when too many wait."""
         self.advance(request.t_ns)
-        if len(self._pending) >= MAX_PENDING:
+        if sum(map(len, self._pending.values())) >= MAX_PENDING:
             return False
-        self._pending.append((service, request))
+        self._pending.setdefault(service, deque()).append(request)
         return True
+
+    def forget_commands(self) -> None:
+        """Drop the commands that wait for any turtle."""
+        for each in self._present.values():
+            each.turtle.forget()
 
     def forget_requests(self) -> None:
         """Drop every waiting request: a script that broke the protocol is served no more."""
@@ -283,11 +296,25 @@ class TurtleWorld(SimulatedWorld):
         return False
 
     def _serve(self, t_ns: int) -> None:
-        """Do what the update of `t_ns` does before it moves the turtles."""
-        while self._pending:
-            self._answer(*self._pending.popleft(), t_ns)
+        """Do what the update of `t_ns` does before it moves the turtles, in the order of rclcpp's executor."""
+        for each in self._present.values():
+            if each.turtle.take(t_ns):
+                each.action.interrupt()
+        if self._pending:
+            for served in self._turns:
+                self._serve_one(served, t_ns)
         for each in self._present.values():
             each.action.tick(t_ns)
+
+    def _serve_one(self, services: Collection[str], t_ns: int) -> None:
+        """Answer the oldest request of the first of `services` that has one."""
+        for service in services:
+            if requests := self._pending.get(service):
+                request = requests.popleft()
+                if not requests:
+                    del self._pending[service]
+                self._answer(service, request, t_ns)
+                return
 
     def _answer(self, service: str, request: Request, t_ns: int) -> None:
         """Serve one request; nobody answers for a turtle that has gone meanwhile."""
@@ -318,6 +345,14 @@ class TurtleWorld(SimulatedWorld):
             self.services |= each.services
             self._topics |= each.topics
             self._commands[each.command_topic] = each
+        present = self._present.values()
+        self._pending = {name: those for name, those in self._pending.items() if name in self.services}
+        own = [f"/{each.name}/{service}" for each in present for service in _TURTLE_SERVICES]
+        # Of what an action is asked, one thing is done in an update; a service is asked one thing.
+        self._turns = [
+            *((service,) for service in (*_WINDOW_SERVICES, *own)),
+            *(tuple(each.action.services) for each in present),
+        ]
 
     def _appear(self, name: str, pose: PlanarPose, t_ns: int) -> None:
         """Put a new turtle into the window, and on the graph if its name can stand there."""
@@ -359,6 +394,8 @@ class TurtleWorld(SimulatedWorld):
         for name in (*self._others, *self._nameless):
             self._vanish(name, t_ns)
         self._action.interrupt()
+        for service in self._present[GRADED].services:  # made anew, as all of the turtle is
+            self._pending.pop(service, None)
         self._jump(self._present[GRADED], self.turtle.start, revive=True)
         self._feeds.pen = Pen(cleared_at=self.turtle.start)
         self._numbered = 1
@@ -395,25 +432,36 @@ class TurtleWorld(SimulatedWorld):
         of.feeds.pen.off = bool(values["off"])
 
     def _teleport_absolute(self, of: Presence, values: Values) -> None:
-        self._jump(of, (values["x"], values["y"], values["theta"]))
+        x, y, heading = values["x"], values["y"], values["theta"]
+        if self._walls:  # turtlesim counts y downwards, and makes a negative one 0: NaN, too
+            y = min(y, WINDOW_M) if y == y else WINDOW_M  # noqa: PLR0124
+        self._jump(of, (x, y, heading))
 
     def _teleport_relative(self, of: Presence, values: Values) -> None:
         x, y, heading = of.turtle.pose
-        reach, turn = values["linear"], values["angular"]
-        if not (math.isfinite(reach) and math.isfinite(turn)):
-            return
-        heading += turn
-        self._jump(of, (x + reach * math.cos(heading), y + reach * math.sin(heading), heading))
+        heading += values["angular"]
+        c, s = cos_sin(heading)
+        reach = values["linear"]
+        self._jump(of, (x + reach * c, y + reach * s, heading))
 
     def _jump(self, of: Presence, pose: PlanarPose, *, revive: bool = False) -> None:
-        """Put a turtle into `pose`, unless the turtle is dead or the pose is not finite."""
-        if not all(map(math.isfinite, pose)) or not (of.turtle.alive or revive):
+        """Put a turtle into `pose`, unless the turtle is dead.
+
+        A place that is infinite is that far; a heading that is no number leaves no place.
+        """
+        if not (of.turtle.alive or revive):
             return
         before = of.turtle.pose
-        x, y = (min(max(position, -FAR_M), FAR_M) for position in pose[:2])
-        after = (x, y, fold(pose[2]))
+        x, y, heading = pose
+        after = (_bounded(x), _bounded(y), heading) if math.isfinite(heading) else _NOWHERE
         if revive:
             self.turtle.revive(after)
         else:
             of.turtle.teleport(after)
-        of.feeds.moved(before, after)
+        if all(map(math.isfinite, (*before, *after))):
+            of.feeds.moved(before, of.turtle.pose)
+
+
+def _bounded(place_m: float) -> float:
+    """Return a component of a place as far as a teleport goes; NaN stays."""
+    return min(max(place_m, -FAR_M), FAR_M)

@@ -37,7 +37,7 @@ from grader.sim.frames import (
     Response,
 )
 
-PROTOCOL: Final = 5
+PROTOCOL: Final = 6
 MAX_NAME_BYTES: Final = 1_024
 MAX_ENTITY_NAME_BYTES: Final = 255  # as in rmw, the middleware's interface
 MAX_NODE_NAME_BYTES: Final = 501  # a namespace of 245, a slash and a name of 255, as in rmw
@@ -102,7 +102,8 @@ def _car(car: CarState) -> bytes:
         for those in (car.subscriptions, car.publishers)
     )
     numbers = (car.t_ns, *car.pose, *car.velocity, *car.commanded, car.drop_ns, car.resting, car.window_m)
-    return ids + _CAR.pack(*numbers)
+    speeds = [speed for command in car.waiting for speed in command]
+    return ids + _CAR.pack(*numbers) + struct.pack(f"<B{len(speeds)}d", len(car.waiting), *speeds)
 
 
 class _Cursor:

@@ -178,7 +178,7 @@ def test_run_tells_what_to_do_about_a_crash_and_draws_what_was_driven(
     (tmp_path / "asks.py").write_text(asks, encoding="utf-8")
     done = at_terminal("run", "asks.py", "--watch", "--plot", "drive.svg")
     assert (done.returncode, "\x1b" in done.stdout) == (1, False)
-    assert "t = 16.12 s" in done.stdout  # the last picture, as a pipe gets it
+    assert "t = 16.13 s" in done.stdout  # the last picture, as a pipe gets it
     assert "grader run asks.py --input" in " ".join(done.stdout.split())
     assert b"<svg" in (tmp_path / "drive.svg").read_bytes()
     assert "EOFError" in done.stderr

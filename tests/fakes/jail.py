@@ -158,7 +158,7 @@ class FakeLink:
 
 
 def holding(
-    segments: Iterable[tuple[float, float, float]], *, start_s: float = 0.0, every_s: float = 0.01
+    segments: Iterable[tuple[float, float, float]], *, start_s: float = 0.0, every_s: float = 0.02
 ) -> list[bytes]:
     """Frames of a script that publishes (v, w) for each (seconds, v, w), and a stop at the end."""
     frames = [node(), driver()]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from grader.contracts.assignment import World
+from grader.contracts.assignment import WINDOW_M, World
 from grader.sim.cdr import encode
 from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
@@ -116,8 +116,8 @@ def check(result: EpisodeResult, *, walls: bool = True) -> None:
     for column in (path.x_m, path.y_m, path.heading_rad, path.v_mps, path.w_radps):
         assert np.isfinite(column).all()
     if walls:
-        assert 0.0 <= path.x_m.min() <= path.x_m.max() <= 499 / 45
-        assert 0.0 <= path.y_m.min() <= path.y_m.max() <= 499 / 45
+        assert 0.0 <= path.x_m.min() <= path.x_m.max() <= WINDOW_M
+        assert 0.0 <= path.y_m.min() <= path.y_m.max() <= WINDOW_M
 
 
 @settings(max_examples=examples(150))

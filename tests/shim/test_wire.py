@@ -62,6 +62,10 @@ def test_what_the_jail_writes(case: dict[str, Any]) -> None:
     assert write(case["fields"]) == len(body).to_bytes(4, "little") + body
 
 
+def in_tuples(value: Any) -> Any:
+    return tuple(map(in_tuples, value)) if isinstance(value, list) else value
+
+
 @pytest.mark.parametrize("case", golden("episode_to_jail.json"))
 def test_what_the_jail_reads(case: dict[str, Any]) -> None:
     body, fields = bytes.fromhex(case["hex"]), case["fields"]
@@ -75,9 +79,7 @@ def test_what_the_jail_reads(case: dict[str, Any]) -> None:
         events = [(e.what, e.id, e.sequence, e.t_ns, e.cdr.hex()) for e in events]
         assert events == [tuple(event) for event in fields["events"]]
         told = fields.get("car")
-        assert car == (
-            told and tuple(tuple(each) if isinstance(each, list) else each for each in told.values())
-        )
+        assert car == (told and tuple(map(in_tuples, told.values())))
 
 
 @pytest.mark.parametrize(

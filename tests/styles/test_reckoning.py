@@ -62,6 +62,13 @@ for step, *given in STEPS:
     elif step == 'sleep': time.sleep(given[0])
     elif step == 'spin': rclpy.spin_once(node, timeout_sec=given[0])
     elif step == 'slow': slow = given[0]
+    elif step == 'fast':
+        for i in range(given[0]):
+            drive(given[2] * (i % 5), 1.0 - 0.1 * (i % 3))
+            time.sleep(given[1])
+            if i % 10 == 9: note(last)
+    elif step == 'burst':
+        for i in range(given[0]): drive(0.1 * i, 0.2, i % 2)
     elif step == 'busy':
         for _ in range(given[0]): note()
     elif step == 'steer':
@@ -108,10 +115,13 @@ if STEPS[-1][0] == 'spin': rclpy.spin(node)
 SPEEDS = st.sampled_from([0.0, 0.5, -1.0, 3.0, 0.1, -0.0, 2.0 / 3.0, 250.0, float("nan")])
 RATES = st.sampled_from([0.0, 1.0, -0.3, 3.0, -0.0, 7.0, 300.0])
 TIMES_S = st.sampled_from([0.0, 0.0003, 0.016, 0.02, 0.1, 0.9, 1.05, 5.3])
+PERIODS_S = st.sampled_from([0.0005, 0.001, 0.002, 0.005, 0.01, 0.013, 0.016, 0.02, 0.1, 1.0])
 TOPICS = st.sampled_from(["/turtle1/pose", "/turtle1/color_sensor", "/odom", "/tf"])
 STEPS = st.lists(
     st.one_of(
         st.tuples(st.just("drive"), SPEEDS, RATES, st.sampled_from([0, 0, 0, 1])),
+        st.tuples(st.just("fast"), st.integers(1, 120), PERIODS_S, SPEEDS),
+        st.tuples(st.just("burst"), st.integers(1, 16)),
         st.tuples(st.just("steer"), st.integers(1, 80), SPEEDS, RATES),
         st.tuples(st.just("sleep"), TIMES_S),
         st.tuples(st.just("spin"), TIMES_S),
@@ -181,6 +191,18 @@ def test_the_threads_of_a_script_are_gathered_on_one_core(
     steps=[("drive", 1.0, 0.5, 0), ("sleep", 5.3), ("spin", 0.1), ("beside",), ("steer", 80, 3.0, 0.1)],
     walls=True,
     heading_deg=0.0,
+)
+@example(
+    steps=[
+        ("burst", 12),
+        ("fast", 120, 0.0005, 0.5),
+        ("fast", 60, 0.01, 3.0),
+        ("rotate", 1.0),
+        ("burst", 3),
+        ("spin", 1.05),
+    ],
+    walls=False,
+    heading_deg=84.0,
 )
 def test_the_script_and_the_simulator_reckon_alike(
     pipeline: Pipeline, steps: list[Any], walls: bool, heading_deg: float

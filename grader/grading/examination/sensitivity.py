@@ -352,6 +352,7 @@ def replayed(recorded: Trajectory, commands: Sequence[Command]) -> Trajectory:
         contacts=(),
         jumps=(),
         end_ns=end_ns,
+        commanded=None,
     )
 
 

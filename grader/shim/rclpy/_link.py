@@ -238,7 +238,7 @@ class Link:
         if reckoning is not None and ident in reckoning.publishers:
             if reckoning.next_ns <= now_ns:
                 self._reckon(now_ns)
-            reckoning.command(now_ns, cdr)
+            reckoning.command(cdr)
         if self._last.get(ident) != cdr:
             self._last[ident] = cdr
             self._tell(_wire.publish(ident, now_ns, cdr))

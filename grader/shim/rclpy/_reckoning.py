@@ -10,14 +10,18 @@ from __future__ import annotations
 
 import math
 import struct
+from collections import deque
 
 UPDATE_NS = 16_000_000
 UPDATE_S = 0.016
 LIFE_NS = 1_000_000_000
 """How long a command acts, counted from the update that takes it; the first update after that stops the car."""
 
-_DROPPED_AFTER_NS = (LIFE_NS // UPDATE_NS + 2) * UPDATE_NS - 1
-"""How long after the update before the one that takes it a command is dropped: just before an update."""
+_DROPPED_AFTER_NS = (LIFE_NS // UPDATE_NS + 1) * UPDATE_NS - 1
+"""How long after the update that takes it a command is dropped: just before an update."""
+
+MOST_WAITING = 7
+"""Each update takes one command, oldest first; an eighth that waits pushes the oldest out."""
 
 MOST = 100.0
 """The car clamps the components of a command to this, in m/s and rad/s."""
@@ -27,8 +31,11 @@ NEVER_NS = 1 << 62
 _HEADER = b"\x00\x01\x00\x00"
 _POSE = struct.Struct("<4s5f")
 _TWIST = struct.Struct("<4s6d")
-_PI = math.pi
-_cos, _sin, _remainder = math.cos, math.sin, math.remainder
+_PI = 3.14159265
+_QUARTERS_PER_RAD = 0.6366197723675814
+_QUARTER_RAD = (1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21)
+_SIN = tuple((-1) ** k / math.factorial(2 * k + 1) for k in range(8, 0, -1))
+_COS = tuple((-1) ** k / math.factorial(2 * k) for k in range(9, 0, -1))
 
 
 class Reckoning:
@@ -43,8 +50,9 @@ class Reckoning:
         now_ns: instant of the last update; the arguments that follow describe the car after it.
         pose: x, y and heading.
         velocity: (v, w) during that update.
-        commanded: (v, w) of the latest command.
-        drop_ns: when that command is dropped.
+        commanded: (v, w) of the command that was taken last.
+        waiting: (v, w) of the commands that wait to be taken.
+        drop_ns: when the one that was taken is dropped.
         resting: whether the car stands still until the next command.
         window_m: width and height of the window, whose walls stop the car; 0: no walls.
     """
@@ -57,6 +65,7 @@ class Reckoning:
         pose: tuple[float, float, float],
         velocity: tuple[float, float],
         commanded: tuple[float, float],
+        waiting: tuple[tuple[float, float], ...],
         drop_ns: int,
         resting: bool,
         window_m: float,
@@ -67,28 +76,39 @@ class Reckoning:
         self._x_m, self._y_m, self._heading_rad = pose
         self._velocity = velocity
         self._commanded = commanded
+        self._waiting = deque(waiting, MOST_WAITING)
         self._drop_ns = drop_ns
         self._resting = resting
         self._window_m = window_m
         self._at_rest: bytes | None = None
-        self._taken = b""  # the last command, and its (v, w): most scripts repeat it
+        self._came = b""  # the last command, and its (v, w): most scripts repeat it
         self._asked = (0.0, 0.0)
+        self._cos_sin: tuple[float, float] | None = None  # of the heading
 
     def update(self) -> bytes:
         """Run the next update; return the pose that it publishes."""
         now_ns = self.next_ns
         self.next_ns = now_ns + UPDATE_NS
-        if self._drop_ns <= now_ns:
-            self._drop_ns = NEVER_NS
-            self._order((0.0, 0.0))
+        if self._waiting:
+            self._take(self._waiting.popleft(), now_ns)
+        elif self._drop_ns <= now_ns:
+            self._take((0.0, 0.0), now_ns)
         if self._resting:
             if self._at_rest is None:
                 self._at_rest = self._published()
             return self._at_rest
         v, w = self._velocity = self._commanded
-        self._heading_rad = heading = _fold(self._heading_rad + w * UPDATE_S)
-        reach_m = v * UPDATE_S
-        x, y = self._x_m + _cos(heading) * reach_m, self._y_m + _sin(heading) * reach_m
+        heading = _fold(self._heading_rad + w * UPDATE_S)
+        x, y = self._x_m, self._y_m
+        if heading != self._heading_rad:
+            self._heading_rad = heading
+            self._cos_sin = None
+        if v:
+            if self._cos_sin is None:
+                self._cos_sin = _cos_sin(heading)
+            c, s = self._cos_sin
+            reach_m = v * UPDATE_S
+            x, y = x + c * reach_m, y + s * reach_m
         most_m = self._window_m
         if most_m and not (0.0 <= x <= most_m and 0.0 <= y <= most_m):
             x, y = min(max(x, 0.0), most_m), min(max(y, 0.0), most_m)
@@ -96,19 +116,17 @@ class Reckoning:
         self._resting = v == w == 0.0
         return _POSE.pack(_HEADER, x, y, heading, abs(v), w)
 
-    def command(self, t_ns: int, cdr: bytes) -> None:
-        """Take a message as the command from `t_ns` on; the first update after that obeys it."""
-        if cdr == self._taken:
-            v, w = self._asked
-        elif len(cdr) != _TWIST.size or cdr[:4] != _HEADER:
-            return
-        else:
-            v, w = self._asked = _bounded(cdr)
-            self._taken = cdr
-        self._order((v, w))
-        self._drop_ns = t_ns // UPDATE_NS * UPDATE_NS + _DROPPED_AFTER_NS if v or w else NEVER_NS
+    def command(self, cdr: bytes) -> None:
+        """Let a message arrive as a command. Updates up to its time must have been run."""
+        if cdr != self._came:
+            if len(cdr) != _TWIST.size or cdr[:4] != _HEADER:
+                return
+            self._asked = _bounded(cdr)
+            self._came = cdr
+        self._waiting.append(self._asked)
 
-    def _order(self, command: tuple[float, float]) -> None:
+    def _take(self, command: tuple[float, float], now_ns: int) -> None:
+        self._drop_ns = now_ns + _DROPPED_AFTER_NS if command != (0.0, 0.0) else NEVER_NS
         if command != self._commanded:
             self._commanded = command
             self._resting = False
@@ -130,8 +148,26 @@ def _bounded(cdr: bytes) -> tuple[float, float]:
 
 
 def _fold(angle_rad: float) -> float:
-    """Fold an angle to [-pi, pi); one that lies there keeps its bits."""
+    """Fold an angle as `grader.sim.car.fold` does; here it is always finite."""
     if -_PI <= angle_rad < _PI:
         return angle_rad
-    folded = _remainder(angle_rad, math.tau)
-    return -math.pi if folded >= math.pi else folded
+    return angle_rad - 2.0 * _PI * math.floor((angle_rad + _PI) / (2.0 * _PI))
+
+
+def _cos_sin(angle_rad: float) -> tuple[float, float]:
+    """Return the bits of `grader.geometry.exact.cos_sin`, where they are explained; an angle is finite here."""
+    angle_rad += 0.0
+    quarters = round(angle_rad * _QUARTERS_PER_RAD)
+    first, second, third = _QUARTER_RAD
+    x = ((angle_rad - quarters * first) - quarters * second) - quarters * third
+    square = x * x
+    c = 1.0 + square * _polynomial(_COS, square)
+    s = x + x * square * _polynomial(_SIN, square)
+    return ((c, s), (-s, c), (-c, -s), (s, -c))[quarters % 4]
+
+
+def _polynomial(factors: tuple[float, ...], x: float) -> float:
+    value = 0.0
+    for factor in factors:
+        value = value * x + factor
+    return value

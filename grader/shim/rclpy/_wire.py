@@ -12,7 +12,16 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     Pair = tuple[float, float]
     Car = tuple[
-        tuple[int, ...], tuple[int, ...], int, tuple[float, float, float], Pair, Pair, int, bool, float
+        tuple[int, ...],
+        tuple[int, ...],
+        int,
+        tuple[float, float, float],
+        Pair,
+        Pair,
+        tuple[Pair, ...],
+        int,
+        bool,
+        float,
     ]
     """What `Reckoning` is made of, in order."""
 
@@ -198,8 +207,12 @@ def _read_car(body: bytes, offset: int) -> Car:
     subscriptions, offset = _read_ids(body, offset)
     publishers, offset = _read_ids(body, offset)
     t_ns, x, y, heading, v, w, v_asked, w_asked, drop_ns, resting, window_m = _CAR.unpack_from(body, offset)
+    offset += _CAR.size
+    speeds = struct.unpack_from(f"<{2 * body[offset]}d", body, offset + 1)
+    waiting = tuple(zip(speeds[::2], speeds[1::2], strict=True))
     pose, velocity, commanded = (x, y, heading), (v, w), (v_asked, w_asked)
-    return subscriptions, publishers, t_ns, pose, velocity, commanded, drop_ns, resting == 1, window_m
+    resting = resting == 1
+    return subscriptions, publishers, t_ns, pose, velocity, commanded, waiting, drop_ns, resting, window_m
 
 
 def _read_ids(body: bytes, offset: int) -> tuple[tuple[int, ...], int]:

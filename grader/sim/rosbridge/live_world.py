@@ -123,6 +123,7 @@ class LiveWorld:
         """Stop every turtle in the next update and hold it (`engage`), or let commands through again."""
         self.stopped = engage
         if engage:
+            self._world.forget_commands()
             for topic in tuple(self._world.command_topics):
                 self._world.command(topic, (t_ns,), *_STOP)
 

@@ -91,7 +91,7 @@ def test_a_broken_spec_is_named_with_its_line(tmp_path: Path, old: str, new: str
         (
             "measure: corner_deg",
             "measure: corner_degrees",
-            ":27: items.1.measure: 'corner_degrees' is no measure",
+            ":28: items.1.measure: 'corner_degrees' is no measure",
         ),
         ("{sides: 4, side_m: 2.0}", "{sides: 4}", ":11: options.side_m: missing"),
         ("{sides: 4, side_m: 2.0}", "{sides: 2, side_m: 2.0}", ":11: options.sides: must be a whole number"),

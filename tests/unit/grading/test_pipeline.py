@@ -26,9 +26,9 @@ def test_an_explanation_that_fails_costs_no_mark(
 
     run, task = run_of(drive(polygon_legs(3)), RunStatus.FINISHED), assignment("square")
     marks = grader.checks.mark(task, [run])
-    with_words = _explained(task, [run], marks)
+    with_words = _explained(task, marks)
     monkeypatch.setattr(grader.checks, "explained", astray)
-    bare = _explained(task, [run], marks)
+    bare = _explained(task, marks)
     assert with_words.hint != bare.hint == EMPTY
     assert with_words.mistakes
     assert [replace(item, hint=EMPTY) for item in with_words.items] == list(bare.items)

@@ -19,7 +19,7 @@ from grader.sim.recorder import Recorder
 from tests.examples import examples
 
 Segment = tuple[float, float, float]
-CENTRE = 5.544445
+CENTRE = WINDOW_M / 2.0
 
 
 def drive(

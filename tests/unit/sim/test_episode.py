@@ -1,5 +1,6 @@
 """The lockstep loop: what frames do to the world and what comes back."""
 
+import itertools
 import math
 
 import numpy as np
@@ -11,7 +12,7 @@ from grader.contracts.assignment import ServiceCall, World
 from grader.contracts.record import to_plain
 from grader.contracts.trajectory import encode_trajectory
 from grader.sim.driving import Car
-from grader.sim.episode import Episode, EpisodeSpec
+from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from tests.examples import examples
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, FakeLink
@@ -33,7 +34,7 @@ def test_start_says_what_the_world_is(car: Car) -> None:
     )
     Episode(spec, car).run(link)
     assert link.source == spec.source
-    assert link.start["protocol"] == 5
+    assert link.start["protocol"] == 6
     assert (link.start["file_name"], link.start["args"], link.start["stdin"]) == (
         "hello.py",
         ["--fast"],
@@ -54,11 +55,11 @@ def test_a_held_command_drives_its_distance(car: Car) -> None:
     assert abs(y) < 1e-6
     assert abs(turn) < 1e-6
     assert result.violation is None
-    assert result.command_count == 201
+    assert result.command_count == 101
     assert (result.first_command_ns, result.last_command_ns) == (0, 2 * SECOND)
     assert result.nodes == ("/student",)
     (publisher,) = result.endpoints
-    assert (publisher.kind, publisher.name, publisher.count) == ("publisher", "/turtle1/cmd_vel", 201)
+    assert (publisher.kind, publisher.name, publisher.count) == ("publisher", "/turtle1/cmd_vel", 101)
 
 
 def test_one_command_before_the_end_still_drives_for_a_second(car: Car) -> None:
@@ -225,15 +226,39 @@ def test_a_violation_keeps_what_was_driven(car: Car) -> None:
     assert end_pose(result)[0] == pytest.approx(62 * 0.016)
 
 
-def test_the_last_command_before_an_update_wins(car: Car) -> None:
+def speeds_driven(result: EpisodeResult) -> list[tuple[float, int]]:
+    """Speeds above zero in the order in which they were driven, and in how many updates each."""
+    return [(v, len(list(same))) for v, same in itertools.groupby(result.trajectory.v_mps.tolist()) if v]
+
+
+def test_each_update_takes_one_command_and_seven_wait(car: Car) -> None:
     frames = [jail.node(), jail.driver()]
-    frames += [jail.publish(2, t, jail.twist(5.0, 3.0)) for t in range(0, 4000, 1000)]
-    frames += [jail.publish(2, t, jail.twist(1.0)) for t in (15_999_999, 16_000_000)]
-    result = play(car, [*frames, jail.publish(2, SECOND, jail.twist()), jail.ended(SECOND)])
-    taken = [(15_999_999, 1.0), (16_000_000, 1.0), (SECOND, 0.0)]
-    assert [(c.t_ns, c.v_mps) for c in result.trajectory.commands] == taken
-    assert set(result.trajectory.w_radps) == {0.0}
-    assert result.command_count == 7
+    frames += [jail.publish(2, k, jail.twist(k / 10.0)) for k in range(1, 13)]
+    result = play(car, [*frames, jail.ended(2 * SECOND)])
+    assert speeds_driven(result) == [(k / 10.0, 1) for k in range(6, 12)] + [(1.2, 63)]
+    assert result.command_count == 12
+    assert [c.v_mps for c in result.trajectory.commands] == [1.2]  # of one update, the last is recorded
+
+
+def test_a_command_that_is_taken_makes_room_for_another(car: Car) -> None:
+    """As in a recording of ten commands at once: an update fell between them, and one was pushed out."""
+    frames = [jail.node(), jail.driver()]
+    times = [15_999_000 + 200 * k for k in range(1, 11)]  # the fifth comes at the update's very instant
+    frames += [jail.publish(2, t, jail.twist(k / 10.0)) for k, t in enumerate(times, 1)]
+    result = play(car, [*frames, jail.ended(2 * SECOND)])
+    assert speeds_driven(result) == [(0.1, 1)] + [(k / 10.0, 1) for k in range(4, 10)] + [(1.0, 63)]
+
+
+def test_a_command_is_taken_by_the_first_update_after_it(car: Car) -> None:
+    frames = [jail.node(), jail.driver()]
+    frames += [jail.publish(2, t, jail.twist(v)) for t, v in ((15_999_999, 1.0), (16_000_000, 2.0))]
+    result = play(car, [*frames, jail.ended(2 * SECOND)])
+    assert speeds_driven(result) == [(1.0, 1), (2.0, 63)]
+
+
+def test_commands_faster_than_the_updates_drive_on_by_what_waits(car: Car) -> None:
+    (x, _, _) = end_pose(play(car, jail.holding([(2.0, 1.0, 0.0)], every_s=0.01)))
+    assert x == pytest.approx(2.096, abs=1e-6)  # so do the recordings t08_lesson
 
 
 def test_nonsense_commands_are_stops_and_counted(car: Car) -> None:

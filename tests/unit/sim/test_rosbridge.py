@@ -71,14 +71,16 @@ def test_one_message_without_advertise_drives_for_a_second(table: Table) -> None
     assert table.pose()["x"] - start["x"] == pytest.approx(1.0, abs=0.02)
 
 
-def test_the_last_command_wins(table: Table) -> None:
+def test_commands_of_all_clients_wait_in_one_line(table: Table) -> None:
     table.session.open(2)
-    for x, client in ((3.0, 1), (-1.0, 2), (0.0, 1)):
+    before = table.pose()
+    for x, client in ((3.0, 1), (-3.0, 2), (0.0, 1)):
         table.session.receive(
             client, json.dumps({"op": "publish", "topic": CMD, "msg": {"linear": {"x": x}}}), table.now_ns
         )
-    before = table.pose()
+    assert table.pose()["linear_velocity"] == 3.0
     table.wait(1.0)
+    assert table.pose() == before  # there, back, and at rest
     assert table.pose() == before
 
 

@@ -7,10 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from grader.contracts.assignment import StartPose, World
+from grader.contracts.assignment import WINDOW_M, StartPose, World
+from grader.contracts.trajectory import Trajectory
 from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from tests.examples import examples
@@ -23,7 +24,7 @@ METRES = 1e-3
 RADIANS = math.radians(0.02)
 SHARE = 1e-6
 HORIZON_NS = 60 * SECOND
-CENTRE = 5.544445
+CENTRE = WINDOW_M / 2.0
 
 Commands = list[tuple[int, float, float]]
 Controller = Callable[[int, Pose | None], tuple[float, float] | None]
@@ -144,6 +145,49 @@ def test_open_loops_go_where_turtlesim_goes(
         car, decide, period_ns=period_ms * MS, reaction_ns=reaction_ns, heading_deg=heading_deg, walls=walls
     )
     assert_as_turtlesim(driven, heading_deg=heading_deg, walls=walls)
+
+
+FAST_LEG = st.tuples(st.integers(1, 150), SPEEDS, RATES)  # messages, m/s, rad/s
+
+
+@settings(max_examples=examples(8))
+@given(
+    legs=st.lists(FAST_LEG, min_size=1, max_size=8),
+    period_us=st.integers(500, 30_000),
+    pause_ms=st.integers(0, 300),
+    walls=st.booleans(),
+)
+@example(legs=[(200, 1.0, 0.0), (157, 0.0, 1.0)], period_us=10_000, pause_ms=100, walls=True)
+def test_beside_what_was_driven_stands_what_was_commanded(
+    car: Car, legs: list[tuple[int, float, float]], period_us: int, pause_ms: int, walls: bool
+) -> None:
+    commands: Commands = []
+    now = 500
+    for count, v, w in legs:
+        for _ in range(count):
+            commands.append((now, v, w))
+            now += period_us * 1_000
+        commands.append((now, 0.0, 0.0))
+        now += pause_ms * MS
+    frames = [jail.node(), jail.driver(), *(jail.publish(2, t, jail.twist(v, w)) for t, v, w in commands)]
+    spec = EpisodeSpec(world=World(walls=walls), horizon_ns=60 * SECOND, source=b"", file_name="a.py")
+    result = Episode(spec, car).run(FakeLink([*frames, jail.ended(now)]))
+    start, end_ns = (CENTRE, CENTRE, 0.0), result.trajectory.end_ns
+    driven = turtlesim.poses(commands, end_ns, start, walls=walls)
+    assert_at(result.trajectory, driven)
+    waited = [note.text for note in result.notes if note.code == "commands_wait"]
+    assert (result.trajectory.commanded is not None) == bool(waited)
+    if result.trajectory.commanded is not None:
+        assert_at(result.trajectory.commanded, turtlesim.poses(commands, end_ns, start, walls=walls, kept=1))
+        assert 0.04 < float(waited[0].split("|")[1]) <= 0.12
+
+
+def assert_at(path: Trajectory, poses: list[Pose]) -> None:
+    """See that a recorded motion has the model's poses at its samples."""
+    wanted = {pose.t_ns: pose for pose in poses}
+    for t_ns, x, y in zip(path.t_ns.tolist(), path.x_m, path.y_m, strict=True):
+        if t_ns:
+            assert math.hypot(x - wanted[t_ns].x, y - wanted[t_ns].y) < 1e-9
 
 
 @settings(max_examples=examples(5))

@@ -39,7 +39,8 @@ export class Plan {
     const ideal = sketch.ideal_m ?? [];
     const regions = sketch.regions ?? [];
     const solids = sketch.solids ?? [];
-    const shown = [...ideal, ...[...regions, ...solids].flatMap((each) => each.outline_m)];
+    const commanded = sketch.commanded_m ?? []; // where the turtle drove another path
+    const shown = [...ideal, ...commanded, ...[...regions, ...solids].flatMap((each) => each.outline_m)];
     const [left, right] = bounds([...motion.x, ...shown.map(([x]) => x)]);
     const [bottom, top] = bounds([...motion.y, ...shown.map(([, y]) => y)]);
     const extent = Math.max(right - left, top - bottom, LEAST_EXTENT_M) * 1.08;
@@ -55,6 +56,9 @@ export class Plan {
     this.room(solids);
     this.figure(ideal);
     this.regions(regions);
+    if (commanded.length) {
+      add(this.svg, "path", { class: "commanded", d: trace(commanded.map((point) => this.place(point))).path });
+    }
     const points = motion.t.map((_, i) => this.place([motion.x[i], motion.y[i]]));
     this.track = trace(points, (i) => motion.jumps.has(i));
     add(this.svg, "path", { class: "path-rest", d: this.track.path });
