@@ -11,7 +11,6 @@ from typing import Final
 
 import numpy as np
 
-from grader.checks.causes.counts import unchanged_counter
 from grader.contracts.outcome import Note, RunStatus
 from grader.contracts.rubric import Unit
 from grader.contracts.scoring import Run
@@ -22,6 +21,7 @@ from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
 _PLACEHOLDER: Final = re.compile(r"\{([A-Za-z_][\w.]*)(?:[:!][^{}]*)?\}")
+_AMOUNT: Final = r"(?i)time|elapsed|dur|sec|dist|angle|theta|yaw|turned|^[twxy]$"
 _TOO_FAST_MPS: Final = 5.0
 _TURNED_RAD: Final = 13.0  # two turns
 
@@ -102,3 +102,29 @@ def _faster(run: Run, script: ScriptText) -> Iterator[tuple[str, str]]:
     grows = len(speeds) > 20 and all(one < other for one, other in itertools.pairwise(speeds))
     if grows and speeds[-1] > _TOO_FAST_MPS:
         yield "faster", f"{lines[0]}|{speeds[-1]:.1f}"
+
+
+def unchanged_counter(run: Run, script: ScriptText) -> tuple[int, str] | None:
+    """Return line and name of a counter that its ``while`` never changes, in a script that never ended."""
+    if run.outcome.status is not RunStatus.INTERRUPTED:
+        return None
+    bounds = r"[\w.]+(?: ?[*/+-] ?[\w.]+)*"
+    for line, found in script.matches(rf"^[ \t]*while \(?([^\W\d]\w*) ?(?:<=?|(!=)) ?({bounds})\)? ?:"):
+        if re.search(_AMOUNT, found[1]):
+            continue  # a time or a way grows by less than 1
+        name, unlike, bound = found.groups()
+        if unlike and not _starts_below(name, bound, script):
+            continue  # it may have to count down
+        if script.lines_with(rf"\b(global|nonlocal)\b.*\b{name}\b"):
+            continue
+        block = "\n".join(script.block(line)[1:])
+        names = "|".join([name, *map(re.escape, re.findall(r"[A-Za-z_][\w.]*", bound))])
+        changed = rf"(?<![\w.])({names})\b ?(,[^=\n]*|[-+*/%]|//)?=(?!=)|\b(for|as) [\w, ]*\b({names})\b|:="
+        if not re.search(rf"{changed}|\b(break|return|raise|exit|shutdown|quit)\b", block):
+            return line, name
+    return None
+
+
+def _starts_below(name: str, bound: str, script: ScriptText) -> bool:
+    start, end = value_of(name, script), value_of(bound, script)
+    return start is not None and end is not None and start < end

@@ -50,11 +50,6 @@ class ParsedScript:
         """
         return cls(text, ast.parse(text))
 
-    @property
-    def line_count(self) -> int:
-        """How many lines the text has; a last one without a line end counts."""
-        return len(self._starts) - (self._starts[-1] == len(self.text))
-
     def line(self, number: int) -> str:
         """Return the text of a line (1-based) without its end; empty behind the last one."""
         if not 1 <= number <= len(self._starts):
@@ -127,10 +122,6 @@ class ParsedScript:
         while (parent := self.parent(node)) is not None:
             yield parent
             node = parent
-
-    def statement_of(self, node: ast.AST) -> ast.stmt | None:
-        """Return the innermost statement that holds `node`, or is it."""
-        return next((one for one in (node, *self.around(node)) if isinstance(one, ast.stmt)), None)
 
     def statements_on(self, line: int) -> list[ast.stmt]:
         """Return the statements that begin on a line."""

@@ -10,7 +10,7 @@ from dataclasses import replace
 from threading import Lock
 from typing import Final
 
-from grader.contracts.errors import SandboxUnavailableError
+from grader.contracts.errors import GraderError
 from grader.contracts.explanation import Explanation
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Caller
@@ -56,9 +56,10 @@ def is_explained(services: Services, submission: Submission, grading: StoredRepo
 async def explain(services: Services, caller: Caller, submission_id: str) -> Explanation:
     """Return the changes that gain marks; none where nothing is tried, or nothing was found.
 
+    Also none while others wait or the caller has asked for much: nobody needs an explanation to go on.
+
     Raises:
-        RefusedError: the caller may not see the submission, or has a run under way; others wait.
-        InfrastructureError: a fault of the grader or its host.
+        RefusedError: the caller may not see the submission.
     """
     submission, grading = await asyncio.to_thread(found, services, caller, submission_id)
     if grading is None or not await asyncio.to_thread(is_explained, services, submission, grading):
@@ -68,16 +69,19 @@ async def explain(services: Services, caller: Caller, submission_id: str) -> Exp
     job = await asyncio.to_thread(_job, services, submission, grading)
     if job is None:
         return Explanation()
-    owner = name_of(caller) or ""
-    with services.allowances.practice_at_once.one_more(owner):
-        services.allowances.practice.take(owner)
-        run = services.practice.run(job, explains=True)
-        try:
-            explanation: Explanation = await asyncio.wrap_future(run.answer)
-        except SandboxUnavailableError:
-            return Explanation()
+    try:
+        explanation = await _looked_for(services, name_of(caller) or "", job)
+    except GraderError:
+        return Explanation()
     _kept.put(grading.sha256, explanation)
     return explanation
+
+
+async def _looked_for(services: Services, owner: str, job: GradingJob) -> Explanation:
+    with services.allowances.practice_at_once.one_more(owner):
+        services.allowances.practice.take(owner)
+        found_later: Explanation = await asyncio.wrap_future(services.practice.run(job, explains=True).answer)
+        return found_later
 
 
 def _job(services: Services, submission: Submission, grading: StoredReport) -> GradingJob | None:

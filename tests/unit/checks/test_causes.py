@@ -6,8 +6,8 @@ from dataclasses import replace
 import pytest
 
 from grader.checks.causes import with_causes
-from grader.checks.causes.counts import unchanged_counter
 from grader.checks.measure import Findings, Mistake
+from grader.checks.remarks import unchanged_counter
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY
@@ -101,35 +101,23 @@ GROWS = "for i in range(4):\n    {line}\n"
 @pytest.mark.parametrize(
     ("code", "source", "wanted"),
     [
-        ("only_stops", "t = 1 // 2", "floor_is_zero"),
         ("only_stops", "t = 3 * 1 // 2", "only_stops"),
         ("turn_too_short", "t = 8 * math.pi // 7", "turn_too_short"),
-        ("no_turns", "v = -1.0\nturn_time = 1.57 / v", "negative_time"),
         ("no_turns", "v = -1.0\nturn_time = 1.57 / v\ngo(abs(turn_time))", "no_turns"),
         ("no_turns", "second_angle = -1.57 / 2", "no_turns"),
         ("no_turns", PASS.format(name="turn"), "empty_function"),
         ("no_turns", PASS.format(name="log_pose"), "no_turns"),
-        ("turns_too_short", "a = math.radians(1.57)", "radians_twice"),
-        ("turns_too_short", "msg.angular.z = math.radians(1.0)", "radians_twice"),
-        ("turns_too_short", "a = math.radians(math.pi / x)", "radians_twice"),
         ("turns_too_short", "tolerance = math.radians(5)", "turns_too_short"),
         ("turns_too_short", "a = math.radians(math.pi / 2 * 180 / math.pi)", "turns_too_short"),
         ("turns_too_short", "a = math.radians(x * 180 / math.pi)", "turns_too_short"),
-        ("place_away", "e = bearing - math.radians(self.pose.theta)", "radians_twice"),
-        ("place_lost", "e = math.radians(math.atan2(dy, dx)) - pose.theta", "radians_twice"),
         ("place_lost", "pose.theta = msg.theta * 180\na = math.radians(pose.theta)", "place_lost"),
         ("place_lost", "tolerance, a = math.radians(5), math.radians(theta_deg)", "place_lost"),
-        ("place_away", "e = math.degrees(math.atan2(dy, dx)) - self.pose.theta", "degrees_of_radians"),
         ("place_away", "e = math.degrees(math.atan2(dy, dx)) - pose.theta * 57.3", "place_away"),
         ("place_away", "e = math.degrees(math.atan2(dy, dx)) - math.degrees(pose.theta)", "place_away"),
         ("place_away", "log(math.degrees(pose.theta))\ne = math.atan2(dy, dx) - pose.theta", "place_away"),
         ("place_away", "e = math.degrees(a)\nmsg.angular.z = 0.05 * e", "place_away"),  # a gain per degree
-        ("turn_too_short", TICKS.format(period=0.1, count=6), "counts_ticks"),
         ("turn_too_short", TICKS.format(period=0.1, count=55), "turn_too_short"),
         ("turns_too_short", SIDES.format(last="        self.n += 1"), "turns_too_short"),
-        ("turns_too_short", SIDES.format(last="        pass\n    self.n += 1"), "counts_ticks"),
-        ("only_stops", "t = self.get_clock().now().nanoseconds / 1e9\nif t < 2:\n    go()\n", "since_1970"),
-        ("only_stops", "now = time.time()\nwhile now < 2.5:\n    go()\n", "since_1970"),
         ("only_stops", "t = time.time()\nif t - start < 2:\n    go()\n", "only_stops"),
         ("only_stops", "t = time.time() - start\nif t < 2:\n    go()\n", "only_stops"),
         ("only_stops", "t = time.time()\nif t < until:\n    go()\n", "only_stops"),
@@ -145,16 +133,8 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("no_turns", "msg.angular.y = 1.0", "other_axis"),
         ("only_stops", "msg.linear.z = v", "other_axis"),
         ("no_turns", "msg.angular.y = 0.0", "no_turns"),
-        ("never_stops", "self.n =+ 1\n", "set_to_plus"),
         ("never_stops", "self.n = +x\n", "never_stops"),
-        ("only_stops", "while time.time() - start > 2.0:\n    pub.publish(m)\n", "waits_for_past"),
-        (
-            "only_stops",
-            "while (self.get_clock().now() - t0).nanoseconds > t * 1e9:\n    self.pub.publish(m)\n",
-            "waits_for_past",
-        ),
         ("only_stops", "while time.time() - start < 2.0:\n    pub.publish(m)\n", "only_stops"),
-        ("no_turns", ANEW.format(count="    n = 0", then="    n += 1"), "count_anew"),
         ("no_turns", ANEW.format(count="    n = 0", then="    n += 1\n    n += 1"), "no_turns"),
         ("no_turns", ANEW.format(count="    n = 0", then="    n += 1").replace("20", "1"), "no_turns"),
         ("no_turns", ANEW.format(count="    global n", then="    n += 1"), "no_turns"),
@@ -164,10 +144,7 @@ GROWS = "for i in range(4):\n    {line}\n"
             "no_turns",
         ),
         ("no_final_stop", "def stop():\n    pub.publish(Twist())\ngo()\nstop\n", "not_called"),
-        ("turns_too_short", "turn_time = 1.57\nturn(move_time)", "wrong_time"),
-        ("turns_too_short", "turn_time = 1.57\nturn(move_time)\ngo(turn_time)", "times_exchanged"),
         ("turns_too_short", "turn_time = 1.57\nturn(turn_time)\ngo(move_time)", "turns_too_short"),
-        ("unequal_sides", GROWS.format(line="drive(1.0 * i)"), "grows_in_loop"),
         ("one_corner_off", GROWS.format(line="drive((-1.0) ** i)"), "one_corner_off"),
         ("unequal_sides", GROWS.format(line="target = start + i * 1.57"), "unequal_sides"),
         ("never_spun", "node.create_timer(0.1, tick)\nrclpy.spin_once(node)\n", "spin_once"),
@@ -187,34 +164,20 @@ GROWS = "for i in range(4):\n    {line}\n"
             HEARD.format(kept="pose = msg\n        self.pose = pose"),
             "publish_not_reached",
         ),
-        ("place_away", "a = math.atan2(dx, dy)", "arctan_exchanged"),
-        ("place_lost", "a = atan2(self.goal_x - p.x, self.goal_y - p.y)", "arctan_exchanged"),
-        ("swings", "yaw = msg.pose.pose.orientation.z", "quaternion_for_yaw"),
         ("swings", "yaw = 2 * msg.pose.pose.orientation.z", "swings"),
         ("swings", "yaw = math.copysign(2 * math.acos(q.w), q.z)", "swings"),
         ("place_away", "a = math.atan2(dy, dx)", "place_away"),
         ("place_away", "a = math.atan2(b, c)", "place_away"),
-        ("place_away", "dx = self.pose.x - gx\na = math.atan2(dy, dx)", "away_from_goal"),
         ("place_away", "dx = gx - self.pose.x\na = math.atan2(dy, dx)", "place_away"),
         ("place_away", "step = self.pose.x - self.last_pose.x\na = math.atan2(dy, step)", "place_away"),
-        ("place_never_stops", "if distance < 0.001:\n    stop()", "tolerance_too_small"),
-        ("place_never_stops", "tol = 0.005\nwhile self.dist > tol:\n    go()", "tolerance_too_small"),
         ("place_never_stops", "if distance < 0.1:\n    stop()", "place_never_stops"),
         ("place_never_stops", "if angle < 0.001:\n    stop()", "place_never_stops"),
-        ("never_finished", "if err == 0:\n    go()", "equals_exactly"),
-        ("wall_hit", "while self.distance != 2.0:\n    go()", "equals_exactly"),
         ("never_finished", "if state == 0:\n    go()", "never_finished"),
         ("never_finished", "if self.target_angle is None or self.angle == None:\n    go()", "never_finished"),
-        ("turns_too_far", "self.target = self.theta + 90", "degrees_added"),
-        ("turns_too_far", "self.target = self.pose.theta - 90.0", "degrees_added"),
-        ("turns_too_far", "self.target += 90", "degrees_added"),
         ("turns_too_far", "self.target += 90\na = math.radians(self.target)", "turns_too_far"),
         ("turns_too_far", "self.target += 9", "turns_too_far"),
         ("turns_too_far", "self.target = self.theta + 90 * math.pi / 180", "turns_too_far"),
         ("turns_too_far", "theta = math.degrees(msg.theta)\ntarget = theta + 90", "turns_too_far"),
-        ("turns_too_short", "if abs(err) < 0.3:\n    stop()", "wide_tolerance"),
-        ("turns_too_short", "tol = 0.15\nwhile abs(self.yaw_error) > tol:\n    go()", "wide_tolerance"),
-        ("slipped", "if abs(heading_error) > 0.25:\n    turn()", "wide_tolerance"),
         ("turns_too_short", "if abs(err) < 0.02:\n    stop()", "turns_too_short"),
         ("turns_too_short", "if abs(dist) < 0.3:\n    stop()", "turns_too_short"),
         ("waits_in_loop", KEPT.format(loop="while True:", block="time.sleep(1)"), "loop_for_spin"),
@@ -244,13 +207,8 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("never_finished", STATES.format(asked="turning"), "never_finished"),
         ("never_finished", STATES.format(asked="done"), "never_finished"),
         ("turns_too_short", MEASURED.format(condition="abs(err) < 0.02"), "turns_too_short"),
-        ("turns_too_short", MEASURED.format(condition="self.state == 'turn'"), "counts_ticks"),
-        ("none_in_sum", "self.declare_parameter('side')", "no_default"),
         ("none_in_sum", "self.declare_parameter('side', 2.0)", "none_in_sum"),
         ("turn_too_short", NANOSECONDS.format(limit="d * 1e9"), "turn_too_short"),
-        ("turn_too_short", NANOSECONDS.format(limit="d * 1e6"), "nanoseconds_unit"),
-        ("turn_too_short", NANOSECONDS.format(limit="d"), "nanoseconds_unit"),
-        ("turns_too_short", ONE_START.format(count="step", more="pass"), "start_once"),
         ("turns_too_short", ONE_START.format(count="step", more="msg.angular.z = 1.0"), "turns_too_short"),
         ("turns_too_short", ONE_START.format(count="k = 0\n        self.n", more="pass"), "turns_too_short"),
         ("turns_too_short", ONE_START.format(count="step", more="self.limit += 2.0"), "turns_too_short"),
@@ -277,43 +235,6 @@ def test_the_cause_is_told_where_the_script_shows_it(code: str, source: str, wan
 
 
 @pytest.mark.parametrize(
-    ("source", "wanted"),
-    [
-        ("if side > 1.0:\n    side = 1.0\n", "clamped"),
-        ("side = min(side, 1.0)\n", "clamped"),
-        ("if speed > 1.0:\n    speed = 1.0\n", "wrong_lengths"),
-        ("msg.linear.x = min(left, 1.0)\n", "wrong_lengths"),
-    ],
-)
-def test_a_limit_of_the_speed_is_none_of_the_side(source: str, wanted: str) -> None:
-    task = assignment("square_input")
-    assert cause("wrong_lengths", source, "square_input", task.cases[0].id) == wanted
-
-
-@pytest.mark.parametrize(
-    ("code", "source", "case", "wanted"),
-    [
-        ("wrong_lengths", "side = round(float(input()))\n", 0, "rounded"),
-        ("wrong_lengths", "side = round(float(input()))\n", 1, "wrong_lengths"),  # 3 is whole
-        ("wrong_lengths", "side = float(input())\nn = round(side)\n", 0, "wrong_lengths"),
-        ("no_input", "s = input()\nif s.isdigit():\n    go()\n", 0, "whole_only"),
-        ("no_input", "s = input()\nif s.isdigit():\n    go()\n", 1, "no_input"),
-        ("no_input", "s = input()\nif s.replace('.', '').isdigit():\n    go()\n", 0, "no_input"),
-    ],
-)
-def test_decimals_that_were_typed_and_lost_are_told(code: str, source: str, case: int, wanted: str) -> None:
-    task = assignment("square_input")
-    assert cause(code, source, "square_input", task.cases[case].id) == wanted
-
-
-@pytest.mark.parametrize(("name", "wanted"), [("side", "parameter_default"), ("speed", "wrong_lengths")])
-def test_the_default_of_another_parameter_is_not_that_of_the_side(name: str, wanted: str) -> None:
-    task = assignment("square_parameter")
-    source = f"side = self.declare_parameter('{name}', 0.5).value\n"
-    assert cause("wrong_lengths", source, "square_parameter", task.cases[0].id) == wanted
-
-
-@pytest.mark.parametrize(
     ("condition", "found"),
     [
         ("n < 4", (1, "n")),
@@ -329,23 +250,6 @@ def test_a_counter_is_told_that_one_more_would_bring_to_its_end(
     source = f"while {condition}:\n    go()\n"
     run = _run(source, "default", RunStatus.INTERRUPTED)
     assert unchanged_counter(run, ScriptText(source)) == found
-
-
-@pytest.mark.parametrize(
-    ("source", "wanted"),
-    [
-        ("e = math.degrees(a)\nmsg.angular.z = 4.0 * e\n", "degrees_of_radians"),
-        ("e = degrees(a)  # deg\nmsg.angular.z = e\n", "degrees_of_radians"),
-        ("e = math.degrees(a)\nmsg.angular.z = math.radians(e)\n", "place_missed"),
-        ("e = math.degrees(a)\nprint(e)\nmsg.angular.z = 4.0 * a\n", "place_missed"),
-        ("e = math.degrees(a) / 90\nmsg.angular.z = 4.0 * e\n", "place_missed"),
-    ],
-)
-def test_degrees_that_became_a_turn_rate_are_told(source: str, wanted: str) -> None:
-    fast = drive([(0.1, 0.0, 80.0)])
-    findings = Findings(measures={}, mistakes=(Mistake("place_missed", EMPTY, ()),))
-    run = replace(run_of(fast, RunStatus.INTERRUPTED), source=source)
-    assert with_causes(assignment("go_to_goal"), run, findings).mistakes[0].code == wanted
 
 
 def test_a_script_of_long_lines_is_not_searched() -> None:
