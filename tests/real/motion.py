@@ -230,7 +230,6 @@ def drive(grader: Grader, recording: Recording, real: Driven) -> Driven:
 
 EXPLAINED: Final = {
     "style__clear_screen_menu": "asks for the terminal's size; the recorded process had no terminal, ours has one",
-    "style__plot_the_path": "imports matplotlib, which the recording machine did not have",
     "style__point_cloud_obstacle": "imports sensor_msgs, which the recording machine did not have",
     "style__tf2_follow_own_frame": "imports tf2_ros, which the recording machine did not have",
     "style__timer_elapsed": "`elapsed >= T` in a periodic tick often holds a period later at home, never here",
