@@ -57,6 +57,11 @@ class TrajectoryView(View):
     commands: list[tuple[int, float, float]] = Field(
         description="[t_ns, v_mps, w_radps] as received.", examples=[[[0, 1.0, 0.0]]]
     )
+    commanded: dict[str, Any] | None = Field(
+        default=None,
+        description="Where commands came faster than turtlesim takes them: the motion if each had been obeyed at "
+        "once, in the same columns.",
+    )
     pictures: list[tuple[int, str]] = Field(
         default=[], description="Of a PyBullet world alone: [t_ns, PNG in Base64].", examples=[[]]
     )

@@ -46,6 +46,11 @@ def test_marks_differ_without_colour() -> None:
             "/turtle1/cmd_vel 上的消息类型不对，连接不上：检查 import 和创建时的第一个参数",
         ),
         (Note(code="forbidden", text="{0} {evil}"), "不允许的操作：{0} {evil}"),
+        (
+            Note(code="counted_commanded", text="8.35 m|381.4°|8 m|362.1°"),
+            "在你自己的 turtlesim 上，小乌龟一共走 8.35 m、转 381.4°；按你的命令应该是 8 m 和 362.1°。"
+            "这次按命令的运动（虚线）给分",
+        ),
         (Note(code="new_code", text="said so"), "said so"),
         (Note(code="new_code"), "new_code"),
     ],

@@ -301,3 +301,13 @@ def test_of_several_runs_each_has_its_picture_and_points() -> None:
     assert (second.title, second.score, second.full) == ("正方形 · 边长 2 m", "得分 0 / 2", False)
     with pytest.raises(ValueError, match="nothing to plot"):
         compose(task, whole, None, None, "zh", "c")
+
+
+def test_the_path_as_commanded_is_drawn_where_the_turtle_drove_another() -> None:
+    motion, sketch = IdealTurtle().go(1.0, 0.0, 2.1).stop().trajectory(), FigureSketch()
+    beside = replace(sketch, commanded_m=((START_M, START_M), (START_M + 2.0, START_M)))
+    labels = [
+        {line.get_label() for line in drawn(draw_plan, scene(motion, each, "en")).get_lines()}
+        for each in (sketch, beside)
+    ]
+    assert ["commanded" in each for each in labels] == [False, True]

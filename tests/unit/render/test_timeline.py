@@ -4,7 +4,7 @@ import io
 from dataclasses import replace
 
 from grader.contracts.grading import WorldRequest
-from grader.contracts.outcome import LogRecord, RunOutcome, RunStatus
+from grader.contracts.outcome import LogRecord, Note, RunOutcome, RunStatus
 from grader.contracts.text import Language
 from grader.contracts.trajectory import Contact, Trajectory
 from grader.render.terminal import console
@@ -79,3 +79,14 @@ def test_a_drive_that_turtlesim_ended_is_told() -> None:
 def test_equal_messages_in_a_row_are_one_line() -> None:
     logs = tuple(LogRecord(t_ns=i * SECOND, level=20, name="n", message="Published") for i in range(1, 5))
     assert lines(outcome(logs=logs))[0] == "  1.000 s   [INFO] [n]: Published  共 4 条，到 4.000 s"
+
+
+def test_the_queue_of_commands_is_told_where_the_turtle_first_drove_on() -> None:
+    said = IdealTurtle().go(1.0, 0.0, 2.0).stop().trajectory()
+    driven = replace(IdealTurtle().go(1.0, 0.0, 2.1).stop().trajectory(), commands=said.commands)
+    run = outcome(logs=(), notes=(Note(code="commands_wait", text="100|0.10"),))
+    shown = lines(run, replace(driven, commanded=replace(said, commands=())), language="en")
+    (told,) = (line for line in shown if "queue" in line)
+    assert told.lstrip().startswith("2.0")
+    assert "(100 a second come, 62.5 are taken)" in told
+    assert "ahead 2 m" in shown[0] or "2 m ahead" in shown[0]  # as commanded, not as driven

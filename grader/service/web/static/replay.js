@@ -37,6 +37,7 @@ class Replay {
     this.speed = find("speed");
     this.moments = new Moments(find("moments"), motion, words, (time) => this.jump(time));
     find("legend").hidden = sketch.view !== "path"; // it explains figures
+    find("commanded").hidden = !sketch.commanded_m?.length;
     const speeds = [...this.speed.options].map((option) => option.value);
     this.speed.value = speeds.find((value) => Number(value) >= 2 && this.end / Number(value) <= LONGEST_S) ?? speeds.at(-1);
     this.listen();
