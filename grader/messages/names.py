@@ -497,7 +497,7 @@ def unknown_module(error: StudentError, script: ScriptText) -> Closer:
     if re.search(r"\.msg\b|\bimport[ \t]+[A-Z]", script_line(error)):  # else it may be the author's own file
         near = near or [one for one in _MODULES if one.partition(".")[0] == f"{root}_msgs"][:1]
     known = near and near[0].partition(".")[0] != name  # the package itself is not there
-    if not known and root.endswith(("_interfaces", "_msgs", "_srvs")):
+    if not known and root.endswith(("_interfaces", "_interface", "_msgs", "_srvs", "_actions")):
         return "own_interfaces", {"name": root}
     return ("misspelt", {"suggestion": near[0]}) if known else None
 

@@ -52,6 +52,26 @@ def of_values(name: str, pairs: Sequence[Pair]) -> Mistake | None:
     return None
 
 
+def of_messages(name: str, pairs: Sequence[Pair]) -> Mistake | None:
+    """Return the slip in messages that answer nothing: all are alike, or a formula of their number gives them."""
+    answered = [pair for pair in pairs[:_MOST_PAIRS] if pair[2] is not None and isinstance(pair[1], Mapping)]
+    for field in _leaves(answered[0][1]) if answered else ():
+        triples = [
+            ({"n": sent["n"]}, _at(field, wanted), _at(field, came)) for sent, wanted, came in answered
+        ]
+        wrong = next((each for each in triples if not _same(each[1], each[2])), None)
+        if wrong is None:
+            continue
+        code, text = _slip(triples) or ("", "")
+        values = {"field": ".".join(field), "came": shown(wrong[2]), "wanted": shown(wrong[1])}
+        number = wrong[0]["n"] + 1
+        if code in ("slip_constant", "slip_unset"):
+            return mistake("messages_alike", name=name, n=number, **values)
+        if code == "slip_formula":
+            return mistake("messages_count", name=name, n=number, formula=text, **values)
+    return None
+
+
 def _slip(triples: Sequence[tuple[Mapping[str, Any], Any, Any]]) -> tuple[str, str] | None:
     """Return the kind of slip, and the formula that it is."""
     came = [each[2] for each in triples]

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from grader.checks.expectations.slips import of_values, seen_only
+from grader.checks.expectations.slips import of_messages, of_values, seen_only
 from grader.checks.expectations.verdict import (
     NS_PER_S,
     Evidence,
@@ -199,7 +199,7 @@ def _values(one: Expectation, evidence: Evidence, messages: Sequence[Message]) -
             first = say("expected.message", n=n + 1, time=number(each.t_ns / NS_PER_S, "s"), values=told)
         pairs.append(({"n": n, "t": each.t_ns / NS_PER_S}, wanted, each.values))
         before = each.values
-    return good / max(len(messages), 1), first, lambda: of_values(one.target, pairs)
+    return good / max(len(messages), 1), first, lambda: of_messages(one.target, pairs)
 
 
 def _grows(field: str | None, before: Mapping[str, Any] | None, after: Mapping[str, Any] | None) -> bool:
