@@ -18,6 +18,9 @@ _REFUSED = {
         zh="这个平台已经添加过：一个客户端 ID 只属于一门课程",
         en="this platform was added before: a client ID is of one course",
     ),
+    "platform_differs": Text(
+        zh="这个平台的另一个部署用的是别的地址", en="another deployment of this platform has other addresses"
+    ),
     "too_many_platforms": Text(
         zh="这门课程的学习平台太多了", en="the course has too many learning platforms"
     ),

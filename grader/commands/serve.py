@@ -43,6 +43,7 @@ ANSWER_S: Final = 180.0
 """The largest report is read in time at 5 KB a second."""
 
 HEADER_BYTES: Final = 16 * 1024
+_MOST_HEADER_BYTES = 16_384  # of a request, as h11 has it by itself
 _PIECE_BYTES: Final = 4 * 1024
 _CRUMBS: Final = 4
 """A chunked body is cut off when less than one part in `_CRUMBS` of what was sent is content. A chunk costs the
@@ -174,6 +175,26 @@ def _url(listener: socket.socket) -> str:
 # -------------------------------------------------------------------------------------------- connections
 
 
+class _Http(h11.Connection):
+    """HTTP as h11 reads it, but for a request whose end can be read in two ways (RFC 9112, 6.3: 400).
+
+    A proxy that goes by the other way would take the rest of its body for another request, or the reverse.
+    """
+
+    def next_event(self) -> h11.Event | type[h11.NEED_DATA] | type[h11.PAUSED]:
+        """Return what comes next.
+
+        Raises:
+            RemoteProtocolError: it is no HTTP, or has Content-Length and Transfer-Encoding.
+        """
+        event = super().next_event()
+        if isinstance(event, h11.Request):
+            names = {name for name, _ in event.headers}
+            if {b"content-length", b"transfer-encoding"} <= names:
+                raise h11.RemoteProtocolError("Content-Length and Transfer-Encoding")
+        return event
+
+
 class BoundedConnection(H11Protocol):
     """uvicorn's connection; it ends when a request takes too long to arrive or its answer too long to be read.
 
@@ -190,6 +211,7 @@ class BoundedConnection(H11Protocol):
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Begin to wait for a request."""
+        self.conn = _Http(h11.SERVER, self.config.h11_max_incomplete_event_size or _MOST_HEADER_BYTES)
         super().connection_made(transport)
         self._awaited: str | None = None
         self._upgraded = False

@@ -28,6 +28,7 @@ from grader.store.tables import (
 )
 from grader.store.tokens import digest_of
 
+_ADDRESSES = ("login_url", "token_url", "keys_url")
 _ID_BYTES = 6
 _SECRET_BYTES = 32
 _SKEW = timedelta(minutes=2)
@@ -46,7 +47,8 @@ class Platforms(TimedPart):
         """Add a platform, which may then send people to the course of `signed`.
 
         Raises:
-            RefusedError: it is there already, for this course or another, or the course has too many.
+            RefusedError: it is there already, for this course or another; another deployment of it has other
+                addresses; or the course has too many.
         """
         course = signed.course or ""
         row = PlatformRow(
@@ -61,6 +63,12 @@ class Platforms(TimedPart):
                 known = session.execute(select(col(PlatformRow.id)).where(col(PlatformRow.course) == course))
                 if len(known.all()) >= MOST_PLATFORMS:
                     raise RefusedError("too_many_platforms")
+                same = (col(PlatformRow.issuer) == new.issuer, col(PlatformRow.client_id) == new.client_id)
+                first = session.scalars(select(PlatformRow).where(*same).limit(1)).first()
+                if first is not None and any(
+                    getattr(first, name) != getattr(row, name) for name in _ADDRESSES
+                ):
+                    raise RefusedError("platform_differs")
                 session.add(row)
                 after = {"title": new.title, "issuer": new.issuer, "client_id": new.client_id}
                 record(session, signed, "platform.add", f"platform {row.id}", after=after)
@@ -109,12 +117,18 @@ class Platforms(TimedPart):
         return None if row is None else as_contract(row, Platform)
 
     def named(self, issuer: str, client_id: str = "", deployment: str = "") -> Platform | None:
-        """Return the platform that calls itself so; None also where what it says fits several."""
+        """Return the platform that calls itself so; None also where what it says fits several.
+
+        One platform may have several deployments, each for a course. Where a login names none of them, the first
+        one that was added stands for all: they have the same addresses (`add`), and the message names its own.
+        """
         row, wanted = PlatformRow, [col(PlatformRow.issuer) == issuer]
         wanted += [col(row.client_id) == client_id] if client_id else []
         wanted += [col(row.deployment) == deployment] if deployment else []
-        found = self._scalars(select(PlatformRow).where(*wanted).limit(2))
-        return as_contract(found[0], Platform) if len(found) == 1 else None
+        ordered = select(PlatformRow).where(*wanted).order_by(col(row.created_at), col(row.id))
+        found = self._scalars(ordered)
+        is_one = len({one.client_id for one in found}) == 1
+        return as_contract(found[0], Platform) if is_one else None
 
     def use(self, message: str, expires_at: datetime) -> bool:
         """Note that a message lets somebody in; False: it has done so before."""

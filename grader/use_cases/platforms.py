@@ -9,7 +9,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
 from grader.contracts.platform import NewPlatform, Platform, PlatformLink, PlatformScore
 from grader.contracts.python import UTC
-from grader.outside.lti import Kept, Launch, login_address
+from grader.outside.lti import Kept, Launch, deployment_in, login_address
 from grader.outside.signin import Person, SignInError
 from grader.outside.signin.channel import is_confidential
 from grader.store.audit import Signature
@@ -60,9 +60,12 @@ def finish(services: Services, kept: Kept, token: str) -> Arrived:
     Raises:
         RefusedError: the message is not to be believed, or was used before.
     """
-    platform = services.platforms.get(kept.platform)
-    if platform is None:
+    asked = services.platforms.get(kept.platform)
+    if asked is None:
         raise RefusedError("platform_unknown")
+    # Several courses may use one platform. The message names which; everything in it is checked against that one.
+    named = services.platforms.named(asked.issuer, asked.client_id, deployment_in(token))
+    platform = named or asked
     try:
         with services.allowances.sign_ins.one_more(platform.provider):
             launch = services.launches.read(platform, token, kept.nonce)

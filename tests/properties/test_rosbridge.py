@@ -207,3 +207,24 @@ def test_ten_thousand_random_frames_raise_nothing_and_leave_nothing(car: Car) ->
 def test_any_bytes_are_a_frame_or_refused(text: bytes | str) -> None:
     with suppress(FrameError):
         read_frame(text)
+
+
+@given(
+    st.binary(max_size=300)
+    | st.binary(max_size=80).map(lambda some: b'{"op":"publish","topic":"' + some + b'"}')
+)
+@settings(max_examples=examples(400))
+def test_any_bytes_are_a_frame_or_refused_in_one_way(data: bytes) -> None:
+    with suppress(FrameError):
+        read_frame(data)
+
+
+def test_bytes_that_are_no_utf_8_are_refused() -> None:
+    for data in (
+        b'{"op":"publish","topic":"\xff"}',
+        b'{"op":"\xff"}',
+        b"\xff",
+        b'{"op":"auth","id":"\xc3("}',
+    ):
+        with pytest.raises(FrameError):
+            read_frame(data)

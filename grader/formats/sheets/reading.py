@@ -19,6 +19,10 @@ from grader.jail import readers
 
 MAX_FILE_BYTES = 4 * 1024 * 1024
 HEADER_ROWS = 12
+MAX_ROWS = 20_000
+MAX_COLUMNS = 300
+MAX_CELLS = 400_000
+"""Of a table, whatever file it comes in: more than any class list or gradebook needs."""
 """Titles stand above the header; registries put up to four rows there."""
 
 DAMAGED, LOCKED, LARGE = 3, 4, 5
@@ -163,8 +167,8 @@ def refused(code: int) -> CourseError:
             "the workbook has a password: save it without one", "表格文件设了密码：请去掉密码后再保存"
         )
     return CourseError(
-        "the workbook is too large: copy the class list into a new one",
-        "表格文件太大：请把名单复制到一个新的表格文件里",
+        f"the table is too large ({MAX_ROWS} rows, {MAX_COLUMNS} columns): copy the class list into a new one",
+        f"表格太大（最多 {MAX_ROWS} 行、{MAX_COLUMNS} 列）：请把名单复制到一个新的文件里",
     )
 
 
@@ -186,9 +190,12 @@ def _of_csv(content: bytes) -> Iterator[ListedTable]:
 def _csv_rows(text: str, separator: str) -> tuple[ListedRow, ...]:
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
     rows = []
-    line = 1
+    line, room = 1, MAX_CELLS
     try:
         for number, cells in enumerate(reader, 1):
+            room -= len(cells)
+            if number > MAX_ROWS or len(cells) > MAX_COLUMNS or room < 0:
+                raise refused(LARGE)
             row = ListedRow(number=number, cells=tuple(map(_csv_text, cells)))
             if any(row.cells):
                 rows.append(row)

@@ -14,14 +14,11 @@ from itertools import islice
 
 from python_calamine import CalamineWorkbook, PasswordError, SheetTypeEnum, SheetVisibleEnum
 
-from grader.formats.sheets.reading import DAMAGED, LARGE, LOCKED
+from grader.formats.sheets.reading import DAMAGED, LARGE, LOCKED, MAX_CELLS, MAX_COLUMNS, MAX_ROWS
 from grader.jail import readers
 
 MAX_MEMORY_BYTES = 512 * 1024 * 1024
 MAX_CPU_S = 10
-MAX_ROWS = 20_000
-MAX_COLUMNS = 300
-MAX_CELLS = 400_000
 MAX_CELL_CHARACTERS = 2_000
 MAX_CHARACTERS = 4_000_000
 """Of all cells: a workbook of a few KiB can say one long text in each of a hundred thousand cells."""

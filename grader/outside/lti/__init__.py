@@ -4,6 +4,6 @@ A platform sends a browser with a signed message that says who it is and which a
 other provider of sign-in, the message names a person, and the class list says who that is in the course.
 """
 
-from grader.outside.lti.launch import Kept, Launch, Launches, login_address
+from grader.outside.lti.launch import Kept, Launch, Launches, deployment_in, login_address
 
-__all__ = ("Kept", "Launch", "Launches", "login_address")
+__all__ = ("Kept", "Launch", "Launches", "deployment_in", "login_address")

@@ -1,11 +1,14 @@
 """Launches by LTI: the address to which a browser is sent, and checking the message that it brings back."""
 
+import base64
 import secrets
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 from urllib.parse import urlencode
+
+import msgspec
 
 from grader.contracts.platform import Picking, Platform
 from grader.outside.lti.picking import CLAIM, SETTINGS, read_picking
@@ -73,6 +76,16 @@ def login_address(platform: Platform, kept: Kept, back: str, hint: str, message_
     if message_hint is not None:
         query["lti_message_hint"] = message_hint
     return f"{platform.login_url}{'&' if '?' in platform.login_url else '?'}{urlencode(query)}"
+
+
+def deployment_in(token: str) -> str:
+    """Return the deployment that a message names; nothing of it is checked yet. Empty: it names none."""
+    try:
+        payload = token.split(".")[1]
+        claims = msgspec.json.decode(base64.urlsafe_b64decode(payload + "=" * (-len(payload) % 4)))
+    except (IndexError, ValueError, RecursionError):
+        return ""
+    return _text(claims.get(f"{CLAIM}deployment_id")) if isinstance(claims, dict) else ""
 
 
 class Launches:

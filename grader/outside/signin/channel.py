@@ -27,6 +27,7 @@ MOST_BYTES = 256 * 1024
 _LONGEST_S = 20.0
 _HOST = re.compile(r"[A-Za-z0-9._-]+|[0-9A-Fa-f:.]+")  # the second one stands in brackets
 _UNICAST = ipaddress.IPv6Network("2000::/3")
+_SOCKET_ADDRESS = re.compile(r" ?\('[^']*', \d+(?:, \d+)*\)")
 _T = TypeVar("_T")
 
 
@@ -168,7 +169,8 @@ def _exchange(
     except TimeoutError:
         raise UnreachableError(f"{address} answers for longer than {_LONGEST_S:.0f} s") from None
     except (httpx.HTTPError, httpx.InvalidURL, ValueError) as error:  # ValueError: no host, no header's text
-        raise UnreachableError(f"{address}: {type(error).__name__}: {error}") from error
+        told = _SOCKET_ADDRESS.sub("", str(error))  # whoever reads this need not know where a name leads
+        raise UnreachableError(f"{address}: {type(error).__name__}: {told}") from error
     if answer.status not in accepted:
         raise UnreachableError(f"{address} answers {answer.status}")
     if len(answer.content) > MOST_BYTES:
@@ -223,7 +225,7 @@ def _public(host: str, port: int) -> str:
         raise UnreachableError(f"{host}: {error}") from error
     private = [one for one in addresses if not _is_public(one)]
     if private:
-        raise UnreachableError(f"{host} is {private[0]}, in a private network (allow_private_platforms)")
+        raise UnreachableError(f"{host} is in a private network (allow_private_platforms)")
     return addresses[0]
 
 

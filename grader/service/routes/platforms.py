@@ -100,7 +100,9 @@ def read_platforms(errand: InstructorDep, response: Response) -> PlatformsView:
     "",
     summary="Add a learning platform",
     status_code=status.HTTP_201_CREATED,
-    responses=responses(*_CHANGING, "invalid_platform", "platform_exists", "too_many_platforms"),
+    responses=responses(
+        *_CHANGING, "invalid_platform", "platform_differs", "platform_exists", "too_many_platforms"
+    ),
 )
 def post_platform(errand: InstructorDep, body: PlatformBody) -> PlatformView:
     """Let a platform (LTI 1.3) send people to the course; it opens no other, and gives nobody a role."""

@@ -103,6 +103,7 @@ _STATUS = {
     "registration_failed": 409,
     "picking_by_instructors": 403,
     "nothing_picked": 422,
+    "platform_differs": 409,
     "platform_exists": 409,
     "too_many_platforms": 409,
     "platforms_not_set_up": 409,

@@ -181,7 +181,7 @@ def read_frame(text: str | bytes) -> Incoming:
         return _decoder.decode(text)
     except RecursionError:
         raise FrameError("the frame is nested too deeply") from None
-    except UnicodeEncodeError:
+    except UnicodeError:
         raise FrameError("the frame is no Unicode text") from None
     except msgspec.ValidationError as error:
         raise FrameError(f"the frame cannot be used: {error}", _id_of(text)) from None
@@ -193,5 +193,5 @@ def _id_of(text: str | bytes) -> Identity:
     """Return the id of a frame that is wrong otherwise, so that the client finds what was wrong."""
     try:
         return _ids.decode(text).id
-    except (msgspec.MsgspecError, RecursionError):
+    except (msgspec.MsgspecError, RecursionError, UnicodeError):
         return None

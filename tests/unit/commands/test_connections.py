@@ -171,3 +171,17 @@ def test_a_system_that_leaves_no_connections_is_told(monkeypatch: pytest.MonkeyP
         SettingsError, match=r"may open 256 files only: let it open 272 or more \(ulimit -n\)"
     ):
         most_connections(streams=10)
+
+
+@pytest.mark.parametrize("length", [b"4", b"44"])
+def test_a_request_whose_end_can_be_read_in_two_ways_is_refused(length: bytes) -> None:
+    """Its rest would be another request to whoever goes by the other header."""
+    rest = b"0\r\n\r\nGET /second HTTP/1.1\r\nHost: x\r\n\r\n"
+    head = b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: %b\r\nTransfer-Encoding: chunked\r\n\r\n" % length
+    with serving() as address, socket.create_connection(address, PATIENCE_S) as client:
+        client.sendall(head + rest)
+        answer = b""
+        while part := client.recv(65_536):
+            answer += part
+    assert answer.startswith(b"HTTP/1.1 400 ")
+    assert answer.count(b"HTTP/1.1") == 1

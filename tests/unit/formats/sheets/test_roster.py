@@ -287,6 +287,19 @@ def test_a_workbook_larger_than_a_class_is_refused() -> None:
         read_roster(bomb.getvalue())
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "学号,姓名\n" + "".join(f"s{i},某\n" for i in range(20_000)),
+        "学号,姓名\n" + "," * 300,
+        "学号,姓名\n" + ("x" + "," * 200 + "\n") * 2_000,
+    ],
+)
+def test_csv_is_bounded_as_workbooks_are(text: str) -> None:
+    with pytest.raises(CourseError, match="too large"):
+        read_roster(text.encode())
+
+
 def test_a_small_workbook_that_says_one_long_text_everywhere_is_refused() -> None:
     """It would be a hundred times as large in memory, here as well as in the process that reads it."""
     content = workbook([*PLAIN, *[("A" * 2_000,) * 100] * 100])

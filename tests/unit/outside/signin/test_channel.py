@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import Event
 
+import httpx
 import pytest
 
 from grader.outside.signin import channel
@@ -89,6 +90,31 @@ def test_no_address_leads_into_a_private_network(address: str, monkeypatch: pyte
     monkeypatch.setattr(channel.socket, "getaddrinfo", resolving_to("93.184.215.14", address))
     with pytest.raises(UnreachableError, match="private network"):
         get("https://moodle.example/keys", public_only=True)
+
+
+def test_nobody_is_told_where_a_name_leads(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(channel.socket, "getaddrinfo", resolving_to("127.0.0.1"))
+    with pytest.raises(
+        UnreachableError, match=r"^moodle\.example is in a private network \(allow_private_platforms\)$"
+    ):
+        get("https://moodle.example/keys", public_only=True)
+
+
+@pytest.mark.parametrize(
+    "told", ["[Errno 111] Connect call failed ('10.1.2.3', 9)", "no route ('fd00::1', 9, 0, 0)"]
+)
+def test_an_error_of_the_system_is_told_without_its_address(
+    told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def fail(*_: object, **__: object) -> None:
+        raise httpx.ConnectError(told)
+
+    monkeypatch.setattr(channel, "_answer", fail)
+    with pytest.raises(UnreachableError) as raised:
+        get("https://moodle.example/keys")
+    assert str(raised.value).startswith("https://moodle.example/keys: ConnectError: ")
+    assert "10.1.2.3" not in str(raised.value)
+    assert "fd00" not in str(raised.value)
 
 
 def test_the_address_that_the_system_prefers_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:

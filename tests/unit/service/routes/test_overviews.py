@@ -339,7 +339,8 @@ def test_openapi_knows_every_kind_of_problem(openapi: dict[str, Any]) -> None:
         "not_found", "method_not_allowed", "refused", "foreign_form", "not_the_same",
         "signin_refused", "signin_failed", "signin_expired", "signin_somebody_else", "signin_other_course",
         "signin_unreachable",
-        "platform_not_found", "platform_unknown", "platform_exists", "too_many_platforms", "platforms_not_set_up",
+        "platform_not_found", "platform_unknown", "platform_differs", "platform_exists", "too_many_platforms",
+        "platforms_not_set_up",
         "invalid_platform", "picking_over", "picking_by_instructors", "nothing_picked", "registration_over",
         "not_a_registration", "registration_failed",
     }  # fmt: skip

@@ -16,6 +16,7 @@ from fastapi import FastAPI
 from joserfc import jws, jwt
 
 from grader.contracts.assignment import Assignment
+from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.platform import NewPlatform, Platform
 from grader.outside.lti import Launches
@@ -644,3 +645,31 @@ def test_a_link_leads_to_what_its_own_course_uploaded(
     running[0].state.services = made
     open_activity(client, moodle, made, custom={"assignment": "walk", "idnumber": "li"})
     assert [link.assignment for link in made.platforms.links("ros")] == [leads_to]
+
+
+def test_another_course_may_use_the_same_platform_and_cannot_be_in_the_way(
+    client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
+) -> None:
+    """Moodle names no deployment at the login. The other course has one of its own, added by its instructor."""
+    ready.courses.create("other", "Other", "UTC", "zhao")
+    theirs = {name: getattr(platform, name) for name in NewPlatform.__dataclass_fields__} | {
+        "deployment": "2"
+    }
+    ready.platforms.add(NewPlatform(**theirs), Signature(ready.clock(), "other", "zhao"))
+    asked = login(client, lti_deployment_id=None)
+    token = moodle.sign(message(asked, ready.clock().timestamp()))
+    assert 'content="0;url=/assignments/square"' in launch(client, token, asked["state"]).text
+    assert [link.title for link in ready.platforms.links("ros")] == ["走正方形"]
+    asked = login(client, lti_deployment_id=None)
+    launch(client, moodle.sign(message(asked, ready.clock().timestamp(), deployment_id="2")), asked["state"])
+    assert len(ready.platforms.links("ros")) == 1  # that activity is the other course's
+    assert len(ready.platforms.links("other")) == 1
+
+
+@pytest.mark.parametrize("name", ["login_url", "token_url", "keys_url"])
+def test_another_deployment_cannot_lead_elsewhere(ready: Services, platform: Platform, name: str) -> None:
+    theirs = {name: getattr(platform, name) for name in NewPlatform.__dataclass_fields__}
+    changed = theirs | {"deployment": "2", name: "https://elsewhere.example.edu/"}
+    with pytest.raises(RefusedError) as refused:
+        ready.platforms.add(NewPlatform(**changed), Signature(ready.clock(), "other", "zhao"))
+    assert refused.value.code == "platform_differs"
