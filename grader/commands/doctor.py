@@ -13,7 +13,7 @@ from typing import Final
 
 from grader.commands.options import add_language_option
 from grader.contracts.assignment import MIB, Limits
-from grader.contracts.errors import SandboxError, SandboxUnavailableError
+from grader.contracts.errors import InfrastructureError, SandboxError, SandboxUnavailableError
 from grader.contracts.python import StrEnum
 from grader.contracts.text import Language, Text
 from grader.jail import landlock, libc
@@ -91,6 +91,10 @@ _OUTER_BOUND: Final = Text(
     zh="外层上限 (cgroup v{})：内存 {} MiB，进程与线程 {}",
     en="outer bound (cgroup v{}): {} MiB of memory, processes and threads: {}",
 )
+_CONNECTIONS: Final = Text(
+    zh="数据库服务器最多允许 {most} 个连接，现有 {taken} 个。",
+    en="the database server takes {most} connections and has {taken}",
+)
 _NO_OUTER_BOUND: Final = Text(
     zh="没有外层内存上限：请给容器 --memory，或给服务单元 MemoryMax=。",
     en="no outer memory bound: give the container --memory, or the service's unit MemoryMax=.",
@@ -112,12 +116,35 @@ def run(arguments: argparse.Namespace) -> int:
     """Diagnose; 0 ready for strict mode, 1 reduced isolation only, 2 cannot run scripts."""
     if arguments.prepare_root:
         _prepare_root()
-    diagnosis = run_doctor()
+    diagnosis, connections = run_doctor(), _server_connections()
     if arguments.json:
-        sys.stdout.write(json.dumps(diagnosis.to_dict(), ensure_ascii=False, indent=2) + "\n")
+        more = {} if connections is None else {"database_connections": connections}
+        told = diagnosis.to_dict() | more
+        sys.stdout.write(json.dumps(told, ensure_ascii=False, indent=2) + "\n")
     else:
         sys.stdout.write(diagnosis.text(arguments.lang) + "\n")
+        if connections is not None:
+            sys.stdout.write(_CONNECTIONS.get(arguments.lang).format(**connections) + "\n")
     return diagnosis.exit_code
+
+
+def _server_connections() -> dict[str, int] | None:
+    """Return how many connections the settings' PostgreSQL server takes and has; None: there is no server."""
+    if not any("DATABASE_URL" in name for name in os.environ):
+        return None  # an installation that only checks files cannot even read settings
+    from grader.operation.settings import load
+    from grader.store.database import Database
+    from grader.store.occupancy import room
+
+    database = Database(load().database_url)
+    try:
+        there = room(database)
+    except InfrastructureError as error:
+        sys.stderr.write(f"{error}\n")
+        return None
+    finally:
+        database.close()
+    return None if there is None else there._asdict()
 
 
 def _prepare_root() -> None:

@@ -27,12 +27,13 @@ from grader.service.worker.beside import ServiceLink, WorkerProcess
 from grader.store.clock import Clock, clock_of
 from grader.store.courses import Courses
 from grader.store.database import Database, checkpoints
+from grader.store.occupancy import check_room
 from grader.store.own_assignments import OwnAssignments
 from grader.store.queue import Queue, Retries
 from grader.store.schema import up_to_date
 from grader.store.standings import Measures
 from grader.store.tokens import Tokens
-from grader.store.work import Doorbell, WorkSource
+from grader.store.work import PERMIT_CONNECTIONS, Doorbell, WorkSource
 from grader.store.workers import Workers, presence
 from grader.use_cases.callers import Callers, new_token
 from grader.use_cases.course_assignments import CourseAssignments
@@ -66,7 +67,10 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
         InfrastructureError: the database cannot be opened.
     """
     with ExitStack() as stack:
-        database = stack.enter_context(_store(settings, "grader serve"))
+        others = connections_of_worker(settings.slots) if settings.slots else 0
+        database = stack.enter_context(
+            _store(settings, "grader serve", settings.database_connections, others)
+        )
         clock = stack.enter_context(clock_of(database))
         courses = Courses(database, clock)
         _check_exposure(settings, courses)
@@ -83,6 +87,14 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
             practice=_practice(database, settings, clock),
             providers=_providers(settings, clock),
         )
+        stack.enter_context(_at_work(settings, services))
+        yield services
+
+
+@contextmanager
+def _at_work(settings: Settings, services: Services) -> Iterator[None]:
+    """Run what works beside the answers to requests; end it, and what the services keep in memory."""
+    with ExitStack() as stack:
         works = (services.plots, services.comparer, services.space, services.watching, services.practice)
         for one in works:
             stack.callback(one.close)
@@ -93,7 +105,7 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
             worker = WorkerProcess(settings, services.doorbell, services.metrics)
             worker.start()
             stack.callback(worker.stop)
-        yield services
+        yield
 
 
 def _practice(database: Database, settings: Settings, clock: Clock) -> PracticeRuns:
@@ -119,7 +131,10 @@ def running_worker(
         doorbell = Doorbell()
         # before anything else: the service may stop while this worker starts
         link = None if service is None else ServiceLink(service, doorbell, stopped or threading.Event())
-        database = stack.enter_context(_store(settings, "grader worker"))
+        pooled = min(settings.slots, settings.database_connections)
+        database = stack.enter_context(
+            _store(settings, "grader worker", pooled, connections_of_worker(settings.slots) - pooled)
+        )
         clock = stack.enter_context(clock_of(database))
         parts = WorkerParts(
             queue=Queue(database, clock, _retries(settings)),
@@ -144,6 +159,15 @@ def _own_metrics(settings: Settings, database: Database, clock: Clock) -> Iterat
         yield metrics
 
 
+def connections_of_worker(slots: int) -> int:
+    """Return how many connections to PostgreSQL a worker has at most.
+
+    One for each slot, which uses it only between two gradings and shares it with the heart and the examiner, and
+    two to take permits.
+    """
+    return slots + PERMIT_CONNECTIONS
+
+
 def _providers(settings: Settings, clock: Clock) -> Providers:
     if settings.signin is None:
         return Providers()
@@ -158,11 +182,15 @@ def assignments_of(settings: Settings, database: Database, clock: Clock) -> Cour
 
 
 @contextmanager
-def _store(settings: Settings, who: str) -> Iterator[Database]:
-    """Open the database and bring it up to date; nobody replaces it meanwhile."""
-    database = Database(settings.database_url, settings.database_connections)
+def _store(settings: Settings, who: str, connections: int, others: int) -> Iterator[Database]:
+    """Open the database and bring it up to date; nobody replaces it meanwhile.
+
+    `connections`: most of its own; `others`: that will be opened besides.
+    """
+    database = Database(settings.database_url, connections)
     try:
         with up_to_date(database, who, wait=True), checkpoints(database):
+            check_room(database, connections + others)
             yield database
     finally:
         database.close()

@@ -11,7 +11,7 @@ import socket
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NamedTuple
 
 from sqlalchemy import event, func, select, text
 from sqlmodel import Session
@@ -33,6 +33,19 @@ _OTHER_USERS = text(
     " AND database = (SELECT oid FROM pg_database WHERE datname = current_database())"
     " AND pid <> pg_backend_pid() ORDER BY name"
 )
+
+
+_ROOM = text(  # pg_stat_activity tells little of other roles' connections, this one tells their number
+    "SELECT current_setting('max_connections')::int - current_setting('superuser_reserved_connections')::int,"
+    " coalesce(sum(numbackends), 0)::int FROM pg_stat_database"
+)
+
+
+class ServerRoom(NamedTuple):
+    """How many connections a PostgreSQL server takes from ordinary roles, and how many there are."""
+
+    most: int
+    taken: int
 
 
 class OccupiedError(SettingsError):
@@ -59,6 +72,45 @@ def in_use(database: Database, who: str = "a command of the grader") -> Iterator
     with _sharing(database, who):
         _wait_until_free(lambda: _connect(database))
         yield
+
+
+def room(database: Database) -> ServerRoom | None:
+    """Return how many connections the server of a database has room for; None of SQLite.
+
+    Raises:
+        InfrastructureError: the database does not answer.
+    """
+    if database.is_sqlite:
+        return None
+    with database.reading() as session:
+        return ServerRoom(*session.execute(_ROOM).one())
+
+
+def check_room(database: Database, needed: int) -> None:
+    """Refuse to work where the server cannot take `needed` connections; warn where it cannot just now.
+
+    Raises:
+        SettingsError: it never can.
+        InfrastructureError: the database does not answer.
+    """
+    there = room(database)
+    if there is None:
+        return
+    if needed > there.most:
+        raise SettingsError(
+            f"{database.name} takes {there.most} connections, this process needs {needed}: raise max_connections, "
+            "or lower GRADER_DATABASE_CONNECTIONS or GRADER_SLOTS",
+            f"{database.name} 最多允许 {there.most} 个连接，这个进程需要 {needed} 个：请调大 max_connections，"
+            "或调小 GRADER_DATABASE_CONNECTIONS、GRADER_SLOTS",
+        )
+    if needed > there.most - there.taken + 1:  # one is this process's own
+        _log.warning(
+            "%s takes %d connections and has %d; this process needs up to %d: raise max_connections",
+            database.name,
+            there.most,
+            there.taken,
+            needed,
+        )
 
 
 @contextmanager

@@ -19,6 +19,8 @@ from grader.contracts.errors import InfrastructureError
 from grader.contracts.submission import Claim
 from grader.store.tables import SubmissionRow
 
+PERMIT_CONNECTIONS = 2
+"""Of a worker to PostgreSQL, to learn that something waits: one listens, outside of Procrastinate's pool."""
 _log = logging.getLogger(__name__)
 ANNOUNCED = (
     col(SubmissionRow.id),

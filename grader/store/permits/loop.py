@@ -16,7 +16,7 @@ from grader.contracts.errors import GraderError
 from grader.store.clock import Clock
 from grader.store.database import PATIENCE, Database
 from grader.store.permits.announcer import QUEUE, TASK, defer_again
-from grader.store.work import attempted
+from grader.store.work import PERMIT_CONNECTIONS, attempted
 
 _log = logging.getLogger(__name__)
 _HEARTBEAT_S = 2.0
@@ -149,7 +149,7 @@ class PermitLoop:
     async def _work(self, slots: int, ready: Callable[[], bool]) -> None:
         """Run a worker until it fails, or is not wanted any more."""
         connector = PsycopgConnector(
-            kwargs=self._arguments, min_size=1, max_size=slots + 3, timeout=float(_CONNECT_S)
+            kwargs=self._arguments, min_size=1, max_size=PERMIT_CONNECTIONS - 1, timeout=float(_CONNECT_S)
         )
         app = App(connector=connector)
         app.task(name=TASK, queue=QUEUE)(self._use)

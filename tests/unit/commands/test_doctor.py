@@ -1,11 +1,14 @@
 """The doctor reports what it tried."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
+from sqlalchemy import make_url
 
 from grader.commands import doctor
+from grader.commands.cli import run
 from grader.commands.doctor import State, run_doctor
 from grader.jail import landlock, layers
 from grader.jail.layers import Layer
@@ -53,3 +56,19 @@ def test_a_host_that_can_run_nothing() -> None:
 def test_every_layer_and_state_has_words() -> None:
     assert set(doctor._TITLES) == set(doctor._LEAVES_OPEN) == set(Layer)
     assert set(doctor._STATES) == {state.value for state in State}
+
+
+def test_a_servers_connections_are_told(
+    postgres_url: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("GRADER_DATABASE_URL", postgres_url)
+    run(["doctor", "--lang", "en"])
+    assert re.search(r"the database server takes \d+ connections and has \d+", capsys.readouterr().out)
+    run(["doctor", "--json"])
+    assert json.loads(capsys.readouterr().out)["database_connections"].keys() == {"most", "taken"}
+    nobody = make_url(postgres_url).set(host="127.0.0.1", port=1, query={}).render_as_string()
+    monkeypatch.setenv("GRADER_DATABASE_URL", nobody)
+    run(["doctor", "--json"])
+    told = capsys.readouterr()
+    assert "database_connections" not in json.loads(told.out)
+    assert "does not answer" in told.err
