@@ -7,6 +7,7 @@ from grader.contracts.grading import GradingJob
 from grader.edits.tree import changed_lines
 from grader.grading.slot import Slot
 from tests.e2e.grading_slot import LESSON, catalog, grade
+from tests.hints.obeyed import obeyed as with_change
 
 TURNING = "msg.linear.x = 0.0\n        msg.angular.z = float"
 SQUARE = (LESSON / "square_mover.py").read_text(encoding="utf-8")
@@ -18,16 +19,9 @@ def explained(slot: Slot, source: str, assignment: str = "square") -> Explanatio
 
 
 def obeyed(source: str, explanation: Explanation) -> str:
-    """Return the script with all lines changed as it was told."""
+    """Return the script with all changes made as they were told."""
     for change in explanation.changes:
-        lines = source.split("\n")
-        for line in reversed(change.lines):
-            if line.before is None:
-                lines.insert(line.number, line.after or "")
-            else:
-                assert lines[line.number - 1] == line.before
-                lines[line.number - 1 : line.number] = [] if line.after is None else [line.after]
-        source = "\n".join(lines)
+        source = with_change(source, change)
     return source
 
 

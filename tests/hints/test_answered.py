@@ -1,0 +1,72 @@
+"""Scripts whose first hint once misled: what must be told now, a proven change or the cause in words."""
+
+from pathlib import Path
+
+import pytest
+
+from grader.contracts.grading import GradingJob
+from grader.grading.slot import Slot
+from tests.e2e.grading_slot import catalog, grade
+from tests.hints.beginners import beginners
+from tests.hints.obeyed import obeyed, tried
+
+FOLDER = Path(__file__).parent / "answered" / "scripts"
+CHANGES = {  # file: assignment, kind of the first change, line, what it comes to
+    "s14_string_type": ("straight", "type", 23, 100),
+    "a57_wrong_pub_type_pose": ("square", "type", 21, 100),
+    "b10_temp_twist": ("straight", "one_message", 36, 100),
+    "q21_two_scripts": ("square", "two_scripts", 60, 100),
+    "a43_oct_90": ("octagon", "scaled", 32, 100),
+    "x02_hex_interior": ("hexagon", "scaled", 36, 100),
+    "a19_pose_nospin": ("square", "spin_once", 27, 90),
+    "a53_float_ne": ("square", "comparison", 12, 60),
+    "q36_caret_int": ("square", "operator", 49, 20),
+    "q31_str_speed": ("square", "float", 26, 100),
+    "q23_stop_in_while": ("square", "out_of_loop", 54, 100),
+    "o01_oct_range6": ("octagon", "count", 86, 100),
+    "a42_pent_range3": ("pentagon", "count", 86, 100),
+    "b22_tri_range2": ("triangle", "count", 86, 100),
+}
+CAUSES = {  # file: assignment, code, a word that stands in both texts
+    "q41_timer_in_callback": ("square", "timer_in_callback", "17"),
+    "a70_keyword": ("hello", "keyword_as_name", "class"),
+    "r01_spawn_only_publishes_pose2d": ("square", "no_publisher", "/turtle1/cmd_vel"),
+    "r02_never_published_on_other_topic": ("square", "nothing_sent", "/robot/cmd_vel"),
+    "r03_kill_turtle1_drive_turtle2": ("square", "turtle_killed", "turtle1"),
+    "r09_custom_interface": ("square", "own_interfaces", "my_robot_interfaces"),
+    "a46_traceback_paste": ("square", "terminal_output", "1"),
+    "b25_term_paste2": ("square", "terminal_output", "1"),
+    "h11_terminal_paste": ("hello", "terminal_output", "1"),
+}
+SAMPLE = [script for script in beginners() if script.verdict == "wrong"][7::40]
+
+
+@pytest.mark.parametrize(("name", "expected"), CHANGES.items(), ids=CHANGES)
+def test_the_change_that_mends_it_is_told_first(
+    slot: Slot, name: str, expected: tuple[str, str, int, float]
+) -> None:
+    assignment, code, line, least = expected
+    source = (FOLDER / f"{name}.py").read_text(encoding="utf-8")
+    job = GradingJob(file_name="script.py", source=source.encode(), assignment=catalog().get(assignment))
+    first = slot.explain(job).changes[0]
+    assert (first.code, str(line) in first.text.zh, str(line) in first.text.en) == (code, True, True)
+    score = grade(slot, assignment, obeyed(source, first)).score
+    assert score is not None
+    assert score >= max(least, first.before + 1)
+
+
+@pytest.mark.parametrize(("name", "expected"), CAUSES.items(), ids=CAUSES)
+def test_where_no_change_can_be_tried_the_cause_is_told(
+    slot: Slot, name: str, expected: tuple[str, str, str]
+) -> None:
+    assignment, code, word = expected
+    report = grade(slot, assignment, (FOLDER / f"{name}.py").read_bytes())
+    assert report.mistakes[0] == code
+    assert word in report.hint.zh
+    assert word in report.hint.en
+
+
+@pytest.mark.parametrize("script", SAMPLE, ids=lambda script: script.file)
+def test_a_change_that_is_told_gains_when_obeyed(slot: Slot, script: object) -> None:
+    seen = tried(slot, script)  # type: ignore[arg-type]
+    assert seen is None or seen.gains in (True, None)
