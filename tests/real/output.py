@@ -73,7 +73,7 @@ class Difference:
 @cache
 def scripts() -> tuple[str, ...]:
     """Return the names of everything that was recorded, each once: of recordings, and ``diff/`` of diff."""
-    recorded = {recording(name).of for name in ids()} - set(table()["compared_as_motion"])
+    recorded = {recording(name).of for name in ids()}
     return (*sorted(recorded), *sorted(f"diff/{path.stem}" for path in DIFF.glob("*.py")))
 
 
