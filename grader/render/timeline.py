@@ -103,16 +103,18 @@ def _sayings(track: Trajectory, language: Language) -> Iterator[TimelineEntry]:
 def _waits(outcome: RunOutcome, driven: Trajectory, language: Language) -> Iterator[TimelineEntry]:
     """Yield when what the turtle drove first differs from what was commanded, and by how much it may."""
     for note in outcome.notes:
-        if note.code == "commands_wait" and (commanded := driven.commanded) is not None:
+        if note.code == "commands_wait" and driven.commanded is not None:
             rate, _, seconds = note.text.partition("|")
-            both = min(len(driven), len(commanded))
-            equal = driven.t_ns[:both] == commanded.t_ns[:both]
-            for one, other in ((driven.x_m, commanded.x_m), (driven.y_m, commanded.y_m)):
-                equal &= one[:both] == other[:both]
-            equal &= driven.heading_rad[:both] == commanded.heading_rad[:both]
-            at_ns = int(driven.t_ns[min(int(equal.argmin()), both - 1)])
             text = word("waits", language, rate=rate, time=quantity.number(float(seconds), "s", 2))
-            yield TimelineEntry(at_ns, text, "yellow")
+            yield TimelineEntry(_parted_ns(driven, driven.commanded), text, "yellow")
+
+
+def _parted_ns(one: Trajectory, other: Trajectory) -> int:
+    """Return when two motions from one place first differ."""
+    both = min(len(one), len(other))
+    columns = [(each.t_ns, each.x_m, each.y_m, each.heading_rad) for each in (one, other)]
+    differ = np.any([a[:both] != b[:both] for a, b in zip(*columns, strict=True)], axis=0)
+    return int(one.t_ns[differ.argmax() if differ.any() else both - 1])
 
 
 def _command_runs(track: Trajectory, language: Language) -> Iterator[TimelineEntry]:
@@ -125,7 +127,7 @@ def _command_runs(track: Trajectory, language: Language) -> Iterator[TimelineEnt
         command, dropped_ns = commands[first], commands[i - 1].t_ns + COMMAND_LIFE_NS
         next_ns = commands[i].t_ns if i < len(commands) else track.end_ns
         until_ns = min(dropped_ns, next_ns)
-        # An update moves the car by the last command before it: what was driven begins with the sample before.
+        # Obeyed at once, a command moves the car from the next update on: it begins with the sample before.
         start, end = (int(np.searchsorted(track.t_ns, at, "right")) - 1 for at in (command.t_ns, until_ns))
         moved_m = float(path.signed_m[end] - path.signed_m[start])
         turned_deg = math.degrees(float(path.heading_rad[end] - path.heading_rad[start]))
