@@ -24,6 +24,7 @@ from grader.catalog.misfits import (
 )
 from grader.catalog.reference import with_reference
 from grader.catalog.schema import AssignmentModel
+from grader.catalog.types import misfits_of_types
 from grader.contracts.assignment import SUFFIXES, Assignment, InterfaceDefinition, WrongAttempt
 from grader.contracts.text import Text, trouble
 
@@ -132,6 +133,7 @@ class Document:
         interfaces = read_interfaces(self.path.parent)
         self._check_calls(assignment, interfaces)
         self._check_agent(assignment, interfaces)
+        self._check_conversation(assignment, interfaces)
         return with_reference(replace(assignment, interfaces=interfaces), self.path.parent)
 
     def wrong_attempts(self) -> tuple[WrongAttempt, ...]:
@@ -239,6 +241,16 @@ class Document:
                 found.append((self.place(f"agent.{i}.values.{missing[0]}"), told))
         if found:
             raise refusals(found)
+
+    def _check_conversation(
+        self, assignment: Assignment, interfaces: tuple[InterfaceDefinition, ...]
+    ) -> None:
+        """Refuse steps and expectations with a type that is unknown, or with fields that it does not have."""
+        if assignment.steps or assignment.expectations:
+            known = {**standard_types(), **types_of(interfaces)}
+            found = [(self.place(field), told) for field, told in misfits_of_types(assignment, known)]
+            if found:
+                raise refusals(found)
 
     def place(self, field: str, *keys: int | str) -> str:
         """Return where `field` (``items.2.measure``) stands: file, line and field.

@@ -322,6 +322,14 @@ def unknown_field(name: str, known: Iterable[str]) -> Text:
     )
 
 
+def no_such_field_of(name: str, known: Iterable[str]) -> Text:
+    """Say that a message has no such field."""
+    names = ", ".join(known) or "—"
+    return Text(
+        zh=f"这种消息没有字段 {name!r}；有：{names}", en=f"there is no field {name!r}; there are: {names}"
+    )
+
+
 def unknown_list(name: str, known: Iterable[str]) -> Text:
     """Say that a response has no such field."""
     names = ", ".join(known) or "—"
