@@ -140,6 +140,11 @@ class ResultPage:
     runs: tuple[RunPart, ...]
     errors: tuple[RunError, ...]
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the runs noted that costs no points, each once."""
+        return tuple(dict.fromkeys(note for run in self.runs for note in run.notes))
+
 
 def result_page(report: GradeReport, assignment: Assignment | None, language: Language) -> ResultPage:
     """Return `report` in `language`; `assignment` names the cases, if it is still published."""
