@@ -128,7 +128,7 @@ def test_a_class_is_graded(runtime: Runtime, installation: Installation) -> None
     points = {
         row["student"]: [row[f"{one} (100)"] for one in ("hello", "straight", "square")] for row in rows
     }
-    assert points == {"ada": ["100", "100", "100"], "bo": ["0", "0", "77.5"]}
+    assert points == {"ada": ["100", "100", "100"], "bo": ["0", "0", "67.65"]}
 
 
 def test_a_backup_is_made_while_it_runs(runtime: Runtime, installation: Installation) -> None:
