@@ -411,10 +411,12 @@ def _simulator(world: World) -> str:
     if world.kind == "turtle" and world.profile == "nominal":
         return _MODELS["turtle"]
     try:
-        from grader.sim.bullet import ENGINE
+        from grader.sim.bullet import ENGINE, ROUNDING
     except ModuleNotFoundError as error:
         raise MissingExtraError.named("physics") from error
-    return f"{_MODELS[world.kind]}, {ENGINE}"
+    # of the cars and robots the recording's grid swallows what C libraries round otherwise
+    replayed = f", {ROUNDING}" if world.kind == "pybullet" else ""
+    return f"{_MODELS[world.kind]}, {ENGINE}{replayed}"
 
 
 def _report(

@@ -1,7 +1,9 @@
 """The car's body in PyBullet: it follows where the law has the car, or moves the car where physics takes it."""
 
+import hashlib
 import os
 import sys
+from array import array
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import atan2, cos, hypot, sin
@@ -50,6 +52,11 @@ _step_once: Final = _bullet.stepSimulation
 _get_velocity: Final = _bullet.getBaseVelocity
 
 ENGINE: Final = f"Bullet {_bullet.getAPIVersion()}"
+_SINES: Final = array("d", (sin(0.1 * i) + cos(0.3 * i) for i in range(1_000)))
+ROUNDING: Final = f"libm {hashlib.sha256(_SINES.tobytes()).hexdigest()[:6]}"
+"""How the C library rounds, which Bullet computes with: last bits differ with and without FMA. Contacts let them
+grow, so a replay is sure to be repeated only where this is the same."""
+
 
 _GRAVITY_MPS2: Final = -9.81
 _SOLVER_ITERATIONS: Final = 4  # the wheels' and casters' contacts are four points: they converge in three

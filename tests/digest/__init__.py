@@ -13,7 +13,7 @@ the same bytes.
 
 import hashlib
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -110,9 +110,14 @@ def read(path: Path) -> dict[str, Line]:
 
 
 def renewed(table: list[Line]) -> str:
-    """Return the committed sample of the table of the whole corpus."""
+    """Return the committed sample of the portable table of the whole corpus."""
     whole = Line(WHOLE, str(len(table)), *[_hash(written(table).encode())] * len(HASHES))
     return written([*table[::SAMPLED], whole])
+
+
+def portable(table: Iterable[Line], replays: Container[str]) -> list[Line]:
+    """Return what of a table is the same on every machine: of a replayed PyBullet world the marks alone."""
+    return [Line(*line[:3], "-", "-", "-") if line.id in replays else line for line in table]
 
 
 def digest(table: Iterable[Line]) -> str:

@@ -8,8 +8,19 @@ from pathlib import Path
 from grader.grading.pipeline import Pipeline
 from grader.jail import bounds
 from grader.sandbox import script_sandbox
-from tests.digest import GOLDEN, Line, compared, digest, lines, lines_of_slots, read, renewed, written
-from tests.digest.gradings import Grading, gradings
+from tests.digest import (
+    GOLDEN,
+    Line,
+    compared,
+    digest,
+    lines,
+    lines_of_slots,
+    portable,
+    read,
+    renewed,
+    written,
+)
+from tests.digest.gradings import Grading, gradings, replays
 
 
 def main() -> int:
@@ -22,7 +33,7 @@ def main() -> int:
     if options.save:
         options.save.write_text(written(table), "utf-8")
     if options.renew:
-        GOLDEN.write_text(renewed(table), "utf-8")
+        GOLDEN.write_text(renewed(portable(table, replays(gradings()))), "utf-8")
     if not options.compare:
         return 0
     before = read(options.compare)

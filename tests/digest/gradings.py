@@ -1,7 +1,7 @@
 """The corpus of reports: every script that the tests grade, and drives near the edges of bands."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 
@@ -32,6 +32,11 @@ def gradings() -> list[Grading]:
     found = [*_of_assignments(), *_of_beginners(), *_of_hints(), *_of_styles(), *_generated()]
     assert len({grading.id for grading in found}) == len(found)
     return found
+
+
+def replays(found: Iterable[Grading]) -> set[str]:
+    """Return the ids of those whose PyBullet world is replayed: Bullet's last bits depend on the C library."""
+    return {grading.id for grading in found if grading.job.assignment.world.kind == "pybullet"}
 
 
 def _of_assignments() -> Iterator[Grading]:

@@ -2,7 +2,7 @@
 
 BLAS kernels, numpy's and the C library's variants for processors of other years, and with ``--python`` other
 interpreters with their numpy and their build of the simulator. Each setting also holds in the sandbox. Prints one
-hash for each, and which scripts differ from the first.
+hash for each, and which scripts differ from the first. Of a replayed PyBullet world only the marks are compared.
 """
 
 import argparse
@@ -17,9 +17,11 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.digest import Line, compared, digest, read
+from tests.digest import Line, compared, digest, portable, read
+from tests.digest.gradings import gradings, replays
 
 _ROOT = Path(__file__).resolve().parents[2]
+_CORE = (getattr(np, "_core", None) or np.core)._multiarray_umath
 _OLDER = ("AVX2", "FMA3")
 _KERNELS = ("Prescott", "Haswell", "SkylakeX", "Zen")
 
@@ -29,7 +31,7 @@ def settings() -> Iterator[tuple[str, Mapping[str, str]]]:
     yield "as it is", {}
     for kernel in _KERNELS:
         yield f"OpenBLAS {kernel}", {"OPENBLAS_CORETYPE": kernel}
-    present = [name for name in np.core._multiarray_umath.__cpu_dispatch__ if _has(name)]
+    present = [name for name in _CORE.__cpu_dispatch__ if _CORE.__cpu_features__.get(name)]
     wide = [name for name in present if name.startswith("AVX512")]
     for name, without in (("AVX-512", wide), ("AVX-512, AVX2, FMA", [*wide, *(set(_OLDER) & set(present))])):
         if without:
@@ -62,11 +64,7 @@ def _table(
     parts = [word for part in options.only or [] for word in ("--only", part)]
     command = [python, "-m", "tests.digest", "--here", "--every", str(options.every), "--save", str(file)]
     subprocess.run([*command, *inside, *parts], check=True, cwd=_ROOT, env={**os.environ, **environment})
-    return list(read(file).values())
-
-
-def _has(feature: str) -> bool:
-    return bool(np.core._multiarray_umath.__cpu_features__.get(feature))
+    return portable(read(file).values(), replays(gradings()))
 
 
 def _parser() -> argparse.ArgumentParser:
