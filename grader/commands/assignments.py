@@ -56,6 +56,13 @@ def _configure_validate(validate: argparse.ArgumentParser) -> None:
         help="with N different seeds: other starts, rooms, noise (default: 1) / 换 N 组种子",
     )
     validate.add_argument(
+        "--mutants",
+        type=whole_number,
+        default=0,
+        metavar="N",
+        help="instead, grade N single edits of each solution / 改为给答案的 N 处小改动评分",
+    )
+    validate.add_argument(
         "--write",
         type=Path,
         metavar="DIR",
@@ -72,11 +79,14 @@ def run(arguments: argparse.Namespace) -> int:
         return _list(catalog, arguments)
     if arguments.action == "show":
         return _show(catalog, arguments)
+    from grader.commands.audit import audit
     from grader.commands.validation import validate, validate_seeds, write_scripts
 
     ids = arguments.ids or [each.id for each in catalog.all()]
     if arguments.write is not None:
         write_scripts(catalog, ids, arguments.write)
+    if arguments.mutants:
+        return audit(catalog, ids, arguments.lang, arguments.mutants)
     if arguments.seeds > 1:
         return validate_seeds(catalog, ids, arguments.lang, arguments.seeds)
     return validate(catalog, ids, arguments.lang, details=bool(arguments.ids))
