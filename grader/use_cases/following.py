@@ -8,6 +8,7 @@ and delays nobody.
 import asyncio
 import logging
 import threading
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -28,6 +29,7 @@ Subject = tuple[str, str | None]
 
 _FRESH_S = 5.0  # the mean of gradings and the number of slots change slowly
 _PAUSE_S = 0.1  # between two looks, however often the doorbell rings: a busy class rings it all the time
+_RESTS = 9.0  # times as long as a look took, however many wait: it numbers the whole queue
 _CLASS_EVERY = 4  # classes read more rows, so they are looked at less often than submissions
 _LATER_S = 5  # a place becomes free when a page is closed or a stream reaches its age
 _log = logging.getLogger(__name__)
@@ -223,11 +225,13 @@ class Watching:
                     self._thread = None
                     return
                 watches = list(self._watches)
+            begun_s = time.monotonic()
             with_classes = looks % _CLASS_EVERY == 0
             self._notify([one for one in watches if with_classes or one.subject[0] != "class"])
+            took_s = time.monotonic() - begun_s
             looks += 1
             self._doorbell.wait(heard, self.limits.poll_s)
-            self._closing.wait(_PAUSE_S)
+            self._closing.wait(max(_PAUSE_S, _RESTS * took_s))
 
     def _notify(self, watches: list[SubjectWatch]) -> None:
         try:
