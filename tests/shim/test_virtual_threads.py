@@ -357,3 +357,11 @@ def test_threads_whose_stacks_would_take_the_memory_cannot_start(run_bare: RunSc
         "try:\n    threading.Thread(target=print).start()\nexcept RuntimeError as error:\n    print(error)\n"
     )
     assert run.stdout == "can't start new thread\n"
+
+
+def test_starting_a_thread_leaves_the_size_of_stacks_alone(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import threading\nthreading.stack_size(1 << 20)\nthreading.Thread(target=print).start()\n"
+        "print(threading.stack_size())\n"
+    )
+    assert "1048576" in run.stdout

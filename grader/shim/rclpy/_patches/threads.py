@@ -31,9 +31,12 @@ _FEW_THREADS = 32
 _TRIES = 20
 _PAUSE_S = 0.02
 
+_USUAL_STACK_BYTES = 8 << 20
 _MOST_STACKS_BYTES = 1 << 28
-"""Of all threads together: half of the memory that a script gets by default. A thread whose stack took the rest
-would start, and the next allocation anywhere would fail, also between two turns."""
+"""Of all threads together, if the script wants larger ones than usual: half of the memory that it gets by default.
+
+A thread whose stack took the rest would start, and the next allocation anywhere would fail, even between turns.
+"""
 
 
 class ThreadHandle:
@@ -107,7 +110,9 @@ def start(
     """Start `thread`, which calls the function when its turn comes."""
     from rclpy._link import link
 
-    if _stack_size() * (_count_os_threads() + 1) > _MOST_STACKS_BYTES:
+    stack_bytes = _stack_size()
+    _stack_size(stack_bytes)  # to ask for it has set it to the system's
+    if stack_bytes > _USUAL_STACK_BYTES and stack_bytes * (_count_os_threads() + 1) > _MOST_STACKS_BYTES:
         raise RuntimeError("can't start new thread")
     if link.note_once("threads"):
         link.flush()  # its threads are kept on one core from now on
