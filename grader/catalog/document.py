@@ -248,7 +248,9 @@ class Document:
         """Refuse steps and expectations with a type that is unknown, or with fields that it does not have."""
         if assignment.steps or assignment.expectations:
             known = {**standard_types(), **types_of(interfaces)}
-            found = [(self.place(field), told) for field, told in misfits_of_types(assignment, known)]
+            own = assignment.package is not None and assignment.package.interfaces
+            misfits = misfits_of_types(assignment, known, may_be_unknown=own)
+            found = [(self.place(field), told) for field, told in misfits]
             if found:
                 raise refusals(found)
 

@@ -5,9 +5,9 @@ build at home is refused here, with file, line and fix; so is what is too large 
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
-from functools import cache
-from pathlib import Path
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import cache, partial
+from pathlib import Path, PurePath, PurePosixPath
 from typing import Final
 
 from grader.catalog.definitions import INTERFACE, PACKAGE, PARTS, DefinitionError, meant_type, translated
@@ -44,7 +44,9 @@ _OF_ROS: Final = Text(
 )
 Fields = Mapping[str, str]
 """The fields of a structure: name -> type."""
-_Found = Mapping[str, tuple[Path, InterfaceDefinition]]
+_Found = Mapping[str, tuple[str, str, InterfaceDefinition]]
+"""By name: where a definition stands, its text, and what it says."""
+
 _Misfit = tuple[str, Text]  # the field it is about, and what is wrong
 
 
@@ -59,40 +61,63 @@ def read_interfaces(folder: Path) -> tuple[InterfaceDefinition, ...]:
         return ()
     if len(files) > MAX_FILES:
         raise refusals([(str(folder / INTERFACES), _TOO_MANY)])
-    found, problems = {}, []
-    for path in files:
+    return _defined(
+        [(str(path), path.relative_to(folder / INTERFACES), partial(_text, path)) for path in files]
+    )
+
+
+def own_interfaces(texts: Mapping[str, str]) -> tuple[InterfaceDefinition, ...]:
+    """Return interfaces that a handed-in package brings along, by place (``my_msgs/msg/Name.msg``) and text.
+
+    Raises:
+        AssignmentError: as `read_interfaces`; the files are the student's.
+    """
+    if len(texts) > MAX_FILES:
+        raise refusals([(INTERFACES, _TOO_MANY)])
+    return _defined([(place, PurePosixPath(place), partial(str, text)) for place, text in texts.items()])
+
+
+def _defined(files: Iterable[tuple[str, PurePath, Callable[[], str]]]) -> tuple[InterfaceDefinition, ...]:
+    """Return what files define, given by what they are called, their places below the root, and their texts."""
+    found: dict[str, tuple[str, str, InterfaceDefinition]] = {}
+    problems = []
+    for shown, place, text in files:
         try:
-            definition = _definition(path, folder / INTERFACES)
-            found[definition.name] = path, definition
+            definition, content = _definition(place, text)
+            found[definition.name] = shown, content, definition
         except DefinitionError as error:
-            problems.append((f"{path}:{error.line}", error.told))
+            problems.append((f"{shown}:{error.line}", error.told))
     if not problems:
         problems = list(_misfits(found))
     if problems:
         raise refusals(problems)
-    return tuple(definition for _, definition in found.values())
+    return tuple(definition for *_, definition in found.values())
 
 
-def _definition(path: Path, root: Path) -> InterfaceDefinition:
+def _definition(place: PurePath, read: Callable[[], str]) -> tuple[InterfaceDefinition, str]:
     try:
-        package, kind, _ = path.relative_to(root).parts
+        package, kind, _ = place.parts
     except ValueError:
         raise DefinitionError(1, _FORM) from None
-    fits = PACKAGE.fullmatch(package) and INTERFACE.fullmatch(path.stem)
-    if not fits or kind not in PARTS or path.suffix != f".{kind}":
+    fits = PACKAGE.fullmatch(package) and INTERFACE.fullmatch(place.stem)
+    if not fits or kind not in PARTS or place.suffix != f".{kind}":
         raise DefinitionError(1, _FORM)
     if any(name.startswith(f"{package}/") for name in standard_types()):
         raise DefinitionError(1, _OF_ROS)
+    text = read()
+    name = f"{package}/{kind}/{place.stem}"
+    return InterfaceDefinition(name=name, lines=translated(package, kind, place.stem, text)), text
+
+
+def _text(path: Path) -> str:
     try:
         if path.stat().st_size > MAX_FILE_BYTES:
             raise DefinitionError(1, _TOO_LARGE)
-        text = path.read_text("utf-8")
+        return path.read_text("utf-8")
     except OSError as error:
         raise DefinitionError(1, trouble(error)) from None
     except UnicodeDecodeError:
         raise DefinitionError(1, _NOT_UTF8) from None
-    lines = translated(package, kind, path.stem, text)
-    return InterfaceDefinition(name=f"{package}/{kind}/{path.stem}", lines=lines)
 
 
 @cache
@@ -119,20 +144,19 @@ def _structures(entry: str) -> Iterator[tuple[str, Fields]]:
 
 def _misfits(found: _Found) -> Iterator[tuple[str, Text]]:
     """Yield what is wrong with the interfaces as a whole: unknown types, recursion, size."""
-    known = {**standard_types(), **types_of(definition for _, definition in found.values())}
+    known = {**standard_types(), **types_of(definition for *_, definition in found.values())}
     sizes: dict[str, int] = {}
-    for path, definition in found.values():
+    for place, text, definition in found.values():
         for name, fields in _structures(definition.lines):
             told = _unknown(fields, known) or _recursion(name, known) or _size(name, known, sizes)
             if told is not None:
-                yield f"{path}:{_line(path, told[0])}", told[1]
+                yield f"{place}:{_line(text, told[0])}", told[1]
 
 
-def _line(path: Path, field: str) -> int:
+def _line(text: str, field: str) -> int:
     """Return the number of the first line of a definition that declares the field; 1 if none does."""
     wanted = re.compile(rf"\s*\S+\s+{field}\b")
-    lines = path.read_text("utf-8").splitlines()
-    return next((number for number, line in enumerate(lines, 1) if wanted.match(line)), 1)
+    return next((number for number, line in enumerate(text.splitlines(), 1) if wanted.match(line)), 1)
 
 
 def _unknown(fields: Fields, known: Mapping[str, object]) -> _Misfit | None:

@@ -457,6 +457,7 @@ class PackageModel(SpecModel):
     name: Annotated[str, Field(pattern=r"^([a-z][a-z0-9_]{0,59})?$")] = ""
     executable: Annotated[str, Field(max_length=100)] = ""
     launch: Annotated[str, Field(max_length=100)] = ""
+    interfaces: bool = False
 
     @model_validator(mode="after")
     def _is_python(self) -> Self:

@@ -23,8 +23,19 @@ _OF_ENDPOINTS: Final = {
 _CAME: Final = {"answer": "_Response", "served": "_Request", "goal": "_Result"}
 
 
-def misfits_of_types(assignment: Assignment, known: Known) -> Iterator[_Misfit]:
-    """Yield what does not fit the types of an assignment's steps and expectations."""
+def misfits_of_types(
+    assignment: Assignment, known: Known, *, may_be_unknown: bool = False
+) -> Iterator[_Misfit]:
+    """Yield what does not fit the types of an assignment's steps and expectations.
+
+    `may_be_unknown`: a handed-in package may define them.
+    """
+    for place, told in _misfits(assignment, known):
+        if not (may_be_unknown and place.endswith(".type")):
+            yield place, told
+
+
+def _misfits(assignment: Assignment, known: Known) -> Iterator[_Misfit]:
     steps = {step.id: step for step in assignment.steps}
     for i, step in enumerate(assignment.steps):
         yield from _of_step(f"steps.{i}", step, known)
@@ -57,9 +68,11 @@ def _of_expectation(
             yield from _unknown(f"{place}.values", one.values or {}, fields, known)
     if one.kind in _CAME:
         kind, name = steps[one.target].type, "result" if one.kind == "goal" else "values"
-        came = known.get(kind + _CAME[one.kind], {})
-        yield from _unknown(f"{place}.{name}", one.values or {}, came, known)
-        yield from _unknown(f"{place}.feedback", one.feedback or {}, known.get(f"{kind}_Feedback", {}), known)
+        came = known.get(kind + _CAME[one.kind])
+        if came is not None:
+            yield from _unknown(f"{place}.{name}", one.values or {}, came, known)
+        if feedback := known.get(f"{kind}_Feedback"):
+            yield from _unknown(f"{place}.feedback", one.feedback or {}, feedback, known)
 
 
 def _unknown(

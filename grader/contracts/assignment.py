@@ -378,11 +378,13 @@ class WantedPackage(Record):
         name: what the package must be called; empty: anything.
         executable: as ``ros2 run`` names it; empty: the only one.
         launch: name of the launch file that is started instead, such as ``drive.launch.py``; empty: none.
+        interfaces: whether packages of CMake in it may define messages, services and actions.
     """
 
     name: str = ""
     executable: str = ""
     launch: str = ""
+    interfaces: bool = False
 
 
 class ItemSpec(Record):

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from grader.contracts.record import Record, field
+from grader.contracts.text import Text
 
 MANIFEST, NAMES, MODULES, ENTRY, SHARE = (
     "package_manifest",
@@ -29,4 +30,4 @@ class PackageProblem(Record, kw_only=False):
     code: str
     area: str
     fatal: bool
-    values: Mapping[str, str] = field(default_factory=dict)
+    values: Mapping[str, str | Text] = field(default_factory=dict)

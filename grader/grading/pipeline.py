@@ -8,13 +8,13 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from grader import __version__
-from grader.contracts.assignment import Assignment, Case, World, WorldKind
-from grader.contracts.errors import GraderError
+from grader.contracts.assignment import Assignment, Case, InterfaceDefinition, World, WorldKind
+from grader.contracts.errors import AssignmentError, GraderError
 from grader.contracts.explanation import Explanation
 from grader.contracts.extras import MissingExtraError
 from grader.contracts.grading import GradingJob, GradingResult, RunProgress
 from grader.contracts.outcome import Note, RunOutcome, StudentError
-from grader.contracts.package import PackageProblem
+from grader.contracts.package import MODULES, PackageProblem
 from grader.contracts.python import Self
 from grader.contracts.record import Record, field
 from grader.contracts.report import (
@@ -66,6 +66,7 @@ class _Script(Record):
         body: what START ends with. fields: START's ``package``; None for a script.
         problems: what is wrong with a package's files. unread: what of its setup.py could not be read.
         texts: of a package's modules, by path.
+        interfaces: that it defines.
     """
 
     file_name: str
@@ -75,10 +76,26 @@ class _Script(Record):
     problems: tuple[PackageProblem, ...] | None = None
     unread: str = ""
     texts: Mapping[str, str] = field(default_factory=dict)
+    interfaces: tuple[InterfaceDefinition, ...] = ()
 
     def concerned(self, error: StudentError | None) -> str:
         """Return the text of the file that an error is in; without one, that of what was run."""
         return self.source if error is None else self.texts.get(error.file, self.source)
+
+
+def _own_interfaces(
+    texts: Mapping[str, str],
+) -> tuple[tuple[InterfaceDefinition, ...], tuple[PackageProblem, ...]]:
+    """Return the interfaces that a package defines, or what is wrong with them."""
+    if not texts:
+        return (), ()
+    from grader.catalog.interfaces import own_interfaces
+
+    try:
+        return own_interfaces(texts), ()
+    except AssignmentError as error:
+        place, told = error.problems[0]
+        return (), (PackageProblem("package_interface", MODULES, True, {"place": place, "problem": told}),)
 
 
 def _script_of(job: GradingJob) -> _Script:
@@ -87,12 +104,15 @@ def _script_of(job: GradingJob) -> _Script:
     from grader.formats.packages.mounting import mounted
 
     package = mounted(job.source, job.assignment.package, job.assignment.release)
+    allowed = job.assignment.package is not None and job.assignment.package.interfaces
+    interfaces, wrong = _own_interfaces(package.interfaces if allowed else {})
     return _Script(
         file_name=package.file_name,
         source=package.source,
         body=package.body,
         fields=package.fields,
-        problems=package.problems,
+        problems=(*wrong, *package.problems),
+        interfaces=interfaces,
         unread=package.unread,
         texts=package.texts,
     )
@@ -387,7 +407,7 @@ def _episode_spec(job: GradingJob, script: _Script, case: Case) -> EpisodeSpec:
         agent=job.assignment.agent,
         said=job.assignment.steps,
         expectations=job.assignment.expectations,
-        interfaces=job.assignment.interfaces,
+        interfaces=(*job.assignment.interfaces, *script.interfaces),
         output_bytes=job.assignment.limits.output_bytes,
         steps=job.assignment.limits.steps,
         distro=job.assignment.release,

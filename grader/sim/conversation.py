@@ -188,10 +188,13 @@ class Talk:
 
     def _course(self, step: Step, source: Random) -> _Course:
         first, payloads = len(self._exchanges), []
+        # A type that the script's package should define, and does not: nothing can be sent.
+        is_known = step.kind not in _SENT or f"{step.type}{_SENT[step.kind]}" in self._types.fields
         for n in range(step.sends):
             values = computed(step.each[n] if step.each else step.values, {"n": n}, source, step.id)
             self._exchanges.append(Sent(step=step.id, n=n, values=values))
-            payloads.append(self._payload(step, n, values))
+            if is_known:
+                payloads.append(self._payload(step, n, values))
         return _Course(step, first, payloads)
 
     def _payload(self, step: Step, n: int, values: Values) -> bytes:
@@ -487,6 +490,7 @@ class Talk:
         self._exchanges[index] = replace(self._exchanges[index], **fields)
 
 
+_SENT: Final = {"publish": "", "call": "_Request", "goal": "_SendGoal_Request"}
 _PATHS: Final = {
     "goal": "_action/send_goal",
     "result": "_action/get_result",

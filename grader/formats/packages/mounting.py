@@ -1,7 +1,8 @@
 """What a run of a package needs: START's field ``package``, and the files as they follow in the frame's body."""
 
+import re
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Final
 
 from grader.contracts.assignment import WantedPackage
 from grader.contracts.package import PackageProblem
@@ -13,6 +14,10 @@ from grader.formats.packages.workspace import Executable, Package, choose, read_
 ANY_PACKAGE = WantedPackage()
 
 
+_GENERATES: Final = re.compile(r"rosidl_generate_interfaces\s*\(([^)]*)\)")
+_DEFINITION: Final = re.compile(r"\b((?:msg|srv|action)/\w+\.(?:msg|srv|action))\b")
+
+
 class Mounted(Record):
     """A package ready to be run.
 
@@ -21,6 +26,7 @@ class Mounted(Record):
         chosen: what is run; None: nothing can be, or a launch file says what.
         file_name: path of the module that is run, in the archive. source: its text.
         problems: what is wrong with its files. unread: arguments of ``setup`` that only running it would tell.
+        interfaces: definitions that CMake would generate, by place: ``my_msgs/msg/Name.msg``.
         texts: of all modules, by path.
     """
 
@@ -32,6 +38,7 @@ class Mounted(Record):
     problems: tuple[PackageProblem, ...]
     unread: str
     texts: Mapping[str, str]
+    interfaces: Mapping[str, str]
 
 
 def mounted(source: bytes, wanted: WantedPackage | None, distro: str) -> Mounted:
@@ -70,7 +77,20 @@ def mounted(source: bytes, wanted: WantedPackage | None, distro: str) -> Mounted
         problems=problems(packages, files, wanted or ANY_PACKAGE),
         unread=unread(packages),
         texts=texts,
+        interfaces=_interfaces(packages, files),
     )
+
+
+def _interfaces(packages: Sequence[Package], files: Mapping[str, bytes]) -> dict[str, str]:
+    """Return the definitions that packages of CMake would generate, by place: ``my_msgs/msg/Name.msg``."""
+    found = {}
+    for package in packages:
+        if not package.has_setup and "CMakeLists.txt" in package.paths:
+            lists = decoded(files[f"{package.folder}/CMakeLists.txt"])
+            wanted = {each for call in _GENERATES.findall(lists) for each in _DEFINITION.findall(call)}
+            for path in sorted(wanted & set(package.paths)):
+                found[f"{package.name}/{path}"] = decoded(files[f"{package.folder}/{path}"])
+    return found
 
 
 def entry_path(packages: Sequence[Package], chosen: Executable) -> str:
