@@ -64,9 +64,9 @@ def mark(assignment: Assignment, runs: Sequence[Run]) -> Marks:
     ``case/item``. Those that are scored across the runs come last, under their own names.
 
     Where commands came faster than turtlesim takes them, the motions as commanded are scored as well, unless the
-    assignment counts what was driven. They count, unless what was driven loses at most half as many points: what
-    is wrong both ways gains nothing by being less wrong by chance. That is decided once for all runs, because a
-    script drives all of them in one way.
+    assignment counts what was driven. They count, unless what was driven loses at most a tenth of their points:
+    what is wrong both ways gains nothing by being less wrong by chance. It is decided once for all runs, because
+    a script drives all of them in one way.
 
     Deterministic; nothing that a script did makes it raise.
 
@@ -78,7 +78,7 @@ def mark(assignment: Assignment, runs: Sequence[Run]) -> Marks:
         return driven
     obeyed = [replace(run, trajectory=run.trajectory.at_once()) for run in runs]
     commanded = replace(_marks(assignment, obeyed), as_commanded=True)
-    return driven if 2.0 * _lost(assignment, driven) <= _lost(assignment, commanded) > 0.0 else commanded
+    return driven if 10.0 * _lost(assignment, driven) <= _lost(assignment, commanded) > 0.0 else commanded
 
 
 def _lost(assignment: Assignment, marks: Marks) -> float:

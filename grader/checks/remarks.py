@@ -35,13 +35,10 @@ def remarks(run: Run) -> tuple[Note, ...]:
     return tuple(Note(code=code, text=text) for look in looks for code, text in look(run, script))
 
 
-def counted_note(driven: Trajectory, *, as_commanded: bool) -> Note | None:
-    """Return the note that says which motion counts; None where the turtle drove as commanded."""
-    if driven.commanded is None:
-        return None
-    told = "|".join(
-        number(value, unit) for each in (driven, driven.commanded) for value, unit in _extent(each)
-    )
+def counted_note(run: Run, *, as_commanded: bool) -> Note:
+    """Return the note that says which motion counts, and how far both go."""
+    both = (run.trajectory, run.trajectory.at_once())
+    told = "|".join(number(value, unit) for each in both for value, unit in _extent(each))
     return Note(code="counted_commanded" if as_commanded else "counted_driven", text=told)
 
 

@@ -70,8 +70,8 @@ class Trajectory:
         end_ns: virtual time at which the episode ended (>= t_ns[-1]; the car rested since).
         pictures: of a PyBullet world, in order of time; of others none.
         sayings: lines of a conversation; none where the assignment asks for none.
-        commanded: the motion that the same commands would have made, each obeyed at once, where turtlesim let them
-            wait for long; its `commands` are left out. None: they did not wait.
+        commanded: the motion that the same commands would have made, each obeyed at once, where turtlesim let some
+            of them wait; its `commands` are left out. None: none waited.
     """
 
     t_ns: Ints

@@ -33,7 +33,7 @@ from grader.grading.budget import outputs_within_budget, within_budget
 from grader.grading.outcome import ended_by_the_clock, is_repeatable, masked_stream, merge
 from grader.sandbox import JailReport, Sandbox, pybullet_sandbox
 from grader.sim.driving import CAR_MODEL, Car
-from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
+from grader.sim.episode import WAIT_NOTE, Episode, EpisodeResult, EpisodeSpec
 from grader.sim.frames import INTERRUPTED_NOTE, THREADS_NOTE, Link
 from grader.sim.robot import ROBOT_MODEL
 
@@ -373,14 +373,15 @@ def _within_file(outcome: RunOutcome, script: _Script) -> RunOutcome:
 
 
 def _told(runs: Sequence[Run], marks: "Marks") -> list[Run]:
-    """Return the runs, with a note on which motion counts where the turtle drove another than was commanded."""
+    """Return the runs, with a note on which motion counts where one tells that commands waited for long."""
     from grader.checks.remarks import counted_note
 
-    notes = [counted_note(run.trajectory, as_commanded=marks.as_commanded) for run in runs]
-    return [
-        run if note is None else replace(run, outcome=replace(run.outcome, notes=(*run.outcome.notes, note)))
-        for run, note in zip(runs, notes, strict=True)
-    ]
+    told = list(runs)
+    for i, run in enumerate(runs):
+        if any(note.code == WAIT_NOTE for note in run.outcome.notes):
+            note = counted_note(run, as_commanded=marks.as_commanded)
+            told[i] = replace(run, outcome=replace(run.outcome, notes=(*run.outcome.notes, note)))
+    return told
 
 
 def _explained(assignment: Assignment, marks: "Marks") -> Scoring:

@@ -76,6 +76,8 @@ _TWIST: Final = struct.Struct("<4s6d")
 
 _CONTESTED: Final = 20  # more changes from a drive to a turn than any figure has
 _LONGEST_VALUES: Final = 200
+LONG_WAIT_UPDATES: Final = 3
+"""A command that waits for so many updates is told of: motions last 0.05 s longer. Fewer are chance."""
 WAIT_NOTE: Final = "commands_wait"
 """Commands came faster than updates: how many a second, and for how many seconds one waited at most."""
 
@@ -579,7 +581,7 @@ class Episode:
             journal.note("wall", contact.wall)
         for code in _seen_in(received, trajectory):
             journal.note(code)
-        if trajectory.commanded is not None:
+        if trajectory.commanded is not None and received.longest_wait >= LONG_WAIT_UPDATES:
             rate_hz = received.count / len(trajectory.commands) * (NS_PER_S / UPDATE_NS)
             journal.note(WAIT_NOTE, f"{rate_hz:.0f}|{received.longest_wait * UPDATE_S:.2f}")
         if received.clamped:

@@ -14,7 +14,7 @@ from grader.sim.car import PlanarPose, cos_sin, fold
 from grader.sim.cdr import HEADER, encode
 from grader.sim.frames import APART, MESSAGE_EVENT, RESPONSE_EVENT, Event, Request
 from grader.sim.interfaces import header, quaternion
-from grader.sim.turtle import AnyTurtle
+from grader.sim.turtle import Turtle
 
 MAX_EVENTS: Final = 256  # in one answer; the rest is due in the next one
 MAX_QUEUED: Final = 2_000
@@ -133,9 +133,7 @@ class Feeds:
     not motion, so it does not show in it.
     """
 
-    def __init__(
-        self, name: str, turtle: AnyTurtle, outbox: Outbox, epoch_ns: int, *, odometry: bool
-    ) -> None:
+    def __init__(self, name: str, turtle: Turtle, outbox: Outbox, epoch_ns: int, *, odometry: bool) -> None:
         self.pen = Pen(cleared_at=turtle.start)
         self._turtle = turtle
         self._outbox = outbox

@@ -102,6 +102,22 @@ class Recorder:
             self._contacts.append(Contact(start_ns=start_ns, end_ns=end_ns, wall=wall))
 
 
+class Unrecorded(Recorder):
+    """Keeps nothing of what nobody looks at afterwards."""
+
+    def sample(self, t_ns: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
+        """Drop it."""
+
+    def jump(self, t_ns: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
+        """Drop it."""
+
+    def command(self, came: object, v_mps: float, w_radps: float) -> None:
+        """Drop it."""
+
+    def contact(self, start_ns: int, end_ns: int, wall: str) -> None:
+        """Drop it."""
+
+
 class Journal:
     """Collects log records and notes; what does not fit is counted or left out."""
 

@@ -9,7 +9,7 @@ from grader.sim.cdr import Values, decode, encode
 from grader.sim.feeds import Outbox
 from grader.sim.frames import Request
 from grader.sim.interfaces import stamp
-from grader.sim.turtle import AnyTurtle
+from grader.sim.turtle import Turtle
 
 TYPE: Final = "turtlesim/action/RotateAbsolute"
 _SERVICES: Final = {
@@ -47,7 +47,7 @@ class RotateAction:
     It succeeds within 0.02 rad of the goal; a new goal, or any velocity command that is taken, aborts it.
     """
 
-    def __init__(self, name: str, turtle: AnyTurtle, outbox: Outbox, epoch_ns: int) -> None:
+    def __init__(self, name: str, turtle: Turtle, outbox: Outbox, epoch_ns: int) -> None:
         self._prefix = f"/{name}/rotate_absolute/_action"
         self._turtle = turtle
         self._outbox = outbox

@@ -98,7 +98,7 @@ class SimulatedWorld:
         raise NotImplementedError
 
     def as_commanded(self, recorded: Trajectory) -> Trajectory | None:
-        """Return the motion if each command had been obeyed at once; None where they did not wait for long."""
+        """Return the motion if each command had been obeyed at once; None where none waited."""
         return None
 
     def finish(self, end_ns: int) -> None:

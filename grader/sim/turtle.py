@@ -1,4 +1,4 @@
-"""turtlesim's rules for a velocity command: the graded turtle, which is the car, and those a script spawns."""
+"""A turtle, and turtlesim's rules for what is commanded to it."""
 
 import math
 from collections import deque
@@ -6,14 +6,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import groupby
 from operator import itemgetter
-from typing import Final, Protocol
+from typing import Final
 
 from grader.contracts.assignment import WINDOW_M, World
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Trajectory
-from grader.sim.car import UPDATE_NS, PlanarPose, clamp_command, next_update, turtlesim_update
+from grader.sim.car import UPDATE_NS, PlanarPose, clamp_command, next_update
 from grader.sim.driving import Car
 from grader.sim.frames import CarState
-from grader.sim.recorder import ReceivedCommands, Recorder
+from grader.sim.recorder import ReceivedCommands, Recorder, Unrecorded
 
 _NEVER: Final = 1 << 62
 _LIFE_UPDATES: Final = COMMAND_LIFE_NS // UPDATE_NS
@@ -23,8 +23,6 @@ command is taken by the update after it."""
 MOST_WAITING: Final = 7
 """Commands that wait for a turtle (`KeepLast(7)` in turtle.cpp)."""
 MOST_DEEDS: Final = 50_000  # a turn by the action is one in each update
-LONG_WAIT_UPDATES: Final = 3
-"""A command that waits for so many updates is told of: motions last 0.05 s longer. Fewer are chance."""
 _LAG_NS: Final = 100_000_000
 """How far the car may lag behind while commands only repeat the present one. Driving in larger pieces costs less;
 0.1 s is small enough for the car to drive while the script computes, instead of after it."""
@@ -75,35 +73,8 @@ class Inbox:
         return tuple((v, w) for _, v, w in self._waiting)
 
 
-class AnyTurtle(Protocol):
-    """A turtle as turtlesim's topics, services and action use it: the graded one or a spawned one."""
-
-    start: PlanarPose
-    alive: bool
-
-    @property
-    def pose(self) -> PlanarPose:
-        """Where it stands."""
-
-    @property
-    def velocity(self) -> tuple[float, float]:
-        """(v, w) as commanded."""
-
-    def take(self, t_ns: int) -> bool:
-        """Have the update of `t_ns`, the next one, take its command; return whether one was waiting."""
-
-    def drive(self, v_mps: float, w_radps: float) -> None:
-        """Set the velocity from the next update on."""
-
-    def teleport(self, pose: PlanarPose) -> None:
-        """Move to `pose` at once, which may lie outside the walls until the next update; the velocity is kept."""
-
-    def forget(self) -> None:
-        """Lose the commands that wait."""
-
-
 class Turtle:
-    """The graded turtle.
+    """The graded turtle, or one that the script spawned.
 
     Each update takes one command from its `Inbox`. The first update more than 1.0 s after the one that took it
     drops it, as in turtlesim (`Turtle::update`): a single command moves the turtle in 63 updates. One that obeys
@@ -245,13 +216,12 @@ class Turtle:
         self._deeds.append((self._car.now_ns, deed))
 
     def at_once(self, recorded: Trajectory) -> Trajectory | None:
-        """Return the motion if each command had been obeyed at once, None if they never waited for long.
+        """Return the motion if each command had been obeyed at once, None if none waited.
 
         It follows from the commands that were `recorded`, and from what else was done at its time.
         """
-        if self._inbox.longest < LONG_WAIT_UPDATES or self._world.profile != "nominal":
-            return None
-        if len(self._deeds) == MOST_DEEDS:
+        nominal, remembered = self._world.profile == "nominal", len(self._deeds) < MOST_DEEDS
+        if not (self._inbox.longest and nominal and remembered):
             return None
         recorder = Recorder()
         turtle = Turtle(Car(has_body=False), recorder, self._world, self._horizon_ns, at_once=True)
@@ -305,74 +275,10 @@ class Turtle:
         return self._car.steps_run
 
 
-class SpawnedTurtle:
-    """A turtle that the script spawned: it moves by turtlesim's law, without physics, and is never scored.
-
-    Attributes:
-        start: where it was spawned.
-        pose, velocity: the pose after the last update advanced to, and (v, w) in that update.
-        alive: false once it is killed.
-    """
-
-    def __init__(self, pose: PlanarPose, t_ns: int, *, walls: bool) -> None:
-        self.velocity = (0.0, 0.0)
-        self.alive = True
-        self._walls = walls
-        self._inbox = Inbox()
-        self._put(pose)
-        self.start = self.pose
-        self._updates = t_ns // UPDATE_NS
-        self._commanded = (0.0, 0.0)
-        self._drop = _NEVER
-        self._placed = False  # anew, since the last update
-
-    def advance(self, t_ns: int) -> None:
-        """Run every update up to `t_ns`."""
-        last = t_ns // UPDATE_NS
-        while self._updates < last and not self._resting:
-            self.take((self._updates + 1) * UPDATE_NS)
-            self._updates += 1
-            if self._updates >= self._drop:
-                self._commanded = (0.0, 0.0)
-            self.velocity = self._commanded
-            self._put(turtlesim_update(self.pose, *self.velocity))
-            self._placed = False
-        self._updates = max(self._updates, last)
-
-    @property
-    def _resting(self) -> bool:
-        still = self._commanded == (0.0, 0.0) == self.velocity
-        return still and not self._inbox and not self._placed
-
-    def receive(self, t_ns: int, linear_x: float, angular_z: float) -> None:
-        """Let a velocity command of time `t_ns` arrive, not earlier than any instant advanced to."""
-        self.advance(t_ns)
-        v, w, _ = clamp_command(linear_x, angular_z)
-        self._inbox.add(next_update(t_ns), v, w)
-
-    def take(self, t_ns: int) -> bool:
-        """Have the update of `t_ns`, the next one, take its command; return whether one was waiting."""
-        taken = self._inbox.take(t_ns // UPDATE_NS)
-        if taken is not None:
-            self.drive(*taken[1:])
-        return taken is not None
-
-    def drive(self, v_mps: float, w_radps: float) -> None:
-        """Set the velocity from the next update on."""
-        self._commanded = (v_mps, w_radps)
-        self._drop = self._updates + 1 + _LIFE_UPDATES + 1
-
-    def teleport(self, pose: PlanarPose) -> None:
-        """Move to `pose` at once, which may lie outside the walls until the next update; the velocity is kept."""
-        self.pose = pose
-        self._placed = True
-
-    def forget(self) -> None:
-        """Lose the commands that wait."""
-        self._inbox.clear()
-
-    def _put(self, pose: PlanarPose) -> None:
-        x, y, heading = pose
-        if self._walls:
-            x, y = min(max(x, 0.0), WINDOW_M), min(max(y, 0.0), WINDOW_M)
-        self.pose = (x, y, heading)
+def spawned(pose: PlanarPose, t_ns: int, *, walls: bool) -> Turtle:
+    """Return a turtle that the script spawned at `t_ns`: nothing of it is recorded, and it is never scored."""
+    turtle = Turtle(Car(has_body=False), Unrecorded(), World(walls=walls), _NEVER)
+    turtle.start = pose
+    turtle.appear()
+    turtle.advance(t_ns)
+    return turtle

@@ -20,7 +20,7 @@ from grader.sim.parameters import Parameters
 from grader.sim.recorder import ReceivedCommands
 from grader.sim.rotate_action import RotateAction
 from grader.sim.simulated_world import SimulatedWorld
-from grader.sim.turtle import AnyTurtle, SpawnedTurtle, Turtle
+from grader.sim.turtle import Turtle, spawned
 
 NODE_NAME: Final = "/turtlesim"
 TWIST: Final = "geometry_msgs/msg/Twist"
@@ -56,7 +56,7 @@ class Presence:
     """A turtle in the window and what it has on the ROS graph."""
 
     name: str
-    turtle: AnyTurtle
+    turtle: Turtle
     feeds: Feeds
     action: RotateAction
     command_topic: str
@@ -101,7 +101,7 @@ class TurtleWorld(SimulatedWorld):
         self._action = RotateAction(GRADED, turtle, self.outbox, epoch_ns)
         graded = Presence(GRADED, turtle, self._feeds, self._action, world.cmd_vel_topic)
         self._present = {GRADED: graded}
-        self._others: dict[str, SpawnedTurtle] = {}
+        self._others: dict[str, Turtle] = {}
         self._nameless: set[str] = set()
         # The last number given to a turtle spawned without a name; turtlesim gives none twice.
         self._numbered = 1
@@ -162,7 +162,7 @@ class TurtleWorld(SimulatedWorld):
         self.turtle.appear()
 
     def as_commanded(self, recorded: Trajectory) -> Trajectory | None:
-        """Return the motion if each command had been obeyed at once; None where they did not wait for long."""
+        """Return the motion if each command had been obeyed at once; None where none waited."""
         return self.turtle.at_once(recorded)
 
     def finish(self, end_ns: int) -> None:
@@ -190,10 +190,7 @@ class TurtleWorld(SimulatedWorld):
         for t_ns in times_ns:
             if self.next_due() is not None:
                 self.advance(t_ns)
-            if commanded.name == GRADED:
-                self.turtle.receive((t_ns,), linear_x, linear_y, angular_z)
-            else:
-                self._others[commanded.name].receive(t_ns, linear_x, angular_z)
+            commanded.turtle.receive((t_ns,), linear_x, linear_y, angular_z)
 
     def say(self, topic: str, t_ns: int, payload: bytes) -> None:
         """Publish a message of a conversation; one on a command topic moves its turtle."""
@@ -359,7 +356,7 @@ class TurtleWorld(SimulatedWorld):
         if not _TOPIC_NAME.fullmatch(name):
             self._nameless.add(name)
             return
-        turtle = SpawnedTurtle(pose, t_ns - 1, walls=self._walls)
+        turtle = spawned(pose, t_ns - 1, walls=self._walls)
         feeds = Feeds(name, turtle, self.outbox, self._epoch_ns, odometry=False)
         action = RotateAction(name, turtle, self.outbox, self._epoch_ns)
         self._others[name] = turtle

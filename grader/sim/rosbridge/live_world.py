@@ -9,7 +9,7 @@ from grader.sim.cdr import decode, encode
 from grader.sim.driving import Car
 from grader.sim.frames import MESSAGE_EVENT, RESPONSE_EVENT, Event, Request
 from grader.sim.interfaces import Types, header, with_interfaces
-from grader.sim.recorder import Recorder
+from grader.sim.recorder import Unrecorded
 from grader.sim.rosbridge.camera import TopView
 from grader.sim.rosbridge.graph import twist_of
 from grader.sim.turtle import Turtle
@@ -29,8 +29,8 @@ _FOREVER: Final = 1 << 61
 _STOP: Final = (0.0, 0.0, 0.0)
 
 
-class _Unrecorded(Recorder):
-    """Keeps nothing of a drive that nobody grades but what the camera sees of it."""
+class _Viewed(Unrecorded):
+    """Keeps of a drive what the camera sees of it."""
 
     def __init__(self, view: TopView) -> None:
         super().__init__()
@@ -41,12 +41,6 @@ class _Unrecorded(Recorder):
 
     def jump(self, t_ns: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
         self._view.driven(pose)
-
-    def command(self, came: object, v_mps: float, w_radps: float) -> None:
-        pass
-
-    def contact(self, start_ns: int, end_ns: int, wall: str) -> None:
-        pass
 
 
 class LiveWorld:
@@ -63,7 +57,7 @@ class LiveWorld:
         self.epoch_ns = epoch_ns
         self.stopped = False
         self._view = TopView()
-        self._turtle = Turtle(car, _Unrecorded(self._view), world, _FOREVER)
+        self._turtle = Turtle(car, _Viewed(self._view), world, _FOREVER)
         self._world = TurtleWorld(self._turtle, world, epoch_ns)
         self._world.on_change = lambda topics: self._world.carried.clear()  # kept for reports only
         self._turtle.appear()

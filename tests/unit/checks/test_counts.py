@@ -58,12 +58,9 @@ def test_one_choice_is_made_for_all_runs() -> None:
 
 
 def test_a_note_says_which_counts() -> None:
-    assert counted_note(RIGHT, as_commanded=False) is None
-    commanded = counted_note(both(WIDE, RIGHT), as_commanded=True)
-    assert commanded is not None
+    commanded = counted_note(run_of(both(WIDE, RIGHT), RunStatus.FINISHED), as_commanded=True)
     assert (commanded.code, commanded.text) == ("counted_commanded", "8 m|381.2°|8 m|360°")
-    driven = counted_note(both(RIGHT, WIDE), as_commanded=False)
-    assert driven is not None
+    driven = counted_note(run_of(both(RIGHT, WIDE), RunStatus.FINISHED), as_commanded=False)
     assert driven.code == "counted_driven"
 
 
