@@ -15,7 +15,7 @@ from tests.corpus.scripts import ideal_legs, script
 from tests.unit.checks.trajectories import drive, run_of
 
 RIGHT_SCORE = 90.0
-_READY_S = 0.3
+READY_S = 0.3
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,10 +53,10 @@ def task_of(attempt: Attempt) -> Assignment:
     return replace(task, world=replace(task.world, start=start))
 
 
-def on_the_ideal_turtle(attempt: Attempt) -> Scored:
-    """Score the commanded motion on a turtle that obeys at once."""
+def on_the_ideal_turtle(attempt: Attempt, ready_s: float = READY_S) -> Scored:
+    """Score the commanded motion, from `ready_s` on, on a turtle that obeys at once."""
     task = task_of(attempt)
-    legs = [(_READY_S, 0.0, 0.0), *ideal_legs(attempt)]
+    legs = [(ready_s, 0.0, 0.0), *ideal_legs(attempt)]
     horizon_s, status = None, RunStatus.FINISHED
     if attempt.for_ever:
         laps = int(task.horizon_s / attempt.duration_s) + 1

@@ -5,8 +5,8 @@ from collections import Counter
 import pytest
 
 from grader.contracts.grading import Grader
-from tests.corpus.attempts import FIGURES, STYLES, Attempt, corpus
-from tests.corpus.scoring import confusion, for_real, on_the_ideal_turtle
+from tests.corpus.attempts import FIGURES, HORIZON_S, STYLES, Attempt, corpus
+from tests.corpus.scoring import READY_S, confusion, for_real, on_the_ideal_turtle
 from tests.rows import slow_but
 
 CORPUS = corpus()
@@ -51,3 +51,13 @@ def test_nothing_is_scored_wrongly_on_the_ideal_turtle(name: str) -> None:
 def test_nothing_is_scored_wrongly_for_real(grader: Grader, attempt: Attempt) -> None:
     scored = for_real(grader)(attempt)
     assert not scored.scored_wrongly, str(scored)
+
+
+def test_an_endless_figure_scores_the_same_wherever_ctrl_c_ends_it() -> None:
+    """Each sixth endless script begins at six phases of its lap; a lap is complete at the horizon."""
+    endless = [attempt for attempt in CORPUS if attempt.for_ever][::6]
+    assert len(endless) > 10
+    for attempt in endless:
+        phases_s = [READY_S + i * attempt.duration_s / 6.0 for i in range(6)]
+        fitting = [ready_s for ready_s in phases_s if ready_s + 1.05 * attempt.duration_s < HORIZON_S]
+        assert {on_the_ideal_turtle(attempt, ready_s).score for ready_s in fitting} == {100.0}, str(attempt)
