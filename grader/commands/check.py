@@ -27,7 +27,7 @@ from grader.contracts.errors import (
     SettingsError,
     UnknownAssignmentError,
 )
-from grader.contracts.explanation import Explanation
+from grader.contracts.explanation import Explanation, is_worth_trying
 from grader.contracts.extras import MissingExtraError
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.python import UTC
@@ -150,9 +150,7 @@ def read_source(path: Path) -> bytes:
 
 def is_explained(arguments: argparse.Namespace, result: GradingResult) -> bool:
     """Whether changes are tried: for people who read why marks are lacking."""
-    report = result.report
-    lacks = report.score is not None and report.score < report.max_score
-    return _for_people(arguments) and lacks and bool(report.runs)  # a text has none
+    return _for_people(arguments) and is_worth_trying(result.report)
 
 
 def _explain(slot: Slot, arguments: argparse.Namespace, job: GradingJob, result: GradingResult) -> None:

@@ -1,7 +1,11 @@
 """Why a script lacks marks, as far as that was proven: changes of its text that were graded like the script."""
 
 from grader.contracts.record import Record
+from grader.contracts.report import GradeReport
 from grader.contracts.text import Text
+
+MOST_COMMANDS = 20_000
+"""A script that sends more makes ever more of something, and each of its runs takes many seconds."""
 
 
 class ChangedText(Record):
@@ -41,3 +45,10 @@ class Explanation(Record):
 
     changes: tuple[ProvenChange, ...] = ()
     tried: int = 0
+
+
+def is_worth_trying(report: GradeReport) -> bool:
+    """Whether changes of a script are looked for: marks lack, and its runs are short enough to be made again."""
+    lacks = report.score is not None and report.score < report.max_score
+    commands = sum(run.outcome.command_count for run in report.runs)
+    return lacks and bool(report.runs) and commands <= MOST_COMMANDS

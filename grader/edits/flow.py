@@ -286,8 +286,9 @@ def _without_call(seen: Situation) -> Iterator[Proposal]:
 
 def _never_called(seen: Situation) -> Iterator[Proposal]:
     """Yield a call of a function that nothing calls."""
+    used = _used_names(seen.script)
     for node in ast.walk(seen.script.tree):
-        if not isinstance(node, _Functions) or node.name.startswith("__") or _is_used(seen.script, node.name):
+        if not isinstance(node, _Functions) or node.name.startswith("__") or node.name in used:
             continue
         needed = len(node.args.args) - len(node.args.defaults)
         if _is_method(seen.script, node.body[0]):
@@ -309,12 +310,10 @@ def _never_called(seen: Situation) -> Iterator[Proposal]:
             yield Proposal("call", 1.0, (edit,), {"line": node.lineno, "name": node.name})
 
 
-def _is_used(script: ParsedScript, name: str) -> bool:
-    return any(
-        (isinstance(node, ast.Name) and node.id == name)
-        or (isinstance(node, ast.Attribute) and node.attr == name)
-        for node in ast.walk(script.tree)
-    )
+def _used_names(script: ParsedScript) -> set[str]:
+    nodes = list(ast.walk(script.tree))
+    names = {node.id for node in nodes if isinstance(node, ast.Name)}
+    return names | {node.attr for node in nodes if isinstance(node, ast.Attribute)}
 
 
 def _spins(seen: Situation) -> Iterator[Proposal]:

@@ -2,12 +2,14 @@
 
 import ast
 from collections.abc import Iterable, Iterator
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 from grader.edits.tree import ParsedScript
 
 _MOST_STEPS: Final = 5
 _MOST_NUMBERS: Final = 40
+_MOST_FOLLOWED: Final = 60
 _MOST_EXPRESSIONS: Final = 600
 _Functions = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -39,6 +41,7 @@ def dotted(node: ast.AST | None) -> str:
     return ".".join((node.id, *reversed(parts)))
 
 
+@lru_cache(maxsize=2)  # every operator asks
 def assignments(script: ParsedScript) -> tuple[NameSet, ...]:
     """Return all assignments to names and attributes, in the order of the text."""
     found: list[NameSet] = []
@@ -105,6 +108,7 @@ def expressions_behind(script: ParsedScript, lines: Iterable[int]) -> list[tuple
             waiting += [(head, 0) for head in heads(script, statement)]
     expressions: dict[int, tuple[ast.expr, int]] = {}
     followed: set[str] = set()
+    left = _MOST_FOLLOWED
     while waiting and len(expressions) < _MOST_EXPRESSIONS:
         part, steps = waiting.pop(0)
         for node in ast.walk(part):
@@ -114,8 +118,9 @@ def expressions_behind(script: ParsedScript, lines: Iterable[int]) -> list[tuple
             continue
         waiting += [(one, steps + 1) for one in _declared(script, part)]
         for name in _names(part):
-            if name in followed:
+            if name in followed or left <= 0:
                 continue
+            left -= 1
             followed.add(name)
             waiting += [(one.value, steps + 1) for one in known if _sets(one.target, name)]
             waiting += [(default, steps + 1) for default in _defaults(script, name)]
@@ -183,10 +188,9 @@ def _declared(script: ParsedScript, part: ast.AST) -> Iterator[ast.expr]:
                     yield call.args[1]
 
 
-def _functions(script: ParsedScript) -> Iterator[_Functions]:
-    for node in ast.walk(script.tree):
-        if isinstance(node, _Functions):
-            yield node
+@lru_cache(maxsize=2)  # as `assignments`
+def _functions(script: ParsedScript) -> tuple[_Functions, ...]:
+    return tuple(node for node in ast.walk(script.tree) if isinstance(node, _Functions))
 
 
 def _defaults(script: ParsedScript, name: str) -> Iterator[ast.expr]:
@@ -221,6 +225,13 @@ def _returned(script: ParsedScript, name: str) -> Iterator[ast.expr]:
 
 def calls_of(script: ParsedScript, name: str) -> Iterator[ast.Call]:
     """Yield the calls of functions and methods of that name."""
+    yield from _calls(script).get(name, ())
+
+
+@lru_cache(maxsize=2)  # as `assignments`
+def _calls(script: ParsedScript) -> dict[str, list[ast.Call]]:
+    calls: dict[str, list[ast.Call]] = {}
     for node in ast.walk(script.tree):
-        if isinstance(node, ast.Call) and dotted(node.func).rpartition(".")[2] == name:
-            yield node
+        if isinstance(node, ast.Call):
+            calls.setdefault(dotted(node.func).rpartition(".")[2], []).append(node)
+    return calls

@@ -3,6 +3,7 @@
 import ast
 import difflib
 from collections.abc import Iterator
+from itertools import islice
 from typing import Final
 
 from grader.edits.situation import Proposal, Situation
@@ -12,14 +13,17 @@ from grader.edits.tree import Edit, ParsedScript
 _Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
 _Tests: Final = (ast.While, ast.If)
 _CLOCKS: Final = ("time.time", "monotonic", "perf_counter", ".now", "nanoseconds")
+_MOST_CLOCKS: Final = 12
+_MOST_TESTS: Final = 30
+_MOST_NAMES: Final = 200
 _LONG_PERIOD: Final = 5.0
 _PERIODS: Final = ("create_timer", "sleep", "create_rate")
 
 
 def state_changes(seen: Situation) -> Iterator[Proposal]:
     """Yield changes of clocks, counters, states, scopes and periods."""
-    known = assignments(seen.script)
-    tests = [node for node in ast.walk(seen.script.tree) if isinstance(node, _Tests)]
+    known = assignments(seen.script)[:_MOST_NAMES]
+    tests = [node for node in ast.walk(seen.script.tree) if isinstance(node, _Tests)][:_MOST_TESTS]
     yield from _clocks(seen, known, tests)
     yield from _resets(seen, known, tests)
     yield from _states(seen, known, tests)
@@ -40,9 +44,10 @@ def _clocks(
     seen: Situation, known: tuple[NameSet, ...], tests: list[ast.While | ast.If]
 ) -> Iterator[Proposal]:
     """Yield a time that is taken anew before the loop that asks for it, or no more within that loop."""
-    for one in known:
-        if not _is_clock(seen.script, one.value) or not isinstance(one.statement, ast.Assign):
-            continue
+    clocks = (
+        one for one in known if isinstance(one.statement, ast.Assign) and _is_clock(seen.script, one.value)
+    )
+    for one in islice(clocks, _MOST_CLOCKS):
         text = seen.script.source(one.statement)
         for test in tests:
             if not _mentions(seen.script, test.test, one.target) and not _mentions_behind(

@@ -40,6 +40,7 @@ class ParsedScript:
         ends = [found.end() for found in _LINE_END.finditer(text)]
         self._starts = [0, *ends]
         self._parents: dict[ast.AST, ast.AST] | None = None
+        self._begun: dict[int, list[ast.stmt]] | None = None
 
     @classmethod
     def parsed(cls, text: str) -> Self:
@@ -125,7 +126,12 @@ class ParsedScript:
 
     def statements_on(self, line: int) -> list[ast.stmt]:
         """Return the statements that begin on a line."""
-        return [node for node in ast.walk(self.tree) if isinstance(node, ast.stmt) and node.lineno == line]
+        if self._begun is None:
+            self._begun = {}
+            for node in ast.walk(self.tree):
+                if isinstance(node, ast.stmt):
+                    self._begun.setdefault(node.lineno, []).append(node)
+        return self._begun.get(line, [])
 
     def _inserted(self, at: int, beside: ast.stmt, lines: Iterable[str]) -> Edit:
         indent = re.match(r"[ \t]*", self.line(beside.lineno))

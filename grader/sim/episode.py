@@ -65,7 +65,7 @@ if TYPE_CHECKING:
 ROSOUT: Final = "/rosout"
 AHEAD_NS: Final = 100_000_000
 """A script that has gone this long without ADVANCE runs ahead. One that subscribes sends it every 16 ms."""
-MAX_FACTS_BYTES: Final = 3 << 20  # of the tree of 20,000 nodes some 2 MB
+MAX_FACTS_BYTES: Final = 1 << 20  # the tree of 3,000 nodes has some 200 KB
 MAX_REQUESTS: Final = 200  # whose values are kept
 MAX_DRIVERS: Final = 50
 """A script with more publishers that the world takes from, those of /rosout included, asks for each pose."""

@@ -11,7 +11,7 @@ from threading import Lock
 from typing import Final
 
 from grader.contracts.errors import GraderError
-from grader.contracts.explanation import Explanation
+from grader.contracts.explanation import Explanation, is_worth_trying
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Caller
 from grader.contracts.report import report_from
@@ -49,8 +49,7 @@ def is_explained(services: Services, submission: Submission, grading: StoredRepo
     """Whether changes are tried for a grading: marks lack, nothing of it is hidden, and it is of one script."""
     if grading is None or not services.practice.offered or hiding(services, submission).items:
         return False
-    report = report_from(grading.content)
-    return bool(report.runs) and report.score is not None and report.score < report.max_score
+    return is_worth_trying(report_from(grading.content))
 
 
 async def explain(services: Services, caller: Caller, submission_id: str) -> Explanation:

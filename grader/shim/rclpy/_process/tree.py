@@ -9,7 +9,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-MOST_NODES = 20_000
+MOST_NODES = 3_000
 MOST_INTEGER = 1 << 62
 MOST_CHARACTERS = 200
 
