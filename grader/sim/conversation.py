@@ -281,7 +281,10 @@ class Talk:
             heard.take(times_ns, payload, entity.id)
 
     def request(self, client: Entity, frame: Request) -> bool:
-        """Take a request to a service that a step offers; false if there is none."""
+        """Take a request to a service that a step offers; false if there is none.
+
+        A request for which the answer's formula has no value is never answered.
+        """
         step = self._offers.get(client.name)
         if step is None or step.type != client.type:
             return False
@@ -289,11 +292,12 @@ class Talk:
         if asked is None or len(self._served) >= MOST_SERVED:
             return True
         source = Random(f"{step.id}/{len(self._served)}")  # noqa: S311
-        answer = computed(step.values, {"n": len(self._served), "in_": asked}, source, step.id)
         try:
+            answer = computed(step.values, {"n": len(self._served), "in_": asked}, source, step.id)
             payload = encode(f"{step.type}_Response", answer, self._types)
-        except ProtocolError as error:
-            raise AssignmentError(f"step {step.id}: {error}") from None
+        except (AssignmentError, ProtocolError):  # what the script sends has no answer, or none that fits
+            self._served.append(Served(step=step.id, t_ns=frame.t_ns, values=asked))
+            return True
         due_ns = frame.t_ns + step.after_ns
         self._served.append(
             Served(step=step.id, t_ns=frame.t_ns, values=asked, answered_ns=due_ns, answer=answer)

@@ -42,6 +42,7 @@ def problems(catalog: Catalog, name: str, grader: Grader) -> list[tuple[str, str
 TALKER = SHIPPED.scripts("talker")["solution.py"].decode()
 SPEED = SHIPPED.scripts("speed_parameter")["solution.py"].decode()
 SUMS = SHIPPED.scripts("add_server")["solution.py"].decode()
+CLIENT = SHIPPED.scripts("add_client")["solution.py"].decode()
 TEXT = "f'Hello World: {self.count}'"
 SETS_SUM = "        response.sum ="
 
@@ -63,6 +64,7 @@ SETS_SUM = "        response.sum ="
         pytest.param("talker", TALKER.replace("publish(msg)", "publish(b'\\xff' * 9)"), 65, id="raw bytes"),
         pytest.param("speed_parameter", SPEED.replace("msg.data =", "msg.data = float('nan') *"), 90, id="NaN"),
         pytest.param("add_server", SUMS.replace("request.a + request.b\n", "2**63 - 1\n"), 30, id="largest"),
+        pytest.param("add_client", CLIENT.replace("int(msg.x)", "2**63 - 1"), 45, id="no answer to that"),
         pytest.param(
             "add_server", SUMS.replace(SETS_SUM, f"        rclpy.spin(self)\n{SETS_SUM}"), 30, id="never",
         ),

@@ -160,7 +160,10 @@ def _near(place: Any, translation: Vector, within: float) -> bool:
 
 def _wanted_turn(one: Expectation, names: dict[str, Any]) -> Quaternion | None:
     if one.rotation is not None:
-        x, y, z, w = (float(each) for each in wanted_of(list(one.rotation), names) or (0.0, 0.0, 0.0, 0.0))
+        wanted = wanted_of(list(one.rotation), names)
+        if not isinstance(wanted, list) or not all(isinstance(each, int | float) for each in wanted):
+            return math.nan, math.nan, math.nan, math.nan
+        x, y, z, w = map(float, wanted)
         return x, y, z, w
     if one.yaw_deg is None:
         return None
