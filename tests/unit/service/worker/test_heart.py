@@ -218,7 +218,7 @@ def test_abandoning_a_claim_spares_the_next(bench: Bench) -> None:
 def outage(bench: Bench, hearts: Sequence[Heart], seconds: float) -> None:
     """Let the database be away while `hearts` go on beating."""
 
-    def refuse() -> NoReturn:
+    def refuse(*, lasting: bool = True) -> NoReturn:
         raise InfrastructureError("the database does not answer")
 
     with pytest.MonkeyPatch.context() as patch:
