@@ -208,7 +208,8 @@ def _read_car(body: bytes, offset: int) -> Car:
     publishers, offset = _read_ids(body, offset)
     t_ns, x, y, heading, v, w, v_asked, w_asked, drop_ns, resting, window_m = _CAR.unpack_from(body, offset)
     offset += _CAR.size
-    speeds = struct.unpack_from(f"<{2 * body[offset]}d", body, offset + 1)
+    (count,) = struct.unpack_from("<B", body, offset)
+    speeds = struct.unpack_from(f"<{2 * count}d", body, offset + 1)
     waiting = tuple(zip(speeds[::2], speeds[1::2], strict=True))
     pose, velocity, commanded = (x, y, heading), (v, w), (v_asked, w_asked)
     resting = resting == 1
