@@ -39,7 +39,11 @@ from tests.fakes.packages import NAME, zipped
 OWN = "/api/v1/course/assignments"
 FOLDER = default_root() / "calculation"
 FILES = {str(one.relative_to(FOLDER)): one.read_bytes() for one in FOLDER.rglob("*") if one.is_file()}
-SPEC = FILES["assignment.yaml"].replace(b"id: calculation", b"id: walk")
+SPEC = (
+    FILES["assignment.yaml"]
+    .replace(b"id: calculation", b"id: walk")
+    .replace(b"version: %d" % Catalog().get("calculation").version, b"version: 1")
+)
 
 
 def folder(spec: bytes = SPEC, **changed: bytes) -> bytes:
