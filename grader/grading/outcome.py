@@ -125,7 +125,7 @@ def merge(episode: EpisodeResult, jail: JailReport, distro: Distro = "humble") -
         signal=jail.signal if status is RunStatus.CRASHED and exit_frame is None else None,
         error=None if after_interrupt else error,
         cleanup_error=error if after_interrupt else None,
-        detail=_masked(_detail(status, episode, jail), distro),
+        detail=masked(_detail(status, episode, jail), distro),
         stdout=stdout,
         stderr=stderr,
         nodes=episode.nodes,
@@ -133,7 +133,7 @@ def merge(episode: EpisodeResult, jail: JailReport, distro: Distro = "humble") -
         logs=tuple(_masked_log(record, distro) for record in episode.logs),
         logs_dropped=episode.logs_dropped,
         notes=tuple(
-            replace(note, text=_masked(note.text, distro))
+            replace(note, text=masked(note.text, distro))
             for note in (*_shown_notes(episode), *_answers(episode))
         ),
         command_count=episode.command_count,
@@ -237,9 +237,9 @@ def _error(exit_frame: Exit | None, distro: Distro) -> StudentError | None:
         return None
     return StudentError(
         type=exit_frame.exception_type,
-        message=_masked(exit_frame.message, distro),
+        message=masked(exit_frame.message, distro),
         line=exit_frame.line or None,
-        traceback=_masked(exit_frame.detail, distro),
+        traceback=masked(exit_frame.detail, distro),
     )
 
 
@@ -277,7 +277,7 @@ def _streams(episode: EpisodeResult, jail: JailReport, distro: Distro) -> tuple[
 # ------------------------------------------------------------------------------- what differs between hosts
 
 
-def _masked(text: str, distro: Distro) -> str:
+def masked(text: str, distro: Distro) -> str:
     """Return `text` with object addresses as ``0x…`` and modules where they are on a student's PC."""
     if " at 0x" in text:
         text = _ADDRESS.sub(_MASKED, text)
@@ -288,9 +288,9 @@ def _masked(text: str, distro: Distro) -> str:
 
 def masked_stream(stream: Stream, distro: Distro) -> Stream:
     """Return `stream` masked, as ``<node at 0x7f1c…>`` becomes ``<node at 0x…>``."""
-    return replace(stream, text=_masked(stream.text, distro))
+    return replace(stream, text=masked(stream.text, distro))
 
 
 def _masked_log(record: LogRecord, distro: Distro) -> LogRecord:
-    message = _masked(record.message, distro)
+    message = masked(record.message, distro)
     return record if message is record.message else replace(record, message=message)

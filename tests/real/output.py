@@ -18,6 +18,7 @@ import yaml
 from grader.contracts.assignment import Assignment, Case
 from grader.contracts.grading import Grader, GradingJob
 from grader.contracts.text import EMPTY
+from grader.grading.outcome import masked
 from tests.real.recordings import FOLDER, Recording, ids, recording
 from tests.shim.conftest import run_script_text
 
@@ -97,7 +98,8 @@ def ours(grader: Grader, name: str) -> Said:
         path = DIFF / f"{name[5:]}.py"
         horizon_s = table()["ctrl_c_at_s"].get(name, 60.0)
         run = run_script_text(path.read_bytes(), horizon_s=horizon_s, world=_NO_WORLD, file_name=path.name)
-        return Said(_lines(run.stdout, path.name), _lines(run.stderr, path.name), run.exit["code"])
+        out, err = (masked(text, "humble") for text in (run.stdout, run.stderr))
+        return Said(_lines(out, path.name), _lines(err, path.name), run.exit["code"])
     recorded = recording(name)
     assignment = Assignment(
         id="real",
