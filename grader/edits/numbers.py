@@ -19,6 +19,7 @@ _DEPTHS: Final = ("create_publisher", "create_subscription")
 _LONGEST_PERIOD_S: Final = 0.2
 _MOST_RATIO: Final = 30.0
 _NEAR: Final = 0.01  # what turtlesim's updates and a loop's period may add or take away
+_QUANTUM: Final = 0.05  # of a motion's size: an update at 3 rad/s turns by 2.7 degrees
 _COMPARISONS: Final = {
     ast.Lt: ("<=", ">"),
     ast.LtE: ("<", ">="),
@@ -92,12 +93,25 @@ def _scaled(
         for share in (ratio, 1.0 / ratio):
             if not 1.0 / _MOST_RATIO <= ratio <= _MOST_RATIO or use.value == 0.0:
                 continue
-            new = written(use.value * share, like_float="." in seen.script.source(use.node), whole=whole)
+            value = _named(use.value, size, wanted, unit) if share == ratio else None
+            value = use.value * share if value is None else value
+            new = written(value, like_float="." in seen.script.source(use.node), whole=whole)
             cost = 1.8 + place * 0.6 + use.steps * 0.2 + 0.05 * len(new) + 1.5 * (share != ratio)
             cost += _unlikely(seen.script, use, ratio)
             yield _replaced(seen, "scaled", cost, (use, new), unit=unit, size=size, wanted=wanted)
     if 1e3 <= abs(use.value) <= 1e12 and math.log10(abs(use.value)).is_integer() and use.value != 1e9:
         yield _replaced(seen, "nanoseconds", 1.5, (use, "1e9"))
+
+
+def _named(value: float, size: float, wanted: float, unit: str) -> float | None:
+    """Return the wanted size where a number is the size of the motion, in degrees, radians or metres.
+
+    Updates make a turn of 60 degrees one of 60.7: by the measured ratio 90 would be written as 89.
+    """
+    for factor in (1.0, math.radians(1.0)) if unit == "deg" else (1.0,):
+        if abs(abs(value) - size * factor) <= _QUANTUM * size * factor:
+            return math.copysign(wanted * factor, value)
+    return None
 
 
 def _unlikely(script: ParsedScript, use: NumberUse, ratio: float) -> float:
