@@ -16,6 +16,7 @@ from grader.sim.car import (
     UPDATE_NS,
     URDF,
     WHEEL_RADIUS_M,
+    WIDE_TURN_RAD,
     PlanarPose,
     fold,
     last_step_at,
@@ -63,7 +64,6 @@ _SOLVER_ITERATIONS: Final = 4  # the wheels' and casters' contacts are four poin
 _WHEEL_JOINTS: Final = (0, 1)
 _MOTORS_NM: Final = (0.1, 0.1)
 _MAX_JOINT_RADPS: Final = 4_000.0  # PyBullet's own bound of 100 would hold the wheels back at 5 m/s
-WIDE_TURN_RAD: Final = 0.5  # Bullet loses a body that turns by more than a quarter turn in one engine step
 # In m and rad. The body stays within 1e-8; at 100 rad/s its wheels, as gyroscopes, tilt it by 5e-3.
 _ASTRAY: Final = 0.05
 

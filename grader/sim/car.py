@@ -39,6 +39,8 @@ WHEEL_RADIUS_M: Final = 0.05
 TRACK_M: Final = 0.2
 RIDE_HEIGHT_M: Final = 0.03  # of the centre of mass; the axle stands at WHEEL_RADIUS_M
 
+WIDE_TURN_RAD: Final = 0.5  # Bullet loses a body that turns by more than a quarter turn in one engine step
+
 MAX_SPEED_MPS: Final = 100.0
 MAX_YAW_RATE_RADPS: Final = 100.0
 """Bounds of a command. turtlesim has none, but 100 m/s crosses its window in 0.11 s and ends at the wall just as

@@ -9,6 +9,7 @@ from grader.sim.car import (
     STEP_S,
     UPDATE_NS,
     UPDATE_S,
+    WIDE_TURN_RAD,
     PlanarPose,
     RoughDrive,
     cos_sin,
@@ -26,8 +27,7 @@ CAR_MODEL: Final = 3  # raised whenever the same commands may give another traje
 _HALF_S: Final = STEP_S / 2.0
 _TOUCH_M: Final = 1e-6  # a wall pushed by less is not being pushed: the car slides along it
 _BEHIND_UPDATES: Final = 8  # taken along at each update, the body costs a grading a quarter of its time
-_WIDE_TURN_RAD: Final = 0.5  # a body that turns by more takes single engine steps, whose number is bounded so
-_QUICK_RADPS: Final = _WIDE_TURN_RAD / (_BEHIND_UPDATES * UPDATE_S)
+_QUICK_RADPS: Final = WIDE_TURN_RAD / (_BEHIND_UPDATES * UPDATE_S)
 _QUICK_MPS: Final = 5.0  # wheels that are faster tilt the body, the more the longer an engine step is
 
 

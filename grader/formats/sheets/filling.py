@@ -132,18 +132,19 @@ class _Students:
 
     def __init__(self, points: Mapping[str, float | None]) -> None:
         self._exact = {_folded(person): person for person in points}
+        self._numbers = [(id_, int(id_)) for id_ in self._exact if id_.isdecimal()]
 
     def meant_by(self, written: str) -> tuple[list[str], bool]:
         """Return everybody whom an id may mean, and whether it is somebody's very id."""
         folded = _folded(written)
         if folded in self._exact:
             return [self._exact[folded]], True
-        numbers = [id_ for id_ in self._exact if id_.isdecimal()]
         if folded.isdecimal():
-            fitting = [id_ for id_ in numbers if int(id_) == int(folded)]
+            bare = int(folded)
+            fitting = [id_ for id_, number in self._numbers if number == bare]
         elif rounded := _ROUNDED.fullmatch(folded):
             digits, value = len(rounded[1] or ""), float(folded)
-            fitting = [id_ for id_ in numbers if float(f"{int(id_):.{digits}e}") == value]
+            fitting = [id_ for id_, number in self._numbers if float(f"{number:.{digits}e}") == value]
         else:
             fitting = []
         return [self._exact[id_] for id_ in fitting], False
