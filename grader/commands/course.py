@@ -25,6 +25,7 @@ from grader.store.audit import Signature
 from grader.store.clock import utc_now
 from grader.store.costs import Costs
 from grader.store.courses import RosterChange
+from grader.use_cases.people import fitting
 
 _COST_COLUMNS = ("course", "student", "in a slot", "gradings", "waiting", "tries")
 
@@ -119,7 +120,9 @@ def _create(storage: OpenedStore, arguments: argparse.Namespace) -> None:
 
 def _import(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     course = chosen_course(storage, arguments.course)
-    roster = _read(arguments.file, arguments)
+    roster = fitting(storage.courses, course, _read(arguments.file, arguments))
+    if arguments.skip:
+        _tell_skipped(roster, arguments)
     if arguments.dry_run:
         _show(storage.courses.preview_roster(course, roster.entries), arguments)
     entries = roster.entries if arguments.skip else roster.checked()
@@ -134,24 +137,50 @@ def _import(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     )
     if arguments.tokens:
         write_tokens(storage, course, [one.id for one in change.added], arguments.days)
+    else:
+        _tell_returning(change, arguments)
 
 
 def _show(change: RosterChange, arguments: argparse.Namespace) -> None:
-    """Print what an import would do: a line for each member who would be added, changed, or is not in the file."""
+    """Print what an import would do: a line for each member who would be added, changed, or is not in the file.
+
+    Those who are not in it are only counted where they are more than those who are: the file is a part then.
+    """
     chinese = arguments.lang == "zh"
+    listed = len(change.added) + len(change.changed) + change.unchanged
+    is_part = len(change.gone) > listed
     for word, members in (
-        ("新增" if chinese else "new", change.added),
+        ("新增" if chinese else "new", [one for one in change.added if one.id not in change.returning]),
+        ("回来" if chinese else "back", [one for one in change.added if one.id in change.returning]),
         ("修改" if chinese else "change", [one.after for one in change.changed]),
-        ("名单里没有" if chinese else "not listed", change.gone),
+        ("名单里没有" if chinese else "not listed", () if is_part else change.gone),
     ):
         for one in members:
             parts = (word, one.id, one.name, one.role.value, one.email, ",".join(one.sections))
             sys.stdout.write("\t".join(parts).rstrip() + "\n")
+    if is_part:
+        tell(
+            arguments,
+            zh=f"课程里还有 {len(change.gone)} 名学生不在名单里",
+            en=f"{len(change.gone)} other students of the course are not in the list",
+        )
+    _tell_returning(change, arguments)
     tell(
         arguments,
         zh=f"{change.unchanged} 人不变；没有改动任何东西",
         en=f"{change.unchanged} as they were; nothing was changed",
     )
+
+
+def _tell_returning(change: RosterChange, arguments: argparse.Namespace) -> None:
+    if change.returning:
+        ids = ", ".join(change.returning)
+        tell(
+            arguments,
+            zh=f"{ids} 以前被移出过，旧令牌已失效：发新的（--tokens，或 grader token issue）",
+            en=f"{ids}: removed before, so the old tokens open nothing: give them new ones "
+            "(--tokens, or grader token issue)",
+        )
 
 
 def _set(storage: OpenedStore, arguments: argparse.Namespace) -> None:
@@ -190,13 +219,6 @@ def _members(count: int) -> str:
 def _read(path: Path, arguments: argparse.Namespace) -> Roster:
     """Return a roster; of one that is not UTF-8 show a name, which tells whether it was read rightly."""
     roster = read_roster(_content(path))
-    if getattr(arguments, "skip", False):
-        for row in roster.skipped:
-            tell(
-                arguments,
-                zh=f"跳过第 {row.number} 行：{row.reason.zh}",
-                en=f"line {row.number} is skipped: {row.reason.en}",
-            )
     if roster.encoding == "gb18030" and roster.entries:
         named = next((one for one in roster.entries if not one.name.isascii()), roster.entries[0])
         tell(
@@ -205,6 +227,16 @@ def _read(path: Path, arguments: argparse.Namespace) -> Roster:
             en=f"{path} is not UTF-8 and was read as GBK, such as: {named.id} {named.name}",
         )
     return roster
+
+
+def _tell_skipped(roster: Roster, arguments: argparse.Namespace) -> None:
+    for row in roster.skipped:
+        at = row.place.words
+        tell(
+            arguments,
+            zh=f"跳过{at.zh}：{row.reason.zh}",
+            en=f"{at.en} is skipped: {row.reason.en}",
+        )
 
 
 def _content(path: Path) -> bytes:

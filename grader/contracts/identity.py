@@ -15,6 +15,8 @@ _LONG_ID = 5  # digits without leading zeros; equal numbers of fewer digits may 
 _LONGEST_NAME = 200
 LONGEST_SECTION = 64
 _LONGEST_EMAIL = 254
+_SPACES = re.compile(r"[ \u00a0\u2000-\u200a\u202f\u205f\u3000]+")
+_WIDENING = re.compile(r"(?<=[\u3400-\u9fff])\s+(?=[\u3400-\u9fff])")
 _EMAIL = re.compile(r"[^@\s]+@[^@\s]+")
 
 
@@ -254,12 +256,12 @@ def checked_id(text: str, what: str) -> str:
 
 
 def checked_name(text: str, field: str = "name") -> str:
-    """Return a person's or a course's name, which stood in `field`, without space around it.
+    """Return a person's or a course's name, which stood in `field`, with single plain spaces inside.
 
     Raises:
         CourseError: it is too long or cannot be printed.
     """
-    name = text.strip()
+    name = _SPACES.sub(" ", text).strip()
     if len(name) > _LONGEST_NAME or not name.isprintable():
         raise CourseError(
             f"{name[:40]!r} is no name: use at most {_LONGEST_NAME} printable characters",
@@ -267,6 +269,11 @@ def checked_name(text: str, field: str = "name") -> str:
             field,
         )
     return name
+
+
+def person_name(text: str) -> str:
+    """Return a person's name as `checked_name` does, without the spaces that widen Chinese ones (张　三)."""
+    return checked_name(_WIDENING.sub("", text))
 
 
 def checked_section(text: str) -> str:
@@ -305,7 +312,7 @@ def checked_entry(entry: RosterEntry) -> RosterEntry:
     """
     return RosterEntry(
         id=checked_id(entry.id, "id"),
-        name=checked_name(entry.name),
+        name=person_name(entry.name),
         role=entry.role,
         email=None if entry.email is None else checked_email(entry.email),
         sections=None if entry.sections is None else tuple(checked_section(one) for one in entry.sections),

@@ -23,11 +23,13 @@ from grader.contracts.identity import (
     unknown_course,
     unknown_members,
 )
+from grader.contracts.text import Text
 from grader.store.audit import Signature, record
 from grader.store.clock import TimedPart
 from grader.store.database import one_at_a_time
 from grader.store.tables import (
     OF_MEMBERS,
+    AuditRow,
     CourseRow,
     MemberRow,
     SectionRow,
@@ -50,13 +52,17 @@ class RosterChange:
 
     Attributes:
         unchanged: how many of the roster are in the course as it says.
-        gone: students of the course whom the roster does not name; an import leaves them where they are.
+        gone: students of the course whom the roster does not name; an import leaves them where they are. None
+            where the roster names no student; where it says the section of every student that it names, only
+            those of its sections, or of none.
+        returning: ids of those added who were removed from the course before. Their tokens ended then.
     """
 
     added: tuple[Member, ...]
     changed: tuple[MemberChange, ...]
     unchanged: int
     gone: tuple[Member, ...]
+    returning: tuple[str, ...] = ()
 
 
 class Courses(TimedPart):
@@ -131,6 +137,11 @@ class Courses(TimedPart):
         """Return one member, or None."""
         with self._database.reading() as session:
             return _one_member(session, course_id, person)
+
+    def alike(self, course_id: str, entries: Sequence[RosterEntry]) -> dict[str, Text]:
+        """Return why new ids in `entries` are probably other spellings of members' ids, by new id."""
+        with self._database.reading() as session:
+            return _alike(entries, _members(session, course_id))
 
     def preview_roster(self, course_id: str, entries: Sequence[RosterEntry]) -> RosterChange:
         """Return what `import_roster` would do now.
@@ -289,20 +300,48 @@ def _roster_change(session: Session, course: str, entries: Sequence[RosterEntry]
     if session.get(CourseRow, course) is None:
         raise unknown_course(course)
     known = _members(session, course)
-    _check_alike(entries, known)
+    if alike := _alike(entries, known):
+        en, zh = ("\n".join(why.get(language) for why in alike.values()) for language in ("en", "zh"))
+        raise CourseError(f"nobody was added or changed:\n{en}", f"没有添加或修改任何人：\n{zh}", "id")
     after = [_put_into(known.get(one.id), course, one) for one in entries]
-    listed = {one.id for one in entries}
     _check_instructor(known, known | {one.id: one for one in after})
+    added = tuple(one for one in after if one.id not in known)
     return RosterChange(
-        added=tuple(one for one in after if one.id not in known),
+        added=added,
         changed=tuple(
             MemberChange(before=known[one.id], after=one)
             for one in after
             if one.id in known and known[one.id] != one
         ),
         unchanged=sum(known.get(one.id) == one for one in after),
-        gone=tuple(one for one in known.values() if one.role is Role.STUDENT and one.id not in listed),
+        gone=_gone(known, after, entries),
+        returning=_removed_before(session, course, [one.id for one in added]),
     )
+
+
+def _gone(
+    known: Mapping[str, Member], after: Sequence[Member], entries: Sequence[RosterEntry]
+) -> tuple[Member, ...]:
+    listed = {one.id for one in after}
+    students = [(one, entry) for one, entry in zip(after, entries, strict=True) if one.role is Role.STUDENT]
+    whole = not all(entry.sections for _, entry in students)
+    sections = {name for one, _ in students for name in one.sections}
+    return tuple(
+        one
+        for one in known.values()
+        if students
+        and one.role is Role.STUDENT
+        and one.id not in listed
+        and (whole or not one.sections or sections.intersection(one.sections))
+    )
+
+
+def _removed_before(session: Session, course: str, people: Sequence[str]) -> tuple[str, ...]:
+    removals = select(col(AuditRow.subject)).where(
+        col(AuditRow.course) == course, col(AuditRow.action) == "member.remove"
+    )
+    removed = set(session.execute(removals).scalars()) if people else set()
+    return tuple(one for one in people if f"member {one}" in removed)
 
 
 def _put_into(known: Member | None, course: str, entry: RosterEntry) -> Member:
@@ -317,20 +356,21 @@ def _put_into(known: Member | None, course: str, entry: RosterEntry) -> Member:
     )
 
 
-def _check_alike(entries: Sequence[RosterEntry], known: Mapping[str, Member]) -> None:
-    """Refuse new ids that differ from a member's only in case, or in the leading zeros that spreadsheets drop."""
+def _alike(entries: Sequence[RosterEntry], known: Mapping[str, Member]) -> dict[str, Text]:
+    """Return what to say of new ids that differ from a member's only in case, or in leading zeros."""
     folded = {folded_id(one): one for one in known}
-    clashes = [
-        (one.id, folded[folded_id(one.id)])
+    clashes = {
+        one.id: folded[folded_id(one.id)]
         for one in entries
         if one.id not in known and folded_id(one.id) in folded
-    ]
-    if clashes:
-        en = "\n".join(
-            f"{new} differs from the member {old} only in {difference(new, old).en}" for new, old in clashes
+    }
+    return {
+        new: Text(
+            zh=f"{new} 和已有的成员 {old} {difference(new, old).zh}",
+            en=f"{new} differs from the member {old} only in {difference(new, old).en}",
         )
-        zh = "\n".join(f"{new} 和已有的成员 {old} {difference(new, old).zh}" for new, old in clashes)
-        raise CourseError(f"nobody was added or changed:\n{en}", f"没有添加或修改任何人：\n{zh}", "id")
+        for new, old in clashes.items()
+    }
 
 
 def _check_instructor(before: Mapping[str, Member], after: Mapping[str, Member]) -> None:

@@ -19,7 +19,7 @@ from grader.contracts.identity import (
 )
 from grader.contracts.text import Text
 from grader.formats.sheets.roster import Roster, read_roster
-from grader.store.courses import RosterChange
+from grader.store.courses import Courses, RosterChange
 from grader.use_cases.callers import require_instructor, require_staff, taught_course
 from grader.use_cases.services import Services
 
@@ -71,10 +71,15 @@ def plan_import(services: Services, caller: Caller, content: bytes) -> ImportPla
     """
     course = taught_course(caller)
     try:
-        roster = read_roster(content)
+        roster = fitting(services.courses, course, read_roster(content))
         return ImportPlan(roster=roster, change=services.courses.preview_roster(course, roster.entries))
     except CourseError as error:
         raise RefusedError("invalid_roster", error.text, field="file") from None
+
+
+def fitting(courses: Courses, course: str, roster: Roster) -> Roster:
+    """Return a list in which rows whose ids are probably other spellings of members' ids are wrong rows, too."""
+    return roster.without(courses.alike(course, roster.entries))
 
 
 def import_list(  # noqa: PLR0913
@@ -163,18 +168,25 @@ def give_token(services: Services, caller: Caller, person: str, days: int) -> st
     return services.tokens.issue(member.course, person, timedelta(days=days), caller.signature)[1]
 
 
-def give_missing_tokens(services: Services, caller: Caller, days: int) -> list[tuple[Member, str]]:
-    """Make a token for every member who has none that works; return them in order of id.
+def without_token(services: Services, caller: Caller) -> list[Member]:
+    """Return the members who have no token that works, in order of id.
 
     For instructors of a course.
     """
     course = taught_course(caller)
     served = services.tokens.holders(course)
+    return [one for one in services.courses.members(course) if one.id not in served]
+
+
+def give_missing_tokens(services: Services, caller: Caller, days: int) -> list[tuple[Member, str]]:
+    """Make a token for every member who has none that works; return them in order of id.
+
+    For instructors of a course.
+    """
     life, actor = timedelta(days=days), caller.signature
     return [
-        (one, services.tokens.issue(course, one.id, life, actor)[1])
-        for one in services.courses.members(course)
-        if one.id not in served
+        (one, services.tokens.issue(one.course, one.id, life, actor)[1])
+        for one in without_token(services, caller)
     ]
 
 

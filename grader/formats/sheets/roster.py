@@ -4,7 +4,8 @@ import csv
 import io
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import (
@@ -12,11 +13,11 @@ from grader.contracts.identity import (
     RosterEntry,
     checked_email,
     checked_id,
-    checked_name,
     checked_section,
     difference,
     folded_id,
     is_person_id,
+    person_name,
 )
 from grader.contracts.record import Record
 from grader.contracts.text import Text
@@ -24,6 +25,7 @@ from grader.formats.sheets.reading import HEADER_ROWS, ListedRow, ListedTable, r
 
 # Each column's names, the surest first: Canvas, for one, has its own number under "ID" beside the "SIS User ID".
 _SUMS = ("合计", "总计", "小计", "共计", "人数", "总人数", "total", "sum")
+_SUM_FOR_AN_ID = re.compile("(合计|总计|小计|共计|总?人数).*")  # no id: ids are of ASCII characters
 _COLUMNS = {
     "id": (
         "学号", "学生学号", "学号/工号", "工号", "学籍号", "考号", "sis user id", "sid", "id number", "student id",
@@ -50,15 +52,32 @@ _ROLES = {
 }
 _SHORTENED = re.compile(r"[0-9][.,]?[0-9]*e[+]?[0-9]+", re.IGNORECASE)
 _WIDENING = re.compile(r"(?<=[^\x00-\x7f]) (?=[^\x00-\x7f])")
+_UNNAMED_SHEET = re.compile(r"(sheet|工作表|表)\s*[0-9]*")
 _SECTION_SEPARATOR = re.compile("[,;，；、]")
 _NOBODY = frozenset({"points possible", "student, test", "test student"})
 """Names, in small letters, of rows without an id that Canvas exports beside the students."""
 
 
+class RowPlace(Record):
+    """Where a row stands: `sheet` is empty where only one table was read, `number` counts from 1."""
+
+    sheet: str
+    number: int
+
+    @property
+    def words(self) -> Text:
+        """How a sentence names the row."""
+        if not self.sheet:
+            return Text(zh=f"第 {self.number} 行", en=f"line {self.number}")
+        return Text(
+            zh=f"工作表“{self.sheet}”第 {self.number} 行", en=f"sheet {self.sheet!r}, line {self.number}"
+        )
+
+
 class SkippedRow(Record):
     """A row that names somebody who cannot be imported, and why."""
 
-    number: int
+    place: RowPlace
     reason: Text
 
 
@@ -66,10 +85,12 @@ class Roster(Record):
     """The people in a class list, and the rows that cannot be imported.
 
     Attributes:
+        places: where each of the people stands, by id.
         encoding: of CSV; empty for a workbook.
     """
 
     entries: tuple[RosterEntry, ...]
+    places: dict[str, RowPlace]
     skipped: tuple[SkippedRow, ...]
     encoding: str
 
@@ -80,15 +101,19 @@ class Roster(Record):
             CourseError: rows were skipped; the message has a line for each.
         """
         if self.skipped:
-            told = [
-                Text(zh=f"第 {one.number} 行：{one.reason.zh}", en=f"line {one.number}: {one.reason.en}")
-                for one in self.skipped
-            ]
+            rows = [(one.place.words, one.reason) for one in self.skipped]
             raise CourseError(
-                "\n".join(["nothing was imported:", *(one.en for one in told)]),
-                "\n".join(["没有导入任何人：", *(one.zh for one in told)]),
+                "\n".join(["nothing was imported:", *(f"{at.en}: {why.en}" for at, why in rows)]),
+                "\n".join(["没有导入任何人：", *(f"{at.zh}：{why.zh}" for at, why in rows)]),
             )
         return self.entries
+
+    def without(self, wrong: Mapping[str, Text]) -> "Roster":
+        """Return the list with more rows that cannot be imported: those of the ids in `wrong`, for its reasons."""
+        rows = [SkippedRow(place=self.places[person], reason=why) for person, why in wrong.items()]
+        entries = tuple(one for one in self.entries if one.id not in wrong)
+        skipped = sorted((*self.skipped, *rows), key=lambda one: (one.place.sheet, one.place.number))
+        return replace(self, entries=entries, skipped=tuple(skipped))
 
 
 def as_csv(entries: Sequence[RosterEntry]) -> str:
@@ -106,53 +131,120 @@ def read_roster(content: bytes) -> Roster:
 
     The header stands in one of the first twelve rows and has a column of ids and one of names (or of first and
     last names); columns of e-mail addresses, sections and roles are read as well, others ignored. Titles,
-    sub-headers and legends, which have neither an id nor a name, are passed over, and so is the same header again.
+    sub-headers, legends and sums are passed over, and so is the same header again. Of a workbook with a sheet for
+    each section, all are read; whose row names no section is in the one that the sheet is named after.
 
     Raises:
         CourseError: there is no table, no header, or nobody in it.
     """
     table = read_table(content, lambda cells: bool(_columns(cells)))
-    start, columns = _header(table)
-    entries: list[RosterEntry] = []
-    skipped: list[SkippedRow] = []
-    row_of: dict[str, tuple[int, str]] = {}
-    width = len(table.rows[start - 1].cells)
-    for row in table.rows[start:]:
-        try:
-            entry = _entry(row, columns)
-            if entry is None:
-                continue
-            if any(row.cells[width:]):
-                raise _shifted()
-            _check_new(entry, row_of)
-        except CourseError as error:
-            skipped.append(SkippedRow(number=row.number, reason=error.text))
-        else:
-            row_of[folded_id(entry.id)] = row.number, entry.id
-            entries.append(entry)
-    skipped += _left_out(table, row_of)
-    if not entries and not skipped:
+    _header(table)
+    sheets, unread = _sheets(table)
+    people = _People(several=len(sheets) > 1)
+    for sheet in sheets:
+        people.add(sheet)
+    people.skipped += unread
+    if not people.entries and not people.skipped:
         raise CourseError("the roster names nobody", "名单里没有人")
-    return Roster(entries=tuple(entries), skipped=tuple(skipped), encoding=table.encoding)
+    return Roster(
+        entries=tuple(people.entries),
+        places={entry.id: place for place, entry in people.place_of.values()},
+        skipped=tuple(people.skipped),
+        encoding=table.encoding,
+    )
 
 
-def _left_out(table: ListedTable, row_of: dict[str, tuple[int, str]]) -> list[SkippedRow]:
-    """Return the headers of other sheets that have people who are not on this one, such as one sheet a class."""
-    found = []
+def _sheets(table: ListedTable) -> tuple[list[ListedTable], list[SkippedRow]]:
+    """Return the sheets that list people, and a row for each other sheet that has somebody whom these have not.
+
+    A sheet is another part of the list if most of its people are new; with the same people it is something else,
+    such as their grades.
+    """
+    sheets, unread = [table], []
+    listed = set(map(folded_id, _ids(table)))
     for other in table.others:
-        start, columns = _found_header(other)
-        cells = [row.cells[columns["id"] : columns["id"] + 1] for row in other.rows[start:]]
-        ids = [unicodedata.normalize("NFKC", one).strip() for one, *_ in filter(None, cells)]
-        missing = [one for one in ids if is_person_id(one) and folded_id(one) not in row_of]
-        if missing:
+        ids = _ids(other)
+        missing = [one for one in ids if folded_id(one) not in listed]
+        if 2 * len(missing) > len(ids):
+            sheets.append(other)
+            listed.update(map(folded_id, ids))
+        elif missing:
             reason = Text(
-                zh=f"工作表“{other.name}”里有 {len(missing)} 人不在“{table.name}”里（例如 {missing[0]}）："
-                "请把所有人放进一个工作表",
-                en=f"the sheet {other.name!r} has people who are not on {table.name!r}, such as {missing[0]} "
-                f"({len(missing)} in all): put everybody on one sheet",
+                zh=f"工作表“{other.name}”里有 {len(missing)} 人不在前面的工作表里（例如 {missing[0]}）："
+                "请把他们加进前面的名单",
+                en=f"the sheet {other.name!r} has people who are on no sheet before it, such as {missing[0]} "
+                f"({len(missing)} in all): add them to the list there",
             )
-            found.append(SkippedRow(number=other.rows[start - 1].number, reason=reason))
-    return found
+            place = RowPlace(sheet=other.name, number=other.rows[_found_header(other)[0] - 1].number)
+            unread.append(SkippedRow(place=place, reason=reason))
+    return sheets, unread
+
+
+def _ids(table: ListedTable) -> list[str]:
+    start, columns = _found_header(table)
+    if not columns:
+        return []
+    cells = (row.cells[columns["id"]] for row in table.rows[start:] if columns["id"] < len(row.cells))
+    ids = (unicodedata.normalize("NFKC", one).strip() for one in cells)
+    return [one for one in ids if is_person_id(one)]
+
+
+class _People:
+    """The people of the tables that were added.
+
+    Args:
+        several: there is more than one table, and their names are those of sections.
+    """
+
+    def __init__(self, *, several: bool) -> None:
+        self._several = several
+        self.entries: list[RosterEntry] = []
+        self.skipped: list[SkippedRow] = []
+        self.place_of: dict[str, tuple[RowPlace, RosterEntry]] = {}
+
+    def add(self, table: ListedTable) -> None:
+        """Add whoever stands in a table; rows that name nobody are passed over."""
+        start, columns = _header(table)
+        width = len(table.rows[start - 1].cells)
+        for row in table.rows[start:]:
+            place = RowPlace(sheet=table.name if self._several else "", number=row.number)
+            try:
+                entry = _entry(row, columns)
+                if entry is None:
+                    continue
+                if any(row.cells[width:]):
+                    raise _shifted()
+                self._check_new(entry)
+                entry = _of_sheet(entry, table.name) if self._several else entry
+            except CourseError as error:
+                self.skipped.append(SkippedRow(place=place, reason=error.text))
+            else:
+                self.place_of[folded_id(entry.id)] = place, entry
+                self.entries.append(entry)
+
+    def _check_new(self, entry: RosterEntry) -> None:
+        if folded_id(entry.id) not in self.place_of:
+            return
+        place, before = self.place_of[folded_id(entry.id)]
+        at, name = place.words, f" {before.name}" if before.name != entry.name else ""
+        if before.id == entry.id:
+            raise CourseError(
+                f"{entry.id}{name} stands in {at.en} already", f"{at.zh}已经有 {entry.id}{name}"
+            )
+        how = difference(entry.id, before.id)
+        raise CourseError(
+            f"{entry.id} differs from {before.id} in {at.en} only in {how.en}",
+            f"{entry.id} 和{at.zh}的 {before.id} {how.zh}",
+        )
+
+
+def _of_sheet(entry: RosterEntry, sheet: str) -> RosterEntry:
+    """Return an entry with what the name of its sheet says: a role, or else a section."""
+    if role := _ROLES.get(label(sheet)):
+        return entry if entry.role else replace(entry, role=Role(role))
+    if entry.sections or _UNNAMED_SHEET.fullmatch(label(sheet)):
+        return entry
+    return replace(entry, sections=_checked_sections(sheet))
 
 
 def _header(table: ListedTable) -> tuple[int, dict[str, int]]:
@@ -222,15 +314,16 @@ def _entry(row: ListedRow, columns: dict[str, int]) -> RosterEntry | None:
         return None
     if label(person) in _COLUMNS["id"] and label(name) in _COLUMNS["name"]:  # the header of the next page
         return None
-    # else the sum is imported as a student's id; somebody with a name may really be called Sum
-    if (not name or name.isdecimal()) and any(label(cell) in _SUMS for cell in row.cells):
-        raise CourseError("this row adds up the others", "这一行是合计，不是学生")
+    # else a sum is imported as a student's id; somebody with a name may really be called Sum
+    is_sum = (not name or name.isdecimal()) and any(label(cell) in _SUMS for cell in row.cells)
+    if is_sum or _SUM_FOR_AN_ID.fullmatch(person):
+        return None
     if not person:
         raise CourseError(f"no id beside the name {name[:40]}", f"“{name[:40]}”没有学号")
     email = cells.get("email", "")
     return RosterEntry(
         id=_checked_student(person),
-        name=checked_name(name),
+        name=person_name(name),
         role=_checked_role(cells.get("role", "")),
         email=checked_email(email) if email else None,
         sections=_checked_sections(cells.get("sections", "")),
@@ -242,18 +335,6 @@ def _joined(first: str, last: str) -> str:
     if any(unicodedata.east_asian_width(one) in "WF" for one in first + last):
         return f"{last}{first}"
     return f"{first} {last}".strip()
-
-
-def _check_new(entry: RosterEntry, row_of: dict[str, tuple[int, str]]) -> None:
-    number, before = row_of.get(folded_id(entry.id), (0, ""))
-    if before == entry.id:
-        raise CourseError(f"{entry.id} stands in line {number} already", f"第 {number} 行已经有 {entry.id}")
-    if before:
-        how = difference(entry.id, before)
-        raise CourseError(
-            f"{entry.id} differs from {before} in line {number} only in {how.en}",
-            f"{entry.id} 和第 {number} 行的 {before} {how.zh}",
-        )
 
 
 def _shifted() -> CourseError:

@@ -85,6 +85,7 @@ class ChangeView(View):
 class SkippedView(View):
     """A row of a class list that cannot be imported."""
 
+    sheet: str = Field(description="Of a workbook with a sheet for each section; else empty.", examples=[""])
     row: int = Field(description="As the file's own program counts it, from 1.", examples=[12])
     reason: str = Field(examples=["20260123 stands in line 4 already"])
 
@@ -95,7 +96,12 @@ class ImportView(View):
     added: list[MemberView]
     changed: list[ChangeView]
     unchanged: int = Field(examples=[118])
-    gone: list[MemberView] = Field(description="Students of the course who are not in the list.")
+    gone: list[MemberView] = Field(
+        description="Students of the course, or of the sections that the list is about, who are not in it."
+    )
+    returning: list[str] = Field(
+        description="Ids of those added who were removed before: their tokens ended then."
+    )
     skipped: list[SkippedView]
     dry_run: bool = Field(description="Nothing was changed.")
 
@@ -222,7 +228,10 @@ def import_members(  # noqa: PLR0913, PLR0917
         plan = people.plan_import(errand.services, errand.caller, content)
     else:
         plan = people.import_list(errand.services, errand.caller, content, skip=skip, remove=remove)
-    skipped = [SkippedView(row=one.number, reason=one.reason.get(language)) for one in plan.roster.skipped]
+    skipped = [
+        SkippedView(sheet=one.place.sheet, row=one.place.number, reason=one.reason.get(language))
+        for one in plan.roster.skipped
+    ]
     return ImportView.of(plan.change, skipped=skipped, dry_run=dry_run)
 
 

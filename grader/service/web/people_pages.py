@@ -205,6 +205,7 @@ def _people_page(  # noqa: PLR0913
     problem: FormProblem | None = None,
 ) -> Response:
     course, _ = people.myself(errand.services, errand.caller)
+    is_instructor = course is not None and errand.caller.is_instructor
     everybody = members(errand.services, errand.caller)
     wanted = search.strip().lower()
     found = [
@@ -227,6 +228,7 @@ def _people_page(  # noqa: PLR0913
         problem=problem,
         roles=list(Role),
         done=done,
+        without_token=len(people.without_token(errand.services, errand.caller)) if is_instructor else 0,
     )
 
 

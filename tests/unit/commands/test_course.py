@@ -82,7 +82,7 @@ def test_a_wrong_roster_leaves_no_course_behind(grader, tmp_path: Path) -> None:
     roster = tmp_path / "class.csv"
     roster.write_text("id,name\n1,a\n1,b\n")
     _, errors = grader("course", "create", "ros", "--instructor", "w", "--roster", str(roster), status=2)
-    assert "line 3: 1 stands in line 2 already" in errors
+    assert "line 3: 1 a stands in line 2 already" in errors
     assert grader("course", "list")[0] == ""
     assert grader("course", "costs", lang="zh")[0].split() == [
         "课程",
@@ -105,6 +105,38 @@ def test_a_roster_is_imported_whole_or_not_at_all(grader, tmp_path: Path) -> Non
     output, told = grader("course", "roster", "import", str(roster), "--tokens")
     assert set(tokens_of(output)) == {"1", "2"}
     assert "2 added" in told
+
+
+def test_every_wrong_row_is_named_and_skipped(grader, tmp_path: Path) -> None:
+    grader("course", "create", "ros", "--instructor", "wang")
+    roster = tmp_path / "class.csv"
+    roster.write_text("id,name\n0012345,a\nB7,b\n")
+    grader("course", "roster", "import", str(roster))
+    roster.write_text("id,name\n12345,a\n9,c\nb7,b\n9,d\n")
+    _, errors = grader("course", "roster", "import", str(roster), status=2)
+    assert [one.split(":")[0] for one in errors.splitlines() if "line" in one] == [
+        "line 2",
+        "line 4",
+        "line 5",
+    ]
+    skipped = grader("course", "roster", "import", str(roster), "--skip")[1]
+    assert "line 2 is skipped: 12345 differs from the member 0012345" in skipped
+    assert "1 added" in skipped
+
+
+def test_a_dry_run_of_a_part_lists_no_others(grader, tmp_path: Path) -> None:
+    grader("course", "create", "ros", "--instructor", "wang")
+    roster = tmp_path / "class.csv"
+    roster.write_text("id,name,section\n" + "".join(f"{one},s,{'AB'[one % 2]}\n" for one in range(10, 20)))
+    grader("course", "roster", "import", str(roster))
+    dry = ("course", "roster", "import", str(roster), "--dry-run")
+    roster.write_text("id,name,role\nta,t,assistant\n")
+    assert grader(*dry)[0] == "new\tta\tt\tassistant\n"
+    roster.write_text("id,name,section\n10,s,A\n12,s,A\n14,s,A\n16,s,A\n")
+    assert grader(*dry)[0] == "not listed\t18\ts\tstudent\t\tA\n"
+    roster.write_text("id,name\n10,s\n")
+    output, told = grader(*dry)
+    assert (output, "9 other students" in told) == ("", True)
 
 
 def test_tokens_are_issued_and_revoked(grader, recognised, tmp_path: Path) -> None:

@@ -25,11 +25,11 @@ def entry(person: str, name: str = "x", role: Role | None = None) -> RosterEntry
     return RosterEntry(id=person, name=name, role=role)
 
 
-def workbook(*sheets: Rows, hidden: int | None = None) -> bytes:
+def workbook(*sheets: Rows, hidden: int | None = None, names: tuple[str | None, ...] = ()) -> bytes:
     out = io.BytesIO()
     with xlsxwriter.Workbook(out, {"in_memory": True}) as book:
         for index, rows in enumerate(sheets):
-            sheet = book.add_worksheet()
+            sheet = book.add_worksheet(names[index] if names else None)
             for number, row in enumerate(rows):
                 sheet.write_row(number, 0, row)
             if index == hidden:
@@ -146,14 +146,45 @@ def test_the_first_visible_sheet_with_both_columns_counts() -> None:
     assert [one.id for one in read_roster(content).checked()] == [LI[0], HAN[0]]
 
 
-def test_people_on_another_sheet_are_told() -> None:
-    """Teachers have one sheet for each class; half of the course would be missing."""
-    other = [("学号", "姓名", "姓名"), ("9", "x"), LI, ("合计", ""), ("８", "y")]
-    roster = read_roster(workbook(PLAIN, [("学号", "成绩"), ("7", "1")], other))
+def test_a_workbook_may_have_a_sheet_for_each_section() -> None:
+    """Teachers have one sheet for each class, and others with the same people's marks."""
+    wang, zhao = ("20260003", "王"), ("20260004", "赵")
+    marks = [("学号", "姓名", "成绩"), (*LI, 1), (*HAN, 2)]
+    second = [("学号", "姓名", "班级"), (*wang, ""), (*LI, ""), (*zhao, "旁听"), ("合计", 2, "")]
+    roster = read_roster(workbook(PLAIN, marks, second, names=("机器人2401", "成绩", "机器人2402")))
+    assert [(one.id, one.sections) for one in roster.entries] == [
+        (LI[0], ("机器人2401",)),
+        (HAN[0], ("机器人2401",)),
+        (wang[0], ("机器人2402",)),
+        (zhao[0], ("旁听",)),
+    ]
+    (skipped,) = roster.skipped
+    assert skipped.place.words.zh == "工作表“机器人2402”第 3 行"
+    assert skipped.reason.zh == f"工作表“机器人2401”第 2 行已经有 {LI[0]}"
+
+
+def test_a_sheet_may_be_named_after_a_role_or_not_at_all() -> None:
+    assistants = [("工号", "姓名"), ("ta1", "助教一")]
+    roster = read_roster(workbook(PLAIN, assistants, names=("Sheet1", "助教")))
+    assert [(one.role, one.sections) for one in roster.checked()] == [
+        (None, None),
+        (None, None),
+        (Role.ASSISTANT, None),
+    ]
+
+
+def test_somebody_who_is_only_among_the_marks_is_told() -> None:
+    marks = [("学号", "姓名", "成绩"), (*LI, 1), (*HAN, 2), ("9", "x", 3)]
+    roster = read_roster(workbook(PLAIN, marks, names=("名单", "成绩")))
     assert [one.id for one in roster.entries] == [LI[0], HAN[0]]
     (skipped,) = roster.skipped
-    assert skipped.number == 1
-    assert skipped.reason.en.endswith("such as 9 (2 in all): put everybody on one sheet")
+    assert skipped.reason.en.endswith("such as 9 (1 in all): add them to the list there")
+
+
+@pytest.mark.parametrize("written", ["欧\u3000阳文", "欧 阳\u3000文", "\u3000欧阳文 "])
+def test_names_are_kept_without_the_spaces_that_widen_them(written: str) -> None:
+    assert read_roster(csv([("学号", "姓名"), (1, written)])).checked()[0].name == "欧阳文"
+    assert read_roster(csv([("学号", "姓名"), (1, "Ann\u3000Li")])).checked()[0].name == "Ann Li"
 
 
 @pytest.mark.parametrize(
@@ -189,10 +220,9 @@ def test_the_sum_of_a_list_is_no_student() -> None:
     roster = read_roster(
         workbook([("序号", *PLAIN[0]), (1, *LI), (2, *HAN), ("合计", 2, ""), ("", "人数：", 2)])
     )
-    assert [one.id for one in roster.entries] == [LI[0], HAN[0]]
-    assert [(one.number, one.reason.en) for one in roster.skipped] == [
-        (row, "this row adds up the others") for row in (4, 5)
-    ]
+    assert [one.id for one in roster.checked()] == [LI[0], HAN[0]]
+    of_a_platform = [PLAIN[0], LI, ("合计", "80人"), ("合计 80 人", "")]
+    assert [one.id for one in read_roster(csv(of_a_platform)).checked()] == [LI[0]]
 
 
 @pytest.mark.parametrize("header", ["id,name", "学号,姓名"])
@@ -216,10 +246,10 @@ def test_lines_without_anybody_are_skipped() -> None:
         ([("学号", "姓名"), (1, "a"), ("2.02601E+07", "b")], 3, "spreadsheet shortened"),
         ([("学号", "姓名"), (1, "a"), (1234567890123456789, "b")], 3, "spreadsheet shortened"),
         ([("学号", "姓名"), ("S001", "a"), ("s001", "b")], 3, "upper and lower case"),
-        ([("学号", "姓名"), ("S001", "a"), ("S001", "b")], 3, "line 2 already"),
+        ([("学号", "姓名"), ("S001", "a"), ("S001", "b")], 3, "S001 a stands in line 2 already"),
         ([("学号", "姓名"), ("0012345", "a"), ("12345", "b")], 3, "only in zeros at its beginning"),
         ([("学号", "姓名"), (1, "a"), ("", "b")], 3, "no id"),
-        ([("学号", "姓名"), (1, "a"), ("合计 2 人", "")], 3, "is no id"),
+        ([("学号", "姓名"), (1, "a"), ("请假", "b")], 3, "is no id"),
         ([("学号", "姓名", "角色"), (1, "a", ""), (2, "b", "king")], 3, "no role"),
         ([("学号", "姓名", "邮箱"), (1, "a", ""), (2, "b", "at home")], 3, "e-mail"),
         ([("学号", "姓名", "班级"), (1, "a", ""), (2, "b", "x" * 65)], 3, "no section"),
@@ -227,7 +257,7 @@ def test_lines_without_anybody_are_skipped() -> None:
 )
 def test_a_wrong_row_is_named_and_the_others_are_kept(rows: Rows, number: int, why: str) -> None:
     roster = read_roster(workbook(rows))
-    assert [one.number for one in roster.skipped] == [number]
+    assert [one.place.number for one in roster.skipped] == [number]
     assert why in roster.skipped[0].reason.en
     assert len(roster.entries) == 1
     with pytest.raises(CourseError, match=f"nothing was imported:\nline {number}: "):
