@@ -106,6 +106,7 @@ def _write(session: Session, upload: Upload, result: GradingResult, digests: Map
         queued_at=now,
         course=row.course,
         distro=None,
+        runs_as=None,
     )
     grading = grading_values(claim, result, now, digests[row.assignment])
     row.report_sha256 = grading["report_sha256"]

@@ -170,7 +170,7 @@ def works(folder: Path) -> dict[str, list[Work]]:
     found: dict[str, list[Work]] = {}
     with Slot(SlotConfig()) as slot:
         for name, catalog in catalogs.items():
-            assignment = catalog.get(name).of_course("humble")
+            assignment = catalog.get(name).of_course("humble", None)
             (right, solution), _, *wrong = catalog.scripts(name).items()
             for script, source in [(right, solution), *sorted(wrong)[:4]]:
                 if assignment.input == "script" and not _compiles(source):

@@ -91,6 +91,7 @@ from grader.contracts.assignment import (
     PathPiece,
     Profile,
     Region,
+    RunsAs,
     ServiceCall,
     StartPose,
     Tool,
@@ -582,6 +583,7 @@ class AssignmentModel(SpecModel):
     check: str
     input: Input = "script"
     distro: Distro | None = None
+    runs_as: RunsAs | None = None
     options: Options = Field(default_factory=dict)
     file_patterns: tuple[str, ...] = ()
     horizon_s: Annotated[float, Field(gt=0.0, le=MAX_HORIZON_S)] = 60.0

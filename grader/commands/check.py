@@ -16,6 +16,7 @@ from grader.commands.options import (
     add_distro_option,
     add_grading_options,
     add_language_option,
+    add_way_option,
     tell,
 )
 from grader.commands.plots import check_bag_path, check_plot_path, file_error, form_of, of_case, write_file
@@ -77,6 +78,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser,
         help="the course's release of ROS 2, for assignments that name none (humble) / 课程的 ROS 2 版本",
     )
+    add_way_option(parser)
     add_grading_options(parser)
 
 
@@ -176,7 +178,7 @@ def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[Gr
     folder = default_cache_folder()
     catalog = Catalog(arguments.assignments, None if folder is None else AssignmentCache(folder))
     chosen = catalog.get(arguments.assignment or _guess(catalog, arguments.file))
-    assignment = chosen.of_course(arguments.distro)
+    assignment = chosen.of_course(arguments.distro, arguments.runs_as)
     _check_input(arguments, assignment)
     job = GradingJob(file_name=handed_in_name(arguments.file), source=source, assignment=assignment)
     with faults_explained():

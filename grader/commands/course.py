@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from grader.commands import course_life
-from grader.commands.options import add_distro_option, add_language_option, tell
+from grader.commands.options import add_distro_option, add_language_option, add_way_option, tell
 from grader.commands.storage import (
     OpenedStore,
     actor,
@@ -84,9 +84,9 @@ def _configure_roster(roster: argparse.ArgumentParser) -> None:
 def _configure_set(change: argparse.ArgumentParser) -> None:
     add_distro_option(
         change,
-        required=True,
         help="release of ROS 2 of its scripts; what is graded stays / 脚本用的 ROS 2 版本，已评分的不变",
     )
+    add_way_option(change)
     change.add_argument("--reason", default="", help="goes into the audit log / 写进操作记录")
     add_course_option(change)
 
@@ -184,12 +184,15 @@ def _tell_returning(change: RosterChange, arguments: argparse.Namespace) -> None
 
 
 def _set(storage: OpenedStore, arguments: argparse.Namespace) -> None:
-    course, distro = chosen_course(storage, arguments.course), arguments.distro
-    storage.courses.set_distro(distro, Signature(utc_now(), course, actor()), arguments.reason)
+    signed = Signature(utc_now(), chosen_course(storage, arguments.course), actor())
+    course = storage.courses.change(
+        signed, arguments.reason, distro=arguments.distro, runs_as=arguments.runs_as
+    )
+    settings = f"ROS 2 {course.distro.capitalize()}, {course.runs_as}"
     tell(
         arguments,
-        zh=f"课程 {course}：ROS 2 {distro.capitalize()}；已评分的不变，要改就重新评分",
-        en=f"course {course}: ROS 2 {distro.capitalize()}; what is graded stays until it is graded again",
+        zh=f"课程 {course.id}：{settings}；已评分的不变，要改就重新评分",
+        en=f"course {course.id}: {settings}; what is graded stays until it is graded again",
     )
 
 

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from grader.contracts.assignment import DISTROS
+from grader.contracts.assignment import DISTROS, WAYS_TO_RUN
 from grader.contracts.errors import SettingsError
 from grader.contracts.notation import whole
 from grader.contracts.text import LANGUAGES, Language, Text
@@ -66,6 +66,16 @@ def add_grading_options(parser: argparse.ArgumentParser) -> None:
 def add_distro_option(parser: argparse.ArgumentParser, **options: Any) -> None:
     """Declare the release of ROS 2."""
     parser.add_argument("--distro", choices=DISTROS, **options)
+
+
+def add_way_option(parser: argparse.ArgumentParser) -> None:
+    """Declare how a script is started."""
+    parser.add_argument(
+        "--runs-as",
+        choices=WAYS_TO_RUN,
+        help="how scripts are started: python3 FILE (python), or by calling main() as ros2 run does / "
+        "脚本怎样启动：python3 文件，或像 ros2 run 那样调用 main()",
+    )
 
 
 def tell(arguments: argparse.Namespace, *, zh: str, en: str) -> None:

@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING
 
 from grader.catalog.files import INTERFACES, interface_files
 from grader.commands.check import faults_explained, handed_in_name, read_handed_in
-from grader.commands.options import add_distro_option, add_grading_options, add_language_option, wrong_value
+from grader.commands.options import (
+    add_distro_option,
+    add_grading_options,
+    add_language_option,
+    add_way_option,
+    wrong_value,
+)
 from grader.commands.plots import check_plot_path, form_of, write_file
 from grader.contracts.assignment import (
     TOPIC_PATTERN,
@@ -67,6 +73,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     _add_package_options(parser)
     add_distro_option(parser, help="release of ROS 2 that the script finds (humble) / 脚本用的 ROS 2 版本")
+    add_way_option(parser)
     parser.add_argument("--interfaces", type=Path, metavar="DIR",
                         help="import the interfaces of this assignment's folder / 用这个作业的接口")  # fmt: skip
     parser.add_argument(
@@ -127,7 +134,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _spoken_to(arguments: argparse.Namespace) -> Assignment:
     from grader.catalog import Catalog
 
-    return Catalog().get(arguments.assignment).of_course(arguments.distro)
+    return Catalog().get(arguments.assignment).of_course(arguments.distro, arguments.runs_as)
 
 
 def _sandpit(arguments: argparse.Namespace, source: bytes = b"") -> Assignment:
@@ -149,6 +156,7 @@ def _sandpit(arguments: argparse.Namespace, source: bytes = b"") -> Assignment:
         world=World(cmd_vel_topic=arguments.topic, walls=not arguments.no_walls),
         interfaces=_interfaces(arguments.interfaces),
         distro=arguments.distro,
+        runs_as=arguments.runs_as,
         cases=(Case(stdin=arguments.input.replace("\\n", "\n"), args=tuple(arguments.args)),),
     )
 

@@ -17,6 +17,12 @@ Across = Literal["each", "worst", "mean"]
 
 DISTROS: Final[tuple[Distro, ...]] = get_args(Distro)
 DEFAULT_DISTRO: Final[Distro] = "humble"
+
+RunsAs = Literal["python", "ros2_run"]
+"""How a script is started: ``python3 script.py``, or by calling its `main`, as an executable of a package does."""
+
+WAYS_TO_RUN: Final[tuple[RunsAs, ...]] = get_args(RunsAs)
+DEFAULT_WAY: Final[RunsAs] = "python"
 SUFFIXES: dict[Input, tuple[str, ...]] = {
     "script": (".py",),
     "text": (".txt", ".md"),
@@ -461,6 +467,7 @@ class Assignment(Record):
         path: what the check ``path`` compares with. places: where the check ``places`` looks.
         interfaces: which the script can import besides ROS's own.
         distro: release of ROS 2 that the script finds; None: the course's, see `of_course` and `release`.
+        runs_as: how a script is started; None: as the course says, see `of_course` and `started_as`.
         counts: where commands come faster than turtlesim takes them, score what the turtle ``driven`` did, or
             ``either`` that or the motion as commanded, whichever is better as a whole.
     """
@@ -485,6 +492,7 @@ class Assignment(Record):
     answers: tuple[Answer, ...] = ()
     interfaces: tuple[InterfaceDefinition, ...] = ()
     distro: Distro | None = None
+    runs_as: RunsAs | None = None
     path: WantedPath | None = None
     places: WantedPlaces | None = None
     package: WantedPackage | None = None
@@ -495,9 +503,17 @@ class Assignment(Record):
         """The release of ROS 2 that the script finds."""
         return self.distro or DEFAULT_DISTRO
 
-    def of_course(self, distro: Distro | None) -> "Assignment":
-        """Return the assignment as a course of the release `distro` grades it; its own release comes first."""
-        return self if distro is None or self.distro is not None else replace(self, distro=distro)
+    @property
+    def started_as(self) -> RunsAs:
+        """How a script is started."""
+        return self.runs_as or DEFAULT_WAY
+
+    def of_course(self, distro: Distro | None, runs_as: RunsAs | None) -> "Assignment":
+        """Return the assignment as a course of these settings grades it; its own settings come first."""
+        way = self.runs_as or (
+            runs_as if runs_as != DEFAULT_WAY else None
+        )  # else it differs from stored ones
+        return replace(self, distro=self.distro or distro, runs_as=way)
 
     @property
     def expectations(self) -> tuple[Expectation, ...]:

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime
 
-from grader.contracts.assignment import DEFAULT_DISTRO, Distro
+from grader.contracts.assignment import DEFAULT_DISTRO, DEFAULT_WAY, Distro, RunsAs
 from grader.contracts.errors import CourseError
 from grader.contracts.python import StrEnum
 from grader.contracts.text import Text
@@ -38,6 +38,7 @@ class Course:
 
     Attributes:
         distro: release of ROS 2 that its scripts find where an assignment names none.
+        runs_as: how they are started where an assignment does not say.
         archived_at: since when it can only be read; None: it is taught.
     """
 
@@ -46,6 +47,7 @@ class Course:
     time_zone: str
     created_at: datetime
     distro: Distro = DEFAULT_DISTRO
+    runs_as: RunsAs = DEFAULT_WAY
     archived_at: datetime | None = None
 
 

@@ -8,7 +8,7 @@ since the submission was last queued and bounds the retries.
 from dataclasses import dataclass
 from datetime import datetime
 
-from grader.contracts.assignment import Distro
+from grader.contracts.assignment import Distro, RunsAs
 from grader.contracts.python import StrEnum
 from grader.contracts.report import GradeStatus
 
@@ -31,7 +31,7 @@ class NewSubmission:
         course: None while there are no courses.
         key: under which the client sends the same upload again if it got no answer.
         assignment_version: the published version; when given, the same bytes again are recognised.
-        distro: release of ROS 2 that the assignment names; None: the course's.
+        distro, runs_as: what the assignment says of them; None: as in the course.
         ruled: whether the rules of the assignment decide; they do not for a course's staff.
         by: who hands it in for the student; None: the student.
         own: the assignment is one of the course's own, which somebody may remove meanwhile.
@@ -45,6 +45,7 @@ class NewSubmission:
     key: str | None = None
     assignment_version: int | None = None
     distro: Distro | None = None
+    runs_as: RunsAs | None = None
     ruled: bool = False
     by: str | None = None
     own: bool = False
@@ -110,7 +111,7 @@ class Claim:
     Attributes:
         attempt: fencing token; a result is taken only from the latest claim.
         queued_at: instant of the last (re-)queueing.
-        course: None without one. distro: its release of ROS 2.
+        course: None without one. distro, runs_as: its settings.
     """
 
     submission_id: str
@@ -123,6 +124,7 @@ class Claim:
     queued_at: datetime
     course: str | None
     distro: Distro | None
+    runs_as: RunsAs | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -412,6 +412,7 @@ def _episode_spec(job: GradingJob, script: _Script, case: Case) -> EpisodeSpec:
         output_bytes=job.assignment.limits.output_bytes,
         steps=job.assignment.limits.steps,
         distro=job.assignment.release,
+        runs_as=job.assignment.started_as,
     )
 
 

@@ -202,6 +202,7 @@ _SIGNS: Final = (
     (r"TypeError: Publisher\.publish\(\) (takes|missing) ", "one_message"),
     (r"TypeError: spin(_once|_until_future_complete)?\(\) missing .*'node'", "spin_what"),
     (r"AttributeError: 'str' object has no attribute 'executor'", "spin_what"),
+    (r"AttributeError: module '.*' has no attribute 'main'\n(?!(?:.*\n)*  File )", "no_main"),
     (r"TypeError: spin_until_future_complete\(\) missing .*'future'", "future_missing"),
     (r"TypeError: spin(_once)?\(\) got an unexpected keyword argument 'time", "spin_timeout"),
     (r"AttributeError: '(int|float)' object has no attribute '(add|remove)_node'", "spin_timeout"),

@@ -47,6 +47,7 @@ FIELDS: Mapping[str, str] = {
     "title": "audit.field.title",
     "time_zone": "audit.field.time_zone",
     "distro": "audit.field.distro",
+    "runs_as": "audit.field.runs_as",
     "name": "people.name",
     "role": "people.role",
     "email": "people.email",

@@ -8,7 +8,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from grader.contracts.assignment import DEFAULT_DISTRO, Assignment
+from grader.contracts.assignment import DEFAULT_DISTRO, DEFAULT_WAY, Assignment
 from grader.contracts.rubric import PublishedItem, PublishedRubric
 from grader.contracts.text import Language
 from grader.messages import quantity
@@ -46,6 +46,8 @@ def _parts(assignment: Assignment, rubric: PublishedRubric, language: Language) 
         worth += word("time_limit", language, seconds=quantity.points(rubric.horizon_s))
     if assignment.release != DEFAULT_DISTRO:  # which goes without saying
         worth += f"  ROS 2 {assignment.release.capitalize()}"
+    if assignment.started_as != DEFAULT_WAY:
+        worth += "  ros2 run"
     yield title.append(worth, "cyan")
     if brief := rubric.brief.get(language):
         yield Padding(Prose(visible(brief).strip()), (1, 0, 0, 0))

@@ -7,7 +7,15 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
-from grader.contracts.assignment import EPOCH_NS, AgentStep, Distro, InterfaceDefinition, ServiceCall, World
+from grader.contracts.assignment import (
+    EPOCH_NS,
+    AgentStep,
+    Distro,
+    InterfaceDefinition,
+    RunsAs,
+    ServiceCall,
+    World,
+)
 from grader.contracts.conversation import Conversation, Expectation, Step, sayings
 from grader.contracts.errors import AssignmentError, ProtocolError
 from grader.contracts.grading import WorldRequest
@@ -97,7 +105,7 @@ class EpisodeSpec(Record):
         interfaces: what the script can import besides ROS's own.
         output_bytes: what the script may print before the shim ends it; None: no bound.
         steps: what it may do before the shim ends it (`Limits.steps`); None: no bound.
-        distro: release of ROS 2 that script and world are of.
+        distro: release of ROS 2 that script and world are of. runs_as: how the script is started.
     """
 
     world: World
@@ -114,6 +122,7 @@ class EpisodeSpec(Record):
     output_bytes: int | None = None
     steps: int | None = None
     distro: Distro = "humble"
+    runs_as: RunsAs = "python"
     package: Mapping[str, Any] | None = None
     facts: bool = False
 
@@ -235,6 +244,7 @@ class Episode:
         return {
             **({} if spec.package is None else {"package": spec.package}),
             **({"facts": True} if spec.facts else {}),
+            **({} if spec.runs_as == "python" else {"runs_as": spec.runs_as}),
             "protocol": PROTOCOL,
             "file_name": spec.file_name,
             "args": list(spec.args),

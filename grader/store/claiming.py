@@ -60,7 +60,10 @@ _CLAIMED = (
     .where(_source.c.sha256 == _row.source_sha256)
     .scalar_subquery()
     .label("content"),
-    select(_course.c.distro).where(_course.c.id == _row.course).scalar_subquery().label("distro"),
+    *(
+        select(setting).where(_course.c.id == _row.course).scalar_subquery().label(setting.name)
+        for setting in (_course.c.distro, _course.c.runs_as)
+    ),
 )
 
 CLAIMING = (
@@ -139,7 +142,7 @@ def resume(connection: Connection, worker: str, now: datetime, lease_s: float) -
 
 def claim_of(row: Sequence[Any], worker: str) -> Claim:
     """Return the claim of `worker` that `CLAIMING` returned as `row`."""
-    id_, attempt, tries, assignment, file_name, queued_at, course, source, distro = row
+    id_, attempt, tries, assignment, file_name, queued_at, course, source, distro, runs_as = row
     return Claim(
         submission_id=id_,
         attempt=attempt,
@@ -151,6 +154,7 @@ def claim_of(row: Sequence[Any], worker: str) -> Claim:
         queued_at=queued_at,
         course=course,
         distro=distro,
+        runs_as=runs_as,
     )
 
 

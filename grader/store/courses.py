@@ -9,7 +9,7 @@ from sqlalchemy import ColumnElement, and_, delete, select
 from sqlalchemy.orm import aliased
 from sqlmodel import Session, col
 
-from grader.contracts.assignment import DEFAULT_DISTRO, Distro
+from grader.contracts.assignment import DEFAULT_DISTRO, Distro, RunsAs
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import (
     Course,
@@ -85,8 +85,15 @@ class Courses(TimedPart):
             new = Course(id=course_id, title=title, time_zone=time_zone, created_at=now, distro=distro)
             return add_course(session, new, actor)
 
-    def set_distro(self, distro: Distro, signed: Signature, reason: str = "") -> Course:
-        """Make `distro` the release of ROS 2 of the course of `signed`; return the course.
+    def change(
+        self,
+        signed: Signature,
+        reason: str = "",
+        *,
+        distro: Distro | None = None,
+        runs_as: RunsAs | None = None,
+    ) -> Course:
+        """Change what the course of `signed` is like, and return it; None: stays.
 
         Raises:
             CourseError: there is no such course.
@@ -97,15 +104,23 @@ class Courses(TimedPart):
             row = session.get(CourseRow, course)
             if row is None:
                 raise unknown_course(course)
-            before, row.distro = row.distro, distro
-            if before != distro:
+            wanted = {"distro": distro, "runs_as": runs_as}
+            after = {
+                name: value
+                for name, value in wanted.items()
+                if value is not None and value != getattr(row, name)
+            }
+            before = {name: getattr(row, name) for name in after}
+            if after:
+                for name, value in after.items():
+                    setattr(row, name, value)
                 record(
                     session,
                     signed,
                     "course.change",
                     f"course {row.id}",
-                    before={"distro": before},
-                    after={"distro": distro},
+                    before=before,
+                    after=after,
                     reason=reason,
                 )
             return _course(row)
@@ -204,6 +219,7 @@ def add_course(session: Session, new: Course, actor: str, copy_of: str | None = 
         time_zone=_checked_zone(new.time_zone),
         created_at=new.created_at,
         distro=new.distro,
+        runs_as=new.runs_as,
     )
     one_at_a_time(session, "course", row.id.casefold())
     for known in session.execute(select(col(CourseRow.id))).scalars():
@@ -211,7 +227,7 @@ def add_course(session: Session, new: Course, actor: str, copy_of: str | None = 
             raise CourseError(f"there is a course {known} already", f"已经有课程 {known}", "id")
     session.add(row)
     session.flush()
-    after = {"title": row.title, "time_zone": row.time_zone, "distro": row.distro}
+    after = {name: getattr(row, name) for name in ("title", "time_zone", "distro", "runs_as")}
     if copy_of is not None:
         after["copy_of"] = copy_of
     signed = Signature(new.created_at, row.id, actor)

@@ -28,7 +28,7 @@ from sqlalchemy import (
 )
 from sqlmodel import Session, col
 
-from grader.contracts.assignment import DEFAULT_DISTRO, Assignment, Distro
+from grader.contracts.assignment import DEFAULT_DISTRO, DEFAULT_WAY, Assignment, Distro, RunsAs
 from grader.contracts.errors import RefusedError
 from grader.contracts.python import UTC
 from grader.contracts.record import from_json
@@ -95,7 +95,7 @@ class _Known(NamedTuple):
     """What decides about an upload.
 
     Attributes:
-        archived: the course is. distro: its release of ROS 2; None without courses.
+        archived: the course is. distro, runs_as: its settings; None without courses.
         member: the student is in it; without courses everybody is.
         keyed: digest and submission of what was sent under the upload's key before; None: nothing was.
         latest: the student's last submission to the assignment.
@@ -104,6 +104,7 @@ class _Known(NamedTuple):
 
     archived: bool
     distro: Distro | None
+    runs_as: RunsAs | None
     member: bool
     keyed: tuple[str, str] | None
     rules: Rules
@@ -300,12 +301,13 @@ def _known(
         "lately": now - LATELY,
     }
     rows = session.connection().execute(_WITHOUT_COURSE if course is None else _IN_COURSE, asked).all()
-    archived_at, distro, member, digest, submission_id, *about = rows[0][: -len(_EARLIER)]
+    archived_at, distro, runs_as, member, digest, submission_id, *about = rows[0][: -len(_EARLIER)]
     own = [_Earlier(*values) for row in rows if (values := row[-len(_EARLIER) :])[0] is not None]
     recent = now - LATELY
     return _Known(
         archived_at is not None,
         distro,
+        runs_as,
         course is None or member is not None,
         None if digest is None else (digest, submission_id),
         *rules_about(*about),
@@ -367,19 +369,22 @@ def _same_as_latest(session: Session, upload: NewSubmission, known: _Known, dige
         return None
     if latest.graded_attempt is not None:
         release = upload.distro or known.distro or DEFAULT_DISTRO
-        if _graded_as(session, latest.id, latest.graded_attempt) != (upload.assignment_version, release):
+        way = upload.runs_as or known.runs_as or DEFAULT_WAY
+        now = (upload.assignment_version, release, way)
+        if _graded_as(session, latest.id, latest.graded_attempt) != now:
             return None
     return latest.id
 
 
-def _graded_as(session: Session, submission_id: str, attempt: int) -> tuple[int, Distro]:
-    """Return the version of the assignment, and the release of ROS 2, that a grading was made by."""
+def _graded_as(session: Session, submission_id: str, attempt: int) -> tuple[int, Distro, RunsAs]:
+    """Return by which version of the assignment, release of ROS 2 and way to run a grading was made."""
     version, graded = session.execute(
         select(col(GradingRow.assignment_version), col(GradedAssignmentRow.content))
         .join(GradedAssignmentRow, col(GradedAssignmentRow.sha256) == col(GradingRow.assignment_sha256))
         .where(col(GradingRow.submission_id) == submission_id, col(GradingRow.attempt) == attempt)
     ).one()
-    return version, from_json(Assignment, graded).release
+    assignment = from_json(Assignment, graded)
+    return version, assignment.release, assignment.started_as
 
 
 def _turn(session: Session, upload: NewSubmission, known: _Known, now: datetime) -> datetime:

@@ -12,7 +12,7 @@ from zoneinfo import ZoneInfo
 from sqlalchemy import and_, bindparam, func, literal, outerjoin, select
 from sqlmodel import Session, col
 
-from grader.contracts.assignment import Distro
+from grader.contracts.assignment import Distro, RunsAs
 from grader.contracts.errors import ChangedMeanwhileError
 from grader.contracts.fields import kinds_of
 from grader.contracts.identity import Seen, unknown_course, unknown_members
@@ -46,8 +46,8 @@ ABOUT = (
 )
 """Columns of `ABOUT_FROM`, in the order of the parameters of `rules_about`."""
 
-OF_COURSE = (_course_of.archived_at, _course_of.distro, _member_of.person)
-"""Columns of `ABOUT_FROM`: since when the course is archived, its release of ROS 2, the student if it has one."""
+OF_COURSE = (_course_of.archived_at, _course_of.distro, _course_of.runs_as, _member_of.person)
+"""Columns of `ABOUT_FROM`: since when the course is archived, its settings, the student if it has one."""
 
 _ONE_ROW = select(
     literal(1).label("asked")
@@ -77,7 +77,9 @@ Parameters: `course`, `assignment` and `student`.
 """
 
 
-_ABOUT_ONE = select(*ABOUT, _course_of.archived_at, _course_of.distro).select_from(ABOUT_FROM)
+_ABOUT_ONE = select(*ABOUT, _course_of.archived_at, _course_of.distro, _course_of.runs_as).select_from(
+    ABOUT_FROM
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +88,7 @@ class CourseRules:
 
     Attributes:
         sections: by person; only where some rule asks for them.
-        distro: release of ROS 2 of the course; None without one.
+        distro, runs_as: settings of the course; None without one.
     """
 
     zone: ZoneInfo
@@ -95,6 +97,7 @@ class CourseRules:
     extensions: dict[tuple[str, str], Extension]
     sections: Mapping[str, Collection[str]] = field(default_factory=dict)
     distro: Distro | None = None
+    runs_as: RunsAs | None = None
 
     def of(self, assignment: str, student: str | None = None) -> Rules:
         """Return the rules of one assignment, for everybody or as they hold for a student's sections."""
@@ -133,7 +136,7 @@ class StoredRules(StorePart):
             return _NO_COURSE
         asked = {"course": course, "student": student, "assignment": assignment}
         with self._database.reading() as session:
-            zone, document, due, extra_attempts, sections, archived_at, distro = (
+            zone, document, due, extra_attempts, sections, archived_at, distro, runs_as = (
                 session.connection().execute(_ABOUT_ONE, asked).one()
             )
         extended = extra_attempts is not None
@@ -146,6 +149,7 @@ class StoredRules(StorePart):
             else {},
             sections={student: (sections or "").split(_BETWEEN)},
             distro=distro,
+            runs_as=runs_as,
         )
 
     def set(
@@ -261,6 +265,7 @@ def rules_of(session: Session, course: str | None) -> CourseRules:
         else {},
         extensions={(one.assignment, one.person): _extension(one) for one in extensions},
         distro=None if row is None else cast("Distro", row.distro),
+        runs_as=None if row is None else cast("RunsAs", row.runs_as),
     )
 
 

@@ -25,7 +25,7 @@ from sqlalchemy.types import TypeDecorator
 from sqlmodel import Field, SQLModel
 
 from grader.contracts.appeal import AppealState
-from grader.contracts.assignment import DEFAULT_DISTRO
+from grader.contracts.assignment import DEFAULT_DISTRO, DEFAULT_WAY
 from grader.contracts.identity import Role
 from grader.contracts.own_assignment import OwnState
 from grader.contracts.python import UTC, StrEnum
@@ -139,6 +139,7 @@ class CourseRow(_Row, table=True):
         default=DEFAULT_DISTRO, max_length=32, sa_column_kwargs={"server_default": DEFAULT_DISTRO}
     )
     archived_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+    runs_as: str = Field(default=DEFAULT_WAY, max_length=32, sa_column_kwargs={"server_default": DEFAULT_WAY})
 
 
 class MemberRow(_Row, table=True):

@@ -97,6 +97,7 @@ def _checked(
         file_name=name,
         assignment_version=published.version,
         distro=published.distro,
+        runs_as=published.runs_as,
         own=is_own(services, caller.course, published.id),
     )
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import timedelta
 
-from grader.contracts.assignment import Distro
+from grader.contracts.assignment import Distro, RunsAs
 from grader.contracts.errors import CourseError, RefusedError
 from grader.contracts.identity import (
     AuditEntry,
@@ -54,13 +54,20 @@ def members(services: Services, caller: Caller, role: Role | None = None) -> Seq
     return tuple(one for one in members_of_role if one.role is not Role.STUDENT or caller.looks_after(one.id))
 
 
-def set_distro(services: Services, caller: Caller, distro: Distro, reason: str) -> Course:
-    """Choose the release of ROS 2 of the caller's course; return the course. What is graded already stays.
+def change_course(
+    services: Services,
+    caller: Caller,
+    reason: str,
+    *,
+    distro: Distro | None = None,
+    runs_as: RunsAs | None = None,
+) -> Course:
+    """Change what the caller's course is like, and return it; None: stays. What is graded already stays, too.
 
     For instructors of a course.
     """
     taught_course(caller)
-    return services.courses.set_distro(distro, services.signature(caller), reason)
+    return services.courses.change(services.signature(caller), reason, distro=distro, runs_as=runs_as)
 
 
 def plan_import(services: Services, caller: Caller, content: bytes) -> ImportPlan:

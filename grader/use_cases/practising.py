@@ -192,9 +192,8 @@ def _job(services: Services, caller: Caller, assignment_id: str, file_name: str,
     # whole: an item that is shown may need one that is not, and what is not shown is left out of the report
     assignments = services.assignments.of(caller.course).get(assignment_id)
     course = services.rules.of(caller.course)
-    return GradingJob(
-        file_name=name, source=source, assignment=for_practice(assignments.of_course(course.distro))
-    )
+    as_graded = assignments.of_course(course.distro, course.runs_as)
+    return GradingJob(file_name=name, source=source, assignment=for_practice(as_graded))
 
 
 def _shown_practice(services: Services, caller: Caller, ran: Assignment, result: GradingResult) -> Practice:

@@ -114,7 +114,10 @@ def shown_assignments(
     rules, now = services.rules.of(caller.course), services.clock()
     hides = caller.role is Role.STUDENT
     return tuple(
-        _without_items(one.of_course(rules.distro), rules.of(one.id).hidden_at(now) if hides else frozenset())
+        _without_items(
+            one.of_course(rules.distro, rules.runs_as),
+            rules.of(one.id).hidden_at(now) if hides else frozenset(),
+        )
         for one in assignments
     )
 

@@ -215,7 +215,7 @@ def finish(
     grading: Callable[[GradingJob], GradingResult] = grade,
 ) -> None:
     """Grade what was claimed and store the result."""
-    assignment = assignments.of(claim.course).get(claim.assignment).of_course(claim.distro)
+    assignment = assignments.of(claim.course).get(claim.assignment).of_course(claim.distro, claim.runs_as)
     job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
     assert queue.finish(claim, grading(job), assignment)
 

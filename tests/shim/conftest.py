@@ -248,6 +248,7 @@ def run_script_text(
     output_bytes: int | None = None,
     steps: int | None = None,
     distro: str = "humble",
+    runs_as: str = "python",
     warm: bool = False,
 ) -> Run:
     """Run `source` in a subprocess on the shim and return what it did.
@@ -259,7 +260,7 @@ def run_script_text(
         bare: run without `rclpy/__init__.py`, for tests of the kernel alone.
         preload: modules imported before the shim takes over, as the zygote does.
         output_bytes: what the script may print.
-        distro: which release of ROS 2 the script finds.
+        distro: which release of ROS 2 the script finds. runs_as: how it is started.
         warm: load ahead what most scripts need, as the zygote does.
         steps: what it may do.
         cpu_s: backstop against a script that never ends; the process is then killed by SIGXCPU.
@@ -274,6 +275,7 @@ def run_script_text(
         "epoch_ns": EPOCH_NS,
         "seed": seed,
         "distro": distro,
+        "runs_as": runs_as,
         "output_bytes": output_bytes,
         "steps": steps,
         "world": WORLD if world is None else world,

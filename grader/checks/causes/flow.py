@@ -412,6 +412,8 @@ def never_called(seen: Searched) -> Mistake | None:
     """Find a function that nothing calls or hands over, and that alone does what is missing."""
     script = seen.script
     dead = {} if script.lines_with(r"\bgetattr\(") else _dead(script)
+    if noted(seen.run.outcome, "main_called") is not None:
+        dead.pop("main", None)
     wanted = script.lines_with(_WANTED.get(seen.mistake.code, r"\.publish\("))
     if not dead:
         return None

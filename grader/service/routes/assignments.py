@@ -6,7 +6,7 @@ from fastapi import APIRouter, Path, Response
 from pydantic import Field
 
 from grader.checks import published_rubric
-from grader.contracts.assignment import Assignment, Distro, ItemSpec
+from grader.contracts.assignment import Assignment, Distro, ItemSpec, RunsAs
 from grader.contracts.rubric import PublishedItem
 from grader.contracts.text import Language
 from grader.service.requests.dependencies import ErrandDep, LanguageDep
@@ -66,6 +66,9 @@ class AssignmentView(AssignmentSummary):
 
     file_patterns: list[str] = Field(description="File names that tell it.", examples=[["*square*.py"]])
     distro: Distro = Field(description="Release of ROS 2 that a script finds.")
+    runs_as: RunsAs = Field(
+        description="How a script is started: by python3, or as ros2 run calls its main()."
+    )
     cmd_vel_topic: str = Field(description="Topic that moves the car.", examples=["/turtle1/cmd_vel"])
     walls: bool = Field(description="Whether the window's edges stand as walls.")
     cpu_limit_s: float = Field(description="CPU seconds a run may use.", examples=[10.0])
@@ -112,6 +115,7 @@ def read(
         assignment,
         **_summary(assignment, language),
         distro=assignment.release,
+        runs_as=assignment.started_as,
         cmd_vel_topic=assignment.world.cmd_vel_topic,
         walls=assignment.world.window,
         cpu_limit_s=assignment.limits.cpu_s,

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, File, Path, Query, Response, UploadFile, status
 from pydantic import Field
 
-from grader.contracts.assignment import Distro
+from grader.contracts.assignment import Distro, RunsAs
 from grader.contracts.identity import Role, RosterEntry
 from grader.service.requests.answers import PRIVATE
 from grader.service.requests.dependencies import ErrandDep, InstructorDep, LanguageDep, QueryWhole, StaffDep
@@ -33,14 +33,20 @@ class CourseView(View):
     distro: Distro = Field(
         description="Release of ROS 2 that scripts find where an assignment names none.", examples=["humble"]
     )
+    runs_as: RunsAs = Field(description="How scripts are started where an assignment does not say.")
     archived_at: datetime | None = Field(description="Since when it can only be read; null: it is taught.")
 
 
 class CourseBody(Body):
     """What a course shall be like, and why."""
 
-    distro: Distro = Field(
-        description="Release of ROS 2 of its scripts; an assignment that names one keeps its own."
+    distro: Distro | None = Field(
+        default=None,
+        description="Release of ROS 2 of its scripts; an assignment that names one keeps its own. null: stays.",
+    )
+    runs_as: RunsAs | None = Field(
+        default=None,
+        description="How its scripts are started, likewise: by python3, or as ros2 run calls main().",
     )
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
 
@@ -184,9 +190,11 @@ def read_me(errand: ErrandDep, response: Response) -> MeView:
     responses=responses(*_CHANGING, "malformed_body", "too_large"),
 )
 def put_course(errand: InstructorDep, body: CourseBody, response: Response) -> CourseView:
-    """Choose the release of ROS 2 for what is graded from now on; a re-grade grades by it, too."""
+    """Choose the release of ROS 2 and the way to start scripts, for what is graded or re-graded from now on."""
     response.headers.update(PRIVATE)
-    course = people.set_distro(errand.services, errand.caller, body.distro, body.reason)
+    course = people.change_course(
+        errand.services, errand.caller, body.reason, distro=body.distro, runs_as=body.runs_as
+    )
     return CourseView.of(course)
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Form, Query, Response
 from fastapi.responses import RedirectResponse
 
-from grader.contracts.assignment import DISTROS, Assignment, Distro
+from grader.contracts.assignment import DISTROS, WAYS_TO_RUN, Assignment, Distro, RunsAs
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen, sections_of
 from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Corrector, Counts, Shown
@@ -27,7 +27,8 @@ from grader.service.web.rule_form import (
 )
 from grader.store.rules import CourseRules, tag
 from grader.use_cases.assignments import require_published
-from grader.use_cases.people import members, names, set_distro
+from grader.use_cases.people import change_course as change_settings
+from grader.use_cases.people import members, names
 from grader.use_cases.rules import change_rules, course_rules, extensions
 from grader.use_cases.rules import extend as extend_for
 
@@ -53,7 +54,7 @@ def overview_page(
     for assignment in errand.services.assignments.of(errand.caller.course).all():
         rules = known.of(assignment.id)
         late = teller.late(asdict(rules.late), in_full=False)
-        lines.append((assignment.of_course(known.distro), rules, late, len(known.extended(assignment.id))))
+        lines.append((assignment, rules, late, len(known.extended(assignment.id))))
     return page(
         errand.request,
         "rules.html",
@@ -63,6 +64,8 @@ def overview_page(
         course=errand.caller.course,
         distro=known.distro,
         distros=DISTROS,
+        runs_as=known.runs_as,
+        ways_to_run=WAYS_TO_RUN,
         sections=sections_of(members(errand.services, errand.caller)),
         shown=tuple(Shown),
         correctors=tuple(Corrector),
@@ -77,10 +80,11 @@ def overview_page(
 def change_course(
     errand: InstructorDep,
     distro: Annotated[Distro, Form()],
+    runs_as: Annotated[RunsAs | None, Form()] = None,
     reason: Annotated[str, Form(max_length=1_000)] = "",
 ) -> Response:
-    """Choose the release of ROS 2 of the course."""
-    set_distro(errand.services, errand.caller, distro, reason.strip())
+    """Choose the release of ROS 2 of the course, and how its scripts are started."""
+    change_settings(errand.services, errand.caller, reason.strip(), distro=distro, runs_as=runs_as)
     return RedirectResponse("/class/rules?saved=1", status_code=303)
 
 

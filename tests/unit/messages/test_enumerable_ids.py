@@ -15,7 +15,7 @@ import pytest
 import grader
 from grader.contracts import rules
 from grader.contracts.appeal import AppealState
-from grader.contracts.assignment import Input, SolidKind
+from grader.contracts.assignment import WAYS_TO_RUN, Input, SolidKind
 from grader.contracts.fields import Choice, Count, Table, kinds_of
 from grader.contracts.identity import Role
 from grader.contracts.notice import NoticeKind, Outlet, Vendor
@@ -88,6 +88,7 @@ TEMPLATES: Mapping[str, Iterable[str]] = {
     "rules.counts.": rules.Counts,
     "rules.hint.": (),  # where there is none, the form has none
     "rules.late.": LATE_PARAMETERS,
+    "rules.runs_as.": WAYS_TO_RUN,
     "rules.shown.": rules.Shown,
     "rubric_form.": ("low", "high", "ramp"),
     "run.": ("stdout", "stderr"),

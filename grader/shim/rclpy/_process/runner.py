@@ -28,6 +28,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any, BinaryIO, NoReturn
 
+    from rclpy._process.entry_point import EntryPoint
     from rclpy._process.facts import Ledger
 
 PIPE_BYTES = 65_536
@@ -108,14 +109,24 @@ def run(channel: int = 3) -> NoReturn:
     code = _compile(source)
     if code is not None:
         facts = _facts(start, source)
-        if name := imports_itself(start["file_name"], source):
+        entry = _entry_point(start, source)
+        if entry is None and (name := imports_itself(start["file_name"], source)):
             import_itself(module, name, code)
         del source
         _tell_start()
         if facts is not None:
             facts.begin()
-        _execute(module, code)
+        _execute(module, code, entry)
     _finish()
+
+
+def _entry_point(start: dict[str, Any], source: bytes) -> EntryPoint | None:
+    """Return how the script is started if START asks for more than ``python3 student.py``."""
+    if start.get("runs_as") != "ros2_run":
+        return None
+    from rclpy._process.entry_point import EntryPoint
+
+    return EntryPoint(start["file_name"], source)
 
 
 def _facts(start: dict[str, Any], source: bytes) -> Ledger | None:
@@ -242,11 +253,14 @@ def _compile(source: bytes) -> CodeType | None:
         return None
 
 
-def _execute(module: ModuleType, code: CodeType) -> None:
+def _execute(module: ModuleType, code: CodeType, entry: EntryPoint | None) -> None:
     """Run the script up to the end of its main thread, with its other threads and exit handlers."""
     gc.collect()  # from here on the collector runs at the same points in each run
     if tracebacks.script.files:
         _guard(_launch if workspace.launch else workspace.call)
+    elif entry is not None:
+        module = entry.module
+        _guard(lambda: entry.call(code))
     else:
         _guard(lambda: exec(code, module.__dict__))  # noqa: S102
     _guard(_join_threads)

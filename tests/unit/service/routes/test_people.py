@@ -66,6 +66,10 @@ def test_the_course_of_another_release_tells_it_to_students(
     assert told() == ("humble", "humble")
     assert client.put("/api/v1/course", headers=headers, json={"distro": "jazzy"}).json()["distro"] == "jazzy"
     assert told() == ("jazzy", "jazzy")
+    started = client.put("/api/v1/course", headers=headers, json={"runs_as": "ros2_run"}).json()
+    assert (started["distro"], started["runs_as"]) == ("jazzy", "ros2_run")
+    one = client.get("/api/v1/assignments/square", headers=school.as_("li")).json()
+    assert one["runs_as"] == "ros2_run"
     refused = client.put("/api/v1/course", headers=headers, json={"distro": "kilted"})
     assert (refused.status_code, refused.json()["code"]) == (422, "invalid_request")
 

@@ -231,7 +231,7 @@ def test_a_plot_shows_the_assignment_that_was_graded(
     url = upload(b"good", student="", headers=school.as_("li")).headers["Location"]
     work(services, grade)
     stored = services.submissions.report(url.rpartition("/")[2])
-    graded_one = services.assignments.get("square").of_course("humble")
+    graded_one = services.assignments.get("square").of_course("humble", "python")
     tighten(services)
     assert services.submissions.graded_assignment(stored) == graded_one
     services.assignments.assignments = services.assignments.assignments[:1]

@@ -76,7 +76,7 @@ def test_another_release_of_the_course_grades_the_same_bytes_again(
     services.assignments.assignments = (replace(straight, distro="humble"), square)
     for one in ("straight", "square"):
         graded(b"good\n", one, "", headers=own)
-    services.courses.set_distro("jazzy", Signature(clock(), "ros", "wang"))
+    services.courses.change(Signature(clock(), "ros", "wang"), distro="jazzy")
     clock.advance(1)
     assert upload(b"good\n", "straight", "", headers=own).json()["repeated"] is True
     again = graded(b"good\n", student="", headers=own)

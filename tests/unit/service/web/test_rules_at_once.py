@@ -53,6 +53,10 @@ def test_the_release_of_the_course_is_chosen_and_shown(wang: Browser, li: Browse
     assert "ROS 2 Jazzy" in li.get("/assignments/square").text
     assert '<option value="jazzy" selected>' in wang.get("/class/rules").text
     assert "ROS 2 版本" in wang.get("/class/audit").text
+    assert "ros2 run" not in li.get("/assignments/square").text
+    assert wang.post("/class/course", {"distro": "jazzy", "runs_as": "ros2_run"}).status_code == 303
+    assert "ros2 run" in li.get("/assignments/square").text
+    assert '<option value="ros2_run" selected>' in wang.get("/class/rules").text
 
 
 def test_one_form_sets_dates_of_several_assignments(wang: Browser, services: Services) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from grader.contracts.assignment import Assignment
 from grader.contracts.errors import InfrastructureError, NoRoomError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob, GradingResult, SandboxState
 from grader.contracts.identity import Role, RosterEntry
@@ -51,19 +52,24 @@ def test_the_course_chooses_the_release_unless_the_assignment_does(bench: Bench)
     courses.import_roster("ros", [RosterEntry(id="s1", name="s1", role=Role.STUDENT)], "wang")
     of_their_own = [replace(one, distro="jazzy") for one in bench.parts.assignments.all()]
 
-    def graded_on(course: str | None) -> str:
+    def graded(course: str | None) -> Assignment:
         id_ = bench.upload(course=course)
         assert bench.slot().step()
-        return bench.submissions.graded_assignment(bench.submissions.report(id_)).release
+        return bench.submissions.graded_assignment(bench.submissions.report(id_))
+
+    def graded_on(course: str | None) -> str:
+        return graded(course).release
 
     assert (graded_on(None), graded_on("ros")) == ("humble", "humble")
-    courses.set_distro("jazzy", signed)
+    courses.change(signed, distro="jazzy")
     assert (graded_on(None), graded_on("ros")) == ("humble", "jazzy")
-    courses.set_distro("humble", signed)
+    courses.change(signed, distro="humble")
     bench.parts.assignments.assignments = tuple(of_their_own)
     assert graded_on("ros") == "jazzy"
     changes = [one for one in AuditLog(bench.database).entries("ros", 9) if one.action == "course.change"]
     assert [one.after for one in changes] == [{"distro": "humble"}, {"distro": "jazzy"}]
+    courses.change(signed, runs_as="ros2_run")
+    assert (graded(None).started_as, graded("ros").started_as) == ("python", "ros2_run")
 
 
 @pytest.mark.parametrize(
