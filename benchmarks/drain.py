@@ -123,8 +123,7 @@ class Drain:
         """Store and queue `uploads` in one transaction; return their ids."""
         now = self._clock()
         with self._database.writing() as session:
-            announcer = self._database.announcer
-            return [take_in(session, self.new(one), now, announcer)[0].id for one in uploads]
+            return [take_in(session, self.new(one), now)[0].id for one in uploads]
 
     def await_empty(self) -> None:
         """Wait until nothing waits and nothing is graded."""

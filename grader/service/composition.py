@@ -4,7 +4,7 @@ import logging
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from importlib.util import find_spec
 
 from grader.catalog import Catalog, set_root
@@ -33,7 +33,7 @@ from grader.store.queue import Queue, Retries
 from grader.store.schema import up_to_date
 from grader.store.standings import Measures
 from grader.store.tokens import Tokens
-from grader.store.work import PERMIT_CONNECTIONS, Doorbell, WorkSource
+from grader.store.work import NEWS_CONNECTIONS, Doorbell
 from grader.store.workers import Workers, presence
 from grader.use_cases.callers import Callers, new_token
 from grader.use_cases.course_assignments import CourseAssignments
@@ -146,8 +146,8 @@ def running_worker(
             clock=clock,
             metrics=link or stack.enter_context(_own_metrics(settings, database, clock)),
             uploads=Uploads(own=OwnAssignments(database, clock), make_grader=lambda: Slot(_BEHIND)),
-            work=None if database.is_sqlite else _permits(database, settings, clock),
         )
+        stack.enter_context(_news(database, doorbell))
         yield stack.enter_context(_working(settings, parts))
 
 
@@ -163,9 +163,9 @@ def connections_of_worker(slots: int) -> int:
     """Return how many connections to PostgreSQL a worker has at most.
 
     One for each slot, which uses it only between two gradings and shares it with the heart and the examiner, and
-    two to take permits.
+    two to hear of uploads.
     """
-    return slots + PERMIT_CONNECTIONS
+    return slots + NEWS_CONNECTIONS
 
 
 def _providers(settings: Settings, clock: Clock) -> Providers:
@@ -214,10 +214,12 @@ def _working(settings: Settings, parts: WorkerParts) -> Iterator[Worker]:
             worker.stop()
 
 
-def _permits(database: Database, settings: Settings, clock: Clock) -> WorkSource:
-    from grader.store.permits.loop import PermitLoop  # the embedded default does without Procrastinate
+def _news(database: Database, doorbell: Doorbell) -> AbstractContextManager[None]:
+    if database.is_sqlite:
+        return nullcontext()
+    from grader.store.jobs.news import heard  # the embedded default does without Procrastinate
 
-    return PermitLoop(database, clock, settings.poll_s)
+    return heard(database, doorbell)
 
 
 @contextmanager

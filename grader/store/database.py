@@ -69,7 +69,6 @@ from sqlmodel import Session, SQLModel, create_engine
 
 from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.store.tables import table_of
-from grader.store.work import Announcer, Unannounced
 
 _log = logging.getLogger(__name__)
 _LOCK_TIMEOUT_MS = 30_000
@@ -108,11 +107,7 @@ def sqlite_address(file: Path) -> str:
 
 
 class Database:
-    """One database; safe to share between threads. Close it when done.
-
-    Attributes:
-        announcer: announces every row that a transaction makes ``queued``.
-    """
+    """One database; safe to share between threads. Close it when done."""
 
     def __init__(self, url: str, connections: int = _CONNECTIONS) -> None:
         """Prepare; nothing is opened yet.
@@ -128,7 +123,6 @@ class Database:
             if self.is_sqlite
             else {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
         )
-        self.announcer = _announcer(self._engine)
         self._turns = _Turns()
         self._disk = _Disk(f"{self._engine.url.database}-wal")
         self._own = threading.local()
@@ -459,15 +453,6 @@ def _engine(url: URL, connections: int) -> Engine:
     event.listen(engine, "connect", _configure_postgresql)
     _replace_dead_connections(engine)
     return engine
-
-
-def _announcer(engine: Engine) -> Announcer:
-    if engine.dialect.name == "sqlite":
-        return Unannounced()
-    # imported here: an installation with SQLite has no Procrastinate
-    from grader.store.permits.announcer import PermitAnnouncer
-
-    return PermitAnnouncer()
 
 
 def _create_private(_dialect: Dialect, _record: Any, arguments: Sequence[Any], _options: Any) -> None:

@@ -49,7 +49,7 @@ from grader.store.tables import (
     submission_of,
     table_of,
 )
-from grader.store.work import Announcer, announcement_of
+from grader.store.work import tell_workers
 
 LATELY = timedelta(minutes=10)
 """Far longer than anybody waits, so that a first grading goes before anybody's second."""
@@ -174,7 +174,9 @@ class Intake(StorePart):
             RefusedError: as `take_in`.
         """
         with self._database.writing() as session:
-            row, repeated = take_in(session, upload, received_at, self._database.announcer)
+            row, repeated = take_in(session, upload, received_at)
+            if not repeated:
+                tell_workers(session.connection())
             if upload.by is not None and not repeated:
                 _record_handed_in(session, upload.by, row)
             return submission_of(row), repeated
@@ -203,10 +205,8 @@ class Intake(StorePart):
             return int(session.execute(own).scalar_one())
 
 
-def take_in(
-    session: Session, upload: NewSubmission, now: datetime, announcer: Announcer
-) -> tuple[SubmissionRow, bool]:
-    """Store `upload` and announce it, unless the student sent the same before.
+def take_in(session: Session, upload: NewSubmission, now: datetime) -> tuple[SubmissionRow, bool]:
+    """Store and queue `upload`, unless the student sent the same before.
 
     Returns:
         The row of the submission, and whether it is an earlier one.
@@ -237,7 +237,7 @@ def take_in(
         turn_at=_turn(session, upload, known, now),
         not_before=now,
     )
-    _insert(session, upload, row, announcer)
+    _insert(session, upload, row)
     return row, False
 
 
@@ -326,8 +326,8 @@ def _under_key(upload: NewSubmission, digest: str, known: _Known) -> str | None:
     return submission_id
 
 
-def _insert(session: Session, upload: NewSubmission, row: SubmissionRow, announcer: Announcer) -> None:
-    """Insert a new row and what belongs to it, and announce it."""
+def _insert(session: Session, upload: NewSubmission, row: SubmissionRow) -> None:
+    """Insert a new row and what belongs to it."""
     connection = session.connection()
     add_once(connection, SourceRow, sha256=row.source_sha256, content=upload.source)
     connection.execute(_INSERT_SUBMISSION, {name: getattr(row, name) for name in _COLUMNS})
@@ -336,7 +336,6 @@ def _insert(session: Session, upload: NewSubmission, row: SubmissionRow, announc
         connection.execute(_FORGET_OLD_KEYS, {"of": owner, "before": row.received_at - _KEY_LIFE})
         key = {"owner": owner, "key": upload.key, "digest": _upload_digest(upload, row.source_sha256)}
         connection.execute(_INSERT_KEY, {**key, "submission_id": row.id, "at": row.received_at})
-    announcer.queued(session, [announcement_of(row)], row.queued_at)
 
 
 def _refusal(session: Session, upload: NewSubmission, known: _Known, received_at: datetime) -> Refusal | None:

@@ -9,7 +9,7 @@ submission again whose lease has ended.
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import timedelta
 from statistics import fmean, median
 from typing import Any, NamedTuple
 
@@ -32,7 +32,6 @@ from grader.store.gradings import (
 )
 from grader.store.intake import LATELY
 from grader.store.tables import GradedAssignmentRow, GradingRow, SubmissionRow, table_of
-from grader.store.work import ANNOUNCED, Announcement, announcements
 
 _TROUBLE_CHARACTERS = 2_000
 _MOST_TRIES_RUNNING = 2  # once a fault of the host, twice rather of the script
@@ -64,11 +63,10 @@ class Retries:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reconciled:
-    """What `Queue.reconcile` mended: claims queued again, submissions given up, lost announcements made again."""
+    """What `Queue.reconcile` mended: claims queued again, submissions given up."""
 
     requeued: int
     given_up: int
-    announced: int = 0
 
 
 class Finished(NamedTuple):
@@ -105,12 +103,11 @@ class Queue:
         `in_turn`: leave what its student's other uploads put back until its turn has come, if others might wait
         for it long: another upload of the student is being graded, or was lately and took long.
         """
-        if self._database.is_sqlite:  # an idle poll must not take the only write lock
-            with self._database.reading() as session:
-                connection, now = session.connection(), self._clock()
-                due = connection.execute(DUE, instants(now, in_turn)).first()
-                if due is None and (not in_turn or due_early(connection, now) is None):
-                    return None
+        with self._database.reading() as session:  # an idle look must not take SQLite's only write lock
+            connection, now = session.connection(), self._clock()
+            due = connection.execute(DUE, instants(now, in_turn)).first()
+            if due is None and (not in_turn or due_early(connection, now) is None):
+                return None
         with self._database.writing() as session:
             return take(session.connection(), worker, self._clock(), self.lease_s, in_turn)
 
@@ -142,7 +139,6 @@ class Queue:
     ) -> Finished:
         """Do what `finish` does and, in the same transaction, what `claim` does.
 
-        So a busy slot takes the next submission without having been told of it; its announcement is taken back.
         When the connection broke during the commit, call it again: it returns what that commit claimed. `worker`
         must then know of no other claim of its own.
         """
@@ -168,7 +164,7 @@ class Queue:
             "turn_at": due,
             "finished_at": now if given_up else None,
         }
-        return state if self._release(claim, values, now, trouble) else None
+        return state if self._release(claim, values, trouble) else None
 
     def hand_back(self, claim: Claim, trouble: str = "", pause_s: float = 0.0) -> bool:
         """Return an unfinished submission to its place in the queue; the try does not count.
@@ -181,13 +177,13 @@ class Queue:
             "tries": max(claim.tries - 1, 0),
             "not_before": now + timedelta(seconds=pause_s),
         }
-        return self._release(claim, values, now, trouble or None)
+        return self._release(claim, values, trouble or None)
 
     def put_behind(self, claim: Claim, trouble: str) -> bool:
         """Return an unfinished one to the queue, behind what others bring in ten minutes: the try counts."""
         now = self._clock()
         values = {"state": SubmissionState.QUEUED.value, "turn_at": now + LATELY, "not_before": now}
-        return self._release(claim, values, now, trouble)
+        return self._release(claim, values, trouble)
 
     def hand_back_all(self, workers: Collection[str]) -> list[str]:
         """Do what `hand_back` does with every claim of `workers`; return the submissions.
@@ -198,9 +194,7 @@ class Queue:
         tries = col(SubmissionRow.tries) - 1
         values = {"state": SubmissionState.QUEUED.value, "tries": tries, "not_before": now}
         with self._database.writing() as session:
-            returned = _void(session, [col(SubmissionRow.worker).in_(workers)], values)
-            self._database.announcer.queued(session, returned, now)
-        return [one.submission_id for one in returned]
+            return _void(session, [col(SubmissionRow.worker).in_(workers)], values)
 
     def reconcile(self, *, all_running: bool = False) -> Reconciled:
         """Put claims past their lease back into the queue; give up those that were tried too often.
@@ -216,17 +210,23 @@ class Queue:
         with self._database.writing() as session:
             given_up = _void(session, [*lost, spent], ended)
             requeued = _void(session, [*lost, ~spent], again)
-            self._database.announcer.queued(session, requeued, now)
-            announced = self._database.announcer.mend(session, now)
-        return Reconciled(requeued=len(requeued), given_up=len(given_up), announced=announced)
+        return Reconciled(requeued=len(requeued), given_up=len(given_up))
 
-    def sweep(self) -> Reconciled:
-        """Do the part of `reconcile` that ends no claim; make due what a clock that was ahead put off."""
-        now = self._clock()
+    def bring_forward(self) -> None:
+        """Make due what waits for an instant that no pause reaches: the clock was ahead when it was queued.
+
+        Rows that another transaction holds are left for the next time: two transactions could wait for each other.
+        """
+        now, row = self._clock(), SubmissionRow
+        put_off = or_(col(row.tries) == 0, col(row.not_before) > now + LONGEST_PAUSE)
+        waits = col(row.state) == SubmissionState.QUEUED.value
+        found = select(col(row.id)).where(waits, col(row.not_before) > now, put_off)
+        ids = found.with_for_update(skip_locked=True)
         with self._database.writing() as session:
-            _bring_forward(session, now)
-            announced = self._database.announcer.mend(session, now)
-        return Reconciled(requeued=0, given_up=0, announced=announced)
+            session.execute(
+                update(row).where(col(row.id).in_(ids)).values(not_before=now),
+                execution_options={"synchronize_session": False},
+            )
 
     def state(self) -> QueueState:
         """Count what waits, runs and was given up."""
@@ -298,23 +298,16 @@ class Queue:
             if state == SubmissionState.GRADED.value and start is not None and end is not None
         ]
 
-    def _release(self, claim: Claim, values: Mapping[str, Any], now: datetime, trouble: str | None) -> bool:
-        """End `claim` by writing `values`, and announce its row if it waits again; False when it was not valid.
+    def _release(self, claim: Claim, values: Mapping[str, Any], trouble: str | None) -> bool:
+        """End `claim` by writing `values`; False when it was not valid.
 
         `trouble` None: what is kept of an earlier one stays.
         """
-        row = SubmissionRow
         ended: dict[str, Any] = {**values, "lease_until": None}
         if trouble is not None:
             ended["trouble"] = trouble[:_TROUBLE_CHARACTERS]
-        released = select(*ANNOUNCED).where(
-            col(row.id) == claim.submission_id, col(row.state) == SubmissionState.QUEUED.value
-        )
         with self._database.writing() as session:
-            valid = change(session.connection(), claim, ended)
-            if valid:
-                self._database.announcer.queued(session, announcements(session.execute(released)), now)
-            return valid
+            return change(session.connection(), claim, ended)
 
     def _finish(
         self,
@@ -353,8 +346,6 @@ class Queue:
         claimed = resume(connection, worker, self._clock(), self.lease_s) if answer_lost else None
         if claimed is None:
             claimed = take(connection, worker, self._clock(), self.lease_s, in_turn)
-            if claimed is not None:
-                self._database.announcer.claimed(session, claimed)
         return claimed
 
 
@@ -387,10 +378,8 @@ def _stored_already(connection: Connection, grading: Values) -> bool:
     return there is not None and tuple(there) == (grading["worker"], grading["report_sha256"])
 
 
-def _void(
-    session: Session, condition: Sequence[ColumnElement[bool]], values: Mapping[str, Any]
-) -> list[Announcement]:
-    """Write `values` to running rows because nobody grades them any more; return them.
+def _void(session: Session, condition: Sequence[ColumnElement[bool]], values: Mapping[str, Any]) -> list[str]:
+    """Write `values` to running rows because nobody grades them any more; return their ids.
 
     Rows that another transaction holds are left out: that transaction takes care of them.
     """
@@ -398,19 +387,5 @@ def _void(
     found = select(col(SubmissionRow.id)).where(running, *condition).order_by(col(SubmissionRow.id))
     ids = found.with_for_update(skip_locked=True)
     statement = update(SubmissionRow).where(col(SubmissionRow.id).in_(ids))
-    statement = statement.values(**values, lease_until=None).returning(*ANNOUNCED)
-    return announcements(session.execute(statement, execution_options={"synchronize_session": False}))
-
-
-def _bring_forward(session: Session, now: datetime) -> None:
-    """Make due what waits for an instant that no pause reaches: the clock was ahead when it was queued.
-
-    Rows that another transaction holds are left for the next time: two transactions could wait for each other.
-    """
-    row = SubmissionRow
-    put_off = or_(col(row.tries) == 0, col(row.not_before) > now + LONGEST_PAUSE)
-    waits = col(row.state) == SubmissionState.QUEUED.value
-    found = select(col(row.id)).where(waits, col(row.not_before) > now, put_off)
-    ids = found.with_for_update(skip_locked=True)
-    statement = update(row).where(col(row.id).in_(ids)).values(not_before=now)
-    session.execute(statement, execution_options={"synchronize_session": False})
+    statement = statement.values(**values, lease_until=None).returning(col(SubmissionRow.id))
+    return list(session.execute(statement, execution_options={"synchronize_session": False}).scalars())

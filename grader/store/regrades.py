@@ -37,7 +37,6 @@ from grader.store.tables import (
     as_contract,
 )
 from grader.store.undoing import undo
-from grader.store.work import announcement_of
 
 _BEHIND_FRESH = 10
 _ID_BYTES = 6
@@ -102,7 +101,6 @@ class Regrades(StorePart):
             trials = [_trial_row(original, row.id, signed.at) for original in originals]
             session.add_all(trials)
             session.flush()
-            self._database.announcer.queued(session, [announcement_of(trial) for trial in trials], signed.at)
             return _regrade(session, row)
 
     def get(self, regrade_id: str, course: str | None) -> Regrade | None:

@@ -162,7 +162,7 @@ def _versions(migrations: Path) -> tuple[str, ...]:
 def _install_queue(connection: Connection) -> None:
     if connection.dialect.name == "sqlite":
         return
-    from grader.store.permits.schema import install
+    from grader.store.jobs.schema import install
 
     install(connection)
 

@@ -1,96 +1,29 @@
 """How slots learn that a submission waits.
 
-The submission's row is the truth. Everything here is only a hint to look at the rows soon, and a lost hint
-costs a little time. `Announcer` is the side of whoever queues rows, `WorkSource` the side of the slots. On
-SQLite the slots are on the same machine: nothing is announced, they hear a `Doorbell` and poll. On PostgreSQL
-every row that becomes ``queued`` gets a job in the same transaction; see `grader.store.permits`.
+The submission's row is the truth. Everything here is only a hint to look at the rows soon, and a lost hint costs a
+little time: slots look by themselves, too. They hear a `Doorbell`, which is rung in the same process, or by the
+service for its own worker. Between machines a job carries the hint; see `grader.store.jobs`.
 """
 
 import logging
 import threading
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from datetime import datetime
-from typing import Any, Protocol
+from collections.abc import Callable
 
-from sqlmodel import Session, col
+from sqlalchemy import Connection, text
 
 from grader.contracts.errors import InfrastructureError
-from grader.contracts.submission import Claim
-from grader.store.tables import SubmissionRow
 
-PERMIT_CONNECTIONS = 2
+NEWS_CONNECTIONS = 2
 """Of a worker to PostgreSQL, to learn that something waits: one listens, outside of Procrastinate's pool."""
+JOB_QUEUE, JOB_TASK = "grading", "look"
+_TELL = text("INSERT INTO procrastinate_jobs (queue_name, task_name) VALUES (:queue, :task)")
 _log = logging.getLogger(__name__)
-ANNOUNCED = (
-    col(SubmissionRow.id),
-    col(SubmissionRow.attempt),
-    col(SubmissionRow.priority),
-    col(SubmissionRow.not_before),
-)
-"""The columns that `announcements` takes."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Announcement:
-    """A row that is ``queued``. Smaller `priority` goes first; it is not due before `due_at`.
-
-    Attributes:
-        attempt: how often the row has been claimed. A row that is queued again has a higher one.
-    """
-
-    submission_id: str
-    attempt: int
-    priority: int
-    due_at: datetime
-
-
-def announcements(rows: Iterable[Any]) -> list[Announcement]:
-    """Return the announcements of rows of the columns `ANNOUNCED`."""
-    return [
-        Announcement(submission_id=row[0], attempt=row[1], priority=row[2], due_at=row[3]) for row in rows
-    ]
-
-
-def announcement_of(row: SubmissionRow) -> Announcement:
-    """Return the announcement of a queued row."""
-    return Announcement(
-        submission_id=row.id, attempt=row.attempt, priority=row.priority, due_at=row.not_before
-    )
-
-
-class Announcer(Protocol):
-    """Makes slots look for queued rows. Every method belongs to the transaction of the session it is given."""
-
-    def queued(self, session: Session, announcements: Sequence[Announcement], now: datetime) -> None:
-        """Announce rows that this transaction makes ``queued``; those announced already stay so."""
-        ...
-
-    def claimed(self, session: Session, claim: Claim) -> None:
-        """Take back the announcement of a row that this transaction claimed without having been told of it."""
-        ...
-
-    def mend(self, session: Session, now: datetime) -> int:
-        """Replace announcements that were lost, and clear away what dead workers left.
-
-        Returns:
-            How many rows were announced again.
-        """
-        ...
-
-
-class Unannounced:
-    """Announces nothing: the workers are local and look by themselves."""
-
-    def queued(self, session: Session, announcements: Sequence[Announcement], now: datetime) -> None:
-        """Do nothing."""
-
-    def claimed(self, session: Session, claim: Claim) -> None:
-        """Do nothing."""
-
-    def mend(self, session: Session, now: datetime) -> int:
-        """Do nothing."""
-        return 0
+def tell_workers(connection: Connection) -> None:
+    """Have a worker on another machine look once the transaction is committed. A SQLite file has none."""
+    if connection.dialect.name != "sqlite":
+        connection.execute(_TELL, {"queue": JOB_QUEUE, "task": JOB_TASK})
 
 
 class Doorbell:
@@ -131,26 +64,6 @@ class Doorbell:
             self._changed.wait_for(lambda: self._rings != heard, timeout_s)
 
 
-class WorkSource(Protocol):
-    """Tells the slots of one worker when to look for work. Used once: start, drain, close."""
-
-    def start(self, slots: int, ready: Callable[[], bool]) -> None:
-        """Begin to bring work to `slots` slots, for as long as `ready` says that it may be taken."""
-        ...
-
-    def serve(self, step: Callable[[], bool]) -> None:
-        """Call `step` in this thread whenever there may be work, until draining; it says whether there was."""
-        ...
-
-    def drain(self) -> None:
-        """Bring no more work; `serve` returns when its present step ends."""
-        ...
-
-    def close(self) -> None:
-        """Put everything away, once the slots have ended."""
-        ...
-
-
 class PolledWork:
     """Work on this machine: the doorbell tells of some of it, and polling finds the rest."""
 
@@ -158,9 +71,6 @@ class PolledWork:
         self._doorbell = doorbell
         self._poll_s = poll_s
         self._draining = threading.Event()
-
-    def start(self, slots: int, ready: Callable[[], bool]) -> None:
-        """Do nothing: a slot that is not ready finds nothing."""
 
     def serve(self, step: Callable[[], bool]) -> None:
         """Look, and look again at once for as long as there was something."""
@@ -174,9 +84,6 @@ class PolledWork:
         """Wake the slots that wait, so that they end."""
         self._draining.set()
         self._doorbell.ring()
-
-    def close(self) -> None:
-        """Do nothing."""
 
 
 def attempted(step: Callable[[], bool]) -> bool:

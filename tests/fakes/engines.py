@@ -1,4 +1,4 @@
-"""Both ways from waiting rows to slots, to be asked the same questions."""
+"""A queue on either kind of database, to be asked the same questions."""
 
 import threading
 from collections.abc import Callable
@@ -9,10 +9,9 @@ from sqlalchemy import text
 from grader.contracts.grading import GradingJob
 from grader.contracts.submission import Claim, NewSubmission, SubmissionState
 from grader.store.database import Database
-from grader.store.permits.loop import PermitLoop
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
-from grader.store.work import Doorbell, PolledWork, WorkSource
+from grader.store.work import Doorbell, PolledWork
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import assignment, grade
 from tests.fakes.submissions import Submissions
@@ -87,82 +86,36 @@ class Engine:
         with self.database.reading() as session:
             return int(session.execute(text("SELECT count(*) FROM grading")).scalar_one())
 
-    def source(self) -> WorkSource:
-        raise NotImplementedError
-
-    def idle(self) -> bool:
-        """Whether nothing brings work to slots at present."""
-        raise NotImplementedError
-
     def work(self, step: Callable[[], bool], slots: int = 1) -> None:
-        source = self.source()
-        threads = [threading.Thread(target=source.serve, args=(step,)) for _ in range(slots)]
-        source.start(slots, lambda: True)
-        for thread in threads:
-            thread.start()
-        try:
-            wait_until(self.idle)
-        finally:
-            source.drain()
-            for thread in threads:
-                thread.join()
-            source.close()
-
-
-class EmbeddedEngine(Engine):
-    """Slots look by themselves: idle as soon as one looked in vain."""
-
-    def __init__(self, url: str) -> None:
-        super().__init__(url)
-        self._in_vain = threading.Event()
-
-    def source(self) -> WorkSource:
-        return PolledWork(Doorbell(), 0.001)
-
-    def idle(self) -> bool:
-        return self._in_vain.is_set()
-
-    def work(self, step: Callable[[], bool], slots: int = 1) -> None:
-        self._in_vain.clear()
+        """Have slots take what is due, until one has looked in vain."""
+        source, in_vain = PolledWork(Doorbell(), 0.001), threading.Event()
 
         def watched() -> bool:
-            found = False
+            busy = False
             try:
-                found = step()
+                busy = step()
             finally:
-                if not found:
-                    self._in_vain.set()
-            return found
+                if not busy:
+                    in_vain.set()
+            return busy
 
-        super().work(watched, slots)
+        threads = [threading.Thread(target=source.serve, args=(watched,)) for _ in range(slots)]
+        for thread in threads:
+            thread.start()
+        wait_until(in_vain.is_set)
+        source.drain()
+        for thread in threads:
+            thread.join()
 
 
 class PostgresEngine(Engine):
-    """Permits: idle as soon as Procrastinate has none to hand out."""
+    """The same, with a look at Procrastinate's tables."""
 
-    def source(self) -> WorkSource:
-        self._let_time_pass()
-        return PermitLoop(self.database, self.clock, poll_s=0.01)
-
-    def idle(self) -> bool:
-        return not self.jobs(
-            "status = 'doing' OR (status = 'todo' AND coalesce(scheduled_at <= now(), true))"
-        )
-
-    def jobs(self, condition: str = "true") -> int:
+    def jobs(self) -> int:
         with self.database.reading() as session:
-            found = session.execute(text(f"SELECT count(*) FROM procrastinate_jobs WHERE {condition}"))
-            return int(found.scalar_one())
+            return int(session.execute(text("SELECT count(*) FROM procrastinate_jobs")).scalar_one())
 
     def change(self, statement: str) -> None:
         """Do something to Procrastinate's tables behind everybody's back."""
         with self.database.writing() as session:
             session.execute(text(statement))
-
-    def _let_time_pass(self) -> None:
-        """Make due what is due by the test's clock: Procrastinate goes by the server's."""
-        with self.database.writing() as session:
-            session.execute(
-                text("UPDATE procrastinate_jobs SET scheduled_at = NULL WHERE scheduled_at <= :now"),
-                {"now": self.clock()},
-            )

@@ -26,7 +26,7 @@ _NEEDED = (
     "grader.commands.worker",
     "grader.service.composition",
     "grader.live.protocol",
-    "grader.store.permits.loop",
+    "grader.store.jobs.news",
     "uvicorn.main",
 )
 _MOST_BYTES = 1 << 17

@@ -103,7 +103,10 @@ class Heart:
 
     def _mend(self) -> None:
         queue = self._parts.queue
-        mended = queue.reconcile() if self._patience.count_beat(self._parts.clock()) else queue.sweep()
+        if not self._patience.count_beat(self._parts.clock()):
+            queue.bring_forward()
+            return
+        mended = queue.reconcile()
         if mended.requeued or mended.given_up:
             level = logging.ERROR if mended.given_up else logging.WARNING
             _log.log(level, "%d lost gradings queued again, %d given up", mended.requeued, mended.given_up)

@@ -27,7 +27,7 @@ from grader.operation.logs import about
 from grader.service.worker.examiner import Uploads
 from grader.store.clock import Clock
 from grader.store.queue import Finished, Queue
-from grader.store.work import Doorbell, WorkSource
+from grader.store.work import Doorbell
 from grader.store.workers import Workers
 from grader.use_cases.course_assignments import CourseAssignments
 
@@ -64,7 +64,6 @@ class WorkerParts:
         make_grader: returns a new grader; called once per slot.
         probe: tries the sandbox of this host; called before work is taken, and again while it is not ready.
         metrics: count how gradings went.
-        work: tells the slots when to look for work; by default the doorbell and a look every `poll_s`.
         uploads: assignments whose scripts are to be run; by default that is left to other workers.
     """
 
@@ -76,7 +75,6 @@ class WorkerParts:
     doorbell: Doorbell
     clock: Clock
     metrics: GradingCounts
-    work: WorkSource | None = None
     uploads: Uploads | None = None
 
 

@@ -40,13 +40,12 @@ class Worker:
         self._parts = parts
         self._config = config
         self._sandbox = SandboxHealth(parts.probe)
-        # One slot is kept for those whose turn it is; not with permits, where a slot must use the permit it got.
-        keeps_one = config.slots > 1 and parts.work is None
+        keeps_one = config.slots > 1  # for those whose turn it is
         self._slots = [
             WorkerSlot(f"{self.id}/{number}", parts, self._sandbox, reserved=number == 0 and keeps_one)
             for number in range(config.slots)
         ]
-        self._work = parts.work or PolledWork(parts.doorbell, config.poll_s)
+        self._work = PolledWork(parts.doorbell, config.poll_s)
         self._heart = Heart(self.id, self._slots, parts, self._sandbox, config.heartbeat_s)
         self._examiner = _examiner(parts, lambda: self._sandbox.state.ready) if config.slots else None
         self._threads = [
@@ -57,7 +56,6 @@ class Worker:
     def start(self) -> None:
         """Try the sandbox, then begin to take work."""
         self._heart.start()
-        self._work.start(len(self._slots), lambda: self._sandbox.state.ready)
         for thread in self._threads:
             thread.start()
         if self._examiner is not None:
@@ -81,7 +79,6 @@ class Worker:
             if slot.claim is not None:
                 slot.abort()
         self._join(_ABORT_S)
-        self._work.close()
 
     def _work_on(self, slot: WorkerSlot) -> None:
         slot.warm_up()

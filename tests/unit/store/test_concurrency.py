@@ -148,10 +148,10 @@ def test_a_sweep_waits_for_nobody(postgres_database: Database, clock: FakeClock)
     clock.advance(-3_600)
     with postgres_database.writing() as session:
         session.execute(text(f"SELECT FROM submission WHERE id = '{held}' FOR UPDATE"))
-        queue.sweep()
+        queue.bring_forward()
         assert queue.claim("w").submission_id == free
         assert queue.claim("w") is None
-    queue.sweep()
+    queue.bring_forward()
     assert queue.claim("w").submission_id == held
 
 
@@ -402,7 +402,7 @@ def test_a_removal_waits_for_an_upload_that_is_under_way(
     waits = text("SELECT count(*) FROM pg_locks WHERE NOT granted")
     with ThreadPoolExecutor(1) as pool:
         with postgres_database.writing() as session:
-            take_in(session, upload, clock(), postgres_database.announcer)
+            take_in(session, upload, clock())
             removal = pool.submit(own.remove, "walk", Signature(clock(), course, "wang"))
             with postgres_database.reading() as watching:
                 while not watching.connection().execute(waits).scalar_one() and not removal.done():

@@ -9,7 +9,7 @@ import pytest
 from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.store import database as store_database
 from grader.store.database import Database
-from grader.store.permits import loop
+from grader.store.jobs import news
 from tests.fakes.clock import FakeClock
 from tests.fakes.postgres import PostgresServer
 from tests.fakes.submissions import Submissions
@@ -32,12 +32,12 @@ def test_an_unreachable_database_is_an_infrastructure_fault(url: str) -> None:
 
 
 def test_a_server_that_vanished_without_a_word_is_noticed_within_half_a_minute(postgres_url: str) -> None:
-    """By the store and by who takes permits, unless the address says otherwise."""
+    """By the store and by who hears of uploads, unless the address says otherwise."""
     patient = Database(f"{postgres_url}{'&' if '?' in postgres_url else '?'}keepalives_idle=77")
     with patient.reading() as session:
         store = session.connection().connection.driver_connection.info.get_parameters()
     patient.close()
-    for told in (store, loop._connect_arguments(patient)):
+    for told in (store, news._connect_arguments(patient)):
         waits_s = int(told["keepalives_interval"]) * int(told["keepalives_count"])
         assert (str(told["keepalives_idle"]), waits_s) == ("77", 15)
         assert waits_s < int(told["tcp_user_timeout"]) / 1_000 < 30

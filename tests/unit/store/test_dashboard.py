@@ -149,7 +149,7 @@ def test_a_clock_that_is_set_back_hides_nothing(school: Class) -> None:
     waiting = school.submits("cyd", b"x")
     assert [one.best_score for one in school.dashboard.state().progress] == [5.0, 10.0, None]
     school.clock.advance(-86_400)
-    school.queue.sweep()
+    school.queue.bring_forward()
     claim = grade_next(school.queue, FakeAssignments())
     assert claim is not None
     assert claim.submission_id == waiting

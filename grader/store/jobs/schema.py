@@ -3,8 +3,7 @@
 Alembic does not keep them: which tables are right depends on the installed Procrastinate, not on the grader.
 Nor are Procrastinate's own migrations run, which come in two halves around an upgrade and partly outside of
 transactions. When a newer Procrastinate brings another schema, what an earlier `install` made is replaced as
-a whole, in the transaction of `grader.store.schema.migrate`; the sweep then gives every waiting row a new
-permit.
+a whole, in the transaction of `grader.store.schema.migrate`.
 
 A comment on one of the tables says who made them, by which version, and the name of everything that was made. Only
 what stands there is ever dropped.
@@ -23,8 +22,6 @@ from grader.contracts.errors import SettingsError
 _MAKER = "grader"
 _COMMENT = text("SELECT obj_description(to_regclass('procrastinate_jobs'), 'pg_class')")
 _PRESENT = text("SELECT to_regclass('procrastinate_jobs') IS NOT NULL")
-_INDEX = "CREATE INDEX grader_not_waiting ON procrastinate_jobs (queue_name) WHERE status <> 'todo'"
-"""Ours, for the sweep, which looks for a few such jobs among many that wait."""
 _OBJECTS = text(
     "SELECT 'TABLE', oid::regclass::text FROM pg_class"
     " WHERE relkind = 'r' AND relnamespace = current_schema()::regnamespace"
@@ -57,7 +54,7 @@ def install(connection: Connection) -> None:
     Raises:
         SettingsError: a newer Procrastinate made them, or somebody else did.
     """
-    statements = f"{SchemaManager.get_schema()};\n{_INDEX};"
+    statements = SchemaManager.get_schema()
     schema = hashlib.sha256(statements.encode()).hexdigest()[:16]
     if connection.execute(_PRESENT).scalar_one():
         found = _installed(connection.execute(_COMMENT).scalar_one())
