@@ -107,7 +107,7 @@ def main() -> None:
         assignments=assignments_of(settings, database, utc_now),
         preflight=NoPreflight(),
         plots=PlotCache(draw_stored, 1),
-        callers=Callers(Courses(database, utc_now), Tokens(database, utc_now), "unused"),
+        callers=Callers(Courses(database, utc_now), Tokens(database, utc_now), "unused", utc_now),
         live=LiveCars(0),
         practice=PracticeRuns(0, lambda: Slot(SlotConfig()), lambda: False),
     )

@@ -8,6 +8,7 @@ from typing import Any
 from grader.commands.options import tell, whole_number, wrong_value
 from grader.commands.storage import OpenedStore, actor, add_course_option, chosen_course
 from grader.commands.token import add_days_option, write_tokens
+from grader.contracts.errors import CourseError
 from grader.contracts.identity import Member, Role, checked_id
 from grader.contracts.notation import whole
 from grader.store.audit import Signature
@@ -30,6 +31,11 @@ def configure(actions: Any) -> list[argparse.ArgumentParser]:
         "forget", help="erase a student's work and every trace of them / 删除一名学生的全部数据"
     )
     forget.add_argument("person", help="id of the student / 学号")
+    sure = forget.add_mutually_exclusive_group()
+    sure.add_argument(
+        "--dry-run", action="store_true", help="erase nothing, say what would be / 只显示会删除什么"
+    )
+    sure.add_argument("--yes", action="store_true", help="do not ask / 不再询问")
     forget.add_argument("--reason", default="", help="goes into the audit log / 写进操作记录")
     made = [copy, archive, reopen, forget]
     for one in made:
@@ -111,14 +117,39 @@ def _archive(storage: OpenedStore, arguments: argparse.Namespace) -> None:
 
 
 def _forget(storage: OpenedStore, arguments: argparse.Namespace) -> None:
-    course = chosen_course(storage, arguments.course)
+    course, life = chosen_course(storage, arguments.course), CourseLife(storage.database, utc_now)
     signed = Signature(utc_now(), course, actor())
-    found = CourseLife(storage.database, utc_now).forget(arguments.person, signed, arguments.reason)
+    count = life.work_of(course, arguments.person)
+    tell(
+        arguments,
+        zh=f"{arguments.person} 有 {count} 份提交，连同报告和成绩会永久删除，不能恢复",
+        en=f"{arguments.person} has {count} submissions, which will be gone for good with reports and grades",
+    )
+    if arguments.dry_run:
+        tell(arguments, zh="没有删除任何东西", en="nothing was erased")
+        return
+    if not arguments.yes:
+        _ask_to_erase(arguments)
+    found = life.forget(arguments.person, signed, arguments.reason)
     tell(
         arguments,
         zh=f"已删除 {found.submissions} 份提交；操作记录里现在称为 {found.pseudonym}",
         en=f"{found.submissions} submissions erased; the audit log says {found.pseudonym} now",
     )
+
+
+def _ask_to_erase(arguments: argparse.Namespace) -> None:
+    """Go on only if the id is typed once more.
+
+    Raises:
+        CourseError: it is not.
+    """
+    tell(arguments, zh="要删除，再输入一次学号：", en="To erase it, type the id once more:")
+    if sys.stdin.readline().strip() != arguments.person:
+        raise CourseError(
+            "nothing was erased: the id was not typed; --yes does not ask",
+            "没有删除任何东西：没有输入这个学号；加 --yes 则不询问",
+        )
 
 
 def _space(storage: OpenedStore, _: argparse.Namespace) -> None:

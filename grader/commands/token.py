@@ -21,6 +21,7 @@ from grader.contracts.identity import unknown_members
 from grader.contracts.notation import whole
 from grader.contracts.text import BYTE_ORDER_MARK, Text
 from grader.formats.sheets.writing import as_text
+from grader.use_cases.people import TOKEN_COLUMNS, token_cells
 
 DEFAULT_DAYS = 200  # a term and the exams after it
 _MOST_DAYS = 3_660
@@ -72,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def write_tokens(storage: OpenedStore, course: str, people: Iterable[str], days: int) -> None:
-    """Issue a token for each of `people` and print them as CSV: id, name, role, token.
+    """Issue a token for each of `people` and print them as CSV, as the page of people does.
 
     Into a file as the gradebook is: UTF-8 with a byte order mark, without which Excel takes Chinese names for GBK.
 
@@ -89,11 +90,11 @@ def write_tokens(storage: OpenedStore, course: str, people: Iterable[str], days:
             sys.stdout.reconfigure(encoding="utf-8")
         sys.stdout.write(BYTE_ORDER_MARK)
     table = csv.writer(sys.stdout, lineterminator="\n")
-    table.writerow(("id", "name", "role", "token"))
+    table.writerow(TOKEN_COLUMNS)
     for person in wanted:
         member = members[person]
         _, secret = storage.tokens.issue(course, person, timedelta(days=days), actor())
-        table.writerow((person, as_text(member.name), member.role.value, secret))
+        table.writerow(map(as_text, token_cells(member, secret)))
 
 
 def _issue(storage: OpenedStore, course: str, arguments: argparse.Namespace) -> None:

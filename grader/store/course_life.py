@@ -107,6 +107,17 @@ class CourseLife(TimedPart):
                 record(session, signed, "course.reopen", f"course {row.id}", reason=reason)
             return as_contract(row, Course)
 
+    def work_of(self, course: str, person: str) -> int:
+        """Return how many submissions `forget` would erase.
+
+        Raises:
+            CourseError: as `forget`.
+        """
+        own = col(SubmissionRow.course) == course, col(SubmissionRow.student) == person
+        with self._database.reading() as session:
+            _require_student(session, course, person)
+            return len(ids_of(session, *own))
+
     def forget(self, person: str, signed: Signature, reason: str = "") -> Forgotten:
         """Remove a student from the course of `signed`, erase their work, and put a pseudonym in their place.
 

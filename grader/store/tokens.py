@@ -4,13 +4,19 @@ A browser that shows a token gets a session: a secret of its own, good for pages
 ends with the token. So whoever gets hold of a browser's cookie has no token. Who signs in by a provider gets the
 same kind of session (`grader.store.identities`).
 
-The secrets have 256 random bits, so a plain digest cannot be searched backwards, and looking one up by its
-digest tells nothing about how close a guess was.
+People type tokens from a slip of paper, so a token is a code of ten characters: 47 random bits. Its digest is one
+that takes time to make (scrypt, some 10 ms), so whoever steals the database alone tries for a thousand years of a
+core before they have the first of 300 codes; how often one may guess at a service is bounded by
+`grader.use_cases.callers`. Sessions, and tokens of before there were codes, have 256 random bits: their plain
+digest cannot be searched backwards. Looking up a digest tells nothing about how close a guess was.
 """
 
 import hashlib
+import re
 import secrets
+import unicodedata
 from datetime import datetime, timedelta
+from functools import lru_cache
 
 from sqlalchemy import ColumnElement, CursorResult, delete, select, update
 from sqlmodel import Session, col
@@ -26,7 +32,13 @@ _ID_BYTES = 6
 SESSION_LIFE = timedelta(hours=12)
 MOST_SESSIONS = 20
 """Of one member: whoever opens more ends the oldest. Without a bound one token could fill the database."""
-PREFIX = "grader_"  # lets scanners of published files recognise a token that must not be there
+_ALPHABET = "23456789ACDEFHJKMNPQRTVWXY"
+_LOOK_ALIKES = str.maketrans("ZSBGU", "2586V")  # each is read as the one that codes have; 0 O 1 I L have none
+_GROUP, _GROUPS = 5, 2
+_CODE = re.compile(f"[{_ALPHABET}]{{{_GROUP * _GROUPS}}}")
+_SCRYPT = {"n": 2**12, "r": 8, "p": 1, "dklen": 32}
+_SALT = b"grader token"  # the same for all: a code alone must lead to its row
+_REMEMBERED = 4_096  # digests of codes, so that a program's every request does not cost 10 ms
 
 
 class Tokens(TimedPart):
@@ -38,7 +50,7 @@ class Tokens(TimedPart):
         Raises:
             CourseError: there is no such member.
         """
-        now, secret = self._clock(), PREFIX + secrets.token_urlsafe(_SECRET_BYTES)
+        now, secret = self._clock(), _new_code()
         row = _row(secret, course, person, now, now + valid_for)
         with self._database.writing() as session:
             if session.get(MemberRow, (course, person)) is None:
@@ -69,7 +81,7 @@ class Tokens(TimedPart):
 
     def close_session(self, secret: str) -> None:
         """End a session, if there is such a one."""
-        own = (col(TokenRow.sha256) == digest_of(secret), col(TokenRow.opened_by).is_not(None))
+        own = (col(TokenRow.sha256) == _digest(secret), col(TokenRow.opened_by).is_not(None))
         with self._database.writing() as session:
             session.execute(delete(TokenRow).where(*own))
 
@@ -154,7 +166,7 @@ def new_session(  # noqa: PLR0913, PLR0917
 def _open(secret: str, now: datetime) -> tuple[ColumnElement[bool], ...]:
     """Return what is true of the row that a secret opens."""
     return (
-        col(TokenRow.sha256) == digest_of(secret),
+        col(TokenRow.sha256) == _digest(secret),
         col(TokenRow.revoked_at).is_(None),
         col(TokenRow.expires_at) > now,
     )
@@ -165,13 +177,35 @@ def _row(  # noqa: PLR0913, PLR0917
 ) -> TokenRow:
     return TokenRow(
         id=secrets.token_hex(_ID_BYTES),
-        sha256=digest_of(secret),
+        sha256=_digest(secret),
         course=course,
         person=person,
         created_at=now,
         expires_at=until,
         opened_by=opened_by,
     )
+
+
+def code_in(text: str) -> str | None:
+    """Return the code that `text` shows, in whatever case, width and grouping; None if it is none."""
+    shown = unicodedata.normalize("NFKC", text).upper()
+    code = re.sub(r"[\s\-‐-―]", "", shown).translate(_LOOK_ALIKES)
+    return code if _CODE.fullmatch(code) else None
+
+
+def _new_code() -> str:
+    code = "".join(secrets.choice(_ALPHABET) for _ in range(_GROUP * _GROUPS))
+    return "-".join(code[at : at + _GROUP] for at in range(0, len(code), _GROUP))
+
+
+def _digest(secret: str) -> str:
+    code = code_in(secret)
+    return digest_of(secret) if code is None else _slow_digest(code)
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _slow_digest(code: str) -> str:
+    return hashlib.scrypt(code.encode(), salt=_SALT, **_SCRYPT).hex()
 
 
 def digest_of(secret: str) -> str:

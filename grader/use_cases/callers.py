@@ -22,7 +22,7 @@ from grader.contracts.python import Self
 from grader.operation.settings import Settings
 from grader.store.clock import Clock
 from grader.store.courses import Courses
-from grader.store.tokens import Tokens
+from grader.store.tokens import Tokens, code_in
 
 _TOKEN_BYTES = 24
 _FORGET_ABOVE = 10_000
@@ -31,6 +31,7 @@ PLOT_WEIGHT = 4
 
 _UPLOADS_AT_ONCE = 2  # a file, and the same once more by a client that got no answer
 _SIGN_INS_AT_ONCE = 8  # of each provider; the service has forty threads for requests
+_GUESSES_OF_ADDRESS, _GUESSES = 60, 600  # wrong codes a minute; a class at one address mistypes fewer
 _TESTS_PER_MINUTE = 5  # bots take 20
 _SOON_S = 1  # until one of the answers under way has probably been sent
 
@@ -38,16 +39,20 @@ _SOON_S = 1  # until one of the answers under way has probably been sent
 class Callers:
     """Recognises callers by the token they show.
 
+    A code has 47 random bits. At 600 wrong ones a minute from all addresses together, whoever guesses day and
+    night for 200 days opens one of a class's 300 with a chance of 1 in 2,700.
+
     Args:
         courses: tells whether the service is open. tokens: those of the courses' members.
         instructor_token: opens the class of a service without courses; only its digest is kept.
     """
 
-    def __init__(self, courses: Courses, tokens: Tokens, instructor_token: str) -> None:
+    def __init__(self, courses: Courses, tokens: Tokens, instructor_token: str, clock: Clock) -> None:
         self._courses = courses
         self._have_courses = False
         self._tokens = tokens
         self._digest = _digest(instructor_token)
+        self._guesses = RateLimit(_GUESSES_OF_ADDRESS, clock), RateLimit(_GUESSES, clock)
         self._operator_session = hmac.new(instructor_token.encode(), b"session", "sha256").hexdigest()
 
     def _is_open(self) -> bool:
@@ -55,17 +60,33 @@ class Callers:
         self._have_courses = self._have_courses or self._courses.exist()
         return not self._have_courses
 
-    def identify(self, token: str | None) -> Caller | None:
-        """Return who shows `token` (None: shows nothing); None for those who may not come in."""
+    def identify(self, token: str | None, address: str = "") -> Caller | None:
+        """Return who shows `token` (None: shows nothing) from `address`; None for those who may not come in.
+
+        Raises:
+            RefusedError: too many wrong codes were shown lately.
+        """
         if not self._is_open():
-            return None if token is None else self._tokens.caller(token)
+            return None if token is None else self._owner(token, address)
         if token is None:
             return ANYBODY
         # compared in a time that does not tell how close the token was
         return OPERATOR if hmac.compare_digest(_digest(token), self._digest) else None
 
+    def _owner(self, token: str, address: str) -> Caller | None:
+        if code_in(token) is None:
+            return self._tokens.caller(token)
+        keys = (address, "")
+        for limit, key in zip(self._guesses, keys, strict=True):
+            limit.take(key)
+        caller = self._tokens.caller(token)
+        if caller is not None:  # only wrong ones count
+            for limit, key in zip(self._guesses, keys, strict=True):
+                limit.charge(key, -1.0)
+        return caller
+
     def open_session(self, token: str) -> str | None:
-        """Return what a browser that shows `token` keeps in its place; None for those who may not come in."""
+        """Return what a browser keeps in place of `token`, which `identify` knows; None if nothing is opened."""
         if not self._is_open():
             return self._tokens.open_session(token)
         return None if self.identify(token) is None else self._operator_session

@@ -23,6 +23,9 @@ from grader.store.courses import Courses, RosterChange
 from grader.use_cases.callers import require_instructor, require_staff, taught_course
 from grader.use_cases.services import Services
 
+TOKEN_COLUMNS = ("id", "name", "role", "section", "email", "token")
+"""Of a table of tokens, for mail merge."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ImportPlan:
@@ -173,6 +176,12 @@ def give_token(services: Services, caller: Caller, person: str, days: int) -> st
     member = member_of(services, caller, person)
     require_instructor(caller)
     return services.tokens.issue(member.course, person, timedelta(days=days), caller.signature)[1]
+
+
+def token_cells(member: Member, token: str) -> tuple[str, ...]:
+    """Return a member's row in a table of tokens."""
+    sections = ", ".join(member.sections)
+    return member.id, member.name, member.role.value, sections, member.email, token
 
 
 def without_token(services: Services, caller: Caller) -> list[Member]:

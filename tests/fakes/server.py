@@ -71,7 +71,7 @@ def services(
             assignments=FakeAssignments(),
             preflight=FakePreflight(),
             plots=PlotCache(plotter or FakePlotter(), 8),
-            callers=Callers(Courses(database, clock), Tokens(database, clock), TOKEN),
+            callers=Callers(Courses(database, clock), Tokens(database, clock), TOKEN, clock),
             live=LiveCars(settings.live_cars, make_car=lambda: FakeLiveCar(CLIENTS)),
             practice=PracticeRuns(settings.practice_runs, FakeGrader, lambda: False),
         )

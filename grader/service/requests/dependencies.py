@@ -82,8 +82,14 @@ class Errand:
 CredentialsDep = Annotated[HTTPAuthorizationCredentials | None, Depends(bearer)]
 
 
-def _identified(services: ServicesDep, credentials: CredentialsDep) -> Caller:
-    caller = services.callers.identify(None if credentials is None else credentials.credentials)
+def address_of(request: Request) -> str:
+    """Return from which network address a request comes; where a trusted proxy says it, the one behind that."""
+    return "" if request.client is None else request.client.host
+
+
+def _identified(request: Request, services: ServicesDep, credentials: CredentialsDep) -> Caller:
+    token = None if credentials is None else credentials.credentials
+    caller = services.callers.identify(token, address_of(request))
     if caller is None:
         raise RefusedError("unauthorized")
     services.allowances.request(caller)
@@ -172,7 +178,7 @@ def on_one_snapshot(
     """
     with ExitStack() as counted, ExitStack() as snapshot:
         snapshot.enter_context(services.snapshot())
-        caller = _identified(services, credentials)
+        caller = _identified(request, services, credentials)
         _refuse_unknown_parameters(request)
         counted.enter_context(under_way(request, services, caller))
         yield Errand(services, caller), snapshot

@@ -40,7 +40,7 @@ class NewCourseView(View):
 
     course: CourseView
     person: str = Field(examples=["wang"])
-    token: str = Field(examples=["grader_..."])
+    token: str = Field(examples=["7KQ2M-9TXHC"])
 
 
 class ArchiveBody(Body):

@@ -122,7 +122,7 @@ class TokenView(View):
     """A new token. It is shown this once."""
 
     person: str = Field(examples=["20260123"])
-    token: str = Field(examples=["grader_..."])
+    token: str = Field(examples=["7KQ2M-9TXHC"])
 
 
 class IdentityView(View):

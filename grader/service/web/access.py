@@ -26,6 +26,7 @@ from grader.service.requests.dependencies import (
     RegradeId,
     ServicesDep,
     SubmissionId,
+    address_of,
     under_way,
 )
 from grader.service.web.forms import set_private_cookie
@@ -255,10 +256,10 @@ def enter_by_token(request: Request, response: Response, token: str) -> Caller |
     """Open a session on this browser by a token and return whose it is; a token of nobody opens none.
 
     Raises:
-        RefusedError: a student asks too often.
+        RefusedError: a student asks too often, or too many wrong tokens were shown.
     """
     services = services_of(request)
-    caller = services.callers.identify(token)
+    caller = services.callers.identify(token, address_of(request))
     if caller is None:
         return None
     services.allowances.request(caller)

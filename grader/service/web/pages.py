@@ -73,6 +73,14 @@ def _context(request: Request, language: Language, token: str) -> dict[str, Any]
     }
 
 
+def qr_code(text: str) -> Markup:
+    """Return a QR code as a drawing to be put into a page."""
+    import segno
+
+    drawing = segno.make(text, micro=False).svg_inline(omitsize=True, svgclass="qr", lineclass=None)
+    return Markup(drawing)  # noqa: S704  what segno writes: paths, no text
+
+
 def compile_all() -> None:
     """Compile every template, so that nobody's first page waits for that."""
     for name in _TEMPLATES.env.list_templates(extensions=["html"]):

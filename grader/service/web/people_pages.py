@@ -1,11 +1,13 @@
 """Who is in the course, and what was changed by whom."""
 
 import re
+from collections.abc import Sequence
 from typing import Annotated, Literal
 from urllib.parse import quote
 
 from fastapi import APIRouter, Depends, File, Form, Path, Query, Request, Response, UploadFile
 from fastapi.responses import RedirectResponse
+from markupsafe import Markup
 from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
@@ -14,10 +16,10 @@ from grader.formats.sheets.roster import as_csv
 from grader.formats.sheets.writing import csv_table
 from grader.render.audit_lines import Teller
 from grader.service.requests.answers import to_save
-from grader.service.web.access import InstructorDep, PageErrand, QueryWhole, StaffDep, require_staff
+from grader.service.web.access import ENTER, InstructorDep, PageErrand, QueryWhole, StaffDep, require_staff
 from grader.service.web.errors import FormProblem, form_problem
 from grader.service.web.forms import MOST_FILE_BYTES, OWN_FORM
-from grader.service.web.pages import page
+from grader.service.web.pages import page, qr_code
 from grader.use_cases import people, signing_in
 from grader.use_cases.people import ImportPlan, changes, members
 
@@ -122,14 +124,11 @@ def make_missing_tokens(
     if not made:
         return RedirectResponse("/class/people?done=none_missing", status_code=303)
     if form == "csv":
-        head = ("id", "name", "role", "email", "token")
-        rows = [(one.id, one.name, one.role.value, one.email, token) for one, token in made]
+        head = (*people.TOKEN_COLUMNS, "link")
+        rows = [(*people.token_cells(one, token), _link(errand.request, token)) for one, token in made]
         table = csv_table([head, *rows])
         return Response(table, 200, to_save("tokens.csv"), "text/csv; charset=utf-8")
-    course, _ = people.myself(errand.services, errand.caller)
-    return page(
-        errand.request, "token_slips.html", made=made, course=course, address=str(errand.request.base_url)
-    )
+    return _slips_page(errand, made)
 
 
 @router.get("/people/{person}")
@@ -167,9 +166,8 @@ def remove_member(
 def make_token(errand: InstructorDep, person: PersonId) -> Response:
     """Make a token for a member and show it, this once."""
     member = people.member_of(errand.services, errand.caller, person)
-    return _member_page(
-        errand, member, token=people.give_token(errand.services, errand.caller, person, _DAYS)
-    )
+    token = people.give_token(errand.services, errand.caller, person, _DAYS)
+    return _slips_page(errand, [(member, token)])
 
 
 @router.post("/people/{person}/unbind", dependencies=OWN_FORM)
@@ -232,13 +230,12 @@ def _people_page(  # noqa: PLR0913
     )
 
 
-def _member_page(  # noqa: PLR0913
+def _member_page(
     errand: PageErrand,
     member: Member,
     *,
     form: MemberForm | None = None,
     error: RefusedError | None = None,
-    token: str = "",
     done: str = "",
 ) -> Response:
     problem = None if error is None else form_problem(error, errand.language)
@@ -253,9 +250,24 @@ def _member_page(  # noqa: PLR0913
         form=form or MemberForm.of(member),
         problem=problem,
         roles=list(Role),
-        token=token,
         done=done,
     )
+
+
+def _slips_page(errand: PageErrand, made: Sequence[tuple[Member, str]]) -> Response:
+    """Show new tokens on slips to print, those of a section together."""
+    course, _ = people.myself(errand.services, errand.caller)
+    sections: dict[str, list[tuple[Member, str, Markup]]] = {}
+    for one, token in sorted(made, key=lambda slip: (slip[0].sections, slip[0].id)):
+        code = qr_code(_link(errand.request, token))
+        sections.setdefault(", ".join(one.sections), []).append((one, token, code))
+    address = str(errand.request.base_url)
+    return page(errand.request, "token_slips.html", sections=sections, course=course, address=address)
+
+
+def _link(request: Request, token: str) -> str:
+    """Return an address that fills in a token; what stands behind # no server and no proxy ever sees."""
+    return f"{str(request.base_url).rstrip('/')}{ENTER}#{token}"
 
 
 def _preview_page(request: Request, plan: ImportPlan, *, meanwhile: bool = False) -> Response:

@@ -221,3 +221,17 @@ def test_space_retention_and_forgetting_are_typed(grader) -> None:
     assert grader("course", "space")[0].startswith("course\tsubmissions")
     assert "nothing was erased" in grader("course", "retention", "--older-than", "400d", "--dry-run")[1]
     assert "no member nobody" in grader("course", "forget", "nobody", status=2)[1]
+
+
+def test_nobody_is_forgotten_unasked(grader, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    roster = tmp_path / "class.csv"
+    roster.write_text("id,name,section\n7,a,A\n")
+    grader("course", "create", "ros", "--instructor", "wang", "--roster", str(roster))
+    assert "nothing was erased" in grader("course", "forget", "7", "--dry-run")[1]
+    for typed, status in (("8\n", 2), ("", 2), ("7\n", 0)):
+        monkeypatch.setattr("sys.stdin", io.StringIO(typed))
+        told = grader("course", "forget", "7", status=status)[1]
+        assert "7 has 0 submissions" in told
+        assert ("--yes" in told) == bool(status)
+    grader("course", "roster", "import", str(roster))
+    assert "the audit log says forgotten-" in grader("course", "forget", "7", "--yes")[1]

@@ -6,6 +6,7 @@ import httpx
 import pytest
 
 from grader.use_cases.services import Services
+from tests.fakes.clock import FakeClock
 
 
 @pytest.fixture
@@ -79,6 +80,20 @@ def test_who_is_not_in_the_list_is_removed_if_asked(
 ) -> None:
     assert send_list(client, headers, "id,name\nli,\n", remove=True).status_code == 200
     assert [one.id for one in services.courses.members("ros")] == ["li", "ta", "wang"]
+
+
+def test_codes_cannot_be_guessed(client: httpx.Client, headers: dict[str, str], clock: FakeClock) -> None:
+    def status(code: str) -> int:
+        return client.get("/api/v1/me", headers={"Authorization": f"Bearer {code}"}).status_code
+
+    own = headers["Authorization"].removeprefix("Bearer ")
+    for _ in range(100):  # right ones do not count
+        assert status(own) == 200
+    assert [status("22222-22222") for _ in range(61)] == [401] * 60 + [429]
+    assert status(own) == 429
+    assert status("grader_" + "x" * 43) == 401
+    clock.advance(60)
+    assert status(own) == 200
 
 
 def test_one_member_is_put_changed_and_deleted(client: httpx.Client, headers: dict[str, str]) -> None:

@@ -129,7 +129,8 @@ def test_a_token_is_shown_once_and_opens_the_pages(wang: Browser) -> None:
     assert "lang=en" in wang.get("/class/people/li").text
     made = wang.post("/class/people/li/token", {}, page="/class/people/li")
     assert "lang=en" not in made.text  # nothing answers to GET there, and the token would be gone
-    token = re.search(r"grader_[A-Za-z0-9_-]+", made.text)[0]
+    token = re.search(r"<code>(.+)</code>", made.text)[1]
+    assert made.text.count("<svg") == 1  # the code of the link
     assert token not in wang.get("/class/people/li").text
     wang.enter(token=token)
     assert ">li</span>" in wang.get("/submissions").text
@@ -152,4 +153,4 @@ def test_who_has_no_token_gets_one_on_a_slip_or_in_a_table(
     wang.post("/class/people", {"person": "sun", "name": "孙"})
     slips = wang.post("/class/people/tokens", {"form": "sheet"}, page="/class/people").text
     assert "sun 孙" in slips
-    assert "grader_" in slips
+    assert slips.count("<svg") == slips.count("<code>") == 1
