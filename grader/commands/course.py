@@ -87,6 +87,8 @@ def _configure_set(change: argparse.ArgumentParser) -> None:
         help="release of ROS 2 of its scripts; what is graded stays / 脚本用的 ROS 2 版本，已评分的不变",
     )
     add_way_option(change)
+    change.add_argument("--title", help="full name / 课程名称")
+    change.add_argument("--time-zone", help="on whose clock dates are read / 时区")
     change.add_argument("--reason", default="", help="goes into the audit log / 写进操作记录")
     add_course_option(change)
 
@@ -186,9 +188,14 @@ def _tell_returning(change: RosterChange, arguments: argparse.Namespace) -> None
 def _set(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     signed = Signature(utc_now(), chosen_course(storage, arguments.course), actor())
     course = storage.courses.change(
-        signed, arguments.reason, distro=arguments.distro, runs_as=arguments.runs_as
+        signed,
+        arguments.reason,
+        distro=arguments.distro,
+        runs_as=arguments.runs_as,
+        title=arguments.title,
+        time_zone=arguments.time_zone,
     )
-    settings = f"ROS 2 {course.distro.capitalize()}, {course.runs_as}"
+    settings = f"{course.title}, {course.time_zone}, ROS 2 {course.distro.capitalize()}, {course.runs_as}"
     tell(
         arguments,
         zh=f"课程 {course.id}：{settings}；已评分的不变，要改就重新评分",

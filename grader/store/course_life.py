@@ -70,6 +70,7 @@ class CourseLife(TimedPart):
                 raise unknown_course(course_id)
             fresh = replace(as_contract(original, Course), id=new.id, title=new.title, created_at=now)
             made = add_course(session, fresh, actor, copy_of=course_id)
+            session.get_one(CourseRow, made.id).begun_with = original.begun_with
             zone = ZoneInfo(original.time_zone)
             for assignment, rules in sorted(rules_of(session, course_id).by_assignment.items()):
                 add_rules(session, assignment, rules.moved(new.move_days, zone), signed)

@@ -25,8 +25,8 @@ from grader.contracts.identity import (
 )
 from grader.contracts.text import Text
 from grader.store.audit import Signature, record
-from grader.store.clock import TimedPart
-from grader.store.database import one_at_a_time
+from grader.store.clock import Clock, TimedPart
+from grader.store.database import Database, one_at_a_time
 from grader.store.tables import (
     OF_MEMBERS,
     AuditRow,
@@ -85,18 +85,26 @@ class Courses(TimedPart):
             new = Course(id=course_id, title=title, time_zone=time_zone, created_at=now, distro=distro)
             return add_course(session, new, actor)
 
-    def change(
+    def __init__(self, database: Database, clock: Clock) -> None:
+        super().__init__(database, clock)
+        self._begun: set[str] = set()
+
+    def change(  # noqa: PLR0913
         self,
         signed: Signature,
         reason: str = "",
         *,
         distro: Distro | None = None,
         runs_as: RunsAs | None = None,
+        title: str | None = None,
+        time_zone: str | None = None,
     ) -> Course:
         """Change what the course of `signed` is like, and return it; None: stays.
 
+        Dates stay the instants that they are; only the clock on which they are read changes with the time zone.
+
         Raises:
-            CourseError: there is no such course.
+            CourseError: there is no such course, or title or time zone are not fit.
         """
         course = signed.in_course()
         with self._database.writing() as session:
@@ -104,26 +112,28 @@ class Courses(TimedPart):
             row = session.get(CourseRow, course)
             if row is None:
                 raise unknown_course(course)
-            wanted = {"distro": distro, "runs_as": runs_as}
-            after = {
-                name: value
-                for name, value in wanted.items()
-                if value is not None and value != getattr(row, name)
+            wanted = {
+                "distro": distro,
+                "runs_as": runs_as,
+                "title": None if title is None else checked_name(title, "title") or row.id,
+                "time_zone": None if time_zone is None else _checked_zone(time_zone.strip()),
             }
-            before = {name: getattr(row, name) for name in after}
-            if after:
-                for name, value in after.items():
-                    setattr(row, name, value)
-                record(
-                    session,
-                    signed,
-                    "course.change",
-                    f"course {row.id}",
-                    before=before,
-                    after=after,
-                    reason=reason,
-                )
+            _set(session, signed, row, wanted, reason)
             return _course(row)
+
+    def begin(self, course_id: str, assignments: Iterable[str]) -> None:
+        """Note that students hand in, and which assignments there are: new ones are drafts from then on.
+
+        Only the first time counts.
+        """
+        if course_id in self._begun:
+            return
+        with self._database.writing() as session:
+            one_at_a_time(session, "course", course_id)
+            row = session.get(CourseRow, course_id)
+            if row is not None and row.begun_with is None:
+                row.begun_with = " ".join(sorted(assignments))
+        self._begun.add(course_id)
 
     def get(self, course_id: str) -> Course:
         """Return a course.
@@ -205,6 +215,21 @@ class Courses(TimedPart):
             for person in people:
                 before = _audited(known[person])
                 record(session, signed, "member.remove", f"member {person}", before=before, reason=reason)
+
+
+def _set(
+    session: Session, signed: Signature, row: CourseRow, wanted: Mapping[str, object], reason: str
+) -> None:
+    """Give a course's row the values in `wanted` that are not None."""
+    after = {
+        name: value for name, value in wanted.items() if value is not None and value != getattr(row, name)
+    }
+    before = {name: getattr(row, name) for name in after}
+    for name, value in after.items():
+        setattr(row, name, value)
+    if after:
+        subject = f"course {row.id}"
+        record(session, signed, "course.change", subject, before=before, after=after, reason=reason)
 
 
 def add_course(session: Session, new: Course, actor: str, copy_of: str | None = None) -> Course:

@@ -19,7 +19,7 @@ _ID_BYTES = 4
 _LEAST = 2  # characters of a name that is searched for
 _NOTHING = "null"
 NAMES_NOBODY: Final = frozenset(
-    ("rules.document", "grading.measurements", "submission.trouble", "token.opened_by")
+    ("rules.document", "grading.measurements", "submission.trouble", "token.opened_by", "course.begun_with")
 )
 """Columns that the grader alone fills, without naming a person. Every other text is searched, also one of a new
 column."""

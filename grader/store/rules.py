@@ -18,7 +18,7 @@ from grader.contracts.fields import kinds_of
 from grader.contracts.identity import Seen, unknown_course, unknown_members
 from grader.contracts.python import UTC
 from grader.contracts.record import from_plain
-from grader.contracts.rules import NO_EXTENSION, NO_RULES, Extension, Rules
+from grader.contracts.rules import NO_EXTENSION, NO_RULES, Extension, Rules, Shown
 from grader.store.audit import Signature, record
 from grader.store.courses import sections_of
 from grader.store.database import StorePart, one_at_a_time
@@ -27,6 +27,7 @@ from grader.store.tables import CourseRow, ExtensionRow, MemberRow, RulesRow, Se
 _UTC = "UTC"
 _TAG_LENGTH = 16
 ANY_STATE = Seen(None)
+_DRAFT = Rules(shown=Shown.DRAFT)
 
 _course_of, _member_of, _rules_of, _extension_of, _section_of = (
     table_of(row).c for row in (CourseRow, MemberRow, RulesRow, ExtensionRow, SectionRow)
@@ -89,6 +90,8 @@ class CourseRules:
     Attributes:
         sections: by person; only where some rule asks for them.
         distro, runs_as: settings of the course; None without one.
+        begun_with: the assignments that there were when students began to hand in; those that came later are
+            drafts unless they have rules. None: nobody has handed in.
     """
 
     zone: ZoneInfo
@@ -98,10 +101,11 @@ class CourseRules:
     sections: Mapping[str, Collection[str]] = field(default_factory=dict)
     distro: Distro | None = None
     runs_as: RunsAs | None = None
+    begun_with: frozenset[str] | None = None
 
     def of(self, assignment: str, student: str | None = None) -> Rules:
         """Return the rules of one assignment, for everybody or as they hold for a student's sections."""
-        rules = self.by_assignment.get(assignment, NO_RULES)
+        rules = self.by_assignment.get(assignment) or _first_rules(self.begun_with, assignment)
         if student is None or not rules.by_section:
             return rules
         return rules.for_sections(self.sections.get(student, ()))
@@ -170,10 +174,11 @@ class StoredRules(StorePart):
         course = signed.in_course()
         with self._database.writing() as session:
             one_at_a_time(session, "course", course)
-            if session.get(CourseRow, course) is None:
+            known = session.get(CourseRow, course)
+            if known is None:
                 raise unknown_course(course)
             row = session.get(RulesRow, (course, assignment))
-            before = NO_RULES if row is None else _read(row.document)
+            before = _first_rules(_begun_with(known), assignment) if row is None else _read(row.document)
             _require(seen, before)
             document = json.dumps(to_document(rules), sort_keys=True)
             session.merge(
@@ -266,7 +271,17 @@ def rules_of(session: Session, course: str | None) -> CourseRules:
         extensions={(one.assignment, one.person): _extension(one) for one in extensions},
         distro=None if row is None else cast("Distro", row.distro),
         runs_as=None if row is None else cast("RunsAs", row.runs_as),
+        begun_with=None if row is None else _begun_with(row),
     )
+
+
+def _begun_with(row: CourseRow) -> frozenset[str] | None:
+    return None if row.begun_with is None else frozenset(row.begun_with.split())
+
+
+def _first_rules(begun_with: Collection[str] | None, assignment: str) -> Rules:
+    """Return the rules of an assignment that nobody has set."""
+    return NO_RULES if begun_with is None or assignment in begun_with else _DRAFT
 
 
 def rules_about(

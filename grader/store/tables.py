@@ -100,9 +100,9 @@ def instant_column(*, nullable: bool = False) -> Column[datetime]:
     return Column(UtcDateTime(), nullable=nullable)
 
 
-def text_column() -> Column[str]:
+def text_column(*, nullable: bool = False) -> Column[str]:
     """Return a column of text of any length."""
-    return Column(PlainText(), nullable=False)
+    return Column(PlainText(), nullable=nullable)
 
 
 def bytes_column() -> Column[bytes]:
@@ -140,6 +140,7 @@ class CourseRow(_Row, table=True):
     )
     archived_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
     runs_as: str = Field(default=DEFAULT_WAY, max_length=32, sa_column_kwargs={"server_default": DEFAULT_WAY})
+    begun_with: str | None = Field(default=None, sa_column=text_column(nullable=True))
 
 
 class MemberRow(_Row, table=True):

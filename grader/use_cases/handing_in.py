@@ -71,6 +71,8 @@ def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submiss
     with services.allowances.uploads_at_once.one_more(owner):
         checked = _checked(services, caller, new, owner, upload.arrived_at)
         submission, repeated = services.intake.accept(checked, upload.arrived_at)
+    if new.ruled and new.course is not None:
+        services.courses.begin(new.course, [one.id for one in services.assignments.of(new.course).all()])
     note(
         submission=submission.id,
         assignment=submission.assignment,

@@ -57,20 +57,29 @@ def members(services: Services, caller: Caller, role: Role | None = None) -> Seq
     return tuple(one for one in members_of_role if one.role is not Role.STUDENT or caller.looks_after(one.id))
 
 
-def change_course(
+def change_course(  # noqa: PLR0913
     services: Services,
     caller: Caller,
     reason: str,
     *,
     distro: Distro | None = None,
     runs_as: RunsAs | None = None,
+    title: str | None = None,
+    time_zone: str | None = None,
 ) -> Course:
     """Change what the caller's course is like, and return it; None: stays. What is graded already stays, too.
 
-    For instructors of a course.
+    Raises:
+        RefusedError: the caller is no instructor, there is no course, or title or time zone do not fit.
     """
     taught_course(caller)
-    return services.courses.change(services.signature(caller), reason, distro=distro, runs_as=runs_as)
+    signed = services.signature(caller)
+    try:
+        return services.courses.change(
+            signed, reason, distro=distro, runs_as=runs_as, title=title, time_zone=time_zone
+        )
+    except CourseError as error:
+        raise RefusedError("invalid_course", error.text, field=error.field) from None
 
 
 def plan_import(services: Services, caller: Caller, content: bytes) -> ImportPlan:

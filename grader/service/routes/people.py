@@ -48,6 +48,10 @@ class CourseBody(Body):
         default=None,
         description="How its scripts are started, likewise: by python3, or as ros2 run calls main().",
     )
+    title: str | None = Field(default=None, max_length=200, examples=["ROS 2 入门"])
+    time_zone: str | None = Field(
+        default=None, max_length=64, description="Dates stay the instants that they are.", examples=["UTC"]
+    )
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
 
 
@@ -187,13 +191,19 @@ def read_me(errand: ErrandDep, response: Response) -> MeView:
 @router.put(
     "/course",
     summary="Change the course",
-    responses=responses(*_CHANGING, "malformed_body", "too_large"),
+    responses=responses(*_CHANGING, "invalid_course", "malformed_body", "too_large"),
 )
 def put_course(errand: InstructorDep, body: CourseBody, response: Response) -> CourseView:
-    """Choose the release of ROS 2 and the way to start scripts, for what is graded or re-graded from now on."""
+    """Change title, time zone, and, for what is graded from now on, the release of ROS 2 and how scripts start."""
     response.headers.update(PRIVATE)
     course = people.change_course(
-        errand.services, errand.caller, body.reason, distro=body.distro, runs_as=body.runs_as
+        errand.services,
+        errand.caller,
+        body.reason,
+        distro=body.distro,
+        runs_as=body.runs_as,
+        title=body.title,
+        time_zone=body.time_zone,
     )
     return CourseView.of(course)
 

@@ -19,13 +19,13 @@ from grader.service.web.errors import form_problem
 from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import page
 from grader.store.course_life import MOST_DAYS_MOVED, MOST_DAYS_OLD, NewCourse
-from grader.use_cases import course_life
+from grader.use_cases import course_life, people
 from grader.use_cases.course_export import export
 from grader.use_cases.course_life import CopiedCourse
 from grader.use_cases.people import members
 
 router = APIRouter(prefix="/class/course", include_in_schema=False, dependencies=[Depends(require_staff)])
-Done = Annotated[Literal["", "archived", "reopened", "erased", "forgotten"], Query()]
+Done = Annotated[Literal["", "archived", "changed", "reopened", "erased", "forgotten"], Query()]
 _A_YEAR = 364  # the same days of the week
 
 
@@ -63,6 +63,20 @@ def copy_course(errand: InstructorDep, form: Annotated[CopyForm, Form()]) -> Res
     except RefusedError as error:
         return _course_page(errand, form=form, error=error, of="copy")
     return _course_page(errand, copied=copied)
+
+
+@router.post("/settings", dependencies=OWN_FORM)
+def change_settings(
+    errand: InstructorDep,
+    title: Annotated[str, Form(max_length=200)],
+    time_zone: Annotated[str, Form(max_length=64)],
+) -> Response:
+    """Change the title and the time zone of the course."""
+    try:
+        people.change_course(errand.services, errand.caller, "", title=title, time_zone=time_zone)
+    except RefusedError as error:
+        return _course_page(errand, error=error, of="settings")
+    return RedirectResponse("/class/course?done=changed", status_code=303)
 
 
 @router.post("/archive", dependencies=OWN_FORM)

@@ -11,16 +11,17 @@ from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Role
-from grader.contracts.rules import NO_EXTENSION, Corrector, Extension, RuleError, Rules, Shown
+from grader.contracts.rules import NO_EXTENSION, Corrector, Extension, LateRule, RuleError, Rules, Shown
 from grader.service.web.access import InstructorDep, PageErrand, require_staff
 from grader.service.web.forms import OWN_FORM
-from grader.service.web.rule_form import Reader
+from grader.service.web.rule_form import Reader, typed_name
 from grader.service.web.rule_pages import overview_page
 from grader.use_cases.people import members
 from grader.use_cases.rules import change_rules, course_rules, extend
 
 router = APIRouter(prefix="/class/rules", include_in_schema=False, dependencies=[Depends(require_staff)])
 _MOST = 200
+_TYPED = ("opens", "due", "accept_late_s", "attempts", "attempts_per_day", "appeals_until")
 _BETWEEN_IDS = re.compile(r"[\s,;，；、]+")
 
 
@@ -28,10 +29,16 @@ class SeveralForm(BaseModel):
     """What is typed. Empty fields of the rules leave what there is."""
 
     assignment: list[str] = Field(default_factory=list, max_length=_MOST)
+    every: bool = False
     action: Literal["rules", "extensions"] = "rules"
     shown: Literal["", "always", "when_open", "draft"] = ""
     opens: str = Field(default="", max_length=40)
     due: str = Field(default="", max_length=40)
+    late: Literal["", "none", "linear"] = ""
+    per_day: str = Field(default="", max_length=40)
+    accept_late: str = Field(default="", max_length=40)
+    attempts: str = Field(default="", max_length=40)
+    attempts_per_day: str = Field(default="", max_length=40)
     appeals_until: str = Field(default="", max_length=40)
     corrected_by: Literal["", "instructors", "staff"] = ""
     students: str = Field(default="", max_length=20_000)
@@ -45,6 +52,9 @@ class SeveralForm(BaseModel):
 def change_several(errand: InstructorDep, form: Annotated[SeveralForm, Form()]) -> Response:
     """Change what was chosen, all of it or nothing, or show the form again with what is wrong."""
     errors: dict[str, str] = {}
+    if form.every:
+        every = errand.services.assignments.of(errand.caller.course).all()
+        form = form.model_copy(update={"assignment": [one.id for one in every]})
     if not form.assignment:
         errors["assignment"] = "rules.error.no_assignment"
     elif form.action == "rules":
@@ -61,8 +71,13 @@ def _change(errand: PageErrand, form: SeveralForm) -> dict[str, str]:
     known = {one: course_rules(errand.services, errand.caller, one) for one in form.assignment}
     reader = Reader(next(iter(known.values())).zone)
     values: dict[str, object] = {
-        name: reader.typed(Rules, name, getattr(form, name)) for name in ("opens", "due", "appeals_until")
+        name: reader.typed(Rules, name, getattr(form, typed_name(name))) for name in _TYPED
     }
+    per_day = reader.typed(LateRule, "per_day", form.per_day)
+    if form.late == "none":
+        values["late"] = LateRule()
+    elif form.late == "linear" or per_day is not None:
+        values["late"] = _linear(reader, per_day)
     values["shown"] = Shown(form.shown) if form.shown else None
     values["corrected_by"] = Corrector(form.corrected_by) if form.corrected_by else None
     given = {name: value for name, value in values.items() if value is not None}
@@ -76,6 +91,14 @@ def _change(errand: PageErrand, form: SeveralForm) -> dict[str, str]:
         for assignment, new in changed.items():
             change_rules(errand.services, errand.caller, assignment, new, form.reason.strip(), seen=None)
     return reader.errors
+
+
+def _linear(reader: Reader, per_day: float | None) -> LateRule | None:
+    try:
+        return LateRule(kind="linear", per_day=per_day or 0.0)
+    except RuleError as error:
+        reader.errors.setdefault("per_day", f"rules.error.{error.code}")
+        return None
 
 
 def _extend(errand: PageErrand, form: SeveralForm) -> dict[str, str]:

@@ -32,6 +32,20 @@ def test_a_copy_opens_with_the_token_that_is_shown(
     assert "已经有课程 ros-2027" in refused.text
 
 
+def test_title_and_time_zone_are_changed(teacher: Browser, services: Services) -> None:
+    new = {"title": "机器人 入门", "time_zone": "Europe/Berlin"}
+    done = teacher.post("/class/course/settings", new, page="/class/course")
+    assert done.headers["Location"] == "/class/course?done=changed"
+    course = services.courses.get("ros")
+    assert (course.title, course.time_zone) == ("机器人 入门", "Europe/Berlin")
+    shown = teacher.get("/class/course").text
+    assert "机器人 入门" in shown
+    assert "Europe/Berlin" in shown
+    wrong = teacher.post("/class/course/settings", {**new, "time_zone": "Mars/Base"}, page="/class/course")
+    assert (wrong.status_code, "本机没有时区" in wrong.text) == (422, True)
+    assert services.courses.get("ros") == course
+
+
 def test_every_page_says_that_the_course_is_archived(
     teacher: Browser, client: httpx.Client, tokens: dict[str, str]
 ) -> None:

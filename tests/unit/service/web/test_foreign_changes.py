@@ -145,6 +145,7 @@ ROWS: dict[str, Row] = {
     "POST /class/own": Row("enter 403 403 403 422", {}, files={"file": ("walk.zip", b"none")}, owner=""),
     "POST /class/own/{assignment_id}/remove": Row("enter 403 403 403 404", {}, ids=WALK),
     "POST /class/course": Row("enter 403 403 403 ok", {"distro": "jazzy"}),
+    "POST /class/course/settings": Row("enter 403 403 403 ok", {"title": "x", "time_zone": "UTC"}),
     "POST /class/course/copy": Row("enter 403 403 403 ok", {"id": "{caller}"}),
     "POST /class/course/archive": Row("enter 403 403 403 ok", {"archived": "true"}, first=DISCARD),
     "POST /class/course/erase": Row("enter 403 403 403 ok", {"older_than": "1"}),

@@ -149,6 +149,7 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /class/course/export.zip": INSTRUCTORS,
     "POST /class/course/erase": (303, 403, 403, 403, 303, 303),
     "POST /class/course/forget": (303, 403, 403, 403, 422, 422),  # the second id is another one
+    "POST /class/course/settings": (303, 403, 403, 403, 303, 303),
     "POST /class/course/copy": (303, 403, 403, 403, 200, 422),  # the id is taken by then
     "POST /class/course/archive": (303, 403, 403, 403, 409, 303),  # its re-grade is not decided
     "GET /class/audit": INSTRUCTORS,
@@ -301,6 +302,8 @@ def answers(
         "distro": "humble",
         "id": "next",
         "older_than": "400",
+        "title": "x",
+        "time_zone": "UTC",
         "again": "other",
         "archived": "true",
     }

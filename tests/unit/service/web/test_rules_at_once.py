@@ -6,7 +6,7 @@ import httpx
 import pytest
 
 from grader.contracts.identity import RosterEntry
-from grader.contracts.rules import Rules, Shown
+from grader.contracts.rules import LateRule, Rules, Shown
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
 from tests.unit.service.web.conftest import Browser
@@ -73,6 +73,50 @@ def test_one_form_sets_dates_of_several_assignments(wang: Browser, services: Ser
     assert rules.of("square") == Rules(due=DUE)
     assert rules.of("spin") == Rules(due=DUE, shown=Shown.DRAFT)
     assert rules.of("straight") == before == Rules()
+
+
+def test_one_form_sets_lateness_and_attempts_of_all_assignments(wang: Browser, services: Services) -> None:
+    chosen = {
+        "every": "true", "action": "rules", "late": "linear", "per_day": "10", "accept_late": "48",
+        "attempts": "8", "attempts_per_day": "3",
+    }  # fmt: skip
+    assert wang.post("/class/rules", chosen).status_code == 303
+    late = LateRule(kind="linear", per_day=0.1)
+    everywhere = Rules(late=late, accept_late_s=172_800, attempts=8, attempts_per_day=3)
+    rules = services.rules.of("ros")
+    assert {one.id: rules.of(one.id) for one in services.assignments.of("ros").all()} == {
+        one.id: everywhere for one in services.assignments.of("ros").all()
+    }
+    wang.post("/class/rules", {"assignment": ["spin"], "action": "rules", "late": "none", "attempts": "9"})
+    after = services.rules.of("ros")
+    assert after.of("spin") == Rules(accept_late_s=172_800, attempts=9, attempts_per_day=3)
+    assert after.of("square") == everywhere
+    for wrong in ({"late": "linear"}, {"late": "linear", "per_day": "0"}, {"attempts": "0"}):
+        refused = wang.post("/class/rules", {"assignment": ["spin"], "action": "rules", **wrong})
+        assert refused.status_code == 422, wrong
+        assert refused.text.count('aria-invalid="true"') == 1, wrong
+    assert services.rules.of("ros") == after
+
+
+def test_what_comes_after_the_first_upload_is_a_draft(wang: Browser, li: Browser, services: Services) -> None:
+    every = {one.id for one in services.assignments.of("ros").all()}
+    assert services.rules.of("ros").begun_with is None
+    assert wang.hand_in("square", b"x = 1\n").status_code == 303  # staff may try before
+    assert services.rules.of("ros").begun_with is None
+    services.courses.begin("ros", every - {"spin"})  # as if spin had not been there yet
+    assert li.hand_in("square", b"x = 1\n").status_code == 303
+    assert services.rules.of("ros").begun_with == every - {"spin"}
+    assert li.get("/assignments/spin").status_code == 404
+    assert services.rules.of("ros").of("spin") == Rules(shown=Shown.DRAFT)
+    assert wang.get("/assignments/spin").status_code == 200
+    wang.post("/class/rules", {"assignment": ["spin"], "action": "rules", "shown": "always"})
+    assert li.get("/assignments/spin").status_code == 200
+
+
+def test_a_course_begins_with_a_students_first_upload(li: Browser, services: Services) -> None:
+    every = {one.id for one in services.assignments.of("ros").all()}
+    assert li.hand_in("square", b"x = 1\n").status_code == 303
+    assert services.rules.of("ros").begun_with == every
 
 
 def test_one_form_extends_for_several_people_and_sections(wang: Browser, services: Services) -> None:
