@@ -4,6 +4,7 @@ They belong to one event loop; nothing here may be called from another thread.
 """
 
 import asyncio
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
@@ -11,6 +12,7 @@ from typing import Final
 from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.live.car import LiveCar, new_key
 
+_log = logging.getLogger(__name__)
 LIFE_S: Final = 15 * 60.0
 IDLE_S: Final = 2 * 60.0
 CLIENTS: Final = 8
@@ -44,6 +46,7 @@ class LiveCars:
         most: how many there may be at once; 0: none are offered.
         life_s: for how long one is there at most. idle_s: for how long while nobody is connected.
         make_car: makes one that is not started.
+        may_begin: whether this process may have cars, of several that share a database; it may wait for that one.
     """
 
     def __init__(
@@ -53,11 +56,13 @@ class LiveCars:
         life_s: float = LIFE_S,
         idle_s: float = IDLE_S,
         make_car: Callable[[], LiveCar] = lambda: LiveCar(CLIENTS),
+        may_begin: Callable[[], bool] = lambda: True,
     ) -> None:
         self.most = most
         self.life_s = life_s
         self.idle_s = idle_s
         self._make_car = make_car
+        self._may_begin = may_begin
         self._places: dict[str, LivePlace] = {}
         self._by_key: dict[str, LivePlace] = {}
         self._stopped = False
@@ -69,9 +74,12 @@ class LiveCars:
         """Return the owner's car; start one if there is none.
 
         Raises:
-            RefusedError: none are offered (``live_off``), or there are too many (``live_full``).
+            RefusedError: none are offered here (``live_off``), or there are too many (``live_full``).
             InfrastructureError: it could not be started.
         """
+        if self.most and owner not in self._places and not await asyncio.to_thread(self._may_begin):
+            _log.warning("a live car was asked for, but another process has them: send /live there")
+            raise RefusedError("live_off")
         if not self.most or self._stopped:
             raise RefusedError("live_off")
         place = self._places.get(owner)

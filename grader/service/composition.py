@@ -4,7 +4,7 @@ import logging
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, nullcontext
 from importlib.util import find_spec
 
 from grader.catalog import Catalog, set_root
@@ -27,7 +27,7 @@ from grader.service.worker.beside import ServiceLink, WorkerProcess
 from grader.store.clock import Clock, clock_of
 from grader.store.courses import Courses
 from grader.store.database import Database, checkpoints
-from grader.store.occupancy import check_room
+from grader.store.occupancy import Sole, check_room
 from grader.store.own_assignments import OwnAssignments
 from grader.store.queue import Queue, Retries
 from grader.store.schema import up_to_date
@@ -83,7 +83,10 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
             preflight=preflight or stack.enter_context(_preflight()),
             plots=PlotCache(draw_stored, settings.plot_cache_entries),
             callers=Callers(courses, Tokens(database, clock), _token(settings, courses), clock),
-            live=LiveCars(settings.live_cars if websockets_installed() else 0),
+            live=LiveCars(
+                settings.live_cars if websockets_installed() else 0,
+                may_begin=stack.enter_context(closing(Sole(database))).is_mine,
+            ),
             practice=_practice(database, settings, clock),
             providers=_providers(settings, clock),
         )

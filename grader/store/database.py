@@ -196,7 +196,7 @@ class Database:
 
     @contextmanager
     def _transaction(self, engine: Engine) -> Iterator[Session]:
-        with _explained(), Session(engine, expire_on_commit=False) as session, session.begin():
+        with explained(), Session(engine, expire_on_commit=False) as session, session.begin():
             yield session
 
 
@@ -393,7 +393,7 @@ def checkpoint(database: Database) -> None:
 def empty_log(database: Database) -> None:
     """Leave nothing in SQLite's log of what was deleted; waits for readers of older snapshots."""
     if database.is_sqlite:
-        with _explained():
+        with explained():
             _checkpoint(database, "TRUNCATE")
 
 
@@ -406,7 +406,7 @@ def _checkpoint(database: Database, how: str) -> None:
 
 
 @contextmanager
-def _explained() -> Iterator[None]:
+def explained() -> Iterator[None]:
     """Raise InfrastructureError for what is not a statement's own fault."""
     try:
         yield

@@ -8,19 +8,21 @@ import fcntl
 import logging
 import os
 import socket
+import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import Any, NamedTuple
 
-from sqlalchemy import event, func, select, text
+from sqlalchemy import Connection, event, func, select, text
 from sqlmodel import Session
 
 from grader.contracts.errors import InfrastructureError, SettingsError
-from grader.store.database import Database
+from grader.store.database import Database, explained
 
 _log = logging.getLogger(__name__)
 _LOCK = (0x67726164, 1)  # a pair of numbers, unlike the locks of `grader.store.database`
+_SOLE_LOCK = (0x67726164, 2)
 _LOOK_S = 0.5
 _LOOKS = 20
 _LEAVING_S = 0.05  # between two looks at who seems to leave
@@ -135,6 +137,66 @@ def alone(database: Database) -> Iterator[None]:
                 f"有服务正在使用 {database.name}：请先停止它",
             ) from None
         yield
+
+
+class Sole:
+    """What one process alone may have of all that share a database. Safe to share between threads.
+
+    It is taken when first asked for, and kept until this is closed.
+    """
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        self._asking = threading.Lock()
+        self._kept = ExitStack()
+        self._connection: Connection | None = None
+        self._descriptor: int | None = None
+
+    def is_mine(self) -> bool:
+        """Return whether this process has it, now or from now on.
+
+        Raises:
+            InfrastructureError: the database does not answer.
+        """
+        with self._asking:
+            return self._of_file() if self._database.is_sqlite else self._of_server()
+
+    def close(self) -> None:
+        """Leave it to others."""
+        self._kept.close()
+        self._descriptor = None
+        self._let_go()
+
+    def _of_file(self) -> bool:
+        if self._descriptor is None:
+            self._descriptor = self._kept.enter_context(_lock_file(f"{self._database.name}.live"))
+        try:
+            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True
+
+    def _of_server(self) -> bool:
+        """Ask again each time: with a broken connection the lock was lost."""
+        try:
+            with explained():
+                self._connection = self._connection or self._database.engine.connect()
+                question = select(func.pg_try_advisory_lock(*_SOLE_LOCK))
+                granted: bool = self._connection.execute(question).scalar_one()
+                self._connection.commit()
+        except InfrastructureError:
+            self._let_go()
+            raise
+        if not granted:
+            self._let_go()
+        return granted
+
+    def _let_go(self) -> None:
+        if self._connection is not None:
+            if not self._connection.invalidated:
+                self._connection.invalidate()
+            self._connection.close()
+            self._connection = None
 
 
 class _ReplacedError(InfrastructureError):

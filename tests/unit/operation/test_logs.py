@@ -74,6 +74,7 @@ def test_every_line_of_a_grading_names_it(log: logging.Logger) -> None:
         queued_at=datetime.now(UTC),
         course=None,
         distro=None,
+        runs_as=None,
     )
     with logs.about(claim):
         log.warning("try 1: the grading process died")

@@ -8,7 +8,7 @@ import pytest
 
 from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.store.database import Database
-from grader.store.occupancy import OccupiedError, alone, in_use
+from grader.store.occupancy import OccupiedError, Sole, alone, in_use
 from tests.fakes.postgres import PostgresServer
 from tests.fakes.waiting import PATIENCE_S, wait_until
 
@@ -101,3 +101,26 @@ def test_who_worked_with_a_database_leaves_nothing_behind_for_its_next_connectio
         with in_use(postgres_database):
             pass
     assert len(postgres_database.engine.pool.dispatch.connect) == before
+
+
+def test_what_one_process_alone_may_have_passes_on_when_it_ends(database: Database) -> None:
+    other_database = Database(database.engine.url.render_as_string(hide_password=False))
+    first, other = Sole(database), Sole(other_database)
+    assert [first.is_mine(), other.is_mine(), first.is_mine(), other.is_mine()] == [True, False, True, False]
+    first.close()
+    assert [other.is_mine(), first.is_mine()] == [True, False]
+    other.close()
+    first.close()
+    other_database.close()
+
+
+def test_what_one_process_alone_may_have_is_taken_again_after_an_outage(
+    postgres_database: Database, postgres_server: PostgresServer
+) -> None:
+    one = Sole(postgres_database)
+    assert one.is_mine()
+    postgres_server.disconnect()
+    with pytest.raises(InfrastructureError):
+        one.is_mine()
+    assert one.is_mine()
+    one.close()

@@ -157,7 +157,9 @@ def test_a_car_ends_when_nobody_is_connected(
     assert here.get("/api/v1/live", headers=school.as_("li")).status_code == 404
 
 
-@pytest.mark.parametrize("cars", [LiveCars(0)], ids=["none"])
+@pytest.mark.parametrize(
+    "cars", [LiveCars(0), LiveCars(2, may_begin=lambda: False)], ids=["none", "elsewhere"]
+)
 def test_an_operator_offers_none(here: httpx.Client, school: Any) -> None:
     answer = here.post("/api/v1/live", headers=school.as_("li"))
     assert (answer.status_code, answer.json()["code"]) == (503, "live_off")
