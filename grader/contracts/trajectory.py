@@ -71,7 +71,7 @@ class Trajectory:
         pictures: of a PyBullet world, in order of time; of others none.
         sayings: lines of a conversation; none where the assignment asks for none.
         commanded: the motion that the same commands would have made, each obeyed at once, where turtlesim let some
-            of them wait; its `commands` are left out. None: none waited.
+            of them wait. None: none waited.
     """
 
     t_ns: Ints
@@ -93,7 +93,7 @@ class Trajectory:
 
     def at_once(self) -> "Trajectory":
         """Return the motion of a turtle that obeys each command at once."""
-        return self if self.commanded is None else replace(self.commanded, commands=self.commands)
+        return self if self.commanded is None else self.commanded
 
 
 # --------------------------------------------------------------------------------------------------- JSON
@@ -110,6 +110,14 @@ _FLOAT_COLUMNS = ("x_m", "y_m", "heading_rad", "v_mps", "w_radps")
 
 def recorded(trajectory: Trajectory) -> Trajectory:
     """Return a trajectory as it is stored and scored: lengths, angles and speeds rounded to 1e-6."""
+    commands = _rounded_commands(trajectory.commands)
+    driven = _recorded_motion(trajectory, commands)
+    if trajectory.commanded is None:
+        return driven
+    return replace(driven, commanded=_recorded_motion(trajectory.commanded, commands))
+
+
+def _recorded_motion(trajectory: Trajectory, commands: tuple[Command, ...]) -> Trajectory:
     return replace(
         trajectory,
         x_m=on_grid(trajectory.x_m),
@@ -117,20 +125,19 @@ def recorded(trajectory: Trajectory) -> Trajectory:
         heading_rad=on_grid(trajectory.heading_rad),
         v_mps=on_grid(trajectory.v_mps),
         w_radps=on_grid(trajectory.w_radps),
-        commands=_rounded_commands(trajectory.commands),
-        commanded=None if trajectory.commanded is None else recorded(trajectory.commanded),
+        commands=commands,
     )
 
 
 def encode_trajectory(trajectory: Trajectory) -> bytes:
-    """Return canonical JSON of the trajectory as it is `recorded` (times in whole nanoseconds)."""
+    """Return canonical JSON of a trajectory that is `recorded` (times in whole nanoseconds)."""
     commanded = {} if trajectory.commanded is None else {"commanded": _motion(trajectory.commanded)}
-    commands = _written(_rounded_commands(trajectory.commands))
+    commands = _written(trajectory.commands)
     return msgspec.json.encode({**_motion(trajectory), **commanded, "commands": commands})
 
 
 def _motion(trajectory: Trajectory) -> dict[str, object]:
-    columns = {name: _written(on_grid(getattr(trajectory, name)).tolist()) for name in _FLOAT_COLUMNS}
+    columns = {name: _written(getattr(trajectory, name).tolist()) for name in _FLOAT_COLUMNS}
     return {
         "t_ns": trajectory.t_ns.tolist(),
         **columns,
@@ -144,7 +151,11 @@ def _motion(trajectory: Trajectory) -> dict[str, object]:
 
 def decode_trajectory(data: bytes) -> Trajectory:
     """Return the trajectory that `encode_trajectory` wrote. Only for bytes written by the grader itself."""
-    return _read(json.loads(data))
+    document = json.loads(data)
+    driven = _read(document)
+    if "commanded" not in document:
+        return driven
+    return replace(driven, commanded=replace(_read(document["commanded"]), commands=driven.commands))
 
 
 def _read(document: dict[str, Any]) -> Trajectory:
@@ -160,7 +171,7 @@ def _read(document: dict[str, Any]) -> Trajectory:
             for t_ns, png in document.get("pictures", ())
         ),
         sayings=tuple(Saying(**each) for each in document.get("sayings", ())),
-        commanded=_read(document["commanded"]) if "commanded" in document else None,
+        commanded=None,
         **floats,
     )
 

@@ -86,16 +86,16 @@ class Client:
 class CarBody(Client):
     """The car's body in a PyBullet world of its own.
 
-    One object serves any number of episodes: `reset` builds the world anew, so nothing of an earlier episode is
-    left and the same calls give the same bits. The physics client stays. Tyres and casters are frictionless, so
-    that they carry the car and never steer it, and the wheels' motors turn along.
+    One object serves any number of episodes: `reset` brings back the world that was built, contacts and all, so
+    nothing of an earlier episode is left and the same calls give the same bits. The tyres and casters that carry
+    the car have no friction and never steer it; the wheels' motors turn along.
 
     Attributes:
         pose: where the body is.
     """
 
     def __init__(self) -> None:
-        """Connect to PyBullet and build the world of the first episode: it takes 10 ms, later ones take 2 ms.
+        """Connect to PyBullet and build the world, which takes 10 ms.
 
         Raises:
             InfrastructureError: PyBullet failed.
@@ -103,20 +103,17 @@ class CarBody(Client):
         super().__init__()
         with faults():
             self._body = _build(self._client)
-        self._is_new = True  # nothing has happened in the world that stands there
-        self._turned = (0.0, 0.0)
+            self._built: int = _bullet.saveState(physicsClientId=self._client)
+        self._turned: tuple[float, float] | None = None  # unknown: a state that is brought back has no motors
         self._step = 0
         self.pose: PlanarPose = (0.0, 0.0, 0.0)
 
     def reset(self) -> None:
-        """Build the world of another episode."""
-        self._turned = (0.0, 0.0)
-        if self._is_new:
-            self._is_new = False
-            return
+        """Bring back the world of a new episode, as it was built."""
+        self._turned = None
         with faults():
-            _bullet.resetSimulation(physicsClientId=self._client)
-            self._body = _build(self._client)
+            _bullet.restoreState(stateId=self._built, physicsClientId=self._client)
+            _bullet.setTimeStep(STEP_S, physicsClientId=self._client)
 
     def place(self, pose: PlanarPose, now_ns: int) -> None:
         """Put the body down in `pose`."""

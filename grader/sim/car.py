@@ -91,12 +91,15 @@ def cos_sin(angle_rad: float) -> tuple[float, float]:
 
 def turtlesim_update(pose: PlanarPose, v_mps: float, w_radps: float) -> PlanarPose:
     """Return the pose one update later: turtlesim turns first, then moves along the new heading."""
-    heading = fold(pose[2] + w_radps * UPDATE_S)
+    x, y, heading = pose
+    heading += w_radps * UPDATE_S
+    if not -PI <= heading < PI:
+        heading = fold(heading)
     if not v_mps:
-        return pose[0], pose[1], heading
+        return x, y, heading
     c, s = cos_sin(heading)
     reach = v_mps * UPDATE_S
-    return pose[0] + c * reach, pose[1] + s * reach, heading
+    return x + c * reach, y + s * reach, heading
 
 
 def twist_to_wheels(v_mps: float, w_radps: float) -> tuple[float, float]:

@@ -174,34 +174,37 @@ class Car:
         self.resting = v == w == 0.0
         each_time = self.resting or abs(v) > _QUICK_MPS or abs(w) > _QUICK_RADPS
         last_ns = self.now_ns + UPDATE_NS if self.resting else t_ns
-        beyond, self._beyond = self._beyond, None
-        while self.now_ns + UPDATE_NS <= last_ns:
-            before = self.pose
-            self.now_ns += UPDATE_NS
-            x, y, heading = turtlesim_update(beyond or before, v, w)
-            beyond = None
-            self._measured = (v, w)
-            if self._walls and not (0.0 <= x <= WINDOW_M and 0.0 <= y <= WINDOW_M):
-                start_ns = self.now_ns - UPDATE_NS
-                x = self._held(start_ns, self.now_ns, x, "left", "right")
-                y = self._held(start_ns, self.now_ns, y, "bottom", "top")
-                c, s = cos_sin(heading)
-                self._measured = (((x - before[0]) * c + (y - before[1]) * s) / UPDATE_S, w)
-            self.pose = (x, y, heading)
-            if self.lost:
-                self._measured = (v, w)
-                continue
-            if self._body is not None and (each_time or self.now_ns % (_BEHIND_UPDATES * UPDATE_NS) == 0):
-                self._body.turn_wheels(v, w)
-                self._body.follow(before, self.pose, self.now_ns)
-            self._watch()
+        body = None if self.lost else self._body
+        before, (begin, self._beyond) = self.pose, (self._beyond or self.pose, None)
+        for now_ns in range(self.now_ns + UPDATE_NS, last_ns + 1, UPDATE_NS):
+            pose, self._measured = turtlesim_update(begin, v, w), (v, w)
+            if self._walls and not (0.0 <= pose[0] <= WINDOW_M and 0.0 <= pose[1] <= WINDOW_M):
+                pose = self._held_within(before, pose, now_ns)
+            if body is not None and (each_time or now_ns % (_BEHIND_UPDATES * UPDATE_NS) == 0):
+                body.turn_wheels(v, w)
+                body.follow(before, pose, now_ns)
+            if not self.lost:
+                self._watcher.sample(now_ns, pose, *self._measured)
+            before = begin = pose
+        self.pose, self.now_ns = before, now_ns
+        if not self.lost:
+            self._check()
 
-    def _watch(self) -> None:
-        """Have the update watched that was just run."""
-        (x, y, heading), (v, w) = self.pose, self._measured
-        if not isfinite(x + y + heading + v + w):
+    def _held_within(self, before: PlanarPose, aim: PlanarPose, now_ns: int) -> PlanarPose:
+        """Return where the walls hold a car that an update wants elsewhere; the way there is what it measures."""
+        start_ns = now_ns - UPDATE_NS
+        x = self._held(start_ns, now_ns, aim[0], "left", "right")
+        y = self._held(start_ns, now_ns, aim[1], "bottom", "top")
+        if not self.lost:
+            c, s = cos_sin(aim[2])
+            way_m = (x - before[0]) * c + (y - before[1]) * s
+            self._measured = (way_m / UPDATE_S, self._measured[1])
+        return x, y, aim[2]
+
+    def _check(self) -> None:
+        """Raise if the car left the realm of numbers: once it has, no update brings it back."""
+        if not isfinite(sum(self.pose) + sum(self._measured)):
             raise InfrastructureError("the simulated car left the realm of numbers")
-        self._watcher.sample(self.now_ns, self.pose, v, w)
 
     def _drive(self, rough: RoughDrive, body: "CarBody", t_ns: int) -> None:
         """Run the updates up to `t_ns`, or to rest, under the rough drive."""
@@ -209,7 +212,8 @@ class Car:
             first = last_step_at(self.now_ns)
             self.now_ns += UPDATE_NS
             self._step(rough, body, first, last_step_at(self.now_ns))
-            self._watch()
+            self._check()
+            self._watcher.sample(self.now_ns, self.pose, *self._measured)
 
     def _step(self, rough: RoughDrive, body: "CarBody", first: int, last: int) -> None:
         """Step the body under the rough drive from step `first` to step `last`."""

@@ -1,7 +1,7 @@
 """Records an episode: the car's motion, and the script's output. Bounded, whatever the script does."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -55,18 +55,15 @@ class Recorder:
         self._t_ns = t_ns + 1
         self._samples.append((self._t_ns, *pose, v_mps, w_radps))
 
-    def command(self, came: Iterable[tuple[int, int]], v_mps: float, w_radps: float) -> None:
-        """Add a command that came once or several times: for each, the first update after it, and when it came.
+    def command(self, last_ns: Mapping[int, int], v_mps: float, w_radps: float) -> None:
+        """Add a command that came once or several times: for each update, in order, when it last came before it.
 
         Of several between two updates the last is kept: 60 a second are enough to show, and to obey at once.
         """
-        commands, before = self._commands, self._command_update
-        for update, t_ns in came:
-            if update == before:
-                commands.pop()
-            before = update
-            commands.append(Command(t_ns, v_mps, w_radps))
-        self._command_update = before
+        if next(iter(last_ns)) == self._command_update:
+            self._commands.pop()
+        self._command_update = next(reversed(last_ns))
+        self._commands += [Command(t_ns, v_mps, w_radps) for t_ns in last_ns.values()]
 
     def contact(self, start_ns: int, end_ns: int, wall: str) -> None:
         """Note that `wall` held the car from `start_ns` to `end_ns`. Calls come in order of time."""
@@ -111,7 +108,7 @@ class Unrecorded(Recorder):
     def jump(self, t_ns: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
         """Drop it."""
 
-    def command(self, came: object, v_mps: float, w_radps: float) -> None:
+    def command(self, last_ns: object, v_mps: float, w_radps: float) -> None:
         """Drop it."""
 
     def contact(self, start_ns: int, end_ns: int, wall: str) -> None:
@@ -188,20 +185,22 @@ class ReceivedCommands:
 
     def take(
         self,
-        came: Sequence[tuple[int, int]],
+        times_ns: Sequence[int],
+        updates: Sequence[int],
         asked: tuple[float, float, float],
         obeyed: tuple[float, float, bool],
     ) -> None:
         """Take a command that came once or several times in a row.
 
         Args:
-            came: for each time, which update of the car is the first after it, and when it was; in order.
+            times_ns: when it came, in order.
+            updates: for each time, which update of the car is the first after it.
             asked: its speeds ahead and to the left, and its yaw rate.
             obeyed: speed and yaw rate as the car takes them, and whether the command was finite.
         """
         v, w, finite = obeyed
         ahead, left, turn = asked
-        times = len(came)
+        times = len(times_ns)
         if not finite:
             self.nonfinite += times
         elif v != ahead or w != turn:
@@ -209,16 +208,16 @@ class ReceivedCommands:
         if v or w:
             self.motions += times
         if bool(v) != bool(w):
-            self.contested += self._last == (came[0][0], not v)  # only the first follows one of another kind
-            self._last = (came[-1][0], bool(v))
+            self.contested += self._last == (updates[0], not v)  # only the first follows one of another kind
+            self._last = (updates[-1], bool(v))
         if left:
             self.lateral += times
         self.count += times
         if self.first_ns is None:
-            self.first_ns = came[0][1]
-        self.last_ns = came[-1][1]
+            self.first_ns = times_ns[0]
+        self.last_ns = times_ns[-1]
         told = (_recorded(ahead), _recorded(turn)) if finite else (v, w)
-        self._recorder.command(came, *told)
+        self._recorder.command(dict(zip(updates, times_ns, strict=True)), *told)
 
 
 def _recorded(asked: float) -> float:

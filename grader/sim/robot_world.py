@@ -162,7 +162,7 @@ class RobotWorld(SimulatedWorld):
         for t_ns in times_ns:
             self.advance(t_ns)
             update = last_beat_at(t_ns) // DRIVE_BEATS
-            self._received.take([(update, t_ns)], (linear_x, linear_y, angular_z), obeyed)
+            self._received.take([t_ns], [update], (linear_x, linear_y, angular_z), obeyed)
             self._body.command(obeyed[0], obeyed[1])
 
     def next_due(self) -> int | None:

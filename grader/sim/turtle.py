@@ -2,14 +2,12 @@
 
 import math
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from itertools import groupby
-from operator import itemgetter
 from typing import Final
 
 from grader.contracts.assignment import WINDOW_M, World
-from grader.contracts.trajectory import COMMAND_LIFE_NS, Trajectory
+from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Trajectory
 from grader.sim.car import UPDATE_NS, PlanarPose, clamp_command, next_update
 from grader.sim.driving import Car
 from grader.sim.frames import CarState
@@ -32,40 +30,38 @@ class Inbox:
     """The commands that wait for a turtle. Each update takes one, oldest first; an eighth pushes the oldest out.
 
     turtlesim's updates call `rclcpp::spin_some`, which runs what is ready when it begins: at most one message of
-    each subscription. Of which only the `newest` waits, each update takes the last that came.
+    each subscription.
 
     Attributes:
+        due: the update that takes the next of them; beyond all updates while none waits.
         longest: for how many updates a command has waited beyond the first that could take it.
     """
 
-    def __init__(self, *, newest: bool = False) -> None:
-        self._waiting: deque[tuple[int, float, float]] = deque(maxlen=1 if newest else MOST_WAITING)
+    def __init__(self) -> None:
+        self._waiting: deque[tuple[int, float, float]] = deque(maxlen=MOST_WAITING)
         self._free = 0  # the first update that has not taken one
+        self.due = _NEVER
         self.longest = 0
-
-    def __bool__(self) -> bool:
-        return bool(self._waiting)
 
     def add(self, update: int, v_mps: float, w_radps: float) -> None:
         """Add a command that no update before `update` can take. Earlier updates must have taken theirs."""
-        self._waiting.append((update, v_mps, w_radps))
-
-    def take(self, last: int) -> tuple[int, float, float] | None:
-        """Return the next command that an update up to `last` takes, and before it which one that is."""
         if not self._waiting:
-            return None
-        since, v, w = self._waiting[0]
-        update = max(since, self._free)
-        if update > last:
-            return None
-        self._waiting.popleft()
-        self._free = update + 1
+            self.due = max(update, self._free)
+        self._waiting.append((update, v_mps, w_radps))  # whom it pushes out leaves `due` to the next
+
+    def take(self) -> tuple[int, float, float]:
+        """Return the update that takes the next command, and that; one must be waiting."""
+        since, v, w = self._waiting.popleft()
+        update = self.due
+        self._free = free = update + 1
         self.longest = max(self.longest, update - since)
+        self.due = max(self._waiting[0][0], free) if self._waiting else _NEVER
         return update, v, w
 
     def clear(self) -> None:
         """Lose them all."""
         self._waiting.clear()
+        self.due = _NEVER
 
     @property
     def speeds(self) -> tuple[tuple[float, float], ...]:
@@ -77,21 +73,18 @@ class Turtle:
     """The graded turtle, or one that the script spawned.
 
     Each update takes one command from its `Inbox`. The first update more than 1.0 s after the one that took it
-    drops it, as in turtlesim (`Turtle::update`): a single command moves the turtle in 63 updates. One that obeys
-    `at_once` takes the last command that came.
+    drops it, as in turtlesim (`Turtle::update`): a single command moves the turtle in 63 updates.
 
     Attributes:
         alive: false between /kill and the next turtle of the same name; until then commands have no effect.
         commands: the velocity commands that it received.
     """
 
-    def __init__(
-        self, car: Car, recorder: Recorder, world: World, horizon_ns: int, *, at_once: bool = False
-    ) -> None:
+    def __init__(self, car: Car, recorder: Recorder, world: World, horizon_ns: int) -> None:
         self.start: PlanarPose = (world.start.x_m, world.start.y_m, math.radians(world.start.heading_deg))
         self.alive = True
         self.commands = ReceivedCommands(recorder)
-        self._inbox = Inbox(newest=at_once)
+        self._inbox = Inbox()
         self._deeds: deque[tuple[int, Callable[[Turtle], None]]] = deque(maxlen=MOST_DEEDS)
         self._car = car
         self._recorder = recorder
@@ -111,7 +104,7 @@ class Turtle:
     @property
     def resting(self) -> bool:
         """Whether the car stands still and would stay so without a new command."""
-        return self._car.resting and not self._inbox
+        return self._car.resting and self._inbox.due == _NEVER
 
     @property
     def velocity(self) -> tuple[float, float]:
@@ -126,7 +119,9 @@ class Turtle:
     def advance(self, t_ns: int) -> None:
         """Run every update up to `t_ns`, but never past the horizon."""
         end_ns = min(t_ns, self._horizon_ns)
-        self._take_up_to(end_ns)
+        inbox, last = self._inbox, end_ns // UPDATE_NS
+        while inbox.due <= last:
+            self._obey(*inbox.take())
         if self._drop_ns <= end_ns:
             self._drop()
         self._car.advance(end_ns)
@@ -136,30 +131,33 @@ class Turtle:
 
         A sideways component is only counted: turtlesim 1.4 slides sideways, a car on two wheels cannot.
         """
-        v, w, finite = clamp_command(linear_x, angular_z)
-        came = [(t_ns // UPDATE_NS + 1, t_ns) for t_ns in times_ns]  # `next_update`, inlined
-        if not came:
+        if not times_ns:
             return
-        self.commands.take(came, (linear_x, linear_y, angular_z), (v, w, finite))
+        v, w, finite = clamp_command(linear_x, angular_z)
+        updates = [t_ns // UPDATE_NS + 1 for t_ns in times_ns]  # `next_update`, inlined
+        self.commands.take(times_ns, updates, (linear_x, linear_y, angular_z), (v, w, finite))
         if not self.alive:
             return
-        for update, t_ns in came:
-            self._take_up_to(t_ns)
-            self._inbox.add(update, v, w)
-            if t_ns - self._car.now_ns >= _LAG_NS:
-                self.advance(t_ns)
+        inbox = self._inbox
+        for update in updates:
+            while inbox.due < update:
+                self._obey(*inbox.take())
+            inbox.add(update, v, w)
+        if times_ns[-1] - self._car.now_ns >= _LAG_NS:
+            self.advance(times_ns[-1])
 
     def take(self, t_ns: int) -> bool:
         """Have the update of `t_ns`, the next one, take its command; return whether one was waiting."""
-        taken = self._inbox.take(t_ns // UPDATE_NS) if t_ns <= self._horizon_ns else None
-        if taken is not None:
-            self._obey(*taken)
-        return taken is not None
+        waits = t_ns <= self._horizon_ns and self._inbox.due <= t_ns // UPDATE_NS
+        if waits:
+            self._obey(*self._inbox.take())
+        return waits
 
-    def _take_up_to(self, t_ns: int) -> None:
-        last = t_ns // UPDATE_NS
-        while (taken := self._inbox.take(last)) is not None:
-            self._obey(*taken)
+    def obey(self, t_ns: int, v_mps: float, w_radps: float) -> None:
+        """Have the update after `t_ns` take a command that came then, if there is one and the turtle lives."""
+        update = next_update(t_ns)
+        if self.alive and update * UPDATE_NS <= self._horizon_ns:
+            self._obey(update, *clamp_command(v_mps, w_radps)[:2])
 
     def _obey(self, update: int, v_mps: float, w_radps: float) -> None:
         """Set the velocity from `update` on, which takes it from the inbox."""
@@ -223,24 +221,9 @@ class Turtle:
         nominal, remembered = self._world.profile == "nominal", len(self._deeds) < MOST_DEEDS
         if not (self._inbox.longest and nominal and remembered):
             return None
-        recorder = Recorder()
-        turtle = Turtle(Car(has_body=False), recorder, self._world, self._horizon_ns, at_once=True)
-        turtle.appear()
-        deeds = deque(self._deeds)
-        for (v, w), same in groupby(recorded.commands, key=itemgetter(1, 2)):
-            times_ns = [command.t_ns for command in same]
-            while deeds and deeds[0][0] < times_ns[-1]:
-                done_ns, deed = deeds.popleft()
-                turtle.receive([t_ns for t_ns in times_ns if t_ns <= done_ns], v, 0.0, w)
-                times_ns = [t_ns for t_ns in times_ns if t_ns > done_ns]
-                turtle.advance(done_ns)
-                deed(turtle)
-            turtle.receive(times_ns, v, 0.0, w)
-        for done_ns, deed in deeds:
-            turtle.advance(done_ns)
-            deed(turtle)
-        turtle.finish(recorded.end_ns)
-        return replace(recorder.finish(recorded.end_ns), commands=())
+        end_ns = min(recorded.end_ns, self._horizon_ns)
+        motion = obeyed_at_once(self._world, recorded.commands, end_ns, self._deeds)
+        return replace(motion, commands=recorded.commands)
 
     @property
     def reckonable(self) -> bool:
@@ -273,6 +256,30 @@ class Turtle:
     def steps_run(self) -> int:
         """Steps of 1/240 s simulated."""
         return self._car.steps_run
+
+
+def obeyed_at_once(
+    world: World,
+    commands: Iterable[Command],
+    end_ns: int,
+    deeds: "Iterable[tuple[int, Callable[[Turtle], None]]]" = (),
+) -> Trajectory:
+    """Return the motion of a nominal turtle that obeys each command in the next update, up to `end_ns`.
+
+    `commands`: in order, one before each update at most. `deeds`: what else is done to it in the update of a time.
+    """
+    recorder = Recorder()
+    turtle = Turtle(Car(has_body=False), recorder, world, end_ns)
+    turtle.appear()
+    waiting = deque(deeds)
+    for t_ns, v_mps, w_radps in (*commands, Command(_NEVER, 0.0, 0.0)):
+        while waiting and waiting[0][0] <= t_ns:
+            done_ns, deed = waiting.popleft()
+            turtle.advance(done_ns)
+            deed(turtle)
+        turtle.obey(t_ns, v_mps, w_radps)
+    turtle.finish(end_ns)
+    return recorder.finish(end_ns)
 
 
 def spawned(pose: PlanarPose, t_ns: int, *, walls: bool) -> Turtle:

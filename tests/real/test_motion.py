@@ -71,8 +71,8 @@ def _agreement(poses: Poses, commands: list[tuple[float, float, float]], late_s:
         while coming < len(commands) and poses.t_s[0] + late_s + commands[coming][0] < t_s:
             inbox.add(update, *commands[coming][1:])
             coming += 1
-        if (taken := inbox.take(update)) is not None:
-            _, v, w = taken
+        if inbox.due <= update:
+            _, v, w = inbox.take()
             taken_s = t_s
         if t_s - taken_s > HOLD_S:
             v = w = 0.0

@@ -1,6 +1,6 @@
 """How sensitive a rubric is: drive the solution's motion again with growing errors, and see what each costs.
 
-The recorded commands are driven by an ideal turtle in numpy, so hundreds of errors take a few seconds.
+The recorded commands are driven without the script, so hundreds of errors take a few seconds.
 """
 
 import math
@@ -8,15 +8,15 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
-import numpy as np
-
 from grader.checks import evaluate
-from grader.contracts.assignment import Assignment
+from grader.contracts.assignment import Assignment, World
 from grader.contracts.rubric import ItemStatus, RubricItem, Unit
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
-from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Floats, Ints, Trajectory
+from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Trajectory
 from grader.messages.quantity import number
+from grader.sim.car import UPDATE_NS
+from grader.sim.turtle import obeyed_at_once
 
 Commands = Sequence[Command]
 Spoil = Callable[[Commands, float], list[Command]]
@@ -25,7 +25,6 @@ MOST = 1.0
 # Fine where credit begins to fall, coarser where only the error that costs an item's last point is still sought.
 _STEPS = (*range(1, 25), *range(25, 50, 3), *range(50, 100, 7))
 _COARSE = 10  # every tenth of these steps is scored first
-_PERIOD_NS = 16_666_667  # poses 1/60 s apart, as the car records them
 _ROUNDING = 1e-6  # measures of equal motions differ by less
 _MOVING = 1e-6  # slower is rest: velocities are commanded, so anything else is rounding
 
@@ -81,7 +80,7 @@ def lax(assignment: Assignment, run: Run) -> list[Text]:
     """
     problems = []
     limits = {item.id for item in assignment.items if item.limit}
-    right = _items(assignment, run, replayed(run.trajectory, run.trajectory.commands))
+    right = _items(assignment, run, run.trajectory.commands)
     for perturbation in _applicable(run.trajectory):
         error = perturbation.must_cost_from
         if error is None:
@@ -123,7 +122,7 @@ def replayable(assignment: Assignment, run: Run) -> bool:
     """Whether the recorded commands earn full marks if an ideal turtle drives them, the basis of comparison."""
     if not run.trajectory.commands or assignment.world.profile != "nominal":
         return False
-    return _full(_items(assignment, run, replayed(run.trajectory, run.trajectory.commands)))
+    return _full(_items(assignment, run, run.trajectory.commands))
 
 
 def _applicable(trajectory: Trajectory) -> list[Perturbation]:
@@ -188,11 +187,12 @@ def _scored(
     assignment: Assignment, run: Run, perturbation: Perturbation, error: float
 ) -> tuple[RubricItem, ...]:
     commands = perturbation.spoil(run.trajectory.commands, error)
-    return _items(assignment, run, replayed(run.trajectory, commands))
+    return _items(assignment, run, commands)
 
 
-def _items(assignment: Assignment, run: Run, trajectory: Trajectory) -> tuple[RubricItem, ...]:
-    return evaluate(assignment, [replace(run, trajectory=trajectory)]).items
+def _items(assignment: Assignment, run: Run, commands: Commands) -> tuple[RubricItem, ...]:
+    motion = replayed(assignment.in_case(run.case).world, run.trajectory, commands)
+    return evaluate(assignment, [replace(run, trajectory=motion)]).items
 
 
 def _full(items: tuple[RubricItem, ...]) -> bool:
@@ -324,51 +324,15 @@ PERTURBATIONS = (
 # ------------------------------------------------------------------------------------------------- replay
 
 
-def replayed(recorded: Trajectory, commands: Sequence[Command]) -> Trajectory:
-    """Return the motion of an ideal turtle, which obeys at once and never slips, from the recorded start pose.
+def replayed(world: World, recorded: Trajectory, commands: Commands) -> Trajectory:
+    """Return the motion of a turtle that obeys other commands than the recorded ones, and each at once.
 
     The episode lasts at least as long as the recorded one.
     """
     if not commands:
         return recorded
-    end_ns = max(recorded.end_ns, commands[-1].t_ns + COMMAND_LIFE_NS + _PERIOD_NS)
-    starts, v, w = _constant_stretches(commands, end_ns)
-    times = np.unique(np.concatenate((np.arange(0, end_ns, _PERIOD_NS), starts, [end_ns])))
-    index = np.searchsorted(starts, times[:-1], side="right") - 1
-    steps_s = np.diff(times) * 1e-9
-    speed, rate = v[index], w[index]
-    heading = recorded.heading_rad[0] + np.concatenate(([0.0], np.cumsum(rate * steps_s)))
-    half = rate * steps_s / 2.0
-    chord = speed * steps_s * np.sinc(half / math.pi)
-    return replace(
-        recorded,
-        t_ns=times,
-        x_m=recorded.x_m[0] + np.concatenate(([0.0], np.cumsum(chord * np.cos(heading[:-1] + half)))),
-        y_m=recorded.y_m[0] + np.concatenate(([0.0], np.cumsum(chord * np.sin(heading[:-1] + half)))),
-        heading_rad=heading,
-        v_mps=np.concatenate(([0.0], speed)),
-        w_radps=np.concatenate(([0.0], rate)),
-        commands=tuple(commands),
-        contacts=(),
-        jumps=(),
-        end_ns=end_ns,
-        commanded=None,
-    )
-
-
-def _constant_stretches(commands: Sequence[Command], end_ns: int) -> tuple[Ints, Floats, Floats]:
-    """Return start times, v and w of the stretches of constant velocity.
-
-    turtlesim drops a command after `COMMAND_LIFE_NS`, which begins a stretch at rest.
-    """
-    stretches = [(0, 0.0, 0.0)]
-    following = [command.t_ns for command in commands[1:]] + [end_ns]
-    for command, next_ns in zip(commands, following, strict=True):
-        stretches.append((command.t_ns, command.v_mps, command.w_radps))
-        if next_ns - command.t_ns > COMMAND_LIFE_NS:
-            stretches.append((command.t_ns + COMMAND_LIFE_NS, 0.0, 0.0))
-    columns = list(zip(*stretches, strict=True))
-    return np.array(columns[0], dtype=np.int64), np.array(columns[1]), np.array(columns[2])
+    end_ns = max(recorded.end_ns, commands[-1].t_ns + COMMAND_LIFE_NS + 2 * UPDATE_NS)
+    return replace(obeyed_at_once(world, commands, end_ns), commands=tuple(commands))
 
 
 def motion_of(command: Command) -> str:

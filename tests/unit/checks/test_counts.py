@@ -9,7 +9,7 @@ from grader.checks.remarks import counted_note
 from grader.contracts.assignment import Counts
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Scoring
-from grader.contracts.trajectory import Trajectory, decode_trajectory, encode_trajectory
+from grader.contracts.trajectory import Trajectory, decode_trajectory, encode_trajectory, recorded
 from tests.unit.checks.shipped import assignment, score
 from tests.unit.checks.trajectories import drive, polygon_legs, run_of
 
@@ -18,7 +18,7 @@ WIDE = drive(polygon_legs(4, corners_deg=[95.3] * 4))
 
 
 def both(driven: Trajectory, commanded: Trajectory) -> Trajectory:
-    return replace(driven, commanded=replace(commanded, commands=()))
+    return replace(driven, commanded=replace(commanded, commands=driven.commands))
 
 
 def scored(trajectory: Trajectory, counts: Counts = "either") -> Scoring:
@@ -73,8 +73,8 @@ def test_a_sketch_has_both_paths() -> None:
 
 
 def test_both_motions_are_stored() -> None:
-    stored = decode_trajectory(encode_trajectory(both(WIDE, RIGHT)))
+    stored = decode_trajectory(encode_trajectory(recorded(both(WIDE, RIGHT))))
     assert stored.commanded is not None
     assert stored.commanded.x_m.tolist() == RIGHT.x_m.round(6).tolist()
     assert stored.at_once().commands == stored.commands
-    assert decode_trajectory(encode_trajectory(RIGHT)).commanded is None
+    assert decode_trajectory(encode_trajectory(recorded(RIGHT))).commanded is None

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from grader.contracts.assignment import ServiceCall, World
 from grader.contracts.record import to_plain
-from grader.contracts.trajectory import encode_trajectory
+from grader.contracts.trajectory import encode_trajectory, recorded
 from grader.sim.driving import Car
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from tests.examples import examples
@@ -179,7 +179,7 @@ def test_repetitions_come_to_the_same_in_one_frame_and_in_many(
     ended = jail.ended(t_ns)
     results = [play(car, [*frames, ended], horizon_s=8.0) for frames in (single, repeated)]
     one, other = (to_plain(result) for result in results)
-    driven = [encode_trajectory(fields.pop("trajectory")) for fields in (one, other)]
+    driven = [encode_trajectory(recorded(fields.pop("trajectory"))) for fields in (one, other)]
     assert driven[0] == driven[1]
     assert one == other
 

@@ -41,7 +41,7 @@ def test_the_last_command_of_an_update_is_kept() -> None:
     recorder = Recorder()
     recorder.sample(0, ORIGIN, 0.0, 0.0)
     for update, v in ((1, 1.0), (1, 2.0), (2, 3.0)):
-        recorder.command([(update, update)], v, 0.0)
+        recorder.command({update: update}, v, 0.0)
     assert [command.v_mps for command in recorder.finish(0).commands] == [2.0, 3.0]
 
 
