@@ -54,17 +54,23 @@ def drive_of(run: Run, *, until_contact: bool = False) -> Drive | None:
     """
     trajectory = run.trajectory
     count = _counted(trajectory, until_contact=until_contact)
-    x_m, y_m, heading_rad = trajectory.x_m[:count], trajectory.y_m[:count], trajectory.heading_rad[:count]
-    if count < 1 or not all(bool(np.isfinite(array).all()) for array in (x_m, y_m, heading_rad)):
+    poses = (trajectory.x_m, trajectory.y_m, trajectory.heading_rad)
+    if count < 1 or not all(bool(np.isfinite(column[:count]).all()) for column in poses):
         return None
-    path = driven_path(x_m, y_m, heading_rad, [i for i in trajectory.jumps if 0 < i < count])
     moving = _moving_at_end(trajectory)
     return Drive(
-        path=path,
+        path=path_of(trajectory, count),
         t_ns=trajectory.t_ns[:count],
         moving_at_end=moving,
         cut_short=moving or _pausing(run),
     )
+
+
+@lru_cache(maxsize=2)  # of a run as driven and as commanded; what measures and what explains ask again
+def path_of(trajectory: Trajectory, count: int) -> Path:
+    """Return the path of the first `count` samples."""
+    jumps = [i for i in trajectory.jumps if 0 < i < count]
+    return driven_path(trajectory.x_m[:count], trajectory.y_m[:count], trajectory.heading_rad[:count], jumps)
 
 
 def commanded_at_end(run: Run) -> Command | None:

@@ -11,11 +11,11 @@ from typing import Final
 
 import numpy as np
 
+from grader.checks.drive import path_of
 from grader.contracts.outcome import Note, RunStatus
 from grader.contracts.rubric import Unit
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Trajectory
-from grader.geometry.path import driven_path
 from grader.messages.arithmetic import value_of
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
@@ -44,7 +44,7 @@ def counted_note(run: Run, *, as_commanded: bool) -> Note:
 
 def _extent(motion: Trajectory) -> tuple[tuple[float, Unit], ...]:
     """Return how far a motion goes, and how far it turns, back and forth added."""
-    path = driven_path(motion.x_m, motion.y_m, motion.heading_rad, motion.jumps)
+    path = path_of(motion, len(motion))
     gone, turned = (float(np.abs(np.diff(each)).sum()) for each in (path.signed_m, path.heading_rad))
     return (gone, "m"), (math.degrees(turned), "deg")
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 from grader.checks.measure import (
     UNMEASURED,
@@ -43,16 +44,19 @@ def wanted(kind: MeasureKind, spec: ItemSpec) -> Text:
         return say("wanted.by_person")
     if spec.expect:
         return say("wanted.expected", count=len(spec.expect))
-    if kind.form == "flag":
-        return say("word.yes")
-    low, high = _number(spec.low, kind.unit), _number(spec.high, kind.unit)
-    if kind.form == "count" and spec.high == 0.0:
-        return say("wanted.exactly", value=high)
-    if spec.low is None or spec.high is None:
-        return say("wanted.at_least", low=low) if spec.low is not None else say("wanted.at_most", high=high)
-    if spec.low == spec.high:
-        return say("wanted.exactly", value=low)
-    middle, half = (spec.low + spec.high) / 2.0, (spec.high - spec.low) / 2.0
+    return say("word.yes") if kind.form == "flag" else _band(kind, spec.low, spec.high)
+
+
+@lru_cache(maxsize=256)  # one run after the other wants the same
+def _band(kind: MeasureKind, low: float | None, high: float | None) -> Text:
+    least, most = _number(low, kind.unit), _number(high, kind.unit)
+    if kind.form == "count" and high == 0.0:
+        return say("wanted.exactly", value=most)
+    if low is None or high is None:
+        return say("wanted.at_least", low=least) if low is not None else say("wanted.at_most", high=most)
+    if low == high:
+        return say("wanted.exactly", value=least)
+    middle, half = (low + high) / 2.0, (high - low) / 2.0
     return say("wanted.band", middle=_number(middle, kind.unit), half=_number(half, kind.unit))
 
 

@@ -266,7 +266,7 @@ class _Piece:
     detours: tuple[tuple[int, int], ...] = ()
 
 
-@lru_cache(maxsize=1)  # what looks at a driven path asks for its pieces again and again
+@lru_cache(maxsize=2)  # as driven and as commanded; what looks at a path asks for its pieces again and again
 def segment(path: Path) -> Segments:
     """Cut `path` into alternating turns and straights."""
     extent_m = max(path.extent_m, MIN_EXTENT_M)
@@ -380,24 +380,27 @@ def _join(path: Path, pieces: list[_Piece]) -> list[_Piece]:
 
 def _change(path: Path, before: _Piece, after: _Piece) -> float:
     """Return the change of direction from the end of one straight piece to the start of another."""
-    direction_rad, _, spun_rad = _line(path, before)
-    return _line(path, after)[0] - direction_rad - spun_rad
+    direction_rad, _, spun_rad = _line(path, before.first, before.last, before.detours)
+    return _line(path, after.first, after.last, after.detours)[0] - direction_rad - spun_rad
 
 
-def _line(path: Path, piece: _Piece) -> tuple[float, float, float]:
+@lru_cache(maxsize=32)  # a piece is looked at with the one before it, the one after it, and by itself
+def _line(
+    path: Path, begin: int, end: int, detours: tuple[tuple[int, int], ...]
+) -> tuple[float, float, float]:
     """Return direction, bend and whole turns of a straight piece: a line fitted over its middle four fifths.
 
     Its ends are left out because the car still settles there after a turn; so are its detours.
     """
-    along = path.along_m[piece.first : piece.last + 1]
-    travel, spun_rad = _without_detours(path, piece)
+    along = path.along_m[begin : end + 1]
+    travel, spun_rad = _without_detours(path, begin, end, detours)
     start, length = float(along[0]), float(along[-1] - along[0])
     if length <= 0.0:
         return float(travel[-1]), 0.0, spun_rad
     inner = np.clip(along, start + 0.1 * length, start + 0.9 * length)
     steps, ahead, middle = np.diff(inner), (inner[1:] + inner[:-1]) / 2.0, (travel[1:] + travel[:-1]) / 2.0
-    for first, last in piece.detours:
-        steps[first - piece.first : last - piece.first] = 0.0
+    for first, last in detours:
+        steps[first - begin : last - begin] = 0.0
     total = exact.total(steps)
     if total <= 0.0:
         return float(travel[-1]), 0.0, spun_rad
@@ -409,16 +412,18 @@ def _line(path: Path, piece: _Piece) -> tuple[float, float, float]:
     return direction, min(max(length * slope, -most_rad), most_rad), spun_rad
 
 
-def _without_detours(path: Path, piece: _Piece) -> tuple[Floats, float]:
+def _without_detours(
+    path: Path, begin: int, end: int, detours: tuple[tuple[int, int], ...]
+) -> tuple[Floats, float]:
     """Return the direction of travel in a straight piece as if it made no whole turn, and the turns it made."""
-    travel = path.travel_rad[piece.first : piece.last + 1]
+    travel = path.travel_rad[begin : end + 1]
     spun_rad = 0.0
-    for first, last in piece.detours:
+    for first, last in detours:
         turned_rad = float(path.travel_rad[last] - path.travel_rad[first])
         whole_rad = FULL_TURN_RAD * round(turned_rad / FULL_TURN_RAD)
         if whole_rad:
             travel = travel.copy()
-            travel[last - piece.first :] -= whole_rad
+            travel[last - begin :] -= whole_rad
             spun_rad += whole_rad
     return travel, spun_rad
 
@@ -439,7 +444,7 @@ def _assemble(path: Path, pieces: list[_Piece]) -> Segments:
     for piece in pieces:
         length_m = float(path.along_m[piece.last] - path.along_m[piece.first])
         if piece.straight:
-            direction_rad, bend_rad, spun_rad = _line(path, piece)
+            direction_rad, bend_rad, spun_rad = _line(path, piece.first, piece.last, piece.detours)
             strayed_m = exact.total(driven_m(path, *detour) for detour in piece.detours)
             straights.append(
                 Straight(piece.first, piece.last, direction_rad, bend_rad, length_m, strayed_m, spun_rad)
