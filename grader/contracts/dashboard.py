@@ -21,6 +21,7 @@ class StudentProgress:
         state, verdict: of the latest submission.
         last_activity_at: instant of the latest upload.
         waits_for_person: an answer of theirs is still to be judged.
+        crashes: how many of the latest attempts, one after the other, did not run to their end.
         shares: of each attempt that counts against limits, in order, the share of the points it earned.
     """
 
@@ -36,6 +37,7 @@ class StudentProgress:
     state: SubmissionState
     verdict: GradeStatus | None
     last_activity_at: datetime
+    crashes: int = 0
     shares: tuple[float | None, ...] = ()
     waits_for_person: bool = False
 

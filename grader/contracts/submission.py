@@ -23,6 +23,22 @@ class SubmissionState(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RefusedUpload:
+    """An upload of a student that was not accepted.
+
+    Attributes:
+        code: of the refusal. line: of the file, where it is about one.
+    """
+
+    person: str
+    assignment: str
+    at: datetime
+    code: str
+    file_name: str
+    line: int | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class NewSubmission:
     """An accepted upload.
 

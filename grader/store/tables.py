@@ -300,6 +300,21 @@ class SubmissionRow(_Row, table=True):
     to_judge: int | None = None
 
 
+class RefusedUploadRow(_Row, table=True):
+    """An upload of a member that was not accepted."""
+
+    __table_args__ = (_of_member(), Index("refused_of_member", "course", "person", "at"))
+
+    id: str = Field(primary_key=True, max_length=16)
+    course: str = Field(max_length=64)
+    person: str = Field(max_length=64)
+    assignment: str = Field(max_length=64)
+    at: datetime = Field(sa_column=instant_column())
+    code: str = Field(max_length=32)
+    file_name: str = Field(sa_column=text_column())
+    line: int | None = None
+
+
 class UploadKeyRow(_Row, table=True):
     """A key that came with an upload, and a digest of what the upload was. Forgotten after some days."""
 
@@ -663,6 +678,7 @@ OF_MEMBERS: Final = (
     PlatformScoreRow,
     IdentityRow,
     TokenRow,
+    RefusedUploadRow,
     ExtensionRow,
     SectionRow,
     MemberRow,

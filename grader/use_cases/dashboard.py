@@ -5,7 +5,6 @@ from dataclasses import dataclass, fields, replace
 from datetime import datetime
 from functools import lru_cache
 from statistics import fmean
-from typing import Literal
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import (
@@ -22,25 +21,13 @@ from grader.contracts.text import Language
 from grader.use_cases.assignments import in_course, item_title
 from grader.use_cases.callers import require_staff
 from grader.use_cases.people import members
+from grader.use_cases.risk import Cell, Risk, risks
 from grader.use_cases.services import ServiceHealth, Services
 
 _BINS = 10
 _KEPT_STUDENTS, _KEPT_ASSIGNMENTS = 20_000, 1_000  # of all courses; beyond these, counted at each look
 _NOBODY = AssignmentState(progress=(), failures=(), mistakes=())
-STUCK_ATTEMPTS = 3
 _PROGRESS = tuple(one.name for one in fields(StudentProgress))  # asked once: a class has thousands of cells
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cell(StudentProgress):
-    """One student at one assignment, and whether what counts is a pass."""
-
-    passed: bool
-
-    @property
-    def stuck(self) -> bool:
-        """Whether the student tried often and has not passed."""
-        return not self.passed and not self.waits_for_person and self.attempts >= STUCK_ATTEMPTS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,23 +86,13 @@ class AssignmentOverview:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Risk:
-    """A student who may need help: handed in nothing at all, or is stuck at an assignment."""
-
-    student: str
-    name: str
-    reason: Literal["not_started", "stuck"]
-    assignment: str | None
-    attempts: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Overview:
     """The class at a glance.
 
     Attributes:
         students: who handed in. roster: the students of the course.
-        total_students: that fit the selection, on all pages.
+        total_students, total_at_risk: on all pages; of students those that fit the selection.
+        next_offset: where the next page of both begins; None: this is the last.
     """
 
     generated_at: datetime
@@ -124,6 +101,8 @@ class Overview:
     roster: Sequence[Member]
     total_students: int
     at_risk: Sequence[Risk]
+    total_at_risk: int
+    next_offset: int | None
     waiting_for_person: int
     assignments: Sequence[AssignmentOverview]
     health: ServiceHealth
@@ -131,22 +110,21 @@ class Overview:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Selection:
-    """Which students an overview shows: id or name contains `search`, of a section. `limit` None: all."""
+    """Which students an overview shows: id or name contains `search`, of a section; `limit` in each list."""
 
     search: str = ""
     section: str = ""
     at_risk: bool = False
     offset: int = 0
-    limit: int | None = None
+    limit: int = 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Done:
-    """What a student has done: cells by assignment, and those where the student is stuck."""
+    """What a student has done, cells by assignment."""
 
     cells: Mapping[str, Cell]
     total_score: float
-    stuck: tuple[Cell, ...]
 
 
 def costs(services: Services, caller: Caller) -> tuple[PersonCost, ...]:
@@ -168,13 +146,24 @@ def overview(services: Services, caller: Caller, state: ClassState, language: La
     known = {assignment.id: assignment for assignment in in_course(services, caller)}
     ids = [*known, *sorted(set(told) - set(known))]
     roster = {one.id: one for one in members(services, caller, Role.STUDENT)}
+    lines = [_student(student, done, roster.get(student)) for student, done in students.items()]
+    at_risk = risks(
+        {student: done.cells for student, done in students.items()},
+        roster,
+        services.refused.of(caller.course),
+        services.rules.of(caller.course),
+        known,
+        services.clock(),
+    )
     return Overview(
         generated_at=services.clock(),
         pass_fraction=pass_fraction,
-        students=[_student(student, done, roster.get(student)) for student, done in students.items()],
+        students=lines,
         roster=tuple(roster.values()),
         total_students=len(students),
-        at_risk=_at_risk(students, roster),
+        at_risk=at_risk,
+        total_at_risk=len(at_risk),
+        next_offset=None,
         waiting_for_person=sum(one.waiting_for_person for one in told.values()),
         assignments=[_named(told.get(id_, nothing), id_, known.get(id_), language) for id_ in ids],
         health=services.health(),
@@ -188,7 +177,7 @@ def class_state(services: Services, caller: Caller) -> ClassState:
 
 
 def selected(whole: Overview, selection: Selection) -> Overview:
-    """Return the overview with the chosen students only."""
+    """Return a page of the overview with the chosen students only; whoever is at risk is chosen in any case."""
     risky, wanted = {one.student for one in whole.at_risk}, selection.search.strip().casefold()
     fitting = [
         one
@@ -197,30 +186,14 @@ def selected(whole: Overview, selection: Selection) -> Overview:
         and (not selection.section or selection.section in one.sections)
         and (not selection.at_risk or one.student in risky)
     ]
-    end = None if selection.limit is None else selection.offset + selection.limit
-    page = fitting[selection.offset : end]
-    return replace(whole, students=page, total_students=len(fitting))
-
-
-def _at_risk(students: Mapping[str, _Done], roster: Mapping[str, Member]) -> list[Risk]:
-    """Return who may need help: first who tries and fails, most often first, then who has not begun."""
-    stuck = [
-        Risk(
-            student=student,
-            name=_name(roster.get(student)),
-            reason="stuck",
-            assignment=cell.assignment,
-            attempts=cell.attempts,
-        )
-        for student, done in students.items()
-        for cell in done.stuck
-    ]
-    idle = [
-        Risk(student=one.id, name=one.name, reason="not_started", assignment=None, attempts=0)
-        for one in roster.values()
-        if one.id not in students
-    ]
-    return sorted(stuck, key=lambda one: -one.attempts) + idle
+    end = selection.offset + selection.limit
+    return replace(
+        whole,
+        students=fitting[selection.offset : end],
+        total_students=len(fitting),
+        at_risk=whole.at_risk[selection.offset : end],
+        next_offset=end if end < max(len(fitting), len(whole.at_risk)) else None,
+    )
 
 
 def _name(member: Member | None) -> str:
@@ -260,7 +233,6 @@ def _done(told: StudentState, pass_fraction: float) -> _Done:
     return _Done(
         cells={one.assignment: one for one in cells},
         total_score=summed(one.counted_score for one in cells if one.counted_score is not None),
-        stuck=tuple(one for one in cells if one.stuck),
     )
 
 

@@ -25,6 +25,7 @@ _LONGEST_NAME = 100
 _LONGEST_LINE = 200
 _RETRY_AFTER_S = 5
 _MOST_CHECKED = 40  # modules of a package; a grading says what is wrong with others
+_UNTOLD = ("unknown_assignment", "too_many_at_once", "too_many_open")  # nothing about what was handed in
 _USUAL_S = 0.25  # so long a check counts as one more upload
 
 
@@ -58,6 +59,23 @@ def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submiss
     student = _submitter(services, caller, upload.student)
     owner = f"{caller.course}/{student}"
     services.allowances.uploads.take(owner)
+    try:
+        submission, repeated = _taken_in(services, caller, upload, student, owner)
+    except RefusedError as refusal:
+        _note_refusal(services, caller, upload, student, refusal)
+        raise
+    note(
+        submission=submission.id,
+        assignment=submission.assignment,
+        code="repeated" if repeated else "accepted",
+    )
+    services.doorbell.ring()
+    return submission, repeated
+
+
+def _taken_in(
+    services: Services, caller: Caller, upload: Upload, student: str, owner: str
+) -> tuple[Submission, bool]:
     new = NewSubmission(
         course=caller.course,
         student=student,
@@ -73,13 +91,18 @@ def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submiss
         submission, repeated = services.intake.accept(checked, upload.arrived_at)
     if new.ruled and new.course is not None:
         services.courses.begin(new.course, [one.id for one in services.assignments.of(new.course).all()])
-    note(
-        submission=submission.id,
-        assignment=submission.assignment,
-        code="repeated" if repeated else "accepted",
-    )
-    services.doorbell.ring()
     return submission, repeated
+
+
+def _note_refusal(
+    services: Services, caller: Caller, upload: Upload, student: str, refusal: RefusedError
+) -> None:
+    """Keep that a student's upload was refused, where it was for an assignment that the student sees."""
+    course, line = caller.course, refusal.members.get("line")
+    if course is None or caller.role is not Role.STUDENT or refusal.code in _UNTOLD:
+        return
+    name = shown_name(upload.file_name)
+    services.refused.add(course, student, upload.assignment, refusal.code, name, line)
 
 
 def _checked(

@@ -36,6 +36,7 @@ from grader.store.own_assignments import OwnAssignments
 from grader.store.platform_scores import PlatformScores
 from grader.store.platforms import Platforms
 from grader.store.queue import Queue, Retries
+from grader.store.refused import RefusedUploads
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
 from grader.store.scripts import Scripts
@@ -103,6 +104,7 @@ class Services:
     appeals: Appeals
     dashboard: Dashboard
     costs: Costs
+    refused: RefusedUploads
     rules: StoredRules
     own_assignments: OwnAssignments
     courses: Courses
@@ -189,6 +191,7 @@ def _stores(database: Database, clock: Clock) -> dict[str, Any]:
         "rules": StoredRules(database),
         "audit": AuditLog(database),
         "costs": Costs(database, clock),
+        "refused": RefusedUploads(database, clock),
         "own_assignments": OwnAssignments(database, clock),
         "courses": Courses(database, clock),
         "course_life": CourseLife(database, clock),

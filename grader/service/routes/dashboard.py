@@ -4,7 +4,7 @@ import hashlib
 import json
 from dataclasses import asdict
 from datetime import datetime
-from typing import Annotated, Literal
+from typing import Annotated
 
 from fastapi import APIRouter, Header, Query, Response
 from pydantic import AliasPath, Field
@@ -29,10 +29,14 @@ from grader.service.routes.views import View
 from grader.use_cases.assignments import in_course
 from grader.use_cases.concerned import Concern, concerned
 from grader.use_cases.dashboard import Overview, Selection, class_state, costs, overview, selected
+from grader.use_cases.risk import Reason, mark_of
 
 router = APIRouter(prefix="/api/v1/dashboard", tags=["dashboard"])
 of_assignment = APIRouter(prefix="/api/v1/assignments", tags=["dashboard"])
 _MOST = 100_000
+_PAGE = 100
+Offset = Annotated[QueryWhole, Query(ge=0, le=_MOST, description="Lines left out at the start of each list.")]
+Limit = Annotated[QueryWhole, Query(ge=1, le=_MOST, description="Most lines of each list of students.")]
 
 
 class CellView(View):
@@ -113,11 +117,14 @@ class RiskView(View):
 
     student: str = Field(examples=["20260123"])
     name: str = Field(examples=["李雷"])
-    reason: Literal["not_started", "stuck"] = Field(
-        description="Handed in nothing at all; or tried an assignment three times or more without passing."
+    reason: Reason = Field(
+        description="The most urgent one. `refused`: uploads were refused and none accepted since; `crashed`: the "
+        "latest two attempts or more did not run to their end; `stuck`: three attempts or more without passing; "
+        "`due_soon`, `overdue`: nothing handed in, or nothing that passes; `not_started`: nothing in the course."
     )
-    assignment: str | None = Field(description="Where the student is stuck.", examples=["square"])
-    attempts: int = Field(examples=[4])
+    assignment: str | None = Field(description="Where.", examples=["square"])
+    attempts: int = Field(description="Of `refused`: how many uploads.", examples=[4])
+    due: datetime | None = Field(description="The student's own due date.")
 
 
 class DashboardView(View):
@@ -127,7 +134,12 @@ class DashboardView(View):
     pass_fraction: float = Field(description="Share of the points that counts as passed.", examples=[0.6])
     students: list[StudentView]
     total_students: int = Field(description="That fit the filters, on all pages.", examples=[30])
-    at_risk: list[RiskView]
+    at_risk: list[RiskView] = Field(
+        description="Each student once, the most urgent first: who tries and fails, then whose due date is near, "
+        "is over, who has not begun."
+    )
+    total_at_risk: int = Field(description="On all pages.", examples=[12])
+    next_offset: int | None = Field(description="The `offset` of the next page; null: this is the last.")
     waiting_for_person: int = Field(description="Answers to be judged, in all.", examples=[0])
     assignments: list[AssignmentStatistics]
     queue: QueueView
@@ -175,12 +187,13 @@ class ConcernedList(View):
 @router.get(
     "/costs",
     summary="Who costs the service how much",
-    responses=responses("forbidden"),
+    responses=responses("forbidden", "invalid_request"),
 )
-def read_costs(errand: StaffDep, response: Response) -> CostsView:
+def read_costs(errand: StaffDep, response: Response, offset: Offset = 0, limit: Limit = _PAGE) -> CostsView:
     """Return how long the gradings of each student took in the last hour, and how many wait."""
     response.headers["Cache-Control"] = "no-store"
-    return CostsView(students=[CostView.of(one) for one in costs(errand.services, errand.caller)])
+    students = costs(errand.services, errand.caller)[offset : offset + limit]
+    return CostsView(students=[CostView.of(one) for one in students])
 
 
 @router.get(
@@ -203,11 +216,9 @@ def read_class(  # noqa: PLR0913
         str, Query(max_length=100, description="Only students whose id or name contains this.")
     ] = "",
     section: SectionDep,
-    at_risk: Annotated[bool, Query(description="Only students who have not started or are stuck.")] = False,
-    offset: Annotated[QueryWhole, Query(ge=0, le=_MOST, description="Students left out at the start.")] = 0,
-    limit: Annotated[
-        QueryWhole | None, Query(ge=1, le=_MOST, description="Most students; null: all.")
-    ] = None,
+    at_risk: Annotated[bool, Query(description="Only students who are at risk.")] = False,
+    offset: Offset = 0,
+    limit: Limit = _PAGE,
     if_none_match: Annotated[str | None, Header(max_length=1_000)] = None,
 ) -> Response:
     """Return students by assignments, what each assignment shows about the class, and the queue.
@@ -242,8 +253,11 @@ def _tag(errand: Errand, state: ClassState, language: Language, selection: Selec
         (one.id, one.version, one.title.get(language)) for one in in_course(errand.services, errand.caller)
     ]
     queue = asdict(errand.services.queue.state())
+    services, course = errand.services, errand.caller.course
+    risk = mark_of(services.refused.of(course), services.rules.of(course), services.clock())
     shown = [
         state.mark,
+        risk,
         queue,
         workers,
         versions,
@@ -259,7 +273,7 @@ def _tag(errand: Errand, state: ClassState, language: Language, selection: Selec
     summary="Who is behind a number",
     responses=responses("forbidden", "assignment_not_found", "invalid_request"),
 )
-def read_concerned(
+def read_concerned(  # noqa: PLR0913
     errand: StaffDep,
     assignment_id: AssignmentId,
     *,
@@ -268,9 +282,11 @@ def read_concerned(
     status: Annotated[
         str | None, Query(max_length=32, description="`status` or `verdict` of their latest submission.")
     ] = None,
+    offset: Offset = 0,
+    limit: Limit = _PAGE,
 ) -> ConcernedList:
     """Return the students who handed in for an assignment and fit: who still fails, and tried most, first."""
     found = concerned(
         errand.services, errand.caller, assignment_id, Concern(item=item, mistake=mistake, status=status)
     )
-    return ConcernedList(students=[ConcernedView.of(one) for one in found])
+    return ConcernedList(students=[ConcernedView.of(one) for one in found[offset : offset + limit]])

@@ -16,6 +16,7 @@ from grader.render.labels import status_word
 from grader.service.web import access
 from grader.service.web.access import PageErrand, StaffDep, require_staff
 from grader.service.web.comparison import compare
+from grader.service.web.errors import form_problem
 from grader.service.web.matrix import SHOWS, MatrixQuery, matrix
 from grader.service.web.pages import page
 from grader.use_cases.appealing import waiting
@@ -23,9 +24,10 @@ from grader.use_cases.assignments import item_title, published
 from grader.use_cases.commenting import unread
 from grader.use_cases.concerned import Concern, concerned
 from grader.use_cases.course_life import counted_space
-from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, costs, overview
+from grader.use_cases.dashboard import Overview, class_state, costs, overview
 from grader.use_cases.own_assignments import own_troubles
 from grader.use_cases.people import names, person
+from grader.use_cases.risk import STUCK_ATTEMPTS
 from grader.use_cases.services import Services
 from grader.use_cases.similar import is_compared
 
@@ -45,6 +47,7 @@ def read_matrix(errand: StaffDep, query: Annotated[MatrixQuery, Query()]) -> Res
         overview=whole,
         matrix=matrix(whole, query, whole.roster),
         sections=sections_of(whole.roster),
+        titles={one.id: one.title for one in whole.assignments},
         shows=SHOWS,
         stuck_attempts=STUCK_ATTEMPTS,
         unread=unread(errand.services, errand.caller),
@@ -125,6 +128,11 @@ def read_student(errand: StaffDep, student: str, assignment: _Id = "") -> Respon
         only=assignment,
         groups=groups,
         titles=titles,
+        refused=[
+            (one, form_problem(RefusedError(one.code), errand.language).title)
+            for one in errand.services.refused.of(errand.caller.course, student)
+            if assignment in ("", one.assignment)
+        ],
     )
 
 

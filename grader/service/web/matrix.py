@@ -11,7 +11,8 @@ from grader.contracts.identity import Member
 from grader.contracts.python import UTC
 from grader.contracts.submission import SubmissionState
 from grader.service.web.paging import PageQuery, cut
-from grader.use_cases.dashboard import AssignmentOverview, Cell, Overview, StudentLine
+from grader.use_cases.dashboard import AssignmentOverview, Overview, StudentLine
+from grader.use_cases.risk import Cell, Risk
 
 Show = Literal["all", "at_risk", "unfinished", "not_begun", "stuck", "waiting", "judge", "fault"]
 SHOWS: tuple[Show, ...] = get_args(Show)
@@ -23,10 +24,10 @@ class MatrixQuery(PageQuery):
     """What the instructor asked for.
 
     Attributes:
-        search: part of a student's id or name. show: which students (``at_risk``: handed in nothing at all, or
-            stuck); assignment: judge that by this assignment only.
+        search: part of a student's id or name. show: which students (``at_risk``: may need help, the
+            most urgent first); assignment: judge that by this assignment only.
         section: only its students.
-        sort: ``student``, ``total``, ``activity`` or the id of an assignment.
+        sort: ``student``, ``section``, ``total``, ``activity`` or the id of an assignment.
     """
 
     search: str = Field(default="", max_length=100)
@@ -48,11 +49,12 @@ class DrawnCell:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """One student, cells in the order of the assignments. `name` may be empty."""
+    """One student, cells in the order of the assignments. `name` may be empty; `risk`: why they may need help."""
 
     student: StudentLine
     name: str
     cells: tuple[DrawnCell, ...]
+    risk: Risk | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,15 +83,18 @@ def matrix(dashboard: Overview, query: MatrixQuery, members: Sequence[Member]) -
         for student in everybody
         if (wanted in student.student.lower() or wanted in student.name.lower())
         and (not query.section or query.section in student.sections)
-        and _fits(student, judged, query.show)
+        and (query.show == "at_risk" or _fits(student, judged, query.show))
     ]
     students.sort(key=_sort_key(query.sort), reverse=query.descending)
-    if query.show == "at_risk" and query.sort == "student":
-        students.sort(key=lambda one: -_most_stuck(one))  # who tries and fails before who has not begun
+    risks = {one.student: one for one in dashboard.at_risk if query.show == "at_risk"}
+    if query.show == "at_risk":
+        students = [one for one in students if _at_risk_in(risks.get(one.student), judged)]
+        if query.sort == "student":
+            students.sort(key=lambda one: risks[one.student].urgency)
     shown, query, pages = cut(students, query)
     return Matrix(
         assignments=dashboard.assignments,
-        rows=tuple(_row(student, ids) for student in shown),
+        rows=tuple(_row(student, ids, risks.get(student.student)) for student in shown),
         found=len(students),
         all=len(everybody),
         pages=pages,
@@ -97,9 +102,8 @@ def matrix(dashboard: Overview, query: MatrixQuery, members: Sequence[Member]) -
     )
 
 
-def _most_stuck(student: StudentLine) -> int:
-    """Return how often a student tried the assignment that most tries failed at."""
-    return max((cell.attempts for cell in student.assignments.values() if cell.stuck), default=0)
+def _at_risk_in(risk: Risk | None, judged: Sequence[str]) -> bool:
+    return risk is not None and (risk.assignment is None or risk.assignment in judged)
 
 
 def _everybody(dashboard: Overview, members: Sequence[Member]) -> list[StudentLine]:
@@ -112,12 +116,13 @@ def _everybody(dashboard: Overview, members: Sequence[Member]) -> list[StudentLi
     return [*dashboard.students, *idle]
 
 
-def _row(student: StudentLine, ids: Sequence[str]) -> Row:
+def _row(student: StudentLine, ids: Sequence[str], risk: Risk | None) -> Row:
     name = "" if student.name == student.student else student.name
     cells = (student.assignments.get(one) for one in ids)
     return Row(
         student=student,
         name=name,
+        risk=risk,
         cells=tuple(
             DrawnCell(assignment=id_, look=_look(cell), cell=cell)
             for id_, cell in zip(ids, cells, strict=True)
@@ -136,8 +141,6 @@ def _look(cell: Cell | None) -> str:
 def _fits(student: StudentLine, judged: Sequence[str], show: Show) -> bool:
     if show == "all":
         return True
-    if show == "at_risk":
-        return not student.assignments or _fits(student, judged, "stuck")
     return any(_CONDITIONS[show](student.assignments.get(one)) for one in judged)
 
 
@@ -154,6 +157,8 @@ _CONDITIONS: Mapping[Show, Callable[[Cell | None], bool]] = {
 def _sort_key(sort: str) -> Callable[[StudentLine], Any]:
     if sort == "total":
         return lambda one: (one.total_score, one.student)
+    if sort == "section":
+        return lambda one: (one.sections, one.student)
     if sort == "activity":
         return lambda one: (
             max((cell.last_activity_at for cell in one.assignments.values()), default=_NEVER),

@@ -46,6 +46,7 @@ from grader.service.web import (
 from grader.service.web.appeals import AnswerForm
 from grader.service.web.matrix import SHOWS
 from grader.service.web.regrade_table import PARTS
+from grader.use_cases.risk import REASONS
 
 ROOT = Path(grader.__file__).parent
 _JOINED = re.compile(r"""["']([a-z0-9_.]+\.)["'] ~""")
@@ -65,6 +66,7 @@ TEMPLATES: Mapping[str, Iterable[str]] = {
     "class.show.": SHOWS,
     "course.done.": options(course_pages.Done),
     "filled.lost.": ("formats", "extensions", *LOSSES),
+    "risk.": REASONS,
     "notices.done.": options(notices.Done),
     "notices.failure.": get_args(Failure),
     "notices.kind.": NoticeKind,

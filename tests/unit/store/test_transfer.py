@@ -35,6 +35,7 @@ from grader.store.own_assignments import NewOwnAssignment, OwnAssignments
 from grader.store.platform_scores import PlatformScores
 from grader.store.platforms import Platforms
 from grader.store.queue import Queue, Retries
+from grader.store.refused import RefusedUploads
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
 from grader.store.schema import migrate
@@ -118,6 +119,7 @@ def fill(database: Database) -> str:
     Judgements(database).judge_all(
         claim.submission_id, [(Given(item="timer", points=0.1, comment="好"), None)], signed
     )
+    RefusedUploads(database, clock).add("ros", "li", "square", "empty", "a.py", None)
     Comments(database).add(claim.submission_id, "好", 1, signed, by_student=False)
     asked = Asked(item="timer", reason="为什么？", attempt=1, earned=0.1, points=45.0)
     Appeals(database).ask(claim.submission_id, asked, signed)

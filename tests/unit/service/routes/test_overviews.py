@@ -2,16 +2,19 @@
 
 import json
 from collections.abc import Callable, Iterator
+from datetime import timedelta
 from typing import Any
 
 import httpx
 import pytest
 
 from grader.contracts.identity import RosterEntry
+from grader.contracts.rules import Extension, Rules
 from grader.contracts.submission import WorkerState
 from grader.render.dashboard import render_dashboard
 from grader.render.terminal import console
 from grader.service.routes.problems import PROBLEM_TYPES
+from grader.store.audit import Signature
 from grader.use_cases.services import Services
 from tests.fakes.clock import START, FakeClock
 from tests.fakes.refusals import problem
@@ -131,9 +134,71 @@ def test_who_may_need_help(client: httpx.Client, graded: Callable[..., str], sch
         graded(f"x = {number}".encode(), student="", headers=school.as_("li"))
     document = client.get("/api/v1/dashboard", headers=school.as_("ta")).json()
     assert document["at_risk"] == [
-        {"student": "li", "name": "li", "reason": "stuck", "assignment": "square", "attempts": 3},
-        {"student": "han", "name": "han", "reason": "not_started", "assignment": None, "attempts": 0},
+        {
+            "student": "li",
+            "name": "li",
+            "reason": "stuck",
+            "assignment": "square",
+            "attempts": 3,
+            "due": None,
+        },
+        {
+            "student": "han",
+            "name": "han",
+            "reason": "not_started",
+            "assignment": None,
+            "attempts": 0,
+            "due": None,
+        },
     ]
+
+
+def test_refusals_crashes_and_due_dates_are_risks(
+    client: httpx.Client, graded: Callable[..., str], school: Any, services: Services
+) -> None:
+    def risky() -> list[tuple[str, str, str | None, int]]:
+        answer = client.get("/api/v1/dashboard", headers=school.as_("ta"))
+        return [
+            (one["student"], one["reason"], one["assignment"], one["attempts"])
+            for one in answer.json()["at_risk"]
+        ]
+
+    tag = client.get("/api/v1/dashboard", headers=school.as_("ta")).headers["ETag"]
+    unchanged = {**school.as_("ta"), "If-None-Match": tag}
+    assert client.get("/api/v1/dashboard", headers=unchanged).status_code == 304
+    for _ in range(2):
+        files = {"file": ("a.py", b"")}
+        assert (
+            client.post(
+                "/api/v1/submissions", data={"assignment": "square"}, files=files, headers=school.as_("han")
+            ).status_code
+            == 422
+        )
+    assert client.get("/api/v1/dashboard", headers=unchanged).status_code == 200
+    assert risky() == [("han", "refused", "square", 2), ("li", "not_started", None, 0)]
+    due = services.clock() + timedelta(days=2)
+    signed = Signature(services.clock(), "ros", "wang")
+    services.rules.set("straight", Rules(due=due), signed)
+    assert risky() == [("han", "refused", "square", 2), ("li", "due_soon", "straight", 0)]
+    graded(b"good", student="", headers=school.as_("han"))
+    assert risky() == [("han", "due_soon", "straight", 0), ("li", "due_soon", "straight", 0)]
+    services.rules.extend("straight", "han", Extension(due=due + timedelta(days=30)), signed)
+    assert risky() == [("li", "due_soon", "straight", 0)]
+    tag = client.get("/api/v1/dashboard", headers=school.as_("ta")).headers["ETag"]
+    services.rules.set("straight", Rules(due=services.clock() - timedelta(hours=1)), signed)
+    assert risky() == [("li", "overdue", "straight", 0)]
+
+
+def test_every_list_of_the_dashboard_is_paged(client: httpx.Client, graded: Callable[..., str]) -> None:
+    for student in ("a", "b", "c"):
+        graded(b"x = 1", student=student)
+    page = client.get("/api/v1/dashboard", headers=INSTRUCTOR, params={"limit": 2}).json()
+    assert (len(page["students"]), page["next_offset"]) == (2, 2)
+    page = client.get("/api/v1/dashboard", headers=INSTRUCTOR, params={"limit": 2, "offset": 2}).json()
+    assert (len(page["students"]), page["next_offset"]) == (1, None)
+    for path in ("/api/v1/dashboard/costs", "/api/v1/assignments/square/students"):
+        some = client.get(path, headers=INSTRUCTOR, params={"limit": 1, "offset": 1}).json()["students"]
+        assert len(some) == 1, path
 
 
 def test_students_are_found_by_name_and_section(

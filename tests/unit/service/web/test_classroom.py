@@ -207,6 +207,19 @@ def test_who_tries_and_fails_comes_before_who_has_not_begun(
         put(b"", student="li", course="ros")
     browser.enter(token=tokens["ta"])
     assert rows(browser.get("/class?show=at_risk").text) == ["li", "han"]
+    assert "试了 3 次没有进展：" in browser.get("/class?show=at_risk").text
+    assert rows(browser.get("/class?show=at_risk&assignment=spin").text) == ["han"]
+
+
+def test_refused_uploads_are_seen_at_the_student(browser: Browser, tokens: dict[str, str]) -> None:
+    browser.enter(token=tokens["li"])
+    assert browser.hand_in("square", b"", name="empty.py").status_code == 422
+    browser.enter(token=tokens["ta"])
+    page = browser.get("/class/students/li").text
+    assert "被拒收的提交" in page
+    assert "empty.py" in page
+    assert "被拒收的提交" not in browser.get("/class/students/li?assignment=spin").text
+    assert "提交被拒 1 次" in browser.get("/class?show=at_risk").text
 
 
 def test_a_service_that_starts_prepares_its_pages(
