@@ -67,6 +67,20 @@ def check_source(source: bytes, max_bytes: int = MAX_SOURCE_BYTES) -> None:
     _check_encoding(source)
 
 
+def in_utf8(source: bytes) -> bytes:
+    """Return a text that people wrote in UTF-8: as Notepad saves it, in GBK or UTF-16, it is a text as well.
+
+    What is none of them is returned as it is, and `check_source` says what is wrong with it.
+    """
+    codings = ("utf-8", "utf-16") if source.startswith((b"\xff\xfe", b"\xfe\xff")) else ("utf-8", "gb18030")
+    if any(source.startswith(head) for head in _OTHER_FILES):
+        return source
+    for coding in codings:
+        if _decodes(source, coding):
+            return source if coding == "utf-8" else source.decode(coding).encode()
+    return source
+
+
 def _check_kind(source: bytes) -> None:
     """Refuse what its first bytes tell to be no text in UTF-8."""
     if source.startswith((b"\xff\xfe", b"\xfe\xff")):

@@ -11,7 +11,7 @@ from grader.contracts.grading import SyntaxProblem
 from grader.contracts.identity import Caller, Role, is_person_id
 from grader.contracts.outcome import StudentError
 from grader.contracts.submission import NewSubmission, Submission
-from grader.contracts.upload import check_name, check_source, decoded
+from grader.contracts.upload import check_name, check_source, decoded, in_utf8
 from grader.formats.packages.bundle import bundled, files_of
 from grader.messages.exceptions import meaning
 from grader.messages.script import ScriptText
@@ -172,7 +172,9 @@ def _checked_name(file_name: str, kind: Input) -> str:
 
 
 def _checked_content(services: Services, owner: str, source: bytes, file_name: str, kind: Input) -> bytes:
-    """Return what is stored of an upload: its bytes, of a zip the package in it. Refuse what could not run at all.
+    """Return what is stored of an upload: its bytes, of a zip the package in it, of a text its UTF-8.
+
+    Refuse what could not run at all.
 
     Raises:
         RefusedError: too large, empty, not UTF-8, not text, not Python, or no package.
@@ -182,6 +184,8 @@ def _checked_content(services: Services, owner: str, source: bytes, file_name: s
         raise too_large(limit)
     if kind == "package":
         return _checked_package(services, owner, source)
+    if kind == "text":
+        source = in_utf8(source)
     check_source(source, limit)
     if kind != "text":
         _check_syntax(services, owner, source, file_name)

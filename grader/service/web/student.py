@@ -10,6 +10,7 @@ from grader.checks import published_rubric
 from grader.contracts.assignment import SUFFIXES, Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.text import Language
+from grader.contracts.upload import MAX_SOURCE_BYTES
 from grader.messages import on_page, quantity
 from grader.operation.logs import note
 from grader.render.audit_lines import Teller
@@ -29,6 +30,7 @@ from grader.use_cases.submissions import PastAttempt, best_of, history
 
 router = APIRouter(include_in_schema=False)
 uploads = APIRouter(include_in_schema=False, route_class=UploadRoute)
+_ANSWER = "answer.txt"  # how a text is called that was written on the page
 _MOST_ATTEMPTS = 50
 
 
@@ -62,25 +64,30 @@ def take_file(
     assignment_id: str,
     file: Annotated[UploadFile | None, File()] = None,
     student: Annotated[str, Form(max_length=200)] = "",
+    text: Annotated[str, Form(max_length=MAX_SOURCE_BYTES)] = "",
 ) -> Response:
-    """Take a file and lead to its result; on a refusal show the same page with the reason.
+    """Take a file, or a text that was written, and lead to its result; on a refusal show the page with the reason.
 
     None was chosen where a browser does not insist on it: it is refused as any file without a name.
     """
     assignment = visible_assignment(errand.services, errand.caller, assignment_id)
     given = errand.visitor.student or student.strip()
+    name = "" if file is None else file.filename or ""
+    content = b"" if file is None else file.file.read(most_upload_bytes(errand.services) + 1)
+    if assignment.input == "text" and not name and text.strip():
+        name, content = _ANSWER, text.replace("\r\n", "\n").encode()
     upload = Upload(
         assignment=assignment.id,
         student=given,
-        file_name="" if file is None else file.filename or "",
-        content=b"" if file is None else file.file.read(most_upload_bytes(errand.services) + 1),
+        file_name=name,
+        content=content,
         arrived_at=arrival_of(errand.request),
     )
     try:
         submission, repeated = hand_in(errand.services, errand.caller, upload)
     except RefusedError as problem:
         note(code=problem.code)
-        return _assignment_page(errand, assignment, problem, student)
+        return _assignment_page(errand, assignment, problem, student, text)
     same = "?same=true" if repeated else ""
     response = RedirectResponse(f"/submissions/{submission.id}{same}", status_code=303)
     if errand.visitor.open:
@@ -109,7 +116,11 @@ def _attempts(errand: PageErrand, assignment: str | None = None) -> tuple[PastAt
 
 
 def _assignment_page(
-    errand: PageErrand, assignment: Assignment, problem: RefusedError | None = None, given: str = ""
+    errand: PageErrand,
+    assignment: Assignment,
+    problem: RefusedError | None = None,
+    given: str = "",
+    text: str = "",
 ) -> Response:
     services, caller, language = errand.services, errand.caller, errand.language
     terms = None if caller.course is None else terms_of(services, caller, assignment.id)
@@ -129,6 +140,7 @@ def _assignment_page(
         closed=None if closed is None else form_problem(closed, language),
         refusal=refused,
         given=given,
+        text=text,
         practice=services.practice.offered and may_practise(services, caller, assignment),
     )
 

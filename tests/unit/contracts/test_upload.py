@@ -3,7 +3,7 @@
 import pytest
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.upload import check_name, check_source, decoded
+from grader.contracts.upload import check_name, check_source, decoded, in_utf8
 
 
 @pytest.mark.parametrize(
@@ -86,3 +86,14 @@ def test_what_is_no_text_is_named(content: bytes, code: str, said: str) -> None:
     assert refused.value.code == code
     assert said in str(refused.value)
     assert said in refused.value.zh
+
+
+@pytest.mark.parametrize("coding", ["utf-8", "utf-8-sig", "gbk", "utf-16"])
+def test_a_text_may_be_in_what_notepad_saves(coding: str) -> None:
+    text = "定时器每 0.1 秒调用一次回调。"
+    assert in_utf8(text.encode(coding)).decode("utf-8-sig") == text
+
+
+@pytest.mark.parametrize("other", [b"PK\x03\x04\x14", b"\xff", b"\x89PNG\r\n"])
+def test_what_is_no_text_stays_what_it_is(other: bytes) -> None:
+    assert in_utf8(other) == other

@@ -1,7 +1,10 @@
-// Keep what is written in a field while its page is loaded anew; sending the form forgets it.
+// Keep what is written in a field while its page is loaded anew; of a student (`data-draft`) on this browser for good,
+// because an answer takes longer than a session and may be improved; sending any other form forgets its text.
 const field = document.querySelector("[data-draft]");
-const key = `draft ${window.location.pathname}`;
+const student = field.dataset.draft;
+const storage = student ? window.localStorage : window.sessionStorage;
+const key = ["draft", student, window.location.pathname].filter(Boolean).join(" ");
 
-field.value ||= window.sessionStorage.getItem(key) ?? "";
-field.addEventListener("input", () => window.sessionStorage.setItem(key, field.value));
-field.form.addEventListener("submit", () => window.sessionStorage.removeItem(key));
+field.value ||= storage.getItem(key) ?? "";
+field.addEventListener("input", () => storage.setItem(key, field.value));
+field.form.addEventListener("submit", () => student || storage.removeItem(key));

@@ -162,6 +162,28 @@ def test_texts_are_taken_where_texts_are_asked_for(browser: Browser) -> None:
     assert browser.hand_in("calculation", "12 秒".encode(), name="a.txt", student="s1").status_code == 303
 
 
+def test_an_answer_may_be_written_on_the_page(browser: Browser, services: Services) -> None:
+    question, page = "theory_publisher_timer", "/assignments/theory_publisher_timer"
+    none = {"file": ("", b"", "application/octet-stream")}  # as browsers send it
+    browser.enter(student="20260123")
+    assert 'data-draft="20260123"' in browser.get(page).text
+    sent = browser.post(page, {"text": "第一行\r\n\r\n第二行"}, files=none, page=page)
+    assert sent.status_code == 303
+    stored = services.submissions.of_student("20260123", question)[0]
+    assert stored.file_name == "answer.txt"
+    assert services.submissions.source(stored.id).decode() == "第一行\n\n第二行"
+    chosen = {"file": ("mine.txt", "定时器".encode("gbk"), "text/plain")}
+    assert browser.post(page, {"text": "written"}, files=chosen, page=page).status_code == 303
+    stored = services.submissions.of_student("20260123", question)[0]
+    assert (stored.file_name, services.submissions.source(stored.id).decode()) == ("mine.txt", "定时器")
+    refused = browser.post(page, {"text": "a\0b"}, files=none, page=page)
+    assert refused.status_code == 422
+    assert browser.post(page, {"text": " "}, files=none, page=page).status_code == 415
+    assert 'name="text"' not in browser.get("/assignments/square").text
+    square = "/assignments/square"
+    assert browser.post(square, {"text": "x = 1"}, files=none, page=square).status_code == 415
+
+
 @pytest.mark.parametrize("path", ["/nothing", "/assignments/nothing", "/class/nothing"])
 def test_unknown_addresses_get_a_page(browser: Browser, path: str) -> None:
     answer = browser.get(path)
