@@ -41,14 +41,14 @@ _EXAMPLES = {
 
 _NONE = ("none", "null", "")
 _ALL = "all"
+_NOTHING = to_document(NO_RULES)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="show | set | extend")
-    show = actions.add_parser(
-        "show", help="print all rules and extensions as JSON / 以 JSON 打印全部规则和延期"
-    )
+    show = actions.add_parser("show", help="print rules and extensions / 打印规则和延期")
+    show.add_argument("--json", action="store_true", help="every field, as JSON / 以 JSON 打印全部字段")
     change = actions.add_parser(
         "set", help="change some rules of assignments; the others stay / 修改规则，没写的不变"
     )
@@ -94,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
             raise unknown_members(course, *unknown)
         stored, signed = StoredRules(storage.database), Signature(utc_now(), course, actor())
         if arguments.action == "show":
-            _show(stored.of(course))
+            _show(stored.of(course), arguments)
             return 0
         known = _assignments(storage.database, course)
         if arguments.action == "set":
@@ -120,7 +120,27 @@ def _assignments(database: Database, course: str) -> AssignmentSource:
     return assignments_of(load(), database, utc_now).of(course)
 
 
-def _show(known: CourseRules) -> None:
+def _show(known: CourseRules, arguments: argparse.Namespace) -> None:
+    """Print what somebody set, in words; or all of it as JSON."""
+    if arguments.json:
+        _show_json(known)
+        return
+    teller = Teller(arguments.lang, known.zone)
+    lines = []
+    for assignment in sorted({*known.by_assignment, *(of for of, _ in known.extensions)}):
+        rules = to_document(known.by_assignment.get(assignment, NO_RULES))
+        told = [
+            f"{name}: {teller.value(name, rules[name])}" for name in rules if rules[name] != _NOTHING[name]
+        ]
+        lines.append(f"{assignment}\t{'; '.join(told) or '—'}")
+        for student, extension in known.extended(assignment):
+            more = to_document(extension)
+            told = [f"{name}: {teller.value(name, value)}" for name, value in more.items() if value]
+            lines.append(f"  {student}\t{'; '.join(told)}")
+    sys.stdout.write("".join(f"{line}\n" for line in lines))
+
+
+def _show_json(known: CourseRules) -> None:
     document = {assignment: to_document(rules) for assignment, rules in sorted(known.by_assignment.items())}
     for (assignment, student), extension in sorted(known.extensions.items(), key=lambda item: item[0]):
         if extension != NO_EXTENSION:

@@ -39,6 +39,7 @@ LATE_PARAMETERS: Final[dict[LateKind, tuple[str, ...]]] = {
 YEARS = range(2000, 2201)  # near the ends of the calendar, adding a duration to an instant overflows
 _MOST_S = 10 * 366 * 86_400
 _MOST_ATTEMPTS = 10_000
+_MOST_WEIGHT = 10_000
 MOST_STEPS = 50
 MOST_HIDDEN_ITEMS = 100
 MOST_SECTIONS = 100
@@ -255,6 +256,7 @@ class Rules:
         opens: nothing is accepted before. due: what comes later is late. Either may be None.
         accept_late_s: how long after `due` submissions are accepted; None: for ever, 0: not at all.
         attempts, attempts_per_day: how many in all, and in one calendar day of the course; None: any number.
+        weight: what the assignment counts in the total in per cent; None: its points.
         hidden_items: rubric items that students do not see before `hidden_until`; None: they never see them.
         appeals_until: how long students may ask for another look at an item; None: they may not.
         corrected_by: who may correct what the machine judged.
@@ -276,6 +278,9 @@ class Rules:
         int | None, Count("In a calendar day of the course.", low=1, high=_MOST_ATTEMPTS)
     ] = None
     counts: Annotated[Counts, Choice("Which attempt counts.", options=tuple(Counts))] = Counts.BEST
+    weight: Annotated[
+        int | None, Count("In the total in per cent; null: its points, 0: not at all.", high=_MOST_WEIGHT)
+    ] = None
     hidden_items: Annotated[
         tuple[str, ...], Names("Rubric items that students do not see.", most=MOST_HIDDEN_ITEMS)
     ] = ()

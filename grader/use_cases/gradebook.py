@@ -51,7 +51,7 @@ def gradebook_csv(services: Services, caller: Caller, format: Format, section: s
     assignments = in_course(services, caller)
     if format == "canvas":
         return canvas(members, assignments, scores)
-    return plain(members, assignments, scores)
+    return plain(members, assignments, scores, percentages(services, caller, members, scores))
 
 
 def gradebook_workbook(services: Services, caller: Caller, language: Language, section: str = "") -> bytes:
@@ -66,12 +66,14 @@ def gradebook_workbook(services: Services, caller: Caller, language: Language, s
         heading("people.sections"),
         *titles,
         heading("total"),
+        heading("gradebook.percent"),
     ]
+    percent = percentages(services, caller, members, scores)
     rows: list[list[Cell]] = [[*head]]
     for member in members:
         reached = [_counted(scores.get((member.id, one.id))) for one in assignments]
         total = summed(points for points in reached if points is not None)
-        rows.append([member.id, member.name, ", ".join(member.sections), *reached, total])
+        rows.append([member.id, member.name, ", ".join(member.sections), *reached, total, percent[member.id]])
     notes: list[list[Cell]] = [
         [heading("gradebook.notes")],
         [heading("gradebook.lead")],
@@ -91,8 +93,8 @@ def registry_workbook(  # noqa: PLR0913
 ) -> bytes:
     """Return what a registry takes: id, name, and one column of points, in order of id.
 
-    `column` is the header of the points: those of `assignment`; empty: the percentage of all points, where what
-    was not handed in earns none. `section`: only its students; empty: all.
+    `column` is the header of the points: those of `assignment`; empty: the total in per cent (`percentages`).
+    `section`: only its students; empty: all.
 
     Raises:
         RefusedError: the caller may not see the class, or there is no such assignment.
@@ -125,21 +127,43 @@ def _points_of(
     if assignment:
         require_published(services, caller, assignment)
         return members, {one.id: _counted(scores.get((one.id, assignment))) for one in members}
-    assignments = in_course(services, caller)
-    most = summed(one.max_score for one in assignments)
-    percentages = {}
+    return members, percentages(services, caller, members, scores)
+
+
+def percentages(
+    services: Services, caller: Caller, members: Sequence[Member], scores: Scores
+) -> dict[str, float | None]:
+    """Return what each reached of all assignments together, in per cent to one decimal, halves up.
+
+    An assignment counts as much as the rules say (`weight`), else its points; what is not handed in earns nothing.
+    None for whoever has no points at all; 0 where nothing counts.
+    """
+    rules, assignments = services.rules.of(caller.course), in_course(services, caller)
+    weights = {one.id: rules.of(one.id).weight for one in assignments}
+    shares = {
+        one.id: (Decimal(repr(one.max_score)), Decimal(repr(one.max_score if weight is None else weight)))
+        for one in assignments
+        if one.max_score and ((weight := weights[one.id]) is None or weight)
+    }
+    whole = sum((weight for _, weight in shares.values()), Decimal(0))
+    found: dict[str, float | None] = {}
     for member in members:
-        reached = [_counted(scores.get((member.id, one.id))) for one in assignments]
-        points = [one for one in reached if one is not None]
-        percentages[member.id] = percentage(summed(points), most) if points else None
-    return members, percentages
+        reached = {one.id: _counted(scores.get((member.id, one.id))) for one in assignments}
+        earned = (
+            Decimal(repr(points)) * shares[id_][1] / shares[id_][0]
+            for id_, points in reached.items()
+            if points is not None and id_ in shares
+        )
+        is_blank = all(points is None for points in reached.values())
+        found[member.id] = None if is_blank else percentage(sum(earned, Decimal(0)), whole)
+    return found
 
 
-def percentage(points: float, most: float) -> float:
+def percentage(points: Decimal | float, most: Decimal | float) -> float:
     """Return points in percent of the most there are, to one decimal, halves up; 0 where there are none."""
     if not most:
         return 0.0
-    exact = Decimal(repr(points)) * 100 / Decimal(repr(most))
+    exact = Decimal(str(points)) * 100 / Decimal(str(most))
     return float(exact.quantize(Decimal("0.1"), ROUND_HALF_UP))
 
 
@@ -162,19 +186,25 @@ def exported(
     return to_gradescope(judged(stored), language, stored.sha256, hidden=hidden)
 
 
-def plain(members: Sequence[Member], assignments: Sequence[Assignment], scores: Scores) -> str:
-    """Return one line per student and per assignment one column of points and one of attempts."""
+def plain(
+    members: Sequence[Member],
+    assignments: Sequence[Assignment],
+    scores: Scores,
+    percent: Mapping[str, float | None],
+) -> str:
+    """Return one line per student and per assignment one column of points and one of attempts; last the totals."""
     head = ["student", "name"]
     for assignment in assignments:
         head += [f"{assignment.id} ({written(assignment.max_score)})", f"{assignment.id} attempts"]
-    rows: list[list[str]] = [[*head, "total"]]
+    rows: list[list[str]] = [[*head, "total", "percent"]]
     for member in members:
         cells = [as_text(member.id), as_text(member.name)]
         reached = [scores.get((member.id, assignment.id)) for assignment in assignments]
         for progress in reached:
             cells += [_points(progress), "0" if progress is None else str(progress.attempts)]
         total = summed(one.counted_score or 0.0 for one in reached if one is not None)
-        rows.append([*cells, written(total)])
+        share = percent.get(member.id)
+        rows.append([*cells, written(total), "" if share is None else written(share)])
     return csv_table(rows, safe=False)
 
 

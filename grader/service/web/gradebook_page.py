@@ -1,7 +1,7 @@
 """The gradebook as a page: the points that count, for everybody, and as files for other systems."""
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
 from typing import Annotated, Literal
@@ -43,6 +43,7 @@ class BookLine:
 
     member: Member
     total: float
+    percent: float | None
     cells: tuple[StudentProgress | None, ...]
 
 
@@ -59,14 +60,18 @@ class Book:
 
 
 def book_page(
-    members: Sequence[Member], scores: Scores, assignments: Sequence[Assignment], query: BookQuery
+    members: Sequence[Member],
+    scores: Scores,
+    assignments: Sequence[Assignment],
+    query: BookQuery,
+    percent: Mapping[str, float | None],
 ) -> Book:
     """Return the page of the gradebook that `query` asks for; beyond the last page, the last."""
     wanted = query.search.strip().lower()
     fitting = [one for one in members if wanted in one.id.lower() or wanted in one.name.lower()]
     shown, query, pages = cut(fitting, query)
     return Book(
-        lines=tuple(_line(one, scores, assignments) for one in shown),
+        lines=tuple(_line(one, scores, assignments, percent[one.id]) for one in shown),
         means=tuple(_mean(one.id, members, scores) for one in assignments),
         found=len(fitting),
         all=len(members),
@@ -154,7 +159,13 @@ def _gradebook_page(
         errand.request,
         "gradebook.html",
         status=200 if problem is None else problem.status,
-        book=book_page(chosen, scores, assignments, query),
+        book=book_page(
+            chosen,
+            scores,
+            assignments,
+            query,
+            gradebook.percentages(errand.services, errand.caller, chosen, scores),
+        ),
         assignments=assignments,
         sections=sections_of(members),
         pass_fraction=errand.services.settings.pass_fraction,
@@ -163,10 +174,12 @@ def _gradebook_page(
     )
 
 
-def _line(member: Member, scores: Scores, assignments: Sequence[Assignment]) -> BookLine:
+def _line(
+    member: Member, scores: Scores, assignments: Sequence[Assignment], percent: float | None
+) -> BookLine:
     cells = tuple(scores.get((member.id, one.id)) for one in assignments)
     counted = [one.counted_score for one in cells if one is not None and one.counted_score is not None]
-    return BookLine(member=member, total=summed(counted), cells=cells)
+    return BookLine(member=member, total=summed(counted), percent=percent, cells=cells)
 
 
 def _mean(assignment_id: str, members: Sequence[Member], scores: Scores) -> float | None:

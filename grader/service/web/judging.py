@@ -14,11 +14,13 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen
 from grader.contracts.judgement import JudgedItem
 from grader.contracts.notation import decimal, written
+from grader.contracts.upload import decoded
 from grader.service.web import access
 from grader.service.web.access import PageErrand, StaffDep, SubmissionId, require_staff
 from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import page
 from grader.service.web.paging import PageQuery, pages_of
+from grader.service.web.source import source_view
 from grader.store.judgements import WaitingFor
 from grader.use_cases import judging
 from grader.use_cases.assignments import item_title, published
@@ -246,6 +248,7 @@ def _desk(
     submission, items = judging.items_of(errand.services, errand.caller, submission_id)
     corrects = judging.may_correct(errand.services, errand.caller, submission.assignment)
     item = _chosen(items, form.item, corrects=corrects)
+    content = errand.services.submissions.source(submission.id) or b""
     return page(
         errand.request,
         "judge.html",
@@ -254,7 +257,8 @@ def _desk(
         items=items,
         item=item,
         assignment=published(errand.services, errand.caller, submission.assignment),
-        answer=str(errand.services.submissions.source(submission.id) or b"", "utf-8", "replace"),
+        answer=decoded(content),
+        source=source_view(content, {}) if submission.file_name.endswith((".py", ".zip")) else None,
         form=form if errors else _filled(form, item),
         errors=errors or {},
         around=judging.neighbours(errand.services, errand.caller, submission, item.id),

@@ -44,7 +44,7 @@ def grader(
 
 @pytest.fixture
 def shown(grader):
-    return lambda: json.loads(grader("rules", "show")[0])
+    return lambda: json.loads(grader("rules", "show", "--json")[0])
 
 
 def test_what_is_named_changes_and_the_rest_stays(grader, shown) -> None:
@@ -59,6 +59,22 @@ def test_what_is_named_changes_and_the_rest_stays(grader, shown) -> None:
     assert rules["due"] == "2026-03-20T23:59:59+08:00"
     assert (rules["late"]["per_day"], rules["attempts"]) == (0.1, None)
     assert grader("rules", "set", "square", "attempts=none", lang="zh")[1] == "square: 没有变化\n"
+
+
+def test_rules_are_shown_in_words(grader) -> None:
+    grader(
+        "rules",
+        "set",
+        "square",
+        "due=2026-03-20T23:59:59",
+        "attempts=5",
+        'late={"kind":"linear","per_day":0.1}',
+    )
+    grader("rules", "set", "hello", "shown=draft")
+    assert grader("rules", "show")[0].splitlines() == [
+        "hello\tshown: never (draft)",
+        "square\tdue: 2026-03-20 23:59:59; late: −10 % a day; attempts: 5",
+    ]
 
 
 def test_several_assignments_at_once(grader, shown) -> None:

@@ -49,10 +49,25 @@ def test_every_student_has_a_line_with_what_counts(
     graded(b"good", student="", headers=school.as_("wang"))
     rows = table(client.get(URL, headers=school.as_("ta")))
     assert rows == [
-        ["student", "name", "straight (10)", "straight attempts", "square (10)", "square attempts", "total"],
-        ["han", "han", "", "0", "", "0", "0"],
-        ["li", "李雷", "5", "1", "5", "2", "10"],
+        [
+            "student",
+            "name",
+            "straight (10)",
+            "straight attempts",
+            "square (10)",
+            "square attempts",
+            "total",
+            "percent",
+        ],
+        ["han", "han", "", "0", "", "0", "0", ""],
+        ["li", "李雷", "5", "1", "5", "2", "10", "50"],
     ]
+    services.rules.set("straight", Rules(weight=3), Signature(START, "ros", "test"))
+    services.rules.set("square", replace(late, weight=0), Signature(START, "ros", "test"))
+    assert table(client.get(URL, headers=school.as_("ta")))[2][-2:] == ["10", "50"]
+    services.rules.set("square", replace(late, weight=1), Signature(START, "ros", "test"))
+    graded(b"good good", student="", assignment="straight", headers=school.as_("li"))
+    assert table(client.get(URL, headers=school.as_("ta")))[2][-2:] == ["15", "87.5"]
 
 
 def test_canvas(client: httpx.Client, graded: Callable[..., str], school: Any, services: Services) -> None:
@@ -78,7 +93,7 @@ def test_without_courses_everybody_who_handed_in(client: httpx.Client, graded: C
 @pytest.mark.parametrize("name", ["=1+1", "+1", "-1", "@x", "\t=1", "\n=1", "＝1+1", "＋1", "－1", "＠x"])
 def test_no_cell_is_a_formula(name: str) -> None:
     member = Member(course="c", id="1", name=name, role=Role.STUDENT)
-    for text in (plain([member], [assignment()], {}), canvas([member], [assignment()], {})):
+    for text in (plain([member], [assignment()], {}, {}), canvas([member], [assignment()], {})):
         cells = [cell for row in csv.reader(io.StringIO(text.removeprefix("\ufeff"))) for cell in row]
         assert "'" + name in cells
         assert name not in cells
@@ -92,7 +107,7 @@ def test_points_are_in_tables_to_the_cent(cents: list[int]) -> None:
         (member.id, one.id): progress(one.id, score / 100)
         for one, score in zip(published, cents, strict=True)
     }
-    *points, total = rows(plain([member], published, scores))[1][2:]
+    *points, total, _ = rows(plain([member], published, scores, {}))[1][2:]
     assert [Decimal(one) * 100 for one in points[::2]] == cents
     assert Decimal(total) * 100 == sum(cents)
     assert [Decimal(one) * 100 for one in rows(canvas([member], published, scores))[2][5:]] == cents
@@ -160,9 +175,9 @@ def test_the_workbook_has_what_the_table_has(
     url, headers = "/api/v1/gradebook.xlsx", school.as_("ta")
     answer = client.get(url, headers=headers, params={"lang": "en"})
     assert cells(answer) == [
-        ["Id", "Name", "Sections", "Exercise straight (10)", "Exercise square (10)", "Total"],
-        ["han", "han", "", "", "", 0.0],
-        ["li", "=1+1", "A", "", 5.0, 5.0],
+        ["Id", "Name", "Sections", "Exercise straight (10)", "Exercise square (10)", "Total", "Total %"],
+        ["han", "han", "", "", "", 0.0, ""],
+        ["li", "=1+1", "A", "", 5.0, 5.0, 25.0],
     ]
     assert len(cells(answer, 1)) == 3
     assert client.get(url, headers=headers, params={"lang": "en"}).content == answer.content
