@@ -9,6 +9,7 @@ from grader.catalog.misfits import (
     ANY_TYPE_PATTERN,
     ID_PATTERN,
     NO_COUNT,
+    NO_MOTION,
     ONE_EXPECTATION,
     ONE_STEP,
     PARAMETER_SOURCE,
@@ -360,6 +361,23 @@ class ExpectedTurtle(_Window):
     that: That | None = None
 
 
+class ExpectedMoved(_Expected):
+    """What the car does from each call, message or goal of a step on, until the next one of any step."""
+
+    kind = "moved"
+    moved: Id
+    ahead_m: Number | None = None
+    turned_deg: Number | None = None
+    within: Annotated[float, Field(ge=0.0)] = 0.05
+    within_deg: Annotated[float, Field(ge=0.0)] = 3.0
+
+    @model_validator(mode="after")
+    def _wants_something(self) -> Self:
+        if self.ahead_m is None and self.turned_deg is None:
+            raise MisfitError(NO_MOTION, "ahead_m")
+        return self
+
+
 EXPECTATIONS: Final = (
     *(
         ExpectedTopic,
@@ -378,6 +396,7 @@ EXPECTATIONS: Final = (
         ExpectedAction,
         ExpectedServed,
         ExpectedTurtle,
+        ExpectedMoved,
     ),
 )
 """The models of expectations, in the order of the documents."""
@@ -411,7 +430,8 @@ ExpectationModel = Annotated[
     | Annotated[ExpectedClient, Tag("<client>")]
     | Annotated[ExpectedAction, Tag("<action>")]
     | Annotated[ExpectedServed, Tag("<served>")]
-    | Annotated[ExpectedTurtle, Tag("<turtle>")],
+    | Annotated[ExpectedTurtle, Tag("<turtle>")]
+    | Annotated[ExpectedMoved, Tag("<moved>")],
     Discriminator(_kind_of),
     BeforeValidator(_known_kind),
 ]
@@ -422,7 +442,9 @@ def steps_named(expectation: Expectation) -> Iterator[tuple[str, StepKind | None
     kinds: Mapping[str, StepKind] = {"answer": "call", "goal": "goal", "set": "set", "served": "serve"}
     if expectation.kind in kinds:
         yield expectation.kind, kinds[expectation.kind], expectation.target
-    if expectation.kind == "parameter" and expectation.step:
+    if expectation.kind == "moved":
+        yield "moved", None, expectation.target
+    elif expectation.kind == "parameter" and expectation.step:
         yield "of", "get", expectation.step
     elif expectation.step:
         yield "after", None, expectation.step

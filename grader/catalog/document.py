@@ -16,10 +16,6 @@ from grader.catalog.misfits import (
     misfit,
     refusals,
     root_causes,
-    unknown_field,
-    unknown_list,
-    unknown_service,
-    unknown_type,
     unparsable,
 )
 from grader.catalog.reference import with_reference
@@ -33,7 +29,6 @@ _NOT_UTF8 = Text(zh="不是 UTF-8 编码：请另存为 UTF-8", en="this is not 
 _NO_FIELDS = Text(
     zh="最外层要写字段，例如 id: square", en="expected fields such as `id: square` at the top; add them"
 )
-_SENT_AS: Mapping[str, str] = {"publish": "", "read": "", "call": "_Request", "goal": "_Goal"}
 """By tool: the suffix of the structure that it sends or reads, after the name of the type."""
 
 
@@ -131,8 +126,6 @@ class Document:
         """
         assignment = self._validated().to_contract()
         interfaces = read_interfaces(self.path.parent)
-        self._check_calls(assignment, interfaces)
-        self._check_agent(assignment, interfaces)
         self._check_conversation(assignment, interfaces)
         return with_reference(replace(assignment, interfaces=interfaces), self.path.parent)
 
@@ -209,38 +202,6 @@ class Document:
             )
             raise refusals([(self.place("id"), told)])
         return model
-
-    def _check_calls(self, assignment: Assignment, interfaces: tuple[InterfaceDefinition, ...]) -> None:
-        """Refuse calls of services of an unknown type, and values for fields that their requests do not have."""
-        known = {**standard_types(), **types_of(interfaces)}
-        found = []
-        for i, call in enumerate(assignment.calls):
-            request = known.get(f"{call.type}_Request")
-            if request is None:
-                found.append((self.place(f"calls.{i}.type"), unknown_service(call.type)))
-            elif missing := sorted(call.values.keys() - request.keys()):
-                told = unknown_field(missing[0], request)
-                found.append((self.place(f"calls.{i}.values.{missing[0]}"), told))
-            field = str(assignment.options.get("list_field", ""))
-            answered = known.get(f"{call.type}_Response", {})
-            if field and request is not None and field not in answered:
-                found.append((self.place("options.list_field"), unknown_list(field, answered)))
-        if found:
-            raise refusals(found)
-
-    def _check_agent(self, assignment: Assignment, interfaces: tuple[InterfaceDefinition, ...]) -> None:
-        """Refuse tool calls with a type that is unknown, or with values for fields that it does not have."""
-        known = {**standard_types(), **types_of(interfaces)} if assignment.agent else {}
-        found = []
-        for i, step in enumerate(assignment.agent):
-            fields = known.get(step.type + _SENT_AS[step.tool])
-            if fields is None:
-                found.append((self.place(f"agent.{i}.type"), unknown_type(step.type)))
-            elif missing := sorted(step.values.keys() - fields.keys()):
-                told = unknown_field(missing[0], fields)
-                found.append((self.place(f"agent.{i}.values.{missing[0]}"), told))
-        if found:
-            raise refusals(found)
 
     def _check_conversation(
         self, assignment: Assignment, interfaces: tuple[InterfaceDefinition, ...]

@@ -14,7 +14,6 @@ from grader.contracts.text import LANGUAGES, Text
 from grader.contracts.validation_words import said
 
 ID_PATTERN: Final = r"^[a-z][a-z0-9_]{0,39}$"
-INTERFACE_PATTERN: Final = r"^[a-z][a-z0-9_]*/srv/[A-Z][A-Za-z0-9]*$"
 ANY_TYPE_PATTERN: Final = r"^[a-z][a-z0-9_]*/(msg|srv|action)/[A-Z][A-Za-z0-9]*$"
 WRONG_FILE_PATTERN: Final = r"^[a-z][a-z0-9_]*\.(py|txt|md|zip)$"
 ABOUT_PATTERN: Final = r"""^[^\\"']*$"""
@@ -51,10 +50,6 @@ _FORMS: Mapping[str, Text] = {
     ANY_TYPE_PATTERN: Text(
         zh="写成 geometry_msgs/msg/Twist 这样的类型",
         en="write a type such as geometry_msgs/msg/Twist",
-    ),
-    INTERFACE_PATTERN: Text(
-        zh="写成 rosclaw_msgs/srv/GetCapabilities 这样的类型",
-        en="write a type such as rosclaw_msgs/srv/GetCapabilities",
     ),
 }
 _OTHER_FORM: Final = Text(
@@ -102,10 +97,6 @@ _QUOTES = Text(
     zh="未知的字段；如果它是文字的一部分，给整段文字加上引号",
     en="unknown field; if it is part of a text, put quotes around the whole text",
 )
-ONE_TOOL = Text(
-    zh="publish、call、goal、read 只写一个",
-    en="give one of publish, call, goal, read",
-)
 ONE_STEP = Text(
     zh="publish、call、goal、set、get、serve 只写一个",
     en="give one of publish, call, goal, set, get, serve",
@@ -127,6 +118,10 @@ PARAMETER_SOURCE = Text(
 NO_COUNT = Text(
     zh="写成一个整数 3（正好）、[2, 4]（2 到 4）或 [2, null]（至少 2）",
     en="write a whole number such as 3 (exactly), [2, 4], or [2, null] (two at least)",
+)
+NO_MOTION = Text(
+    zh="缺少：写 ahead_m（向前多少米）、turned_deg（左转多少度）或两者都写",
+    en="missing; write ahead_m, turned_deg (to the left), or both",
 )
 MEASURE_OR_EXPECT = Text(
     zh="写 measure（和 low、high），或者写 expect，只写一种",
@@ -297,28 +292,11 @@ def no_other_measure(name: str) -> Text:
     )
 
 
-def unknown_service(name: str) -> Text:
-    """Say that there is no such type of service."""
-    package, _, short = name.split("/")
-    return Text(
-        zh=f"没有服务类型 {name!r}：检查拼写，或者补上 interfaces/{package}/srv/{short}.srv",
-        en=f"there is no service {name!r}; check its spelling or add interfaces/{package}/srv/{short}.srv",
-    )
-
-
 def unknown_type(name: str) -> Text:
     """Say that there is no such message, service or action, or that it is another kind of type."""
     return Text(
-        zh=f"没有类型 {name!r}，或者它不是这个工具要的那种：检查拼写，或者补上 interfaces",
-        en=f"there is no type {name!r}, or this tool takes another kind; check its spelling",
-    )
-
-
-def unknown_field(name: str, known: Iterable[str]) -> Text:
-    """Say that a request has no such field."""
-    names = ", ".join(known) or "—"
-    return Text(
-        zh=f"请求没有字段 {name!r}；有：{names}", en=f"the request has no field {name!r}; it has: {names}"
+        zh=f"没有类型 {name!r}，或者这里要的不是这一种：检查拼写，或者在 interfaces/ 里补上它",
+        en=f"there is no type {name!r}, or another kind is wanted here; check it, or add it in interfaces/",
     )
 
 
@@ -327,14 +305,6 @@ def no_such_field_of(name: str, known: Iterable[str]) -> Text:
     names = ", ".join(known) or "—"
     return Text(
         zh=f"这种消息没有字段 {name!r}；有：{names}", en=f"there is no field {name!r}; there are: {names}"
-    )
-
-
-def unknown_list(name: str, known: Iterable[str]) -> Text:
-    """Say that a response has no such field."""
-    names = ", ".join(known) or "—"
-    return Text(
-        zh=f"回应没有字段 {name!r}；有：{names}", en=f"the response has no field {name!r}; it has: {names}"
     )
 
 
@@ -403,7 +373,16 @@ def _fields_at(model: type[BaseModel], place: Sequence[int | str]) -> tuple[str,
     )
 
 
+_FORMER_FIELDS: Final = ("calls", "agent")
+_USE_STEPS: Final = Text(
+    zh="现在写成 check: conversation、steps 和评分项的 expect，见 docs/exercises.zh.md",
+    en="write check: conversation, steps, and expect in the items instead: see docs/exercises.md",
+)
+
+
 def _no_such_field(name: str, known: Sequence[str]) -> Text:
+    if name in _FORMER_FIELDS and "steps" in known:
+        return _USE_STEPS
     likely = [one for one in known if one.startswith(name)] or difflib.get_close_matches(name, known, 1)
     if likely:
         return Text(zh=f"没有这个字段：是不是 {likely[0]}？", en=f"unknown field; did you mean {likely[0]}?")

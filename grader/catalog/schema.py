@@ -3,13 +3,12 @@
 import json
 from collections.abc import Sequence
 from random import Random
-from typing import Annotated, Any, Literal, cast
+from typing import Annotated, Any, Literal
 
 from pydantic import (
     AfterValidator,
     BeforeValidator,
     Field,
-    JsonValue,
     PlainValidator,
     StrictBool,
     StrictFloat,
@@ -29,12 +28,10 @@ from grader.catalog.attempts import (
 from grader.catalog.conversation import ExpectationModel, StepModel, steps_named
 from grader.catalog.misfits import (
     ABOUT_PATTERN,
-    ANY_TYPE_PATTERN,
     ARC,
     BAND_MISSING,
     CENTS,
     ID_PATTERN,
-    INTERFACE_PATTERN,
     MEASURE_OR_EXPECT,
     NO_BAND,
     NO_FREE_PLACE,
@@ -49,7 +46,6 @@ from grader.catalog.misfits import (
     ONE_PATH,
     ONE_PIECE,
     ONE_REGION,
-    ONE_TOOL,
     SAME_TYPE,
     SCORE,
     TOO_LARGE,
@@ -79,7 +75,6 @@ from grader.contracts.assignment import (
     SUFFIXES,
     TOPIC_PATTERN,
     Across,
-    AgentStep,
     Answer,
     Assignment,
     Case,
@@ -92,9 +87,7 @@ from grader.contracts.assignment import (
     Profile,
     Region,
     RunsAs,
-    ServiceCall,
     StartPose,
-    Tool,
     WantedGoal,
     WantedPackage,
     WantedPath,
@@ -111,7 +104,6 @@ from grader.contracts.text import Text
 
 Id = Annotated[str, Field(pattern=ID_PATTERN)]
 Topic = Annotated[str, Field(pattern=f"^{TOPIC_PATTERN}$")]
-Interface = Annotated[str, Field(pattern=INTERFACE_PATTERN)]
 MAX_HORIZON_S = 600.0
 _MOST = 1_000_000_000  # of a whole number: what a column of every database holds
 AnyHeading = Annotated[float, Field(ge=-360.0, le=360.0)]
@@ -471,49 +463,6 @@ class PackageModel(SpecModel):
         return WantedPackage(**dict(self))
 
 
-class CallModel(SpecModel):
-    """A request to a service of the script, `at_s` seconds after its start or as soon as it is offered."""
-
-    at_s: Annotated[float, Field(ge=0.0, le=MAX_HORIZON_S)] = 1.0
-    service: Topic
-    type: Interface
-    values: Options = Field(default_factory=dict)
-
-    def to_contract(self) -> ServiceCall:
-        """Return the contract."""
-        return ServiceCall(
-            at_ns=round(self.at_s * 1e9), service=self.service, type=self.type, values=dict(self.values)
-        )
-
-
-class AgentStepModel(SpecModel):
-    """A tool call of a chat agent: one of publish, call, goal, read, with the name it speaks to."""
-
-    at_s: Annotated[float, Field(ge=0.0, le=MAX_HORIZON_S)] = 1.0
-    publish: Topic | None = None
-    call: Topic | None = None
-    goal: Topic | None = None
-    read: Topic | None = None
-    type: Annotated[str, Field(pattern=ANY_TYPE_PATTERN)]
-    values: Annotated[dict[str, JsonValue], Field(default_factory=dict)]
-    moves_m: Annotated[float, Field(ge=-100.0, le=100.0)] | None = None
-    turns_deg: Annotated[float, Field(ge=-3_600.0, le=3_600.0)] | None = None
-    tells: Annotated[tuple[str, ...], Field(min_length=2, max_length=2)] | tuple[()] = ()
-
-    @model_validator(mode="after")
-    def _is_one_tool(self) -> Self:
-        if sum(each is not None for each in (self.publish, self.call, self.goal, self.read)) != 1:
-            raise MisfitError(ONE_TOOL)
-        return self
-
-    def to_contract(self) -> AgentStep:
-        """Return the contract."""
-        given = {"publish": self.publish, "call": self.call, "goal": self.goal, "read": self.read}
-        tool, target = next((tool, target) for tool, target in given.items() if target is not None)
-        same = {name: getattr(self, name) for name in ("type", "values", "moves_m", "turns_deg", "tells")}
-        return AgentStep(at_ns=round(self.at_s * 1e9), tool=cast("Tool", tool), target=target, **same)
-
-
 class AnswerModel(SpecModel):
     """A number that students are known to answer."""
 
@@ -590,8 +539,6 @@ class AssignmentModel(SpecModel):
     limits: LimitsModel = LimitsModel()
     world: WorldModel = WorldModel()
     cases: Annotated[tuple[CaseModel, ...], Field(min_length=1)] = (CaseModel(),)
-    calls: tuple[CallModel, ...] = ()
-    agent: Annotated[tuple[AgentStepModel, ...], Field(max_length=40)] = ()
     steps: Annotated[tuple[StepModel, ...], Field(max_length=MOST_STEPS)] = ()
     answers: tuple[AnswerModel, ...] = ()
     path: PathModel | None = None
@@ -642,12 +589,9 @@ class AssignmentModel(SpecModel):
 
     @model_validator(mode="after")
     def _comes_before_the_end(self) -> Self:
-        asked = [("calls", i, call.at_s) for i, call in enumerate(self.calls)]
-        asked += [("agent", i, step.at_s) for i, step in enumerate(self.agent)]
-        asked += [("steps", i, step.at_s) for i, step in enumerate(self.steps)]
-        for name, i, at_s in asked:
-            if at_s >= self.horizon_s:
-                raise MisfitError(too_late("at_s", self.horizon_s), name, i, "at_s")
+        for i, step in enumerate(self.steps):
+            if step.at_s >= self.horizon_s:
+                raise MisfitError(too_late("at_s", self.horizon_s), "steps", i, "at_s")
         for i, goal in enumerate(self.places.visit if self.places else ()):
             if goal.by_s is not None and goal.by_s > self.horizon_s:
                 raise MisfitError(too_late("by_s", self.horizon_s), "places", "visit", i, "by_s")

@@ -156,7 +156,7 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
 def _findings(check: Check, assignment: Assignment, run: Run, measures: Measures) -> Findings:
     case = assignment.in_case(run.case)
     own = check.explain(case, run, measures)
-    findings = Findings(measures, with_expected_mistakes(own, case, run))
+    findings = Findings(measures, with_expected_mistakes(own, case, run, measures))
     return replace(
         findings, mistakes=with_package_mistakes(check, with_causes(case, run, findings).mistakes, run)
     )

@@ -55,10 +55,6 @@ def unmet(assignment: Assignment, *needs: tuple[Collection[str], bool, Text]) ->
 
 def _unlooked_at(assignment: Assignment, check: Kind) -> Iterator[Misfit]:
     """Yield what the assignment gives for another kind of check."""
-    if assignment.calls and check.kind != "service":
-        yield "calls", _unused(check, "service", zh="不调用服务", en="calls no services")
-    if assignment.agent and check.kind != "agent":
-        yield "agent", _unused(check, "agent", zh="没有智能体", en="has no agent")
     if assignment.answers and "correct" not in check.measures:
         yield "answers", _unused(check, "number", zh="不比较数值", en="compares no numbers")
     if assignment.path is not None and check.kind != "path":

@@ -39,8 +39,6 @@ def waits_in_vain(run: Run, world: World, *, surely: bool = False) -> Mistake | 
 
     `surely`: report only what is certain: a service, or a topic whose name is nearly right.
     """
-    if run.agent or run.calls:
-        return None  # the agent's topics and services are not known here
     return (
         _without_clock(run, world)
         or _unanswered_client(run, world)

@@ -1,11 +1,12 @@
 """An assignment as data: what is handed in, in which world and under which limits it runs, how it earns points."""
 
+import json
 import math
 from dataclasses import replace
-from typing import Any, Final, Literal, get_args
+from typing import Final, Literal, get_args
 
 from grader.contracts.conversation import Expectation, Step
-from grader.contracts.record import Record, field, to_plain
+from grader.contracts.record import Record, field, from_plain, to_plain
 from grader.contracts.rubric import summed
 from grader.contracts.text import EMPTY, Language, Text
 
@@ -203,45 +204,6 @@ class World(Record):
 
 
 Scalar = float | int | str | bool
-
-
-class ServiceCall(Record):
-    """A request due at `at_ns`, or as soon after as the script offers the service.
-
-    Attributes:
-        type: of the service, e.g. ``std_srvs/srv/Trigger``.
-        values: fields of the request; the others have their defaults.
-    """
-
-    at_ns: int
-    service: str
-    type: str
-    values: dict[str, Scalar] = field(default_factory=dict)
-
-
-Tool = Literal["publish", "call", "goal", "read"]
-
-
-class AgentStep(Record):
-    """A tool call as a chat agent would send it, at `at_ns` at the earliest and once the one before is done.
-
-    Attributes:
-        tool: ``publish`` a message, ``call`` a service, send a ``goal`` to an action, or ``read`` a topic once.
-        target: fully qualified name of the topic, service or action. type: of that, e.g. ``std_srvs/srv/Trigger``.
-        values: fields of the message, request or goal; the others have their defaults.
-        moves_m, turns_deg: how far the car is to drive ahead and to turn (left is positive) until the next step;
-            None: this step is not measured.
-        tells: fields of the answer that tell where the car is: of x and y in metres; empty: none do.
-    """
-
-    at_ns: int
-    tool: Tool
-    target: str
-    type: str = ""
-    values: dict[str, Any] = field(default_factory=dict)
-    moves_m: float | None = None
-    turns_deg: float | None = None
-    tells: tuple[str, ...] = ()
 
 
 class InterfaceDefinition(Record):
@@ -459,8 +421,6 @@ class Assignment(Record):
         file_patterns: shell patterns of file names that tell this assignment.
         horizon_s: virtual seconds after which the script sees Ctrl+C.
         order: position on the checklist.
-        calls: requests sent to the script's services in every run.
-        agent: tool calls that a chat agent sends in every run.
         steps: what is said to the script in every run.
         answers: of a question whose answer is a number.
         package: what of a package is run; None: its only executable.
@@ -486,8 +446,6 @@ class Assignment(Record):
     world: World = field(default_factory=World)
     cases: tuple[Case, ...] = field(default_factory=lambda: (Case(),))
     input: Input = "script"
-    calls: tuple[ServiceCall, ...] = ()
-    agent: tuple[AgentStep, ...] = ()
     steps: tuple[Step, ...] = ()
     answers: tuple[Answer, ...] = ()
     interfaces: tuple[InterfaceDefinition, ...] = ()
@@ -586,3 +544,15 @@ class WrongAttempt(Record):
     high: float
     fails: str
     mistake: str = ""
+
+
+def stored_assignment(content: bytes | str) -> Assignment:
+    """Return an assignment that was stored with a grading, maybe before `steps` took the place of two fields.
+
+    Raises:
+        ValueError: it is none.
+    """
+    fields = json.loads(content)
+    for name in ("calls", "agent"):
+        fields.pop(name, None)
+    return from_plain(Assignment, fields)

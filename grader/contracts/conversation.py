@@ -29,6 +29,7 @@ ExpectationKind = Literal[
     "action",
     "served",
     "turtle",
+    "moved",
 ]
 PartyKind = Literal["node", "publisher", "subscription", "service", "client"]
 
@@ -140,6 +141,8 @@ class Expectation(Record):
     heading_deg: float | None = None
     pen: tuple[int, int, int] | None = None
     pen_off: bool | None = None
+    ahead_m: float | str | None = None
+    turned_deg: float | str | None = None
     secret: bool = False
 
 

@@ -2,9 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from typing import Any
 
-from grader.contracts.assignment import AgentStep, ServiceCall
 from grader.contracts.python import StrEnum
 from grader.contracts.record import Record, field
 
@@ -103,38 +101,6 @@ class LogRecord(Record):
     def level_name(self) -> str:
         """The level as rcutils prints it."""
         return LOG_LEVELS.get(self.level, str(self.level))
-
-
-class ServiceResult(Record):
-    """What became of a call.
-
-    Attributes:
-        sent_ns: when the script was asked; None: it never offered the service.
-        answered_ns: when it answered; None: it never did.
-        values: the response as nested fields.
-    """
-
-    call: ServiceCall
-    sent_ns: int | None = None
-    answered_ns: int | None = None
-    values: Mapping[str, Any] | None = None
-
-
-class AgentResult(Record):
-    """What became of a tool call.
-
-    Attributes:
-        sent_ns: when it was sent; None: what it speaks to was not there, or its turn never came.
-        answered_ns: when it was answered; None: it was not, or by a refusal.
-        values: of the response, result or message, as JSON has them.
-        reason: why there is no answer.
-    """
-
-    step: AgentStep
-    sent_ns: int | None = None
-    answered_ns: int | None = None
-    values: Mapping[str, Any] | None = None
-    reason: str = ""
 
 
 class Note(Record):

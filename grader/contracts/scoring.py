@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from grader.contracts.conversation import Conversation
-from grader.contracts.outcome import AgentResult, RunOutcome, ServiceResult
+from grader.contracts.outcome import RunOutcome
 from grader.contracts.package import PackageProblem
 from grader.contracts.record import Record
 from grader.contracts.rubric import RubricItem
@@ -21,8 +21,6 @@ class Run:
 
     Attributes:
         case: id of one of the assignment's cases.
-        calls: what became of the assignment's calls, in its order.
-        agent: what became of the agent's tool calls, in the assignment's order.
         conversation: what was said; None: nothing was, and nothing is expected.
         source: the script, decoded. Hints are worded by it; points never depend on it.
         package: what is wrong with the files of a package; None: a script.
@@ -33,8 +31,6 @@ class Run:
     trajectory: Trajectory
     outcome: RunOutcome
     case: str = "default"
-    calls: tuple[ServiceResult, ...] = ()
-    agent: tuple[AgentResult, ...] = ()
     conversation: Conversation | None = None
     source: str = ""
     at_horizon: str = ""

@@ -9,7 +9,6 @@ the exit code and the output of a process that was ended for tampering, and the 
 printing when a clock ended it. The trajectory of such a script is kept, because its driving earns points.
 """
 
-import json
 import os
 import re
 import sys
@@ -46,10 +45,6 @@ THREAD_NOTE = "thread_exception"
 CAUGHT_NOTE = "caught"
 """Names an error of the script's own text that something has caught."""
 
-ANSWER_NOTE = "service_answer"
-"""Holds the script's answer to a call of the assignment."""
-
-_LONGEST_ANSWER = 1_000
 _KILLED = {
     RunEnd.CRASHED: RunStatus.CRASHED,
     RunEnd.CPU_LIMIT: RunStatus.CPU_LIMIT,
@@ -132,10 +127,7 @@ def merge(episode: EpisodeResult, jail: JailReport, distro: Distro = "humble") -
         endpoints=episode.endpoints,
         logs=tuple(_masked_log(record, distro) for record in episode.logs),
         logs_dropped=episode.logs_dropped,
-        notes=tuple(
-            replace(note, text=masked(note.text, distro))
-            for note in (*_shown_notes(episode), *_answers(episode))
-        ),
+        notes=tuple(replace(note, text=masked(note.text, distro)) for note in _shown_notes(episode)),
         command_count=episode.command_count,
         nonfinite_commands=episode.nonfinite_commands,
         first_command_ns=episode.first_command_ns,
@@ -241,21 +233,6 @@ def _error(exit_frame: Exit | None, distro: Distro) -> StudentError | None:
         line=exit_frame.line or None,
         traceback=masked(exit_frame.detail, distro),
     )
-
-
-def _answers(episode: EpisodeResult) -> Iterator[Note]:
-    """Yield the script's answers to the assignment's calls, each cut to a length that can be shown."""
-    answered = [(one.call.service, one.values) for one in episode.calls if one.answered_ns is not None]
-    answered += [
-        (one.step.target, one.values)
-        for one in episode.agent
-        if one.answered_ns is not None and one.step.tool != "publish"
-    ]
-    for target, told in answered:
-        values = json.dumps(told, ensure_ascii=False, default=str)
-        if len(values) > _LONGEST_ANSWER:
-            values = values[: _LONGEST_ANSWER - 1] + "…"
-        yield Note(code=ANSWER_NOTE, text=f"{target} → {values}")
 
 
 def ended_by_the_clock(episode: EpisodeResult, jail: JailReport) -> bool:

@@ -10,7 +10,7 @@ which pads nothing before the elements of an empty sequence). An empty structure
 """
 
 import struct
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any, Final, NamedTuple, TypeAlias
 
@@ -59,17 +59,17 @@ def decode(type_name: str, data: bytes, types: Types = WORLD) -> Values:
         raise ProtocolError(f"{type_name}: message of {len(data)} bytes")
     if data[:4] != HEADER:
         raise ProtocolError(f"{type_name}: not little-endian CDR")
-    body = memoryview(data)[4:]
+    body = data[4:]
     flat = _flat_layout(type_name) if types is WORLD else None
     try:
         if flat is not None:
             return _nest(type_name, iter(flat.unpack(body)))
-        reader = _Reader(body, types)
-        values = reader.structure(type_name)
+        values: Values
+        values, end = _structure_reader(type_name, types)(body, 0)
     except (struct.error, UnicodeDecodeError) as error:
         raise ProtocolError(f"{type_name}: malformed CDR: {error}") from None
-    if reader.position != len(body):
-        raise ProtocolError(f"{type_name}: {len(body) - reader.position} bytes too many")
+    if end != len(body):
+        raise ProtocolError(f"{type_name}: {len(body) - end} bytes too many")
     return values
 
 
@@ -112,73 +112,116 @@ def _parse(text: str) -> _FieldType:
     return _FieldType(base, float(bound[:-1] or "inf"), most if bracket else None, is_sequence)
 
 
-class _Reader:
-    """A position in the body of a message."""
+Read: TypeAlias = Callable[[bytes, int], tuple[Any, int]]
+"""Reads a value in a message's body from a position on; returns it, and where the next one begins."""
 
-    def __init__(self, body: memoryview, types: Types) -> None:
-        self._body = body
-        self._types = types
-        self.position = 0
 
-    def structure(self, type_name: str) -> Values:
-        fields = _fields(type_name, self._types)
-        if not fields:
-            self._take(1)
-        return {name: self._field(_parse(text)) for name, text in fields}
+def _structure_reader(type_name: str, types: Types) -> Read:
+    """Return what reads a structure; it is made once, because messages of one type come by the thousand."""
+    if type_name not in types.readers:
+        fields = [(name, _reader(_parse(text), types)) for name, text in _fields(type_name, types)]
+        types.readers[type_name] = _of_fields(fields) if fields else _read_nothing
+    return types.readers[type_name]
 
-    def _field(self, kind: _FieldType) -> Any:
-        count = kind.size
-        if count is None:
-            return self._value(kind)
-        if kind.is_sequence:
-            most, count = count, self._scalar(_LENGTH)
-            if count > most:
-                raise ProtocolError(f"sequence of {count} elements, {most} allowed")
-        if kind.base == "uint8":
-            return bytes(self._take(count))
-        return [self._value(kind) for _ in range(count)]
 
-    def _value(self, kind: _FieldType) -> Any:
-        scalar = _SCALARS.get(kind.base)
-        if scalar is not None:
-            value = self._scalar(scalar)
-            return _to_bool(value) if kind.base == "bool" else value
-        if kind.base not in _TEXTS:
-            return self.structure(kind.base)
-        text = self._text() if kind.base == "string" else self._wide_text()
-        if len(text) > kind.bound:
-            raise ProtocolError(f"text of {len(text)} characters, {kind.bound:.0f} allowed")
-        return text
+def _of_fields(fields: Sequence[tuple[str, Read]]) -> Read:
+    def read(body: bytes, at: int) -> tuple[Values, int]:
+        values = {}
+        for name, read_field in fields:
+            values[name], at = read_field(body, at)
+        return values, at
 
-    def _wide_text(self) -> str:
-        """Read a wide string as Fast CDR writes it: four bytes for each UTF-16 unit, no terminator."""
-        count = self._scalar(_LENGTH)
-        units = struct.unpack(f"<{count}I", self._take(4 * count))
-        return struct.pack(f"<{count}H", *units).decode("utf-16-le")
+    return read
 
-    def _text(self) -> str:
-        length = self._scalar(_LENGTH)
-        if length == 0:
-            raise ProtocolError("string without its terminator")
-        raw = bytes(self._take(length))
-        if raw.find(0) != length - 1:
-            raise ProtocolError("string with a NUL in the middle or none at the end")
-        return raw[:-1].decode("utf-8")
 
-    def _scalar(self, scalar: struct.Struct) -> Any:
-        size = scalar.size
-        start = self.position + -self.position % size
-        (value,) = scalar.unpack_from(self._body, start)
-        self.position = start + size
-        return value
+def _read_nothing(body: bytes, at: int) -> tuple[Values, int]:
+    _taken(body, at, 1)
+    return {}, at + 1
 
-    def _take(self, length: int) -> memoryview:
-        end = self.position + length
-        if end > len(self._body):
-            raise ProtocolError(f"{length} bytes announced, {len(self._body) - self.position} left")
-        taken = self._body[self.position : end]
-        self.position = end
-        return taken
+
+def _reader(kind: _FieldType, types: Types) -> Read:
+    read_one = _reader_of_one(kind, types)
+    if kind.size is None:
+        return read_one
+    size, is_sequence, is_raw = kind.size, kind.is_sequence, kind.base == "uint8"
+
+    def read(body: bytes, at: int) -> tuple[Any, int]:
+        count = size
+        if is_sequence:
+            count, at = _read_length(body, at)
+            if count > size:
+                raise ProtocolError(f"sequence of {count} elements, {size} allowed")
+        if is_raw:
+            return _taken(body, at, count), at + count
+        values = []
+        for _ in range(count):
+            value, at = read_one(body, at)
+            values.append(value)
+        return values, at
+
+    return read
+
+
+def _reader_of_one(kind: _FieldType, types: Types) -> Read:
+    if kind.base == "bool":
+        return _read_bool
+    if kind.base in _SCALARS:
+        return _scalar_reader(_SCALARS[kind.base])
+    if kind.base not in _TEXTS:
+        return _structure_reader(kind.base, types)
+    read_text, bound = _read_text if kind.base == "string" else _read_wide_text, kind.bound
+
+    def read(body: bytes, at: int) -> tuple[str, int]:
+        text, end = read_text(body, at)
+        if len(text) > bound:
+            raise ProtocolError(f"text of {len(text)} characters, {bound:.0f} allowed")
+        return text, end
+
+    return read
+
+
+def _scalar_reader(scalar: struct.Struct) -> Read:
+    size, unpack_from = scalar.size, scalar.unpack_from
+
+    def read(body: bytes, at: int) -> tuple[Any, int]:
+        at += -at % size
+        return unpack_from(body, at)[0], at + size
+
+    return read
+
+
+_read_length: Final = _scalar_reader(_LENGTH)
+_read_byte: Final = _scalar_reader(_SCALARS["bool"])
+
+
+def _read_bool(body: bytes, at: int) -> tuple[bool, int]:
+    value, end = _read_byte(body, at)
+    if value > 1:
+        raise ProtocolError(f"bool of value {value}")
+    return value == 1, end
+
+
+def _read_text(body: bytes, at: int) -> tuple[str, int]:
+    length, at = _read_length(body, at)
+    if length == 0:
+        raise ProtocolError("string without its terminator")
+    raw = _taken(body, at, length)
+    if raw.find(0) != length - 1:
+        raise ProtocolError("string with a NUL in the middle or none at the end")
+    return raw[:-1].decode("utf-8"), at + length
+
+
+def _read_wide_text(body: bytes, at: int) -> tuple[str, int]:
+    """Read a wide string as Fast CDR writes it: four bytes for each UTF-16 unit, no terminator."""
+    count, at = _read_length(body, at)
+    units = struct.unpack(f"<{count}I", _taken(body, at, 4 * count))
+    return struct.pack(f"<{count}H", *units).decode("utf-16-le"), at + 4 * count
+
+
+def _taken(body: bytes, at: int, length: int) -> bytes:
+    if at + length > len(body):
+        raise ProtocolError(f"{length} bytes announced, {len(body) - at} left")
+    return body[at : at + length]
 
 
 class _Writer:
@@ -249,12 +292,6 @@ def _fields(type_name: str, types: Types = WORLD) -> tuple[tuple[str, str], ...]
         return types.fields[type_name]
     except KeyError:
         raise ProtocolError(f"unknown type {type_name!r}") from None
-
-
-def _to_bool(value: int) -> bool:
-    if value > 1:
-        raise ProtocolError(f"bool of value {value}")
-    return value == 1
 
 
 def _default(kind: _FieldType) -> Any:

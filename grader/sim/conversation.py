@@ -6,6 +6,7 @@ decoded strictly; how much is kept is bounded, the rest is counted.
 """
 
 import hashlib
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from random import Random
@@ -179,7 +180,7 @@ class Talk:
                     self._heard.setdefault((topic, kind), _Heard(kind))
             elif one.kind == "parameter" and not one.step:
                 self._heard.setdefault(EVENTS, _Heard(EVENTS[1]))
-            if one.kind in ("turtle", "frame"):
+            if one.kind in ("turtle", "frame") or _OF_TURTLES.search(str(one)):
                 self._turtles.setdefault("", [])
         for course in self._courses:
             if course.step.kind == "goal":
@@ -494,6 +495,7 @@ class Talk:
         self._exchanges[index] = replace(self._exchanges[index], **fields)
 
 
+_OF_TURTLES: Final = re.compile(r"\bturtle\w*\.")  # in a formula
 _SENT: Final = {"publish": "", "call": "_Request", "goal": "_SendGoal_Request"}
 _PATHS: Final = {
     "goal": "_action/send_goal",

@@ -7,19 +7,11 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
-from grader.contracts.assignment import (
-    EPOCH_NS,
-    AgentStep,
-    Distro,
-    InterfaceDefinition,
-    RunsAs,
-    ServiceCall,
-    World,
-)
+from grader.contracts.assignment import EPOCH_NS, Distro, InterfaceDefinition, RunsAs, World
 from grader.contracts.conversation import Conversation, Expectation, Step, sayings
-from grader.contracts.errors import AssignmentError, ProtocolError
+from grader.contracts.errors import ProtocolError
 from grader.contracts.grading import WorldRequest
-from grader.contracts.outcome import AgentResult, Endpoint, LogRecord, Note, ServiceResult
+from grader.contracts.outcome import Endpoint, LogRecord, Note
 from grader.contracts.record import Record
 from grader.contracts.trajectory import Trajectory
 from grader.sim.car import NS_PER_S, UPDATE_NS, UPDATE_S
@@ -27,7 +19,6 @@ from grader.sim.cdr import HEADER
 from grader.sim.cdr import decode as read
 from grader.sim.driving import Car
 from grader.sim.frames import (
-    APART,
     CLIENT,
     INTERRUPTED_NOTE,
     LEDGER,
@@ -55,7 +46,7 @@ from grader.sim.frames import (
     Response,
 )
 from grader.sim.recorder import LOG, Journal, ReceivedCommands, Recorder
-from grader.sim.script_graph import ScriptGraph, ServiceCalls
+from grader.sim.script_graph import ScriptGraph
 from grader.sim.simulated_world import SimulatedWorld
 from grader.sim.turtle import Turtle
 from grader.sim.turtle_world import TWIST, TurtleWorld
@@ -63,7 +54,6 @@ from grader.sim.wire import PROTOCOL, decode, encode_events, encode_start
 
 if TYPE_CHECKING:
     from grader.contracts.replay import Replayed
-    from grader.sim.agent import Agent
     from grader.sim.conversation import Talk
     from grader.sim.pybullet_world import PybulletWorld
     from grader.sim.recorded_calls import RecordedCalls
@@ -99,8 +89,6 @@ class EpisodeSpec(Record):
         facts: whether the script is traced, to explain its marks.
         package: START's field for a package; `source` then holds its files one after the other. None: a script.
         args: of the command line, without the file. stdin: text for `input()`.
-        calls: requests the assignment sends to the script's services.
-        agent: tool calls that a chat agent sends.
         said: what is said to the script. expectations: what is wanted of it.
         interfaces: what the script can import besides ROS's own.
         output_bytes: what the script may print before the shim ends it; None: no bound.
@@ -114,8 +102,6 @@ class EpisodeSpec(Record):
     file_name: str
     args: tuple[str, ...] = ()
     stdin: str = ""
-    calls: tuple[ServiceCall, ...] = ()
-    agent: tuple[AgentStep, ...] = ()
     said: tuple[Step, ...] = ()
     expectations: tuple[Expectation, ...] = ()
     interfaces: tuple[InterfaceDefinition, ...] = ()
@@ -157,8 +143,6 @@ class EpisodeResult(Record):
     first_command_ns: int | None
     last_command_ns: int | None
     sim_steps: int
-    calls: tuple[ServiceResult, ...] = ()
-    agent: tuple[AgentResult, ...] = ()
     conversation: Conversation | None = None
     most_steps: int | None = None
     requests: tuple[WorldRequest, ...] = ()
@@ -190,8 +174,6 @@ class Episode:
         self._world.on_change = self._reconnect
         self._graph = ScriptGraph()
         self._journal = Journal()
-        self._calls = ServiceCalls(spec.calls, self._graph, spec.interfaces)
-        self._agent = _agent(spec, self._world, self._graph) if spec.agent else None
         self._talk = _talk(spec, self._world, self._graph) if spec.said or spec.expectations else None
         self._sinks: dict[int, Callable[[Sequence[int], bytes], None]] = {}
         self._published: Publish | None = None  # the last one, as long as only its REPEATs have followed
@@ -260,14 +242,9 @@ class Episode:
         }
 
     def _start_world(self) -> dict[str, Any]:
-        """Return what exists besides the script: the car's world, and what the agent speaks and listens to."""
+        """Return what exists besides the script: the car's world, and what is said to the script."""
         world = self._world.graph()
-        calls = [[call.service, call.type] for call in self._spec.calls]
-        if self._agent is not None:
-            calls += [list(each) for each in self._agent.services.items()]
-            for topic, kind in self._agent.topics.items():
-                world["publishes" if topic in self._agent.published else "subscribes"].append([topic, kind])
-        world["calls"] = calls
+        world["calls"] = []
         if self._talk is not None:
             self._talk.add_to(world)
         return world
@@ -352,10 +329,6 @@ class Episode:
         if list(times_ns) != sorted(times_ns):
             raise ProtocolError("REPEAT.times go back")
         payload = self._published.payload
-        if self._agent is not None:  # it may act between two of them
-            for t_ns in times_ns:
-                self._publish(identity, t_ns, payload)
-            return
         self._check_time(times_ns[0])
         self._pass_time(times_ns[-1])
         if not (taken := _up_to(self._spec.horizon_ns, times_ns)):
@@ -369,21 +342,12 @@ class Episode:
     def _pass_time(self, t_ns: int) -> None:
         """Advance the world to `t_ns`. What a script does after Ctrl+C happens at the horizon, like its EXIT."""
         self._check_time(t_ns)
-        if self._agent is not None:
-            self._run_agent(self._agent, min(t_ns, self._spec.horizon_ns))
         if self._talk is not None:
             self._go_on(self._talk, min(t_ns, self._spec.horizon_ns))
         self._now_ns = min(t_ns, self._spec.horizon_ns)
         if self._in_turn_ns is not None and self._now_ns - self._in_turn_ns > AHEAD_NS:
             self._in_turn_ns = None
             self._take_turns(False)
-
-    def _run_agent(self, agent: "Agent", t_ns: int) -> None:
-        """Let the agent act up to `t_ns`, the time that a script which runs ahead has reached."""
-        while (due_ns := agent.next_ns()) is not None and due_ns <= t_ns:
-            self._world.advance(due_ns)
-            agent.run(due_ns)
-        agent.reach(t_ns)
 
     def _go_on(self, talk: "Talk", t_ns: int) -> None:
         """Let the conversation go on up to `t_ns`, the time that a script which runs ahead has reached."""
@@ -417,12 +381,9 @@ class Episode:
             self._request(self._graph.get(frame.id, CLIENT), frame)
         else:
             self._graph.get(frame.id, SERVICE)
-            if self._agent is not None and frame.sequence >= APART:
-                self._agent.answer(frame)
-            elif self._talk is not None:
-                self._talk.answer(frame)
-            else:
-                self._calls.answer(frame)
+            if self._talk is None:
+                raise ProtocolError(f"RESPONSE.sequence {frame.sequence} was never asked")
+            self._talk.answer(frame)
 
     def _request(self, client: Entity, frame: Request) -> None:
         """Hand a request to the world, if it offers the service."""
@@ -441,12 +402,6 @@ class Episode:
         """Connect a publisher or subscription with the world where topic, type and QoS agree."""
         if (entity.what, entity.name, entity.type) == (PUBLISHER, ROSOUT, LOG):
             self._sinks[entity.id] = self._log
-            return
-        if self._agent is not None and self._agent.topics.get(entity.name) == entity.type:
-            if entity.what == PUBLISHER:
-                self._sinks[entity.id] = partial(self._agent.heard, entity.name)
-            elif entity.what == SUBSCRIPTION:
-                self._world.outbox.subscribe(entity.name, entity.id)
             return
         kind = self._world.type_of(entity.name) if entity.what in (PUBLISHER, SUBSCRIPTION) else None
         if kind is None or (kind == TWIST) != (entity.what == PUBLISHER):
@@ -510,12 +465,7 @@ class Episode:
 
     def _let_reckon(self) -> CarState | None:
         """Return what the script needs to compute the poses itself; None if anything else may become due."""
-        must_ask = (
-            self._agent is not None
-            or self._talk is not None
-            or self._calls.next_ns() is not None
-            or len(self._sinks) > MAX_DRIVERS
-        )
+        must_ask = self._talk is not None or len(self._sinks) > MAX_DRIVERS
         car = None if must_ask else self._world.let_reckon()
         if car is None:
             return None
@@ -524,23 +474,16 @@ class Episode:
 
     def _next_due(self) -> int:
         """Return the next instant at which something may become due, whatever is commanded until then."""
-        world_ns, call_ns = self._world.next_due(), self._calls.next_ns()
-        agent_ns = None if self._agent is None else self._agent.next_ns()
+        world_ns = self._world.next_due()
         talk_ns = None if self._talk is None else self._said_next(self._talk)
-        due_ns = NEVER_NS
-        for each_ns in (world_ns, call_ns, agent_ns, talk_ns):  # asked at each pose: a generator costs more
-            if each_ns is not None and each_ns < due_ns:
-                due_ns = each_ns
-        return due_ns
+        if world_ns is None or (talk_ns is not None and talk_ns < world_ns):
+            return NEVER_NS if talk_ns is None else talk_ns
+        return world_ns
 
     def _run_to_next(self, limit_ns: int) -> bool:
         """Run to the next instant at which something may be due; true when that is the limit."""
         now_ns = min(limit_ns, self._next_due())
         self._world.advance(now_ns)
-        for event in self._calls.due(now_ns):
-            self._world.outbox.add(event)
-        if self._agent is not None:
-            self._agent.run(now_ns)
         if self._talk is not None:
             self._talk.run(now_ns)
         return now_ns >= limit_ns
@@ -573,8 +516,6 @@ class Episode:
             first_command_ns=received.first_ns,
             last_command_ns=received.last_ns,
             sim_steps=self._world.steps_run,
-            calls=self._calls.results,
-            agent=() if self._agent is None else self._agent.results,
             conversation=conversation,
             most_steps=self._spec.steps,
             requests=tuple(self._requests),
@@ -622,14 +563,6 @@ def _pybullet_world(recorder: Recorder, horizon_ns: int) -> "PybulletWorld":
     from grader.sim.pybullet_world import PybulletWorld  # only its own scripts need it
 
     return PybulletWorld(recorder, horizon_ns)
-
-
-def _agent(spec: EpisodeSpec, world: SimulatedWorld, graph: ScriptGraph) -> "Agent":
-    from grader.sim.agent import Agent  # its bridge is imported only by who needs one
-
-    if not isinstance(world, TurtleWorld):
-        raise AssignmentError("an agent drives turtlesim's car only")
-    return Agent(spec.agent, world, graph, spec.interfaces, EPOCH_NS)
 
 
 def _talk(spec: EpisodeSpec, world: SimulatedWorld, graph: ScriptGraph) -> "Talk":

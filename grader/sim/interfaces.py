@@ -8,7 +8,7 @@ these: those of its assignment's own interfaces, and of all that ROS has (`with_
 """
 
 import ast
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any, Final, TypeAlias
@@ -187,6 +187,9 @@ class Types:
     def __init__(self, fields: Mapping[str, Fields], defaults: Mapping[str, Mapping[str, Any]]) -> None:
         self.fields = fields
         self.defaults = defaults
+        self.readers: dict[
+            str, Callable[[bytes, int], tuple[Any, int]]
+        ] = {}  # of `grader.sim.cdr`, when made
 
 
 WORLD: Final = Types(FIELDS, DEFAULTS)

@@ -28,10 +28,9 @@ from sqlalchemy import (
 )
 from sqlmodel import Session, col
 
-from grader.contracts.assignment import DEFAULT_DISTRO, DEFAULT_WAY, Assignment, Distro, RunsAs
+from grader.contracts.assignment import DEFAULT_DISTRO, DEFAULT_WAY, Distro, RunsAs, stored_assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.python import UTC
-from grader.contracts.record import from_json
 from grader.contracts.report import GradeStatus
 from grader.contracts.rules import Attempt, Extension, Refusal, Rules
 from grader.contracts.submission import NewSubmission, Submission, SubmissionState
@@ -395,7 +394,7 @@ def _graded_as(session: Session, submission_id: str, attempt: int) -> tuple[int,
         .join(GradedAssignmentRow, col(GradedAssignmentRow.sha256) == col(GradingRow.assignment_sha256))
         .where(col(GradingRow.submission_id) == submission_id, col(GradingRow.attempt) == attempt)
     ).one()
-    assignment = from_json(Assignment, graded)
+    assignment = stored_assignment(graded)
     return version, assignment.release, assignment.started_as
 
 

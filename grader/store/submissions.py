@@ -3,7 +3,7 @@
 from sqlalchemy import Select, and_, bindparam, select
 from sqlmodel import Session, col
 
-from grader.contracts.assignment import Assignment
+from grader.contracts.assignment import Assignment, stored_assignment
 from grader.contracts.record import from_json
 from grader.contracts.report import Measurements
 from grader.contracts.submission import (
@@ -81,7 +81,7 @@ class Submissions(StorePart):
         """Return the assignment as it was when `report` was made."""
         with self._database.reading() as session:
             row = session.get_one(GradedAssignmentRow, report.assignment_sha256)
-            return from_json(Assignment, row.content)
+            return stored_assignment(row.content)
 
     def grading(self, submission_id: str, attempt: int) -> StoredReport | None:
         """Return the grading that `attempt` made of a submission, or None."""

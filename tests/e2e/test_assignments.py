@@ -277,13 +277,12 @@ version: 1
 order: 1
 title: {zh: 加法, en: Adder}
 brief: {zh: 做, en: Do}
-check: service
-options: {list_field: names}
+check: conversation
 horizon_s: 5.0
-calls:
-  - {service: /add, type: course_msgs/srv/Add, values: {a: 1}}
+steps:
+  - {id: one, call: /add, type: course_msgs/srv/Add, values: {a: 1}}
 items:
-  - {id: names, title: {zh: 名字, en: Names}, points: 100, measure: entries, low: 2}
+  - {id: names, title: {zh: 名字, en: Names}, points: 100, expect: [{answer: one, that: len(out.names) >= 2}]}
 """,
     "interfaces/course_msgs/msg/Mark.msg": "string<=8 name\ngeometry_msgs/Point at\n",
     "interfaces/course_msgs/msg/Path.msg": "Mark[<=4] marks\nuint8 OPEN=1\n",

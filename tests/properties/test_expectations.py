@@ -57,6 +57,7 @@ WANTED = (
     Expectation(kind="log", target="= f'{in.data}'", step="says"),
     Expectation(kind="log", target="~*#*", rate_hz=2.0, least_s=0.1),
     Expectation(kind="turtle", target="turtle1", x=1.0, y=2.0, heading_deg=90.0, pen=(1, 2, 3)),
+    Expectation(kind="moved", target="says", ahead_m="= in.data", turned_deg="= 1 / 0"),
     Expectation(kind="turtle", target="turtle1", that="hypot(turtle1.x, turtle1.y) < 2"),
 )  # fmt: skip
 ITEM = ItemSpec(
@@ -111,8 +112,9 @@ def test_nothing_that_a_script_says_raises(talk: Conversation, texts: list[str])
     )
     outcome = RunOutcome(status=RunStatus.INTERRUPTED, duration_ns=10**10, logs=logs, nodes=("/node",))
     run = Run(trajectory=once_each([(0.0, 0.0, 1.0)]), outcome=outcome, conversation=talk)
-    share: Any = expected_measures(TASK, run)["expected.one"].value
+    measures = expected_measures(TASK, run)
+    share: Any = measures["expected.one"].value
     assert 0.0 <= share <= 100.0
     assert math.isfinite(share)
-    assert with_expected_mistakes((), TASK, run)
+    assert with_expected_mistakes((), TASK, run, measures)
     assert CHECKS["conversation"].sketch(TASK, run).view in ("log", "talk")

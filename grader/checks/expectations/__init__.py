@@ -5,9 +5,9 @@ Each such item has a measure of its own: the share of its expectations that is m
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Final, cast
 
-from grader.checks.expectations import answers, frames, graph, topics
+from grader.checks.expectations import answers, frames, graph, motions, topics
 from grader.checks.expectations.verdict import Evidence, Verdict
 from grader.checks.measure import Check, Measure, MeasureKind, Measures, Mistake
 from grader.contracts.assignment import Assignment, ItemSpec
@@ -37,6 +37,7 @@ _JUDGES: Final[Mapping[ExpectationKind, Callable[[Expectation, Evidence], Verdic
     "client": graph.endpoint,
     "action": graph.endpoint,
     "turtle": graph.turtle,
+    "moved": motions.moved,
 }
 
 
@@ -48,18 +49,24 @@ def with_expectations(check: Check, assignment: Assignment) -> Check:
 
 def expected_measures(assignment: Assignment, run: Run) -> Measures:
     """Return how much is met of what each item expects."""
-    return {item.measure: _measure(item, verdicts) for item, verdicts in _judged(assignment, run)}
+    items = [item for item in assignment.items if item.expect]
+    evidence = Evidence(assignment, run) if items else None
+    return {
+        item.measure: _measure(item, [_JUDGES[one.kind](one, evidence) for one in item.expect])
+        for item in items
+        if evidence is not None
+    }
 
 
 def with_expected_mistakes(
-    mistakes: Sequence[Mistake], assignment: Assignment, run: Run
+    mistakes: Sequence[Mistake], assignment: Assignment, run: Run, measures: Measures
 ) -> tuple[Mistake, ...]:
     """Return the mistakes of the check, and why items do not have what they expect.
 
     What spoils everything comes first. A reason that several items have is told once.
     """
     reasons = dict[str, Mistake]()
-    for item, verdicts in _judged(assignment, run):
+    for item, verdicts in _judged(assignment, measures):
         for one, verdict in zip(item.expect, verdicts, strict=True):
             found = None if verdict.share >= 1.0 or one.secret else verdict.why()
             if found is not None:
@@ -71,12 +78,10 @@ def with_expected_mistakes(
     return (*_whole(mistakes), *reasons.values(), *_parts(mistakes))
 
 
-def _judged(assignment: Assignment, run: Run) -> Iterator[tuple[ItemSpec, list[Verdict]]]:
-    items = [item for item in assignment.items if item.expect]
-    evidence = Evidence(assignment, run) if items else None
-    for item in items:
-        assert evidence is not None
-        yield item, [_JUDGES[one.kind](one, evidence) for one in item.expect]
+def _judged(assignment: Assignment, measures: Measures) -> Iterator[tuple[ItemSpec, Sequence[Verdict]]]:
+    for item in assignment.items:
+        if item.expect and item.measure in measures:
+            yield item, cast("Sequence[Verdict]", measures[item.measure].details["verdicts"])
 
 
 def _whole(mistakes: Sequence[Mistake]) -> list[Mistake]:
@@ -90,21 +95,20 @@ def _parts(mistakes: Sequence[Mistake]) -> list[Mistake]:
 
 def unmet(assignment: Assignment, measures: Measures) -> Iterator[str]:
     """Yield the places of the expectations that are not met in full, such as ``items.2.expect.0``."""
-    for i, item in enumerate(assignment.items):
-        if item.expect and item.measure in measures:
-            for k in measures[item.measure].details.get("unmet", ()):  # type: ignore[attr-defined]
-                yield f"items.{i}.expect.{k}"
+    for item, verdicts in _judged(assignment, measures):
+        for k, verdict in enumerate(verdicts):
+            if verdict.share < 1.0:
+                yield f"items.{assignment.items.index(item)}.expect.{k}"
 
 
 def _measure(item: ItemSpec, verdicts: Sequence[Verdict]) -> Measure:
     share = sum(each.share for each in verdicts) / len(verdicts)
-    missing = tuple(k for k, each in enumerate(verdicts) if each.share < 1.0)
     met = sum(each.share >= 1.0 for each in verdicts)
     rows = [_row(one, each) for one, each in zip(item.expect, verdicts, strict=True) if each.share < 1.0]
     more = [say("expected.more", count=len(rows) - _MOST_ROWS)] if len(rows) > _MOST_ROWS else []
     told = join([*rows[:_MOST_ROWS], *more], _ROWS) if rows else EMPTY
     percent = min(100.0, round(100.0 * share, 2))
-    return Measure(percent, {"met": met, "count": len(verdicts), "rows": told, "unmet": missing})
+    return Measure(percent, {"met": met, "count": len(verdicts), "rows": told, "verdicts": verdicts})
 
 
 def _row(one: Expectation, verdict: Verdict) -> Text:

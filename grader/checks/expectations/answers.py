@@ -23,11 +23,13 @@ from grader.checks.expectations.verdict import (
     wanted_of,
 )
 from grader.checks.measure import Mistake, mistake
-from grader.contracts.conversation import Expectation, Sent, Step, clip, plain_parameter, shown
+from grader.checks.mistakes import without_added_node
+from grader.contracts.conversation import Expectation, Sent, Step, Values, clip, plain_parameter, shown
 from grader.contracts.outcome import RunStatus
 from grader.contracts.text import EMPTY, Text
 from grader.messages import join, say
 from grader.messages.quantity import number
+from grader.messages.script import ScriptText
 
 _AND = Text(zh="；", en="; ")
 _OWN_TYPES: Final = ("rcl_interfaces/", "lifecycle_msgs/", "action_msgs/")
@@ -61,7 +63,7 @@ def answer(one: Expectation, evidence: Evidence) -> Verdict:
 
     def why() -> Mistake | None:
         late = _unanswered(step, exchanges, evidence) or _late(one, step, exchanges)
-        return late or of_values(step.target, pairs)
+        return late or of_values(step.target, pairs) or _unset(one, step.target, exchange, exchange.answer)
 
     return Verdict(share=share, sent=shown(exchange.values), wanted=told, came=came, why=why)
 
@@ -120,7 +122,8 @@ def _unanswered(step: Step, exchanges: Sequence[Sent], evidence: Evidence) -> Mi
         return mistake(
             "answers_missing", name=step.target, count=len(exchanges), done=done, took=_pace(exchanges)
         )
-    return mistake("service_silent", service=step.target)
+    idle = without_added_node(ScriptText(evidence.run.source))
+    return idle or mistake("service_silent", service=step.target)
 
 
 def _pace(exchanges: Sequence[Sent]) -> str:
@@ -139,10 +142,11 @@ def not_offered(name: str, kind: str, evidence: Evidence) -> Mistake:
     ended = number(evidence.run.outcome.duration_ns / 1e9, "s")
     if same:
         return mistake("not_spinning", ended=ended)
+    others = {step.target for step in evidence.assignment.steps}  # which the script is to offer as well
     own = [
         f"{each.name} ({each.type})"
         for each in evidence.parties("service")
-        if not each.type.startswith(_OWN_TYPES) and "/_action/" not in each.name
+        if not each.type.startswith(_OWN_TYPES) and "/_action/" not in each.name and each.name not in others
     ]
     if own:
         return mistake("wrong_service_name", used=named(own), service=name)
@@ -218,18 +222,7 @@ def _result(one: Expectation, evidence: Evidence, goal: Sent) -> list[tuple[floa
         parts.append((float(fits), plain(shown(wanted)), came, lambda: of_values(name, pairs)))
     if one.that is not None:
         fits = goal.answer is not None and holds(one.that, names)
-        why = unknown
-        if goal.answer is not None and all(each in (0, "", [], False, 0.0) for each in goal.answer.values()):
-            why = because(
-                "slip_unset",
-                name=name,
-                sent=shown(goal.values),
-                field=", ".join(goal.answer),
-                came=shown(goal.answer),
-                wanted=clip(one.that),
-                formula="",
-            )
-        parts.append((float(fits), plain(clip(one.that)), came, why))
+        parts.append((float(fits), plain(clip(one.that)), came, lambda: _unset(one, name, goal, goal.answer)))
     if one.within_s is not None:
         took_s = None if goal.answered_ns is None else (goal.answered_ns - (goal.sent_ns or 0)) / NS_PER_S
         told = came if took_s is None else say("expected.after", time=number(took_s, "s", 2))
@@ -238,6 +231,18 @@ def _result(one: Expectation, evidence: Evidence, goal: Sent) -> list[tuple[floa
             (float(in_time), say("expected.within", time=number(one.within_s, "s", 2)), told, unknown)
         )
     return parts
+
+
+def _unset(one: Expectation, name: str, sent: Sent, values: Values | None) -> Mistake | None:
+    """Return that an answer, of which something must be true, has only what it has from the start."""
+    if not values or one.that is None or not _is_default(values):
+        return None
+    told = {"sent": shown(sent.values), "came": shown(values), "wanted": clip(one.that)}
+    return mistake("slip_unset", name=name, field=", ".join(values), formula="", **told)
+
+
+def _is_default(value: Any) -> bool:
+    return all(map(_is_default, value.values())) if isinstance(value, Mapping) else not value
 
 
 def _feedback(one: Expectation, evidence: Evidence, goal: Sent) -> list[tuple[float, Text, Text, Reason]]:

@@ -44,7 +44,8 @@ def endpoint(one: Expectation, evidence: Evidence) -> Verdict:
     name, type_ = one.target, one.type
     if one.kind == "action":
         name, type_ = f"{name}{_SEND_GOAL}", f"{type_}_SendGoal"
-    same = [each for each in evidence.parties(kind, name) if each.type == type_]
+    there = [] if _gone_before(one, evidence) else evidence.parties(kind, name)
+    same = [each for each in there if each.type == type_]
     good = [each for each in same if one.node in (None, each.node) and fits_quality(one, each)]
     if good:
         return Verdict(share=1.0)
@@ -60,6 +61,15 @@ def endpoint(one: Expectation, evidence: Evidence) -> Verdict:
         why = because("quality_off", name=one.target, quality=quality_of(same[0]))
         came = plain(quality_of(same[0]))
     return Verdict(share=0.0, wanted=wanted, came=came, why=why)
+
+
+def _gone_before(one: Expectation, evidence: Evidence) -> bool:
+    """Whether a service was there, and no longer when it was to be called for the first time."""
+    calls = [
+        step.id for step in evidence.assignment.steps if (step.kind, step.target) == ("call", one.target)
+    ]
+    sent = [each.sent_ns for step_id in calls for each in evidence.exchanges(step_id)]
+    return one.kind == "service" and bool(sent) and all(sent_ns is None for sent_ns in sent)
 
 
 def _absent(one: Expectation, evidence: Evidence) -> Mistake:

@@ -6,7 +6,6 @@ They do not know each other: import-linter holds every module in this folder to 
 from collections.abc import Mapping
 
 from grader.checks.kinds import (
-    agent,
     bodies,
     conversation,
     essay,
@@ -17,7 +16,6 @@ from grader.checks.kinds import (
     polygon,
     room,
     rotation,
-    service,
 )
 from grader.checks.measure import Check, Kind, TextCheck
 
@@ -31,12 +29,10 @@ CHECKS: Mapping[str, Check] = {
         path.CHECK,
         places.CHECK,
         room.CHECK,
-        service.CHECK,
-        agent.CHECK,
         bodies.CHECK,
     )
 }
 TEXT_CHECKS: Mapping[str, TextCheck] = {check.kind: check for check in (number.CHECK, essay.CHECK)}
 KINDS: Mapping[str, Kind] = {**CHECKS, **TEXT_CHECKS}
-OLDER_NAMES: Mapping[str, str] = {"node": "conversation"}
+OLDER_NAMES: Mapping[str, str] = dict.fromkeys(("node", "service", "agent"), "conversation")
 """What checks were called before, in assignments that are stored."""

@@ -197,7 +197,7 @@ def _plain(item: RubricItem) -> str:
 
 def _replayable_runs(assignment: Assignment, solution: GradingResult) -> list[Run]:
     """Return the solution's runs whose commands alone determine the motion: without feedback and services."""
-    if assignment.calls or assignment.agent:
+    if assignment.steps:
         return []
     runs = [
         Run(

@@ -6,12 +6,13 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
-from grader.contracts.assignment import Assignment
+from grader.contracts.assignment import Assignment, stored_assignment
 from grader.contracts.own_assignment import Examined
-from grader.contracts.record import Record
+from grader.contracts.record import Record, canonical, to_plain
 from grader.contracts.regrade import ScoreChange, Wanted
 from grader.contracts.report import GradeReport, Measurements
 from grader.grading.examination.reading import Reading
+from tests.unit.checks.shipped import assignment
 
 STORED = (Assignment, Examined, GradeReport, Measurements, Reading, ScoreChange, Wanted)
 GOLDEN = Path(__file__).parents[2] / "golden/stored_fields.json"
@@ -42,3 +43,13 @@ def reached() -> dict[str, list[str]]:
 def test_no_field_of_a_stored_document_goes_and_new_ones_are_noted() -> None:
     """A field that went comes back, or a migration takes it out of the documents first; new ones are noted."""
     assert reached() == json.loads(GOLDEN.read_text())
+
+
+def test_an_assignment_that_was_stored_before_steps_can_be_read() -> None:
+    before = {
+        **to_plain(assignment("rosclaw")),
+        "check": "service",
+        "calls": [{"service": "/a"}],
+        "agent": [],
+    }
+    assert stored_assignment(canonical(before)).check == "service"

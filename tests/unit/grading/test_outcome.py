@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 import grader
-from grader.contracts.assignment import ServiceCall
 from grader.contracts.errors import InfrastructureError
-from grader.contracts.outcome import LogRecord, Note, RunOutcome, RunStatus, ServiceResult, Stream
+from grader.contracts.outcome import LogRecord, Note, RunOutcome, RunStatus, Stream
 from grader.contracts.trajectory import Trajectory
 from grader.grading.outcome import ended_by_the_clock, is_repeatable, merge
 from grader.jail.ending import JailReport, RunEnd
@@ -318,21 +317,6 @@ def test_jazzys_modules_are_shown_in_its_folders() -> None:
     assert found.error is not None
     home = "/opt/ros/jazzy/lib/python3.12/site-packages"
     assert found.error.message == f"({home}/rclpy/__init__.py, /usr/lib/python3.12/os.py)"
-
-
-# --------------------------------------------------------------------------------------- service answers
-
-
-def test_answers_to_calls_are_noted_and_bounded() -> None:
-    call = ServiceCall(at_ns=0, service="/caps", type="std_srvs/srv/Trigger")
-    silent = ServiceResult(call=call, sent_ns=1)
-    answered = replace(silent, answered_ns=2, values={"message": "能走", "success": True})
-    endless = replace(answered, values={"message": "x" * 60_000})
-    notes = merge(replace(EPISODE, calls=(silent, answered, endless)), JAIL).notes
-    assert [note.code for note in notes] == ["service_answer"] * 2
-    assert notes[0].text == '/caps → {"message": "能走", "success": true}'
-    assert notes[1].text.endswith("x…")
-    assert len(notes[1].text) < 1_100
 
 
 def test_a_counted_limit_is_told_by_what_the_grader_allowed() -> None:

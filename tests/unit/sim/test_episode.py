@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from grader.contracts.assignment import ServiceCall, World
+from grader.contracts.assignment import World
+from grader.contracts.conversation import Step
 from grader.contracts.record import to_plain
 from grader.contracts.trajectory import encode_trajectory, recorded
 from grader.sim.driving import Car
@@ -30,7 +31,7 @@ def test_start_says_what_the_world_is(car: Car) -> None:
         file_name="hello.py",
         args=("--fast",),
         stdin="3\n",
-        calls=(ServiceCall(at_ns=0, service="/go", type="std_srvs/srv/Trigger"),),
+        said=(Step(id="go", kind="call", target="/go", type="std_srvs/srv/Trigger"),),
     )
     Episode(spec, car).run(link)
     assert link.source == spec.source

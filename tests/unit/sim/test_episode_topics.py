@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from grader.contracts.assignment import EPOCH_NS, ServiceCall, StartPose, World
+from grader.contracts.assignment import EPOCH_NS, StartPose, World
+from grader.contracts.conversation import Step
 from grader.contracts.errors import AssignmentError
 from grader.sim.cdr import encode
 from grader.sim.driving import Car
@@ -237,10 +238,15 @@ def test_an_incompatible_subscription_hears_nothing(car: Car) -> None:
 
 
 def test_an_assignment_calls_the_scripts_service(car: Car) -> None:
-    calls = (
-        ServiceCall(at_ns=SECOND, service="/flag", type="std_srvs/srv/SetBool", values={"data": True}),
-        ServiceCall(at_ns=0, service="/missing", type="std_srvs/srv/Trigger"),
+    flagged = Step(
+        id="flag",
+        kind="call",
+        at_ns=SECOND,
+        target="/flag",
+        type="std_srvs/srv/SetBool",
+        values={"data": True},
     )
+    missed = Step(id="missing", kind="call", target="/missing", type="std_srvs/srv/Trigger")
 
     def script() -> Script:
         yield jail.entity(3, 4, 1, name="/flag", type="std_srvs/srv/SetBool")
@@ -258,15 +264,16 @@ def test_an_assignment_calls_the_scripts_service(car: Car) -> None:
         yield jail.response(3, sequence, SECOND + 5, done)
         yield jail.ended(2 * SECOND)
 
-    result = play(car, script(), calls=calls)
+    result = play(car, script(), said=(flagged, missed))
     assert result.violation is None
-    flag, missing = result.calls
+    assert result.conversation is not None
+    flag, missing = result.conversation.exchanges
     assert (flag.sent_ns, flag.answered_ns) == (SECOND, SECOND + 5)
-    assert flag.values == {"success": True, "message": "好"}
-    assert (missing.sent_ns, missing.values) == (None, None)
+    assert flag.answer == {"success": True, "message": "好"}
+    assert (missing.sent_ns, missing.answer) == (None, None)
 
 
 def test_a_call_that_does_not_fit_its_type_is_the_assignments_fault(car: Car) -> None:
-    call = ServiceCall(at_ns=0, service="/flag", type="std_srvs/srv/SetBool", values={"colour": 1})
-    with pytest.raises(AssignmentError, match=r"/flag.*colour"):
-        play(car, [], calls=(call,))
+    call = Step(id="flag", kind="call", target="/flag", type="std_srvs/srv/SetBool", values={"colour": 1})
+    with pytest.raises(AssignmentError, match=r"flag.*colour"):
+        play(car, [], said=(call,))

@@ -1,0 +1,172 @@
+"""Expectations of motion: what the car did from something that was said to the script until the next thing."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from grader.checks.expectations.answers import not_offered
+from grader.checks.expectations.verdict import Evidence, Verdict, plain, wanted_of
+from grader.checks.fit import is_number
+from grader.checks.measure import Mistake, mistake
+from grader.contracts.conversation import Expectation, Sent, shown
+from grader.contracts.record import Record
+from grader.contracts.scoring import Run
+from grader.contracts.trajectory import COMMAND_LIFE_NS, Trajectory
+from grader.geometry import exact
+from grader.messages import say
+from grader.messages.quantity import number
+
+_OTHER: Final = 0.25  # of the wanted motion: what is off by so much more than is allowed, is another motion
+_NEAR: Final = 0.1  # of the wanted motion: within it, a motion is the opposite one
+_STILL: Final = {"m": 0.02, "deg": 2.0}
+_ENDLESS: Final = 2.0  # times the wanted turn: one beyond it does not end by itself
+
+
+class _Motion(Record):
+    """What the car did from `exchange` on: ahead and aside of where it looked then, and the turn to the left."""
+
+    exchange: Sent
+    end_ns: int
+    wanted_m: float | None
+    wanted_deg: float | None
+    ahead_m: float
+    aside_m: float
+    turned_deg: float
+
+    def share(self, one: Expectation) -> float:
+        """Return how much of what is wanted was done."""
+        if self.exchange.sent_ns is None:
+            return 0.0
+        share = 1.0
+        if self.wanted_m is not None:
+            off_m = exact.hypot(self.ahead_m - self.wanted_m, self.aside_m)
+            share = _credit(off_m, one.within, self.wanted_m)
+        if self.wanted_deg is not None:
+            share = min(
+                share, _credit(abs(self.turned_deg - self.wanted_deg), one.within_deg, self.wanted_deg)
+            )
+        return share
+
+
+def moved(one: Expectation, evidence: Evidence) -> Verdict:
+    """Judge whether the car did what each call, message or goal of a step asks for."""
+    motions = list(_motions(one, evidence))
+    shares = [motion.share(one) for motion in motions]
+    share = sum(shares) / max(len(shares), 1)
+    worst = next((motion for motion, part in zip(motions, shares, strict=True) if part < 1.0), None)
+    if worst is None:
+        return Verdict(share=share)
+    return Verdict(
+        share=share,
+        sent=shown(worst.exchange.values),
+        wanted=plain(_said(one, worst.wanted_m, worst.wanted_deg)),
+        came=plain(_said(one, worst.ahead_m, worst.turned_deg))
+        if worst.exchange.sent_ns is not None
+        else say("expected.not_there"),
+        why=lambda: _why(one, evidence, motions),
+    )
+
+
+def _credit(off: float, within: float, wanted: float) -> float:
+    beyond = round(off - within, 9)
+    if beyond <= 0.0:
+        return 1.0
+    return max(0.0, 1.0 - beyond / (_OTHER * abs(wanted))) if wanted else 0.0
+
+
+def _said(one: Expectation, way_m: float | None, turn_deg: float | None) -> str:
+    parts = [number(way_m or 0.0, "m")] if one.ahead_m is not None else []
+    parts += [number(turn_deg or 0.0, "deg")] if one.turned_deg is not None else []
+    return ", ".join(parts)
+
+
+def _motions(one: Expectation, evidence: Evidence) -> Iterator[_Motion]:
+    track = evidence.run.trajectory
+    sent = sorted(each.sent_ns for each in evidence.talk.exchanges if each.sent_ns is not None)
+    for exchange in evidence.exchanges(one.target):
+        begin_ns = exchange.sent_ns or 0
+        end_ns = next((t_ns for t_ns in sent if t_ns > begin_ns), track.end_ns)
+        names = evidence.said(exchange, exchange.sent_ns)
+        begin, end = _place(track, begin_ns), _place(track, end_ns)
+        x, y = end[0] - begin[0], end[1] - begin[1]
+        cos, sin = exact.cos_sin(begin[2])
+        yield _Motion(
+            exchange=exchange,
+            end_ns=end_ns,
+            wanted_m=_wanted(one.ahead_m, names),
+            wanted_deg=_wanted(one.turned_deg, names),
+            ahead_m=x * cos + y * sin,
+            aside_m=y * cos - x * sin,
+            turned_deg=math.degrees(end[2] - begin[2]),
+        )
+
+
+def _wanted(value: float | str | None, names: dict[str, Any]) -> float | None:
+    """Return a number that is wanted, 0 where its formula gives none; None where none is."""
+    wanted = wanted_of(value, names)
+    return None if value is None else float(wanted) if is_number(wanted) else 0.0
+
+
+def _place(track: Trajectory, t_ns: int) -> tuple[float, float, float]:
+    """Return x, y and heading at `t_ns`: a resting car is sampled when it comes to rest and when it leaves."""
+    index = max(int(np.searchsorted(track.t_ns, t_ns, side="right")) - 1, 0)
+    return float(track.x_m[index]), float(track.y_m[index]), float(track.heading_rad[index])
+
+
+def _why(one: Expectation, evidence: Evidence, motions: Sequence[_Motion]) -> Mistake | None:
+    """Return why the car moved otherwise than it was asked to."""
+    step = evidence.step(one.target)
+    if any(motion.exchange.sent_ns is None for motion in motions):
+        return not_offered(step.target, step.type, evidence) if step.kind == "call" else None
+    pairs = {
+        "deg": [(each.wanted_deg, each.turned_deg) for each in motions if each.wanted_deg],
+        "m": [(each.wanted_m, each.ahead_m) for each in motions if each.wanted_m],
+    }
+    # A tool whose request has no number cannot misread one.
+    by_number = all(any(map(is_number, motion.exchange.values.values())) for motion in motions)
+    turns = pairs["deg"]
+    if by_number and turns and abs(turns[0][1]) > _ENDLESS * abs(turns[0][0]):
+        return mistake("tool_takes_degrees", tool=step.target)
+    once = _single_commands(evidence.run, motions)
+    if once is not None:
+        return once
+    reasons = (_reason(step.target, unit, pairs[unit], by_number=by_number) for unit in ("m", "deg"))
+    return next((reason for reason in reasons if reason is not None), None)
+
+
+def _single_commands(run: Run, motions: Sequence[_Motion]) -> Mistake | None:
+    """Recognise motions that ended because one command acts for a second only."""
+    driven = [(one.t_ns, one.v_mps, one.w_radps) for one in run.trajectory.commands]
+    silences = []
+    for motion in motions:
+        sent_ns = motion.exchange.sent_ns or 0
+        begun = [t_ns for t_ns, *twist in driven if sent_ns <= t_ns < motion.end_ns and any(twist)]
+        if len(begun) != 1:
+            return None
+        silences.append(
+            next((t_ns for t_ns, *_ in driven if t_ns > begun[0]), run.trajectory.end_ns) - begun[0]
+        )
+    if not silences or max(silences) <= COMMAND_LIFE_NS:
+        return None
+    return mistake("published_once", times=len(silences), silence=number(max(silences) / 1e9, "s"))
+
+
+def _reason(tool: str, unit: Any, pairs: Sequence[tuple[float, float]], *, by_number: bool) -> Mistake | None:
+    """Return what is wrong with motions, each what was wanted and done."""
+    still = _STILL[unit]
+    wrong = [(wanted, done) for wanted, done in pairs if abs(done - wanted) > max(_NEAR * abs(wanted), still)]
+    if not wrong:
+        return None
+    values = {"tool": tool, "wanted": number(wrong[0][0], unit), "done": number(wrong[0][1], unit)}
+    amounts = [abs(done) for _, done in pairs]
+    if max(amounts) <= still:
+        return mistake("tool_moves_nothing", **values)
+    if not by_number:
+        return None
+    if all(abs(done + wanted) <= max(_NEAR * abs(wanted), still) for wanted, done in wrong):
+        return mistake("tool_ignores_sign", **values)
+    if len({abs(wanted) for wanted, _ in pairs}) > 1 and max(amounts) - min(amounts) <= still:
+        return mistake("tool_ignores_request", **values)
+    return None
