@@ -147,7 +147,7 @@ class Judgements(StorePart):
         others = _waiting((id_,), course, which).where(id_ != submission_id)
         backwards = others.where(before).order_by(received.desc(), id_.desc()).limit(1)
         onwards = others.order_by(case((before, 1), else_=0), received, id_).limit(1)
-        count = _waiting((func.count(),), course, which)
+        count = _waiting((func.count(func.distinct(id_)),), course, which)
         with self._database.reading() as session:
             return Neighbours(
                 previous=session.execute(backwards).scalar(),

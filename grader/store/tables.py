@@ -430,6 +430,14 @@ class CommentRow(_Row, table=True):
     seen_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
 
 
+class PhraseRow(_Row, table=True):
+    """A comment that the staff of a course uses again."""
+
+    course: str = Field(primary_key=True, foreign_key="course.id", max_length=64)
+    key: str = Field(primary_key=True, max_length=16)
+    text: str = Field(sa_column=text_column())
+
+
 class AppealRow(_Row, table=True):
     """That a student asks for another look at a rubric item, and the answer. `seen_at`: the student saw that."""
 

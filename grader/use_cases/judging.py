@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from grader.contracts.comment import LONGEST_COMMENT
 from grader.contracts.errors import JudgementError, RefusedError
 from grader.contracts.identity import Caller, Seen
 from grader.contracts.judgement import JudgedItem, standing
@@ -26,6 +27,13 @@ _REASON = Text(
     en="Say why, where a machine's points are changed or an appeal waits for an answer; the student sees it.",
 )
 
+MOST_PHRASES = 100
+_LONGEST_KEY = 16
+_PHRASES = Text(
+    zh=f"每行先写键（最多 {_LONGEST_KEY} 个字符，不重复），空一格再写评语；最多 {MOST_PHRASES} 行。",
+    en=f"Begin each line with a key (at most {_LONGEST_KEY} characters, none twice), then a space and the "
+    f"comment; {MOST_PHRASES} lines at most.",
+)
 _DECIMALS = Text(zh="分数最多两位小数。", en="Points have at most two decimals.")
 
 
@@ -64,11 +72,38 @@ def waiting(services: Services, caller: Caller, which: WaitingFor, *, offset: in
     )
 
 
-def neighbours(services: Services, caller: Caller, submission: Submission, item: str) -> Neighbours:
-    """Return which answers to the same question wait around a submission. For staff."""
+def neighbours(services: Services, caller: Caller, submission: Submission, item: str | None) -> Neighbours:
+    """Return which answers to the same question, or to the assignment, wait around a submission. For staff."""
     require_staff(caller)
     which = WaitingFor(assignment=submission.assignment, item=item, students=caller.students)
     return services.judgements.around(submission.course, which, submission.id, submission.received_at)
+
+
+def phrases(services: Services, caller: Caller) -> dict[str, str]:
+    """Return the comments that the course's staff use again, by key. For staff."""
+    require_staff(caller)
+    return services.phrases.of(caller.course)
+
+
+def set_phrases(services: Services, caller: Caller, text: str) -> None:
+    """Put the comments in `text`, a line each with its key and a space before it, in place of the course's.
+
+    Raises:
+        RefusedError: the caller is no staff of a course; or a key stands twice, a line has no comment, there are
+            too many, or one is too long.
+    """
+    require_staff(caller)
+    if caller.course is None:
+        raise RefusedError("no_course")
+    lines = [line.strip().partition(" ") for line in text.splitlines() if line.strip()]
+    found = {key: words.strip() for key, _, words in lines}
+    if len(found) < len(lines) or len(lines) > MOST_PHRASES:
+        raise RefusedError("invalid_request", _PHRASES, field="phrases")
+    if any(
+        not words or len(key) > _LONGEST_KEY or len(words) > LONGEST_COMMENT for key, words in found.items()
+    ):
+        raise RefusedError("invalid_request", _PHRASES, field="phrases")
+    services.phrases.set(found, services.signature(caller))
 
 
 def items_of(
@@ -110,7 +145,7 @@ def give(  # noqa: PLR0913
         RefusedError: the points do not fit, there is no such item, the caller may not correct it, the reason is
             missing, or somebody judged it meanwhile.
     """
-    _give(services, caller, submission_id, [(item, points, seen)], comment, answers=answers)
+    _give(services, caller, submission_id, [(item, points, seen, comment)], answers=answers)
 
 
 def give_several(
@@ -125,18 +160,27 @@ def give_several(
     Raises:
         RefusedError: as `give`, naming the item; or one is named twice, or none at all.
     """
-    names = [item for item, _, _ in wanted]
-    if not names or len(set(names)) < len(names):
-        raise RefusedError("invalid_request", _ITEMS, field="items")
-    _give(services, caller, submission_id, wanted, comment)
+    give_each(services, caller, submission_id, [(*one, comment) for one in wanted])
 
 
-def _give(  # noqa: PLR0913
+def give_each(
     services: Services,
     caller: Caller,
     submission_id: str,
-    wanted: Sequence[tuple[str, float, Seen | None]],
-    comment: str,
+    wanted: Sequence[tuple[str, float, Seen | None, str]],
+) -> None:
+    """Keep points for several items, each with its own comment, as `give_several`."""
+    names = [one[0] for one in wanted]
+    if not names or len(set(names)) < len(names):
+        raise RefusedError("invalid_request", _ITEMS, field="items")
+    _give(services, caller, submission_id, wanted)
+
+
+def _give(
+    services: Services,
+    caller: Caller,
+    submission_id: str,
+    wanted: Sequence[tuple[str, float, Seen | None, str]],
     *,
     answers: bool = False,
 ) -> None:
@@ -144,7 +188,7 @@ def _give(  # noqa: PLR0913
     submission = visible_submission(services, caller, submission_id)
     corrects = may_correct(services, caller, submission.assignment)
     given = []
-    for item, points, seen in wanted:
+    for item, points, seen, comment in wanted:
         if not math.isclose(points, round(points, 2), abs_tol=1e-9):
             raise RefusedError("invalid_points", _DECIMALS, field="points")
         text = comment.replace("\r\n", "\n")

@@ -34,6 +34,7 @@ from grader.store.intake import Intake
 from grader.store.judgements import Judgements
 from grader.store.notices import Notices
 from grader.store.own_assignments import OwnAssignments
+from grader.store.phrases import Phrases
 from grader.store.platform_scores import PlatformScores
 from grader.store.platforms import Platforms
 from grader.store.queue import Queue, Retries
@@ -103,6 +104,7 @@ class Services:
     regrades: Regrades
     judgements: Judgements
     comments: Comments
+    phrases: Phrases
     appeals: Appeals
     dashboard: Dashboard
     costs: Costs
@@ -189,6 +191,7 @@ def _stores(database: Database, clock: Clock) -> dict[str, Any]:
         "regrades": Regrades(database),
         "judgements": Judgements(database),
         "comments": Comments(database),
+        "phrases": Phrases(database),
         "appeals": Appeals(database),
         "dashboard": Dashboard(database, clock),
         "rules": StoredRules(database),

@@ -1,6 +1,7 @@
 """Points by a person, as pages: what waits, and one answer after the other to one question."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Literal
 from urllib.parse import urlencode
@@ -14,6 +15,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen
 from grader.contracts.judgement import JudgedItem
 from grader.contracts.notation import decimal, written
+from grader.contracts.submission import Submission
 from grader.contracts.upload import decoded
 from grader.service.web import access
 from grader.service.web.access import PageErrand, StaffDep, SubmissionId, require_staff
@@ -72,6 +74,40 @@ class SeveralPoints(BaseModel):
     comment: str = Field(default="", max_length=20_000)
 
 
+@dataclass(frozen=True, slots=True)
+class TypedItem:
+    """What is typed for one item of a whole answer."""
+
+    points: str
+    comment: str
+    seen: str
+
+
+class WholeForm(BaseModel):
+    """What is given for a whole answer, as typed: the lists belong together line by line."""
+
+    item: list[str] = Field(default_factory=list, max_length=_MOST_ITEMS)
+    points: list[str] = Field(default_factory=list, max_length=_MOST_ITEMS)
+    comment: list[str] = Field(default_factory=list, max_length=_MOST_ITEMS)
+    seen: list[str] = Field(default_factory=list, max_length=_MOST_ITEMS)
+    anonymous: bool = False
+
+    def of(self, item: JudgedItem) -> TypedItem:
+        """Return what is typed for an item, or what was given."""
+        comments = (one.replace("\r\n", "\n").strip() for one in self.comment)
+        lines = zip(self.item, self.points, comments, self.seen, strict=False)
+        typed = {name: TypedItem(*rest) for name, *rest in lines}
+        return typed.get(item.id) or self.of_now(item)
+
+    @staticmethod
+    def of_now(item: JudgedItem) -> TypedItem:
+        """Return what counts of an item now."""
+        given = item.judgement
+        if given is None:
+            return TypedItem("", "", item.tag)
+        return TypedItem(written(given.points), given.comment, item.tag)
+
+
 @router.get("")
 def read_waiting(errand: StaffDep, query: Annotated[WaitingQuery, Query()]) -> Response:
     """Show what waits for a person: questions, and the answers to them."""
@@ -89,6 +125,109 @@ def read_waiting(errand: StaffDep, query: Annotated[WaitingQuery, Query()]) -> R
         pages=pages_of(listed.total, _PAGE),
         names=names(errand.services, errand.caller),
         named=named,
+    )
+
+
+@router.get("/phrases")
+def read_phrases(errand: StaffDep, saved: bool = False) -> Response:
+    """Show the comments that are used again, a line each."""
+    lines = [f"{key} {text}" for key, text in judging.phrases(errand.services, errand.caller).items()]
+    return page(errand.request, "phrases.html", typed="\n".join(lines), wrong="", saved=saved)
+
+
+@router.post("/phrases", dependencies=OWN_FORM)
+def change_phrases(errand: StaffDep, phrases: Annotated[str, Form(max_length=60_000)] = "") -> Response:
+    """Keep them, or show the form again with what is wrong."""
+    try:
+        judging.set_phrases(errand.services, errand.caller, phrases)
+    except RefusedError as problem:
+        if problem.code != "invalid_request" or problem.detail is None:
+            raise
+        wrong = problem.detail.get(errand.language)
+        return page(errand.request, "phrases.html", status=422, typed=phrases, wrong=wrong, saved=False)
+    return RedirectResponse(f"{HOME}/phrases?saved=true", status_code=303)
+
+
+@router.get("/{submission_id}/whole")
+def read_whole(errand: StaffDep, submission_id: SubmissionId, anonymous: bool = False) -> Response:
+    """Show a whole answer with everything that a person judges of it."""
+    return _whole(errand, submission_id, WholeForm(anonymous=anonymous))
+
+
+@router.post("/{submission_id}/whole", dependencies=OWN_FORM)
+def judge_whole(
+    errand: StaffDep, submission_id: SubmissionId, form: Annotated[WholeForm, Form()]
+) -> Response:
+    """Keep what was typed, all of it or nothing, and lead to the next answer of the assignment that waits."""
+    submission, items = _manual(errand, submission_id)
+    wanted, errors = _typed_for(form, items)
+    if wanted and not errors:
+        try:
+            judging.give_each(errand.services, errand.caller, submission_id, wanted)
+        except RefusedError as problem:
+            if problem.code not in AT_FIELDS:
+                raise
+            errors["form"] = _SEVERAL.get(problem.code, AT_FIELDS[problem.code][1])
+    if errors:
+        return _whole(errand, submission_id, form, errors)
+    around = judging.neighbours(errand.services, errand.caller, submission, None)
+    kept = urlencode({"anonymous": int(form.anonymous)})
+    address = HOME if around.next is None else f"{HOME}/{around.next}/whole"
+    return RedirectResponse(f"{address}?{kept}", status_code=303)
+
+
+def _typed_for(
+    form: WholeForm, items: Sequence[JudgedItem]
+) -> tuple[list[tuple[str, float, Seen | None, str]], dict[str, str]]:
+    """Return what is given anew for each item, and by field what is wrong; one without points stays as it is."""
+    wanted: list[tuple[str, float, Seen | None, str]] = []
+    errors: dict[str, str] = {}
+    for item in items:
+        typed = form.of(item)
+        before = form.of_now(item)
+        if item.id not in form.item or typed == before or not typed.points.strip():
+            continue
+        given, wrong = _read(PointsForm(points=typed.points, comment=typed.comment))
+        errors |= {f"{field} {item.id}": said for field, said in wrong.items()}
+        if given is not None and given[0] > item.points:
+            errors[f"points {item.id}"] = "judge.error.points"
+        elif given is not None:
+            wanted.append((item.id, given[0], Seen.one(typed.seen), given[1]))
+    return wanted, errors
+
+
+def _manual(errand: PageErrand, submission_id: str) -> tuple[Submission, Sequence[JudgedItem]]:
+    """Return a submission and those of its items that a person judges.
+
+    Raises:
+        RefusedError: there are none.
+    """
+    submission, items = judging.items_of(errand.services, errand.caller, submission_id)
+    manual = [one for one in items if one.machine is None]
+    if not manual:
+        raise RefusedError("item_not_found")
+    return submission, manual
+
+
+def _whole(
+    errand: PageErrand, submission_id: str, form: WholeForm, errors: dict[str, str] | None = None
+) -> Response:
+    submission, items = _manual(errand, submission_id)
+    return page(
+        errand.request,
+        "judge_whole.html",
+        status=422 if errors else 200,
+        submission=submission,
+        items=items,
+        form=form,
+        anonymous=form.anonymous,
+        assignment=published(errand.services, errand.caller, submission.assignment),
+        answer=decoded(errand.services.submissions.source(submission.id) or b""),
+        errors=errors or {},
+        around=judging.neighbours(errand.services, errand.caller, submission, None),
+        name=named(names(errand.services, errand.caller), submission.student),
+        longest=LONGEST_COMMENT,
+        phrases=judging.phrases(errand.services, errand.caller),
     )
 
 
@@ -264,6 +403,7 @@ def _desk(
         around=judging.neighbours(errand.services, errand.caller, submission, item.id),
         name=named(names(errand.services, errand.caller), submission.student),
         longest=LONGEST_COMMENT,
+        phrases=judging.phrases(errand.services, errand.caller),
     )
 
 

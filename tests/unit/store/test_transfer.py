@@ -32,6 +32,7 @@ from grader.store.identities import Identities
 from grader.store.judgements import Given, Judgements
 from grader.store.notices import Notices
 from grader.store.own_assignments import NewOwnAssignment, OwnAssignments
+from grader.store.phrases import Phrases
 from grader.store.platform_scores import PlatformScores
 from grader.store.platforms import Platforms
 from grader.store.queue import Queue, Retries
@@ -119,6 +120,7 @@ def fill(database: Database) -> str:
     Judgements(database).judge_all(
         claim.submission_id, [(Given(item="timer", points=0.1, comment="好"), None)], signed
     )
+    Phrases(database).set({"q": "?"}, signed)
     RefusedUploads(database, clock).add("ros", "li", "square", "empty", "a.py", None)
     Comments(database).add(claim.submission_id, "好", 1, signed, by_student=False)
     asked = Asked(item="timer", reason="为什么？", attempt=1, earned=0.1, points=45.0)

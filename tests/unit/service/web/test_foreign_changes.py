@@ -114,6 +114,8 @@ ROWS: dict[str, Row] = {
     "POST /class/appeals/{submission_id}": Row(
         "enter 404 403 403 404", {"item": "closed", "decision": "refused", "text": "x"}
     ),
+    "POST /class/judgements/phrases": Row("enter ok 403 403 ok", {"phrases": "k {caller}"}, owner=""),
+    "POST /class/judgements/{submission_id}/whole": Row("enter 404 403 403 404", {}, owner=""),
     "POST /class/judgements/{submission_id}": Row(
         "enter 404 403 403 404", {"item": "closed", "points": "1", "comment": "x"}
     ),

@@ -186,3 +186,59 @@ def test_the_matrix_finds_who_waits_for_a_person(ta: Browser, answers: dict[str,
             give(ta, student, item)
     assert "0 of 2 students" in ta.get("/class?show=judge").text
     assert "Nothing waits for a person" in ta.get("/class/judgements").text
+
+
+def whole(browser: Browser, submission: str, **fields: object):
+    page = f"/class/judgements/{submission}/whole"
+    text = browser.get(page).text
+    items, seen = (re.findall(rf'name="{name}" value="([^"]*)"', text) for name in ("item", "seen"))
+    data = {"item": items, "seen": [unescape(one) for one in seen], **fields}
+    return browser.post(page, data, page=page)
+
+
+def test_a_whole_answer_is_judged_on_one_page(
+    ta: Browser, answers: dict[str, str], services: Services
+) -> None:
+    assert f"/class/judgements/{answers['li']}/whole" in ta.get("/class/judgements").text
+    text = ta.get(f"/class/judgements/{answers['li']}/whole").text
+    assert text.count('name="points"') == 2
+    assert "timer calls.\n" in text.replace("\r", "")
+    sent = whole(ta, answers["li"], points=["40", "5,5"], comment=["Good.", ""])
+    assert sent.headers["Location"] == f"/class/judgements/{answers['han']}/whole?anonymous=0"
+    given = {
+        one.item: (one.points, one.comment) for one in services.submissions.report(answers["li"]).judgements
+    }
+    assert sorted(given.values()) == [(5.5, ""), (40.0, "Good.")]
+    assert services.submissions.get(answers["li"]).state is SubmissionState.GRADED
+    # what is left empty, or as it was, stays
+    whole(ta, answers["li"], points=["40", "6"], comment=["Good.", ""])
+    assert len(services.submissions.report(answers["li"]).judgements) == 3
+    last = whole(ta, answers["han"], points=["1", ""], comment=["", ""])
+    assert last.headers["Location"] == "/class/judgements?anonymous=0"
+    assert len(services.submissions.report(answers["han"]).judgements) == 1
+
+
+def test_what_is_wrong_in_a_whole_answer_is_told_at_its_field(
+    ta: Browser, answers: dict[str, str], services: Services
+) -> None:
+    wrong = whole(ta, answers["li"], points=["99", "40"], comment=["kept", "x" * 2_001])
+    assert wrong.status_code == 422
+    assert wrong.text.count('aria-invalid="true"') == 2
+    assert ">kept</textarea>" in wrong.text
+    assert services.submissions.report(answers["li"]).judgements == ()
+    script_page = ta.get("/class/judgements/nothing/whole")
+    assert script_page.status_code == 404
+
+
+def test_comments_are_kept_under_keys(ta: Browser, answers: dict[str, str], services: Services) -> None:
+    page = "/class/judgements/phrases"
+    lines = {"phrases": "q Who calls <it>?\r\n\r\n好 写得清楚"}
+    assert ta.post(page, lines, page=page).headers["Location"] == page + "?saved=true"
+    assert services.phrases.of("ros") == {"q": "Who calls <it>?", "好": "写得清楚"}
+    for shown in (desk(answers["li"]), f"/class/judgements/{answers['li']}/whole"):
+        assert 'data-phrase="q" value="Who calls &lt;it&gt;?"' in ta.get(shown).text
+    for wrong in ("q a\nq b", "nothing", "x" * 17 + " a", "a " + "x" * 2_001):
+        refused = ta.post(page, {"phrases": wrong}, page=page)
+        assert (refused.status_code, 'id="phrases-error"' in refused.text) == (422, True), wrong[:20]
+    ta.post(page, {"phrases": ""}, page=page)
+    assert services.phrases.of("ros") == {}

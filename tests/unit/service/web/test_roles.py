@@ -123,6 +123,10 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /class/rules/{assignment_id}/section": INSTRUCTORS,
     "POST /class/rules/{assignment_id}/section": (303, 403, 403, 403, 422, 422),  # without a due date
     "GET /class/judgements": STAFF,
+    "GET /class/judgements/phrases": STAFF,
+    "POST /class/judgements/phrases": (303, 403, 403, 303, 303, 303),
+    "GET /class/judgements/{submission_id}/whole": (303, 403, 403, 404, 404, 404),
+    "POST /class/judgements/{submission_id}/whole": (303, 403, 403, 404, 404, 404),
     "GET /class/judgements/{submission_id}": (303, 403, 403, 404, 404, 404),  # nobody judges a motion
     "POST /class/judgements/{submission_id}": (303, 403, 403, 404, 404, 404),
     "GET /class/judgements/{submission_id}/several": (303, 403, 403, 403, 200, 404),
