@@ -6,7 +6,7 @@ assignment's use of its check.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import groupby
 
 from grader.checks.causes import with_causes
@@ -32,13 +32,13 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError
 from grader.contracts.figure import FigureSketch
 from grader.contracts.notation import significant
+from grader.contracts.record import Record
 from grader.contracts.rubric import ItemStatus, PublishedRubric, RubricItem, summed
 from grader.contracts.scoring import Run, Scoring
 from grader.contracts.text import Text
 
 
-@dataclass(frozen=True)
-class Marks:
+class Marks(Record):
     """The points of one submission, final before anything is explained.
 
     Attributes:
@@ -96,7 +96,7 @@ def _marks(assignment: Assignment, runs: Sequence[Run]) -> Marks:
         for measured, portion in zip(measures, portions, strict=True)
     ]
     together = together_scored(check, assignment, runs, measures) if len(runs) > 1 else {}
-    return Marks(tuple(runs), tuple(measures), tuple(scored), together)
+    return Marks(runs=tuple(runs), measures=tuple(measures), scored=tuple(scored), together=together)
 
 
 def _measured(check: Check, case: Assignment, run: Run) -> Measures:

@@ -5,10 +5,9 @@ Each such item has a measure of its own: the share of its expectations that is m
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Final, cast
+from functools import cache
+from typing import TYPE_CHECKING, Final, cast
 
-from grader.checks.expectations import answers, frames, graph, motions, topics
-from grader.checks.expectations.verdict import Evidence, Verdict
 from grader.checks.measure import Check, Measure, MeasureKind, Measures, Mistake
 from grader.contracts.assignment import Assignment, ItemSpec
 from grader.contracts.conversation import Expectation, ExpectationKind
@@ -18,27 +17,36 @@ from grader.contracts.text import EMPTY, Text
 from grader.messages import join, say
 from grader.messages.quantity import number
 
+if TYPE_CHECKING:
+    from grader.checks.expectations.verdict import Evidence, Verdict
+
 MEASURE: Final = MeasureKind(unit="%", text="expected.share")
 _MOST_ROWS: Final = 4
 _ROWS: Final = Text(zh="；", en="; ")
 
-_JUDGES: Final[Mapping[ExpectationKind, Callable[[Expectation, Evidence], Verdict]]] = {
-    "topic": topics.topic,
-    "log": topics.log,
-    "answer": answers.answer,
-    "goal": answers.goal,
-    "set": answers.settings,
-    "parameter": answers.parameter,
-    "served": answers.served,
-    "frame": frames.frame,
-    "node": graph.node,
-    "listener": graph.endpoint,
-    "service": graph.endpoint,
-    "client": graph.endpoint,
-    "action": graph.endpoint,
-    "turtle": graph.turtle,
-    "moved": motions.moved,
-}
+
+@cache
+def _judges() -> Mapping[ExpectationKind, "Callable[[Expectation, Evidence], Verdict]"]:
+    """Return what judges each kind; most assignments expect nothing, and a cold start pays for every import."""
+    from grader.checks.expectations import answers, frames, graph, motions, topics
+
+    return {
+        "topic": topics.topic,
+        "log": topics.log,
+        "answer": answers.answer,
+        "goal": answers.goal,
+        "set": answers.settings,
+        "parameter": answers.parameter,
+        "served": answers.served,
+        "frame": frames.frame,
+        "node": graph.node,
+        "listener": graph.endpoint,
+        "service": graph.endpoint,
+        "client": graph.endpoint,
+        "action": graph.endpoint,
+        "turtle": graph.turtle,
+        "moved": motions.moved,
+    }
 
 
 def with_expectations(check: Check, assignment: Assignment) -> Check:
@@ -50,11 +58,14 @@ def with_expectations(check: Check, assignment: Assignment) -> Check:
 def expected_measures(assignment: Assignment, run: Run) -> Measures:
     """Return how much is met of what each item expects."""
     items = [item for item in assignment.items if item.expect]
-    evidence = Evidence(assignment, run) if items else None
+    if not items:
+        return {}
+    from grader.checks.expectations.verdict import Evidence
+
+    evidence = Evidence(assignment, run)
     return {
-        item.measure: _measure(item, [_JUDGES[one.kind](one, evidence) for one in item.expect])
+        item.measure: _measure(item, [_judges()[one.kind](one, evidence) for one in item.expect])
         for item in items
-        if evidence is not None
     }
 
 
@@ -78,7 +89,7 @@ def with_expected_mistakes(
     return (*_whole(mistakes), *reasons.values(), *_parts(mistakes))
 
 
-def _judged(assignment: Assignment, measures: Measures) -> Iterator[tuple[ItemSpec, Sequence[Verdict]]]:
+def _judged(assignment: Assignment, measures: Measures) -> "Iterator[tuple[ItemSpec, Sequence[Verdict]]]":
     for item in assignment.items:
         if item.expect and item.measure in measures:
             yield item, cast("Sequence[Verdict]", measures[item.measure].details["verdicts"])
@@ -101,7 +112,7 @@ def unmet(assignment: Assignment, measures: Measures) -> Iterator[str]:
                 yield f"items.{assignment.items.index(item)}.expect.{k}"
 
 
-def _measure(item: ItemSpec, verdicts: Sequence[Verdict]) -> Measure:
+def _measure(item: ItemSpec, verdicts: "Sequence[Verdict]") -> Measure:
     share = sum(each.share for each in verdicts) / len(verdicts)
     met = sum(each.share >= 1.0 for each in verdicts)
     rows = [_row(one, each) for one, each in zip(item.expect, verdicts, strict=True) if each.share < 1.0]
@@ -111,7 +122,7 @@ def _measure(item: ItemSpec, verdicts: Sequence[Verdict]) -> Measure:
     return Measure(percent, {"met": met, "count": len(verdicts), "rows": told, "verdicts": verdicts})
 
 
-def _row(one: Expectation, verdict: Verdict) -> Text:
+def _row(one: Expectation, verdict: "Verdict") -> Text:
     """Say what was sent, what was wanted and what came."""
     what = f"{one.kind} {one.target if len(one.target) <= 40 else one.target[:39] + '…'}"
     if one.secret:

@@ -1,7 +1,6 @@
 """Expectations of topics and logs: how many messages, how often, of which quality, with what in them."""
 
 import itertools
-import statistics
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -27,6 +26,7 @@ from grader.checks.expectations.verdict import (
 from grader.checks.measure import Mistake, mistake
 from grader.contracts.conversation import Expectation, Message, Party, Sent, clip, shown
 from grader.contracts.text import EMPTY, Text
+from grader.geometry.path import median
 from grader.messages import join, say
 from grader.messages.quantity import number
 
@@ -143,7 +143,7 @@ def _rate_hz(times_ns: Sequence[int], until_s: float) -> float:
     if len(times_ns) < 2:
         return 0.0
     gaps_s = [(b - a) / NS_PER_S for a, b in itertools.pairwise(times_ns)]
-    usual_s = statistics.median(gaps_s)
+    usual_s = median(gaps_s)
     span_s = (times_ns[-1] - times_ns[0]) / NS_PER_S
     silent_s = until_s - times_ns[-1] / NS_PER_S
     if silent_s > 3.0 * max(usual_s, span_s / len(gaps_s)) + 0.5:
