@@ -9,7 +9,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 
-from grader.checks.causes import with_causes
 from grader.checks.expectations import expected_measures, with_expectations, with_expected_mistakes
 from grader.checks.expectations import unmet as unmet_in
 from grader.checks.fit import misfits
@@ -157,9 +156,7 @@ def _findings(check: Check, assignment: Assignment, run: Run, measures: Measures
     case = assignment.in_case(run.case)
     own = check.explain(case, run, measures)
     findings = Findings(measures, with_expected_mistakes(own, case, run, measures))
-    return replace(
-        findings, mistakes=with_package_mistakes(check, with_causes(case, run, findings).mistakes, run)
-    )
+    return replace(findings, mistakes=with_package_mistakes(check, findings.mistakes, run))
 
 
 def _in_order(

@@ -7,7 +7,6 @@ from grader.checks.measure import Mistake, mistake
 from grader.contracts.assignment import ROBOT_TOPICS, World
 from grader.contracts.outcome import Endpoint
 from grader.contracts.scoring import Run
-from grader.messages.script import ScriptText
 
 TURTLE = "/turtle1"
 TURTLE_TOPICS = ("pose", "color_sensor")
@@ -107,8 +106,7 @@ def _silent_topic(run: Run, world: World, *, surely: bool) -> Mistake | None:
     for each in silent:
         if near := _near(each.name, published - {world.cmd_vel_topic}):
             return mistake("topic_nearly", topic=each.name, near=near)
-    timers = ScriptText(run.source).lines_with(r"\bcreate_timer\(")
-    if surely or not silent or len(silent) < len(concerned) or timers:
+    if surely or not silent or len(silent) < len(concerned):
         return None
     topics = ", ".join(sorted(published - {world.cmd_vel_topic})[:_MOST_NAMED])
     return mistake("topic_nowhere", topic=silent[0].name, topics=topics)

@@ -26,11 +26,9 @@ from grader.messages import join, say
 from grader.messages.details import explained
 from grader.messages.exceptions import meaning
 from grader.messages.quantity import number
-from grader.messages.script import NOT_ZERO, ScriptText
 
 _IN_NOTE = re.compile(r"[^:]*?(?:\bline (\d{1,7}))?: (\w+)(?:: (.*))?", re.DOTALL | re.ASCII)
 _SPACE = Text(zh="", en=" ")
-
 _ENDINGS = {
     RunStatus.STALLED: "stalled",
     RunStatus.CPU_LIMIT: "cpu_limit",
@@ -41,7 +39,6 @@ _ENDINGS = {
 TWIST = "geometry_msgs/msg/Twist"
 _USAGE = 2  # argparse's exit code
 _POSE = "turtlesim/msg/Pose"
-_BY_HEADING = r"\b(theta|yaw|heading)\)? ?[-+<>]|[-+<>]=? ?(abs\()?[\w.]*\b(theta|yaw|heading)\b"
 _OWN_TOPICS = ("/rosout", "/parameter_events")  # every node publishes these
 _OF_ROBOTS = ("/odom", "/tf", "/scan", "/imu", "/joint_states", "/camera/image_raw")
 _SAME_M, _SAME_RAD = 0.01, 0.01
@@ -52,29 +49,26 @@ _FOR_EVER_NS = 1 << 62  # when a wait without a deadline ends
 _SWUNG_NS = 5_000_000_000
 _FLIPS = 10
 _STAYED_M, _SWUNG_RAD = 0.05, 0.02
-_EXIT = r"^[ \t]*(sys\.|os\._?)?(exit|quit)\("
-_ENDS_ITSELF = (
-    r"\bSystemExit\b|\bexit\(|\bspin_(once|until)|^[ \t]+if\b.*\bshutdown\(|"
-    r"\b(create_timer|Timer)\(.*\bshutdown\b"
+_OF_PASTED = ("SyntaxError", "IndentationError", "NameError")
+_MOST_LINES, _LONGEST_LINE = 1_000, 500
+_TERMINAL = re.compile(
+    r"Traceback \(most recent call last\):|\[(INFO|WARN|ERROR|FATAL|DEBUG)\] \[\d+\.\d+\] \[|>>> |"
+    r"[\w.-]+@[\w.-]+:\S*[$#] |PS [A-Z]:\\\S*> |\$ (ros2|python3?|colcon|cd|source)\b|  File \".+\", line \d+, in "
 )
-"""What ends a program that has a `spin` on purpose, or whose end is no sign of an error."""
-_WRONG_GUARD = re.compile(
-    r"^if[ \t]+__name__[ \t]*==[ \t]*[\"'](?!__main__[\"'])([^\"'\n]{0,30})[\"']", re.MULTILINE
-)
-_UNAWAITED = re.compile(r"coroutine '(?:\w+\.)?(\w+)' was never awaited")
-_ONE_CALL = 2  # commands that one call of a callback publishes
-_GROWING = 5_000  # more commands than any script sends that does not make ever more of something
 TOO_BRIEF_NS = 50_000_000  # three updates of turtlesim
 MANY_MOTIONS = 40  # more than the sides and corners of any figure, driven twice
 
 
 def script_mistakes(run: Run) -> tuple[Mistake, ...]:
     """Return the mistake that ended the script, or one of its threads, before its time, if any."""
-    outcome, error, script = run.outcome, run.outcome.error, ScriptText(run.source)
+    outcome, error = run.outcome, run.outcome.error
+    pasted = terminal_line(run.source) if error is not None and error.type in _OF_PASTED else None
+    if pasted is not None:
+        return (mistake("terminal_output", line=pasted),)
     if outcome.status is RunStatus.CRASHED:
-        return (Mistake(*meaning(error, "crashed", script)) if error is not None else _killed(outcome),)
+        return (Mistake(*meaning(error, "crashed")) if error is not None else _killed(outcome),)
     if outcome.status is RunStatus.SYNTAX_ERROR and error is not None:
-        return (Mistake(*meaning(error, "syntax_error", script)),)
+        return (Mistake(*meaning(error, "syntax_error")),)
     if noted(outcome, "asks_again") is not None:
         return (mistake("asks_again"),)
     if outcome.status is RunStatus.OUTPUT_LIMIT:
@@ -86,13 +80,21 @@ def script_mistakes(run: Run) -> tuple[Mistake, ...]:
         RunStatus.FINISHED,
         RunStatus.INTERRUPTED,
     ):
-        return (
-            Mistake("thread_crashed", _explained(say("mistake.thread_crashed", detail=thread), thread, run)),
-        )
+        told = say("mistake.thread_crashed", detail=thread)
+        reason = _reason(thread)
+        return (Mistake("thread_crashed", told if reason is None else join([told, reason], _SPACE)),)
     if outcome.status in _ENDINGS:
         code = _ENDINGS[outcome.status]
         return (mistake(code, detail=explained(outcome.status, outcome.detail)),)
     return ()
+
+
+def terminal_line(source: str) -> int | None:
+    """Return the first line of a script that a terminal has printed, and nobody writes: a prompt, a log."""
+    lines = source.split("\n", _MOST_LINES)[:_MOST_LINES]
+    return next(
+        (number for number, line in enumerate(lines, 1) if _TERMINAL.match(line[:_LONGEST_LINE])), None
+    )
 
 
 def _amount(outcome: RunOutcome) -> Text:
@@ -112,24 +114,13 @@ def noted(outcome: RunOutcome, code: str) -> str | None:
     return next((note.text for note in outcome.notes if note.code == code), None)
 
 
-def _explained(told: Text, note: str, run: Run) -> Text:
-    """Return what is `told` of the exception in a note and, where it is known, what that exception means."""
-    reason = _reason(note, run)
-    return told if reason is None else join([told, reason], _SPACE)
-
-
-def _reason(note: str, run: Run) -> Text | None:
+def _reason(note: str) -> Text | None:
     """Return what the exception in a note means; None where that is not known."""
-    found = _IN_NOTE.fullmatch(note)
-    if found is None:
+    match = _IN_NOTE.fullmatch(note)
+    if match is None:
         return None
-    line = int(found[1] or 0) or None
-    written = run.source.splitlines()[line - 1 : line] if line else []
-    message = (found[3] or "").partition(". Did you mean: ")[0]
-    behind = f"{found[2]}: {found[3]}\n"
-    traceback = "".join(f'  File "script", line {line}\n    {text.strip()}\n{behind}' for text in written)
-    error = StudentError(type=found[2], message=message, line=line, traceback=traceback)
-    code, reason = meaning(error, "crashed", ScriptText(run.source))
+    error = StudentError(type=match[2], message=match[3] or "", line=int(match[1] or 0) or None, traceback="")
+    code, reason = meaning(error, "crashed")
     return None if code == "crashed" else reason
 
 
@@ -149,8 +140,10 @@ def command_mistakes(
     outcome, topic = run.outcome, world.cmd_vel_topic
     if _teleports(run.trajectory):
         return (mistake("teleported", topic=topic),)
-    if (odd := _turtles_and_timers(run)) is not None:
-        return (odd,)
+    killed = any(one.kind == "client" and one.name == "/kill" and one.count for one in run.outcome.endpoints)
+    stood = float(np.ptp(run.trajectory.x_m)) < _SAME_M > float(np.ptp(run.trajectory.y_m))
+    if killed and stood:
+        return (mistake("turtle_killed"),)
     if not moves_of(run.trajectory) and (missing := _unpublished(run, world)) is not None:
         return (missing,)
     if (found := _unfit_commands(run, world)) is not None:
@@ -162,35 +155,13 @@ def command_mistakes(
     return _timeouts(run.trajectory, outcome, turns, drives)
 
 
-def _turtles_and_timers(run: Run) -> Mistake | None:
-    """Recognise a script that removes the turtle that is graded, or makes ever more timers."""
-    killed = any(
-        each.kind == "client" and each.name == "/kill" and each.count for each in run.outcome.endpoints
-    )
-    script = ScriptText(run.source)
-    if killed and not moves_of(run.trajectory):
-        lines = script.lines_with(r"\bKill\.Request\(|\bKill\b.*\bcreate_client|create_client\( ?Kill\b") or [
-            1
-        ]
-        return mistake("turtle_killed", line=lines[-1])
-    if run.outcome.command_count >= _GROWING:
-        begins = [callback.begins for callback in script.callbacks("timer")]
-        made = [line for line in script.lines_with(r"\bcreate_timer\(") if script.owner_of(line) in begins]
-        if made and not script.lines_with(r"\.cancel\("):
-            return mistake("timer_in_callback", line=made[0])
-    return None
-
-
 def only_turned(run: Run, spoilt: tuple[str, ...]) -> Iterator[Mistake]:
     """Recognise a car that was told to turn, and never to drive."""
     if noted(run.outcome, "lateral_command") is not None:
         return  # it was told to drive, but sideways
     moves = moves_of(run.trajectory)
     if moves and not any(map(is_drive, moves)):
-        # the pose of a script that hears nothing belongs to a teleport
-        place = r"\.theta\b|\borientation\b|(?<!linear)\.x ?[-+)]|[-+] ?[\w.]+(?<!linear)\.x\b"
-        by_pose = run.outcome.hears and ScriptText(run.source).lines_with(place)
-        yield swings(run, spoilt) or mistake("no_drive_by_pose" if by_pose else "no_drive", spoilt)
+        yield swings(run, spoilt) or mistake("no_drive", spoilt)
 
 
 def robot_mistakes(run: Run, world: World) -> tuple[Mistake, ...]:
@@ -260,20 +231,10 @@ def asleep(run: Run) -> Iterator[Mistake]:
     After a stop, or after a crash in another thread, a long sleep only keeps the program alive.
     """
     slept, commands = sleep_at_end(run), run.trajectory.commands
-    if slept is not None and slept.until_ns >= _FOR_EVER_NS and _is_rate(run, slept):
-        yield mistake("rate_without_spin", line=slept.line)
-        return
     if slept is None or (commands and not is_motion(commands[-1])):
         return
     if run.outcome.duration_ns + _OVERSLEPT_NS <= slept.until_ns < _FOR_EVER_NS:
         yield sleeps_too_long(run, slept)
-
-
-def _is_rate(run: Run, slept: "WaitingCall") -> bool:
-    script = ScriptText(run.source)
-    if script.lines_with(r"\bThread\("):
-        return False  # it may spin, and the rate be a slow one
-    return bool(script.lines_with(r"\bcreate_rate\(")) and slept.line in script.lines_with(r"\.sleep\( ?\)")
 
 
 class WaitingCall(NamedTuple):
@@ -296,62 +257,15 @@ def sleep_at_end(run: Run) -> WaitingCall | None:
     return call if call is not None and call.name.endswith("sleep") else None
 
 
-def _loop_at_end(run: Run, script: ScriptText) -> int | None:
-    """Return the line of the ``while`` that the main thread was in at the horizon."""
-    call = call_at_end(run)
-    heads = [] if call is None else [*list(script.outwards(call.line))[:1], *script.heads_around(call.line)]
-    return next((at for at, head in heads if re.match(r"[ \t]*while\b", head)), None)
-
-
 def sleeps_too_long(run: Run, slept: WaitingCall) -> Mistake:
     """Return the mistake of a sleep that outlasted the run."""
     until, end = number(slept.until_ns / 1e9, "s"), number(run.outcome.duration_ns / 1e9, "s")
     return mistake("sleeps_too_long", line=slept.line, until=until, end=end)
 
 
-def _behind_spin(run: Run) -> Mistake | None:
-    """Recognise work behind a call of `spin`, which had not returned when the run ended."""
-    call, script = call_at_end(run), ScriptText(run.source)
-    if call is None or not call.name.endswith("spin"):
-        return None
-    if call.line in script.lines_with(r"\btarget ?= ?[\w.]*\bspin\("):
-        return mistake("thread_called", line=call.line)
-    around = {None, *(at for at, _ in script.outwards(call.line))}
-    inside = script.function_around(call.line)
-    for line in script.lines_with(r"\brclpy\.spin\("):
-        if line > call.line and script.function_around(line) == inside and script.owner_of(line) in around:
-            return mistake("second_spin", line=line, spin=call.line)
-    if not script.works_after(call.line) or any(line < call.line for line in _working_callbacks(script)):
-        return None  # with a callback the work may be meant to happen there, and only the stop stands behind
-    return mistake("behind_spin", line=call.line)
-
-
-def _working_callbacks(script: ScriptText) -> Iterator[int]:
-    """Yield the lines that create timers and subscriptions, unless their callback only keeps what it is given."""
-    begins = {callback.created: callback.begins for callback in script.callbacks("timer", "subscription")}
-    for line in script.lines_with(r"\bcreate_(timer|subscription)\("):
-        body = [text for _, text in script.body(begins[line])] if line in begins else []
-        if not body or not all(re.match(r"self\.\w+ ?=(?!=) ?[\w.]+$|\"\"$|pass$", text) for text in body):
-            yield line
-
-
-def _spin_in_callback(run: Run) -> Mistake | None:
-    """Recognise a callback that waits for a future, which only another callback of the same executor can bring."""
-    call, script = call_at_end(run), ScriptText(run.source)
-    known = None if call is None else re.search(r"\bspin(_once|_until_future_complete)?$", call.name)
-    if call is None or known is None:
-        return None
-    name = script.function_around(call.line)
-    called_back = name and script.lines_with(
-        rf"\bcreate_(timer|subscription|service)\(.*\b{re.escape(name)}\b"
-    )
-    code = "spin_in_callback" if known[1] == "_until_future_complete" else "spin_in_spin"
-    return mistake(code, line=call.line, call=f"rclpy.{known[0]}()") if called_back else None
-
-
 def no_final_stop(run: Run, excess: str, spoilt: tuple[str, ...]) -> Mistake:
     """Return the mistake of a car that went on by `excess`, a distance or an angle, because nothing stopped it."""
-    return mistake("no_final_stop", spoilt, excess=excess, publisher=ScriptText(run.source).publisher_name)
+    return mistake("no_final_stop", spoilt, excess=excess)
 
 
 def swings(run: Run, spoilt: tuple[str, ...]) -> Mistake | None:
@@ -385,41 +299,9 @@ def driving_mistakes(run: Run, own: Iterable[Mistake]) -> tuple[Mistake, ...]:
 
 def without_node(run: Run) -> Mistake:
     """Return why a script that ended by itself has no node."""
-    if run.source and not ScriptText(run.source).has_code:
-        return mistake("no_code")
-    if ScriptText(run.source).lines_with(r"^def generate_launch_description\b"):
-        return mistake("other_file", name="launch")
-    if (guard := _WRONG_GUARD.search(run.source)) is not None:
-        return mistake("main_guard", given=guard[1], line=run.source.count("\n", 0, guard.start()) + 1)
-    if (uncalled := not_called(run)) is not None:
-        return uncalled
-    if (twice := defined_twice(run)) is not None:
-        return twice
-    if inside := ScriptText(run.source).lines_with(r"^[ \t]+if __name__ ?=="):
-        return mistake("guard_inside", line=inside[0])
-    exits = _exits(ScriptText(run.source), run.outcome)
-    if exits and not run.outcome.stdout.text.strip():
-        return mistake("exited_early", line=exits[0])
-    if (line := _never_came_to_init(ScriptText(run.source))) is not None:
-        return mistake("ended_before_init", line=line)
     if run.outcome.stdout.text.strip():
         return mistake("only_printed")
     return mistake("nothing_ran")
-
-
-def _never_came_to_init(script: ScriptText) -> int | None:
-    """Return the line of the only `init` in a script that ended before it, though the function around it runs."""
-    lines = script.lines_with(r"\brclpy\.init\(")
-    around = script.function_around(lines[0]) if len(lines) == 1 else ""
-    return lines[0] if lines and around and around in _run_from_top(script) else None
-
-
-def _run_from_top(script: ScriptText) -> set[str]:
-    """Return the names of the functions that the module's own statements call, without those that these call."""
-    calls = script.matches(r"(?<![\w.])(\w+)\(")
-    return {
-        found[1] for line, found in calls if not script.function_around(line) and "def " not in found.string
-    }
 
 
 def _unpublished(run: Run, world: World) -> Mistake | None:
@@ -436,7 +318,7 @@ def error_caught(run: Run) -> Mistake | None:
     error = noted(run.outcome, "caught")
     if error is None or script_mistakes(run):
         return None
-    reason = _reason(error, run)
+    reason = _reason(error)
     if reason is None:
         return mistake("error_caught", detail=error)
     return Mistake("error_caught", join([say("detail.error_caught"), reason], _SPACE))
@@ -477,13 +359,7 @@ def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
         return (mistake("no_arguments"),)
     if outcome.nodes:
         vain = waits_in_vain(run, world, surely=True) if outcome.status is RunStatus.INTERRUPTED else None
-        return (
-            vain
-            or _spin_in_callback(run)
-            or _behind_spin(run)
-            or _not_reached(run, "Twist" if made else "")
-            or mistake("no_publisher", topic=topic),
-        )
+        return (vain or mistake("no_publisher", topic=topic),)
     return (without_node(run),)
 
 
@@ -502,28 +378,17 @@ def _unused_publisher(run: Run, world: World) -> tuple[Mistake, ...]:
         return (mistake("incompatible_qos", topic=topic),)
     if outcome.status is RunStatus.FINISHED:
         ended = number(outcome.duration_ns / 1e9, "s")
-        return (ended_at_once(run) or not_called(run) or mistake("never_spun", ended=ended),)
+        return (mistake("never_spun", ended=ended),)
     if outcome.status is RunStatus.INTERRUPTED and (vain := waits_in_vain(run, world)) is not None:
         return (vain,)
     if outcome.status is RunStatus.INTERRUPTED and _others_publish(outcome, topic):
         nodes = sorted({each.node for each in outcome.endpoints if each.name == topic})
         return (mistake("node_never_published", nodes=", ".join(nodes), topic=topic),)
     if outcome.status is RunStatus.INTERRUPTED:
-        stuck = _spin_in_callback(run) or _behind_spin(run) or _waits(run) or _other_spun(run)
-        return (stuck or not_called(run) or _never_published(run),)
+        if (typed := noted(outcome, "type_mismatch")) is not None:
+            return (mistake("not_received", topic=typed),)
+        return (mistake("never_published"),)
     return ()
-
-
-def _other_spun(run: Run) -> Mistake | None:
-    """Recognise a node that only another one is spun beside: the callbacks of its own never run."""
-    script = ScriptText(run.source)
-    spun = [(line, found[1]) for line, found in script.matches(r"\bspin\( ?(\w+) ?\)")]
-    made = [found[1] for _, found in script.matches(rf"^[ \t]*(\w+) ?= ?{script.node_class}\(")]
-    if len(spun) != 1 or len(made) != 1 or spun[0][1] == made[0] or script.lines_with(r"\badd_node\("):
-        return None
-    other = script.assigned(spun[0][1])
-    is_node = other is not None and re.search(r"\b(create_node|Node)\(", other.value)
-    return mistake("other_node_spun", line=spun[0][0], spun=spun[0][1], node=made[0]) if is_node else None
 
 
 def _may_command(publisher: Endpoint, topic: str) -> bool:
@@ -540,213 +405,19 @@ def _others_publish(outcome: RunOutcome, topic: str) -> bool:
     return others or noted(outcome, "launch_several") is not None
 
 
-def ended_at_once(run: Run) -> Mistake | None:
-    """Recognise what ends a script that looks complete at once: a loop that never begins, an exit."""
-    script = ScriptText(run.source)
-    if lines := script.lines_with(r"\bwhile not rclpy\.ok\("):
-        return mistake("not_ok", line=lines[0])
-    if lines := script.lines_with(r"^[ \t]*rclpy\.spin$"):
-        return mistake("only_named", line=lines[0], call="rclpy.spin(node)")
-    spins = script.lines_with(r"\bspin\w*\(")
-    if (lines := _exits(script, run.outcome)) and spins and lines[0] < spins[0]:
-        return mistake("exited_early", line=lines[0])
-    ends_itself = script.lines_with(_ENDS_ITSELF) or _ends_in_callback(script)
-    asked = any(
-        re.match(r"[ \t]*if\b(?!.*__name__)", head) for at in spins for head in script.conditions_around(at)
-    )
-    if spins and not asked and (caught := script.lenient_except) is not None and not ends_itself:
-        return mistake("error_hidden", line=caught)
-    return None
-
-
-def _ends_in_callback(script: ScriptText) -> list[int]:
-    """Return the lines that shut down in callbacks, and in functions that they call."""
-    begins = script.reached_from(callback.begins for callback in script.callbacks("timer", "subscription"))
-    inside = {line for first in begins for line in script.span(first)}
-    return [line for line in script.lines_with(r"\bshutdown\(") if line in inside]
-
-
-def _exits(script: ScriptText, outcome: RunOutcome) -> list[int]:
-    """Return the lines that end the program, without those in functions that nothing calls.
-
-    Where the program ended without an error, none that would have ended it with one.
-    """
-    lines = script.lines_with(_EXIT if outcome.exit_code else rf"{_EXIT} ?0? ?\)")
-    found = ((number, script.function_around(number)) for number in lines)
-    return [number for number, name in found if not name or script.calls(name)]
-
-
-def _never_published(run: Run) -> Mistake:
-    """Return why a node that ran to the horizon never published."""
-    script = ScriptText(run.source)
-    if (twice := defined_twice(run)) is not None:
-        return twice
-    publishes = script.lines_with(r"\.publish\(")
-    fires = script.lines_with(r"\bcreate_timer\( ?(0?\.\d+|[1-5](\.\d*)?)\b")
-    return (
-        mistake("publish_not_reached", line=publishes[0])
-        if publishes and fires
-        else mistake("never_published")
-    )
-
-
-def defined_twice(run: Run) -> Mistake | None:
-    """Recognise a method that a later one of the same name replaces."""
-    twice = ScriptText(run.source).defined_twice
-    return None if twice is None else mistake("defined_twice", name=twice[0], first=twice[1], second=twice[2])
-
-
-def not_called(run: Run) -> Mistake | None:
-    """Recognise a function that was named where it should have been called, or not awaited."""
-    if (coroutine := _UNAWAITED.search(run.outcome.stderr.text)) is not None:
-        return _unawaited(coroutine[1], ScriptText(run.source))
-    script = ScriptText(run.source)
-    if (named := script.named_only) is None:
-        return None
-    made = script.definition(named.name.rpartition(".")[2])
-    if named.name.endswith(".publish"):
-        given = script.twist_name_at(named.line) or "msg"
-    else:
-        given = "..." if made is not None and script.asks_for_more(made.line) else ""
-    return mistake("not_called", line=named.line, name=named.name, call=f"{named.name}({given})")
-
-
-def _unawaited(name: str, script: ScriptText) -> Mistake:
-    """Return how to run a coroutine: by await in another one, with asyncio where that is used, else plainly."""
-    calls = script.lines_with(rf"^[ \t]*(\w+\.)*{name}\(.*\)$")
-    if len(calls) != 1 or not script.lines_with(r"\basyncio\.sleep\("):
-        return mistake("never_awaited", name=name)
-    call = script.lines[calls[0] - 1].strip()
-    inside = any(re.match(r"[ \t]*async def\b", head) for _, head in script.outwards(calls[0]))
-    right = f"await {call}" if inside else f"asyncio.run({call})"
-    return mistake("await_with_asyncio", name=name, line=calls[0], right=right)
-
-
-def _not_reached(run: Run, kind: str) -> Mistake | None:
-    """Recognise a publisher (of `kind`, unless empty) on a line that the script never reached."""
-    script = ScriptText(run.source)
-    lines = script.lines_with(rf"(?<!def )\bcreate_publisher\(\s*{kind}")
-    if not lines:
-        return None
-    if (named := not_called(run)) is not None:
-        return named
-    made = script.definition(script.function_around(lines[0]))
-    before = range(made.line if made is not None else 0, lines[0])
-    ends = [*_exits(script, run.outcome), *script.lines_with(r"^[ \t]*raise SystemExit\b")]
-    if run.outcome.status is RunStatus.FINISHED and (early := sorted(set(ends) & set(before))):
-        return mistake("exited_early", line=early[0])
-    return _in_loop(run, script) or mistake("publisher_not_reached", line=lines[0])
-
-
-def _waits(run: Run) -> Mistake | None:
-    """Return what a script that never published waited for, or what kept its callbacks from running."""
-    script = ScriptText(run.source)
-    if (topic := noted(run.outcome, "type_mismatch")) is not None:
-        return mistake("not_received", topic=topic)
-    if (empty := without_added_node(script)) is not None:
-        return empty
-    if script.lines_with(r"\.publish\(") and (hidden := script.silent_except) is not None:
-        return mistake("error_hidden", line=hidden)
-    return _in_loop(run, script)
-
-
-def without_added_node(script: ScriptText) -> Mistake | None:
-    """Recognise an executor to which no node was added."""
-    made = script.lines_with(r"(?<!Pool)Executor\(")
-    added = script.lines_with(r"\badd_node\(|\bspin\w*\(.*\bexecutor ?=")
-    return mistake("executor_without_node") if made and not added else None
-
-
-def _in_loop(run: Run, script: ScriptText) -> Mistake | None:
-    """Recognise a loop that was still waiting when the run ended, and whether callbacks could have ended it."""
-    if (begins := _loop_at_end(run, script)) is None or (closer := loop_in_callback(run)) is not None:
-        return None if begins is None else closer
-    in_thread = script.lines_with(r"\btarget ?= ?[\w.]*spin|\bExecutor\(")
-    deaf = run.outcome.hears and not script.spins(begins) and not in_thread
-    return mistake("waits_without_spin" if deaf else "waits_in_loop", line=begins)
-
-
-def _runs_in_callback(script: ScriptText, function: str) -> bool:
-    """Whether a function is the callback of a timer or subscription, or runs from one."""
-    begins = [callback.begins for callback in script.callbacks("timer", "subscription")]
-    made = script.definition(function)
-    return made is not None and made.line in script.reached_from(begins)
-
-
-def loop_in_callback(run: Run) -> Mistake | None:
-    """Recognise a loop in a callback that waits for what only another callback can bring."""
-    script = ScriptText(run.source)
-    if (begins := _loop_at_end(run, script)) is None:
-        return None
-    called_back = run.outcome.hears and _runs_in_callback(script, script.function_around(begins))
-    in_parallel = script.lines_with(r"\bMultiThreadedExecutor\(|\bThread\(")
-    return mistake("loop_in_callback", line=begins) if called_back and not in_parallel else None
-
-
 def _only_zeros(run: Run) -> Mistake:
     """Return why nothing but stops arrived."""
-    script = ScriptText(run.source)
     if (topic := noted(run.outcome, "type_mismatch")) is not None:
         return mistake("not_received", topic=topic)
-    if (stuck := _in_loop(run, script)) is not None and stuck.code == "waits_without_spin":
-        return stuck
-    compared = script.lines_with(r"^[ \t]*[\w.]+\.(linear|angular)\.[xyz] ?==")
-    if compared:
-        right = script.lines[compared[0] - 1].strip().replace("==", "=", 1)
-        return mistake("compares_for_assigns", line=compared[0], right=right)
-    if annotated := script.lines_with(r"^[ \t]*[\w.]+\.(linear|angular)\.[xyz] ?:"):
-        return mistake("colon_for_equals", line=annotated[0])
     if noted(run.outcome, "stopped_at_once") is not None:
         return mistake("stopped_at_once")
-    if (empty := _empty_message(script)) is not None:
-        return empty
-    cancels = script.lines_with(r"\btimer\w*\.cancel\(")
-    if run.outcome.command_count <= _ONE_CALL and cancels and not script.conditions_around(cancels[0]):
-        return mistake("timer_cancelled", line=cancels[0])
-    if not script.lines_with(rf"\.(linear\.x|angular\.z) ?{NOT_ZERO}"):
-        return mistake("zero_commands")
     heard = run.outcome.heard
-    if any(name.endswith("/pose") for name in heard) and script.lines_with(r"\.(x|y|theta)\b"):
+    if any(name.endswith("/pose") for name in heard):
         track = run.trajectory
         x, y = (number(float(values[0]), "m") for values in (track.x_m, track.y_m))
         heading = math.remainder(float(track.heading_rad[0]), math.tau)
         return mistake("only_stops_by_pose", x=x, y=y, theta=number(heading, "rad"))
     return mistake("only_stops_heard", topic=heard[0]) if heard else mistake("only_stops")
-
-
-def _empty_message(script: ScriptText) -> Mistake | None:
-    """Recognise a script that fills a message and publishes another one, or fills it too late."""
-    filled = script.lines_with(rf"\.(linear\.x|angular\.z) ?{NOT_ZERO}")
-    publishes = script.lines_with(r"\.publish\(")
-    fresh = script.lines_with(r"\.publish\( ?Twist\( ?\) ?\)")
-    if not filled or not publishes:
-        return None
-    if fresh == publishes:
-        message = re.sub(r"^.*?([^\s:;=]*)\.(linear|angular)\..*", r"\1", script.lines[filled[0] - 1])
-        return mistake("publishes_empty", line=fresh[0], filled=filled[0], message=message)
-    if (other := _other_message(script, filled[0], publishes)) is not None:
-        return other
-    later = all(number > publishes[-1] for number in filled)
-    here = {script.owner_of(number) for number in (*filled, *publishes)}
-    return (
-        mistake("filled_too_late", line=publishes[-1], filled=filled[0]) if later and len(here) == 1 else None
-    )
-
-
-def _other_message(script: ScriptText, filled: int, publishes: list[int]) -> Mistake | None:
-    """Recognise a message that is filled and never published, and another that is published and never filled."""
-    known = {found[1] for _, found in script.matches(r"([\w.]+)\.(?:linear|angular)(?:\.[xz])? ?=(?!=)")}
-    names = {found[1] for _, found in script.matches(r"\.publish\( ?([\w.]+) ?\)")}
-    if len(names) != 1 or len(publishes) != 1 or names & known:
-        return None
-    name = names.pop()
-    made = script.lines_with(rf"(?<![\w.]){re.escape(name)} ?=(?!=)")
-    if not made or not all(re.search(r"= ?Twist\( ?\)$", script.lines[at - 1]) for at in made):
-        return None
-    if script.lines_with(rf"(?<!publish)\((?:[^()]*,)? ?{re.escape(name)} ?[,)]"):
-        return None  # a function may fill it
-    other = script.lines[filled - 1].strip().partition(".linear")[0].partition(".angular")[0]
-    return mistake("other_message", line=publishes[0], published=name, filled=other, given=filled)
 
 
 def _longest_motion_ns(trajectory: Trajectory) -> int:
@@ -761,11 +432,6 @@ def _longest_motion_ns(trajectory: Trajectory) -> int:
         if longest_ns >= TOO_BRIEF_NS:
             break
     return longest_ns if trajectory.commands else COMMAND_LIFE_NS
-
-
-def steers(run: Run) -> bool:
-    """Whether the script computes or compares with the heading that it hears."""
-    return run.outcome.hears and bool(ScriptText(run.source).lines_with(_BY_HEADING))
 
 
 def _names(publishers: Iterable[Endpoint]) -> str:

@@ -3,16 +3,19 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from grader.contracts.outcome import StudentError
+from grader.edits.errors import error_changes
 from grader.edits.flow import flow_changes
 from grader.edits.names import name_changes
 from grader.edits.numbers import number_changes
 from grader.edits.situation import Proposal, Situation
 from grader.edits.state import state_changes
+from grader.edits.syntax import syntax_changes
 from grader.edits.tree import applied
 
 _MOST_PLACES = 6
 _EVERYWHERE = 0.05  # behind the change at the one place where it is most plausible
-_SOURCES = (name_changes, flow_changes, state_changes, number_changes)
+_SOURCES = (name_changes, error_changes, flow_changes, state_changes, number_changes)
 
 
 def _everywhere(found: list[Proposal]) -> Iterator[Proposal]:
@@ -38,11 +41,19 @@ class Candidate(NamedTuple):
 def candidates(seen: Situation) -> Iterator[Candidate]:
     """Yield proposals with their texts, each text once, the most plausible first."""
     found = [one for source in _SOURCES for one in source(seen)]
-    found += _everywhere(found)
-    offered = {seen.script.text}
-    for proposal in sorted(found, key=lambda one: one.cost):
+    return _applied(seen.script.text, [*found, *_everywhere(found)])
+
+
+def syntax_candidates(text: str, error: StudentError) -> Iterator[Candidate]:
+    """Yield proposals for a text that Python does not take, as `candidates` does."""
+    return _applied(text, list(syntax_changes(text, error)))
+
+
+def _applied(before: str, proposals: list[Proposal]) -> Iterator[Candidate]:
+    offered = {before}
+    for proposal in sorted(proposals, key=lambda one: one.cost):
         try:
-            text = applied(seen.script.text, proposal.edits)
+            text = applied(before, proposal.edits)
         except ValueError:  # two of its edits touch the same text
             continue
         if text not in offered:

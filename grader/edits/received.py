@@ -62,12 +62,14 @@ class Ledger(Record):
     """What the script's lines did.
 
     Attributes:
-        ran: the lines that ran. end: where the main thread was at the horizon's Ctrl+C, as a motion's `stack`.
+        ran: the lines that ran. whole: whether no line was left out of them.
+        end: where the main thread was at the horizon's Ctrl+C, as a motion's `stack`.
     """
 
     ran: frozenset[int] = frozenset()
     motions: tuple[Motion, ...] = ()
     end: tuple[tuple[int, str, dict[str, float]], ...] = ()
+    whole: bool = True
 
 
 def received_ledger(content: bytes) -> Ledger:

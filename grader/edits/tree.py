@@ -85,7 +85,7 @@ class ParsedScript:
             return self.replaced(statement, "pass")
         start, end = self.span(statement)
         first, last = (
-            self._line_start(statement.lineno),
+            self.line_start(statement.lineno),
             self._line_end(statement.end_lineno or statement.lineno),
         )
         alone = not self.text[first:start].strip() and not self.text[end:last].partition("#")[0].strip()
@@ -100,7 +100,7 @@ class ParsedScript:
         first = min(
             (one.lineno for one in getattr(statement, "decorator_list", ())), default=statement.lineno
         )
-        return self._inserted(self._line_start(first), statement, lines)
+        return self._inserted(self.line_start(first), statement, lines)
 
     def block_of(self, statement: ast.stmt) -> list[ast.stmt]:
         """Return the statements of the block that a statement stands in."""
@@ -139,7 +139,8 @@ class ParsedScript:
         is_open = at == len(self.text) and not self.text.endswith(("\n", "\r"))
         return Edit(at, at, "\n" + added if is_open else added)
 
-    def _line_start(self, number: int) -> int:
+    def line_start(self, number: int) -> int:
+        """Return where a line (1-based) begins."""
         return self._starts[number - 1]
 
     def _line_end(self, number: int) -> int:
@@ -149,7 +150,7 @@ class ParsedScript:
     def _offset(self, line: int, column: int) -> int:
         if not 1 <= line <= len(self._starts):
             raise ValueError(f"line {line} is not in the text")
-        start = self._line_start(line)
+        start = self.line_start(line)
         written = self.text[start : self._line_end(line)]
         if written.isascii():
             return start + min(column, len(written))

@@ -11,15 +11,16 @@ from typing import Final
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import ProtocolError
-from grader.contracts.explanation import ChangedText, Explanation, ProvenChange
+from grader.contracts.explanation import ChangedText, Explanation, ProvenChange, StatedCause
 from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.contracts.rubric import ItemStatus, RubricItem, summed
 from grader.contracts.text import Text
-from grader.edits.proposals import Candidate, candidates
+from grader.edits.causes import stated_cause
+from grader.edits.proposals import Candidate, candidates, syntax_candidates
 from grader.edits.received import received_ledger, received_script
 from grader.edits.situation import Proposal, Situation, WantedSizes
 from grader.edits.tree import changed_lines
-from grader.messages import say
+from grader.messages import join, say
 from grader.messages.quantity import number, points
 
 MOST_TRIALS: Final = 24
@@ -37,6 +38,8 @@ _LATER_S: Final = 2.37
 _STEP_DEG: Final = 15.0
 _STEP_M: Final = 0.1
 """What is wanted at least is told as the next number of these steps that people use."""
+_PLAUSIBLE: Final = 1.0
+_SPACE: Final = Text(zh="", en=" ")
 _SPOILT: Final = (RunStatus.CPU_LIMIT, RunStatus.STALLED, RunStatus.MEMORY_LIMIT, RunStatus.OUTPUT_LIMIT)
 
 
@@ -65,11 +68,6 @@ class Graded:
     def is_full(self) -> bool:
         """Whether nothing is lost."""
         return all(item.status is ItemStatus.PASSED for item in self.items)
-
-    def gained_on(self, other: "Graded") -> tuple[str, ...]:
-        """Return the ids of the items that have more points than in `other`."""
-        earned = {item.id: item.earned for item in other.items}
-        return tuple(item.id for item in self.items if item.earned > earned.get(item.id, 0.0))
 
     def gains_on(self, other: "Graded") -> bool:
         """Whether this has more points than `other`, and no item has fewer."""
@@ -117,7 +115,8 @@ class Search:
             changes.append(_proven(candidate, text, now, after))
             text = candidate.text
             now = after if after.is_full else self._traced(text)
-        return Explanation(changes=tuple(changes), tried=self._tried)
+        cause = None if changes or now.is_full else self._cause(text, now)
+        return Explanation(changes=tuple(changes), tried=self._tried, cause=cause)
 
     @property
     def _has_budget(self) -> bool:
@@ -128,9 +127,12 @@ class Search:
         self._work_s += graded.work_s
         return graded
 
-    def _next_change(self, text: str, now: Graded) -> tuple[Candidate, Graded] | None:
-        """Return the first proposal that gains all, else of those that gain the one that gains most."""
+    def _next_change(
+        self, text: str, now: Graded, *, is_second: bool = False
+    ) -> tuple[Candidate, Graded] | None:
+        """Return the first proposal that gains all, or mends an error; else of those that gain the best one."""
         gaining: list[tuple[Candidate, Graded]] = []
+        further: Candidate | None = None
         for candidate in self._candidates(text, now):
             if not self._has_budget:
                 break
@@ -138,36 +140,71 @@ class Search:
             after = self._grade(candidate.text, self._assignment, False)
             self._work_s += after.work_s
             if not after.gains_on(now):
+                if further is None and _is_further(now.outcome, after.outcome):
+                    further = candidate
                 continue
-            if after.is_full and self._gains_later(text, candidate.text):
+            whole = after.is_full or _is_mended(now.outcome, after.outcome, candidate.proposal)
+            if whole and self._gains_later(text, candidate.text):
                 return candidate, after
             gaining.append((candidate, after))
         gaining.sort(key=lambda one: -one[1].score)  # stable: of equal ones the more plausible
-        return next((one for one in gaining[:3] if self._gains_later(text, one[0].text)), None)
+        best = next((one for one in gaining[:3] if self._gains_later(text, one[0].text)), None)
+        if best is None and further is not None and self._has_budget and not is_second:
+            return self._with_next(text, now, further)
+        return best
+
+    def _with_next(self, text: str, now: Graded, first: Candidate) -> tuple[Candidate, Graded] | None:
+        """Return a change that gains nothing alone together with the next one, if both gain."""
+        second = self._next_change(first.text, self._traced(first.text), is_second=True)
+        if second is None or not second[1].gains_on(now):
+            return None
+        (candidate, after), proposal = second, first.proposal
+        both = Proposal(proposal.code, proposal.cost, (), {**proposal.values, "then": candidate.proposal})
+        return Candidate(both, candidate.text), after
 
     def _candidates(self, text: str, now: Graded) -> Iterator[Candidate]:
+        error = now.outcome.error
+        if now.outcome.status is RunStatus.SYNTAX_ERROR and error is not None:
+            return syntax_candidates(text, error)
+        seen = self._situation(text, now)
+        return iter(()) if seen is None else candidates(seen)
+
+    def _cause(self, text: str, now: Graded) -> StatedCause | None:
+        seen = self._situation(text, now)
+        cause = None if seen is None else stated_cause(seen)
+        if cause is None:
+            return None
+        values = dict(cause.values)
+        if "unit" in values:
+            for name in ("size", "wanted"):
+                values[name] = number(float(str(values[name])), values["unit"])  # type: ignore[arg-type]
+            values["seconds"] = number(float(str(values["seconds"])), "s")
+        return StatedCause(
+            code=cause.code, line=cause.line, text=say(f"cause.{cause.code}", line=cause.line, **values)
+        )
+
+    def _situation(self, text: str, now: Graded) -> Situation | None:
+        """Return what the traced run of a text told; None without a tree, and of a script that tells tales."""
         try:
             script = received_script(text, now.tree)
             ledger = received_ledger(now.ledger)
-        except ProtocolError:  # the script has told tales: it gets no explanation
-            return
+        except ProtocolError:
+            return None
         if script is None:
-            return
+            return None
         lost = frozenset(
             spec.measure
             for spec in self._assignment.items
             for item in now.items
             if item.id.rpartition("/")[2] == spec.id and item.status is not ItemStatus.PASSED
         )
-        yield from candidates(
-            Situation(
-                script=script,
-                ledger=ledger,
-                outcome=now.outcome,
-                wanted=wanted_of(self._assignment.in_case(now.case), lost),
-                topic=self._assignment.world.cmd_vel_topic,
-                lost=lost,
-            )
+        return Situation(
+            script=script,
+            ledger=ledger,
+            outcome=now.outcome,
+            wanted=wanted_of(self._assignment.in_case(now.case), lost),
+            topic=self._assignment.world.cmd_vel_topic,
+            lost=lost,
         )
 
     def _gains_later(self, before: str, after: str) -> bool:
@@ -221,16 +258,38 @@ def _proven(candidate: Candidate, text: str, now: Graded, after: Graded) -> Prov
         ),
         before=now.score,
         after=after.score,
-        gains=after.gained_on(now),
     )
 
 
-def _told(proposal: Proposal, before: float, after: float) -> Text:
+def _is_mended(before: RunOutcome, after: RunOutcome, proposal: Proposal) -> bool:
+    """Whether a plausible change takes an exception away: what else is wrong is looked for on top of it."""
+    return before.error is not None and after.error is None and proposal.cost < _PLAUSIBLE
+
+
+def _is_further(before: RunOutcome, after: RunOutcome) -> bool:
+    """Whether a script that an exception ended comes further: the same one is gone, and none comes sooner."""
+    if before.error is None or before.status not in (RunStatus.CRASHED, RunStatus.SYNTAX_ERROR):
+        return False
+    if after.error is None:
+        return after.status in (RunStatus.FINISHED, RunStatus.INTERRUPTED)
+    if before.status is after.status:
+        return (after.error.line or 0) > (before.error.line or 0)
+    return before.status is RunStatus.SYNTAX_ERROR
+
+
+def _cause_of(proposal: Proposal) -> Text:
+    """Return what a proposal changes, and after it what one that follows changes."""
     values = dict(proposal.values)
+    then = values.pop("then", None)
     code = proposal.code
     if code == "scaled" and "size" in values:
         code = "scaled_turn" if values["unit"] == "deg" else "scaled_drive"
         for name in ("size", "wanted"):
             values[name] = number(float(str(values[name])), values["unit"])  # type: ignore[arg-type]
+    cause = say(f"change.{code}", **values)
+    return join([cause, _cause_of(then)], _SPACE) if isinstance(then, Proposal) else cause
+
+
+def _told(proposal: Proposal, before: float, after: float) -> Text:
     tried = say("change.tried", before=points(before), after=points(after))
-    return say("change.whole", cause=say(f"change.{code}", **values), tried=tried)
+    return say("change.whole", cause=_cause_of(proposal), tried=tried)

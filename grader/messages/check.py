@@ -18,6 +18,7 @@ from typing import Final
 
 from grader.contracts.text import LANGUAGES
 from grader.messages import FOLDER, entries, file_of
+from grader.messages.exceptions import signs
 
 FILES: Final = ("grader", "pages")
 _ROOT: Final = FOLDER.parent
@@ -108,6 +109,7 @@ class _Source:
                 self._read_module(path)
         for path in sorted(_ROOT.rglob("*.html")):
             self._read_template(path)
+        self.literals.update(code for code, _ in signs())
 
     def names(self, key: str) -> bool:
         """Whether something in the source can name the message `key`."""

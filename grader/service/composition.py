@@ -5,6 +5,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, nullcontext
+from importlib.util import find_spec
 
 from grader.catalog import Catalog, set_root
 from grader.catalog.cache import AssignmentMemory
@@ -15,7 +16,7 @@ from grader.contracts.grading import Preflight, SandboxState
 from grader.grading.practice import PracticeRuns
 from grader.grading.preflight import NoPreflight, SandboxPreflight
 from grader.grading.slot import Slot, SlotConfig
-from grader.live.cars import LiveCars, websockets_installed
+from grader.live.cars import LiveCars
 from grader.operation.metrics import Metrics, exported
 from grader.operation.settings import Settings, is_loopback
 from grader.outside.signin import Providers, read_config
@@ -23,15 +24,12 @@ from grader.outside.signin.opening import opened
 from grader.sandbox import script_sandbox, syntax_sandbox
 from grader.service.worker import Uploads, Worker, WorkerConfig, WorkerParts
 from grader.service.worker.beside import ServiceLink, WorkerProcess
-from grader.service.worker.explainer import Explaining
 from grader.store.clock import Clock, clock_of
 from grader.store.courses import Courses
 from grader.store.database import Database, checkpoints
-from grader.store.explanations import Explanations
 from grader.store.occupancy import Sole, check_room
 from grader.store.own_assignments import OwnAssignments
 from grader.store.queue import Queue, Retries
-from grader.store.rules import StoredRules
 from grader.store.schema import up_to_date
 from grader.store.standings import Measures
 from grader.store.tokens import Tokens
@@ -49,6 +47,11 @@ GRADING_NICENESS = 10
 """Of what grades. At 3 an upload took three times as long (p95) while both slots of two cores graded."""
 _BEHIND = SlotConfig(mode="strict", niceness=14)  # than gradings, and soon enough: examining, practice
 _ISOLATION = SlotConfig(mode="strict", niceness=GRADING_NICENESS)  # no weaker mode
+
+
+def websockets_installed() -> bool:
+    """Return whether the extra ``live`` is there."""
+    return find_spec("wsproto") is not None
 
 
 @contextmanager
@@ -146,7 +149,6 @@ def running_worker(
             clock=clock,
             metrics=link or stack.enter_context(_own_metrics(settings, database, clock)),
             uploads=Uploads(own=OwnAssignments(database, clock), make_grader=lambda: Slot(_BEHIND)),
-            explaining=_explaining(database, clock),
         )
         stack.enter_context(_news(database, doorbell))
         yield stack.enter_context(_working(settings, parts))
@@ -158,15 +160,6 @@ def _own_metrics(settings: Settings, database: Database, clock: Clock) -> Iterat
     port = settings.metrics_port
     with nullcontext() if port is None else exported(metrics, port, settings.host):
         yield metrics
-
-
-def _explaining(database: Database, clock: Clock) -> Explaining:
-    return Explaining(
-        explanations=Explanations(database, clock),
-        rules=StoredRules(database),
-        make_grader=lambda: Slot(_BEHIND),
-        clock=clock,
-    )
 
 
 def connections_of_worker(slots: int) -> int:

@@ -11,10 +11,9 @@ from grader.contracts.grading import SyntaxProblem
 from grader.contracts.identity import Caller, Role, is_person_id
 from grader.contracts.outcome import StudentError
 from grader.contracts.submission import NewSubmission, Submission
-from grader.contracts.upload import check_name, check_source, decoded, in_utf8
+from grader.contracts.upload import check_name, check_source, in_utf8
 from grader.formats.packages.bundle import bundled, files_of
 from grader.messages.exceptions import meaning
-from grader.messages.script import ScriptText
 from grader.operation.logs import note
 from grader.render.escape import visible_line
 from grader.use_cases.assignments import is_own, require_published
@@ -231,7 +230,7 @@ def _check_syntax(services: Services, owner: str, source: bytes, file_name: str)
         _log.warning("a file was taken without a look at its syntax: %s", error)
         return  # no fault of the file: grading will look at it again
     if problem is not None:
-        raise _syntax_error(problem, file_name, decoded(source))
+        raise _syntax_error(problem, file_name)
 
 
 def too_large(limit: int) -> RefusedError:
@@ -245,11 +244,11 @@ def too_large(limit: int) -> RefusedError:
     )
 
 
-def _syntax_error(problem: SyntaxProblem, file_name: str, source: str) -> RefusedError:
+def _syntax_error(problem: SyntaxProblem, file_name: str) -> RefusedError:
     kind, _, message = visible_line(problem.message, _LONGEST_LINE).partition(": ")
     shown = f'  File "{file_name}", line {problem.line}\n    {problem.text.strip()}\n'
     error = StudentError(type=kind, message=message or kind, line=problem.line, traceback=shown)
-    _, text = meaning(error, "syntax_error", ScriptText(source))
+    _, text = meaning(error, "syntax_error")
     if "/" in file_name:  # of a package
         text = text.about(file_name)
     return RefusedError(

@@ -218,8 +218,8 @@ def test_a_wrong_launch_file_is_told(slot: Slot, launch: str, said: str) -> None
         (
             "package='my_turtle', executable=",
             "package='my_turtle', node_executable=",
-            "launch_old_keyword",
-            "Write executable",
+            "launch_no_executable",
+            "has no executable",
         ),
         (
             "my_turtle', executable='drive', name",
@@ -227,7 +227,7 @@ def test_a_wrong_launch_file_is_told(slot: Slot, launch: str, said: str) -> None
             "launch_no_executable",
             "has no executable",
         ),
-        ("drive', name='mover'", "drive', node_name='mover'", "launch_old_keyword", "Write name now"),
+        ("drive', name='mover'", "drive', node_name='mover'", "launch_keyword", "no argument node_name"),
         ("package='my_turtle', exec", "package='my_turtel', exec", "unknown_package", "no package my_turtel"),
         ("default_value='3.5'", "default_value=3.5", "launch_number", "in quotes"),
         ("msg=['distance ', ", "msg=['distance ', 3.5, ", "launch_number", "in quotes"),

@@ -71,8 +71,6 @@ class Stop(Node):
 rclpy.init()
 rclpy.spin(Stop())
 """
-LOOP = "node = Stop()\nrate = node.create_rate(10)\nwhile rclpy.ok():\n    node.tick()\n    rate.sleep()"
-SLEEPS = LOOP.replace("rate.sleep()", "__import__('time').sleep(0.1)")
 
 
 @pytest.mark.parametrize(
@@ -80,15 +78,11 @@ SLEEPS = LOOP.replace("rate.sleep()", "__import__('time').sleep(0.1)")
     [
         ("import rclpy\n", "import rclpy\n", (), ""),
         ("ranges[0]", "ranges[180]", ("room_drove_on",), "ranges[0] is straight ahead"),
-        ("ranges[0]", "ranges[360]", ("ranges_index",), "len(msg.ranges)"),
-        ("ranges[0]", "ranges", ("whole_array",), "min(msg.ranges)"),
+        ("ranges[0]", "ranges[360]", ("index_range",), "out of range"),
         ("LaserScan", "PointCloud2", ("not_received",), "The type of /scan is wrong"),
-        ("rclpy.spin(Stop())", LOOP, ("rate_without_spin",), "spin_once"),
-        ("rclpy.spin(Stop())", SLEEPS, ("waits_without_spin",),
-         "spin_once"),
     ],
-    ids=["right", "wrong ray", "no such ray", "all rays", "wrong type", "rate without spin", "loop without spin"],
-)  # fmt: skip
+    ids=["right", "wrong ray", "no such ray", "wrong type"],
+)
 def test_who_reads_the_scan_wrongly_is_told_how(
     grader: Grader, old: str, new: str, mistakes: tuple[str, ...], words: str
 ) -> None:

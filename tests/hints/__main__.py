@@ -1,57 +1,74 @@
-"""``python -m tests.hints``: grade all beginners' scripts with everything real and print what is not as expected.
+"""``python -m tests.hints``: grade and explain all beginners' scripts with everything real, and count hints.
 
-With a part of a file's name (``python -m tests.hints _spin_``) only those; with ``-v`` all hints, to be read. With
-``--obey`` changes are looked for and the first one is obeyed: what is told must gain (precision), and the share of
-scripts for which something is told (coverage) is printed.
+With a part of a file's name (``python -m tests.hints _spin_``) only those; with ``-v`` all hints, to be read. The
+first change is obeyed as a student would: what is told must gain. Where no change is proven, the cause or else the
+report's hint must name one of the expected lines, or be of the expected kind.
 """
 
 import sys
+from collections import Counter
 
 from grader.grading.slot import Slot, SlotConfig
-from tests.hints.beginners import Beginner, answer, beginners
-from tests.hints.obeyed import tried
+from tests.hints.beginners import Answer, Beginner, answer, beginners
+from tests.hints.categories import is_right
+from tests.hints.obeyed import Tried, tried
+
+LEAST_PRECISION = 0.95
+LEAST_COVERAGE = 0.55
+"""Of the hints, those that are right; of the scripts that lack marks, those with a proven change."""
 
 
 def main(*arguments: str) -> int:
-    """Return 0 when every script gets the score and the cause that are expected."""
+    """Return 0 when scores are as expected, every change that is told gains, and both thresholds hold."""
     wanted = [argument for argument in arguments if not argument.startswith("-")]
     chosen = [script for script in beginners() if all(part in script.file for part in wanted)]
-    if "--obey" in arguments:
-        return obey(chosen, tells_all="-v" in arguments)
-    wrong = 0
+    counts: Counter[str] = Counter()
     with Slot(SlotConfig()) as slot:
         for script in chosen:
             given = answer(slot, script)
-            faults = given.faults(script)
-            wrong += bool(faults)
-            if faults or "-v" in arguments:
-                print(
-                    f"{script.file}: {'; '.join(faults) or 'as expected'}\n  {given.en}\n  {given.zh}",
-                    flush=True,
-                )
-    print(f"{len(chosen)} scripts, {wrong} not as expected")
-    return int(wrong > 0)
+            one = tried(slot, script) if script.verdict == "wrong" else None
+            kinds = _judged(script, given, one)
+            counts.update(kinds)
+            if {"fault", "worse", "misleading"} & set(kinds) or "-v" in arguments:
+                print(f"{script.file}: {', '.join(kinds)}; {_told(given, one)}", flush=True)
+    said, lacking = counts["right"] + counts["misleading"], counts["lacking"]
+    precision = counts["right"] / said if said else 1.0
+    coverage = counts["proven"] / lacking if lacking else 1.0
+    print(f"{len(chosen)} scripts, {counts['fault']} not as expected; {lacking} lack marks:")
+    print(f"{counts['proven']} with a proven change ({coverage:.0%}), {counts['full']} end at 100,")
+    print(f"{counts['worse']} do not gain when obeyed; {counts['stated']} with a stated cause;")
+    print(f"{said} hints, {precision:.1%} right")
+    holds = precision >= LEAST_PRECISION and coverage >= LEAST_COVERAGE
+    return int(not holds or counts["worse"] > 0 or counts["fault"] > 0)
 
 
-def obey(chosen: list[Beginner], *, tells_all: bool) -> int:
-    """Print what obeying the first changes comes to; return 0 when every change that is told gains."""
-    seen = told = gains = full = 0
-    with Slot(SlotConfig()) as slot:
-        for script in chosen:
-            one = tried(slot, script)
-            if one is None or script.verdict != "wrong":
-                continue
-            seen += 1
-            told += one.after is not None
-            gains += one.gains is True
-            full += one.last == 100
-            if one.gains is False or tells_all:
-                codes = ", ".join(change.code for change in one.explanation.changes) or "nothing"
-                print(f"{script.file}: {one.before:g} -> {one.after} -> {one.last:g}, {codes}", flush=True)
-    print(
-        f"{seen} scripts that lack marks: {told} with a change, {gains} gain when it is obeyed, {full} end at 100"
-    )
-    return int(gains < told)
+def _judged(script: Beginner, given: Answer, one: Tried | None) -> list[str]:
+    """Return what is to be counted of one script."""
+    kinds = ["fault"] if given.faults(script) else []
+    if one is None:
+        return kinds
+    kinds.append("lacking")
+    if one.gains is not None:
+        kinds += ["proven", "right" if one.gains else "worse"]
+        return [*kinds, "full"] if one.last == one.most else kinds
+    cause = one.explanation.cause
+    kinds += ["stated"] if cause is not None else []
+    if cause is not None and is_right(
+        script.category, script.lines, cause.code, cause.text.en, given.crashed
+    ):
+        return [*kinds, "right"]
+    if is_right(script.category, script.lines, given.cause, given.en, given.crashed):
+        return [*kinds, "right"]
+    return [*kinds, "misleading"]
+
+
+def _told(given: Answer, one: Tried | None) -> str:
+    if one is not None and one.explanation.changes:
+        first = one.explanation.changes[0]
+        return f"{first.text.en} ({one.before:g} -> {one.after:g} -> {one.last:g})"
+    if one is not None and one.explanation.cause is not None:
+        return f"{one.explanation.cause.text.en} | {given.en}"
+    return given.en
 
 
 if __name__ == "__main__":

@@ -30,6 +30,7 @@ class Tried:
 
     before: float
     last: float
+    most: float
     explanation: Explanation
     after: float | None
 
@@ -57,6 +58,6 @@ def tried(slot: Slot, script: Beginner) -> Tried | None:
         return None
     explanation = slot.explain(GradingJob(file_name=script.file, source=script.source, assignment=task))
     if not explanation.changes:
-        return Tried(before.score, before.score, explanation, None)
+        return Tried(before.score, before.score, before.max_score, explanation, None)
     after = graded(obeyed(decoded(script.source), explanation.changes[0]).encode())
-    return Tried(before.score, explanation.changes[-1].after, explanation, after.score)
+    return Tried(before.score, explanation.changes[-1].after, before.max_score, explanation, after.score)

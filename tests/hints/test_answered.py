@@ -26,10 +26,9 @@ CHANGES = {  # file: assignment, kind of the first change, line, what it comes t
     "o01_oct_range6": ("octagon", "count", 86, 100),
     "a42_pent_range3": ("pentagon", "count", 86, 100),
     "b22_tri_range2": ("triangle", "count", 86, 100),
+    "a70_keyword": ("hello", "syntax", 28, 70),
 }
 CAUSES = {  # file: assignment, code, a word that stands in both texts
-    "q41_timer_in_callback": ("square", "timer_in_callback", "17"),
-    "a70_keyword": ("hello", "keyword_as_name", "class"),
     "r01_spawn_only_publishes_pose2d": ("square", "no_publisher", "/turtle1/cmd_vel"),
     "r02_never_published_on_other_topic": ("square", "nothing_sent", "/robot/cmd_vel"),
     "r03_kill_turtle1_drive_turtle2": ("square", "turtle_killed", "turtle1"),
@@ -64,6 +63,14 @@ def test_where_no_change_can_be_tried_the_cause_is_told(
     assert report.mistakes[0] == code
     assert word in report.hint.zh
     assert word in report.hint.en
+
+
+def test_a_timer_made_in_a_callback_is_stated_with_its_line(slot: Slot) -> None:
+    source = (FOLDER / "q41_timer_in_callback.py").read_bytes()
+    job = GradingJob(file_name="script.py", source=source, assignment=catalog().get("square"))
+    cause = slot.explain(job).cause
+    assert cause is not None
+    assert (cause.code, cause.line) == ("timer_in_callback", 17)
 
 
 @pytest.mark.parametrize("script", SAMPLE, ids=lambda script: script.file)

@@ -23,13 +23,11 @@ from grader.checks.expectations.verdict import (
     wanted_of,
 )
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import without_added_node
 from grader.contracts.conversation import Expectation, Sent, Step, Values, clip, plain_parameter, shown
 from grader.contracts.outcome import RunStatus
 from grader.contracts.text import EMPTY, Text
 from grader.messages import join, say
 from grader.messages.quantity import number
-from grader.messages.script import ScriptText
 
 _AND = Text(zh="；", en="; ")
 _OWN_TYPES: Final = ("rcl_interfaces/", "lifecycle_msgs/", "action_msgs/")
@@ -122,8 +120,7 @@ def _unanswered(step: Step, exchanges: Sequence[Sent], evidence: Evidence) -> Mi
         return mistake(
             "answers_missing", name=step.target, count=len(exchanges), done=done, took=_pace(exchanges)
         )
-    idle = without_added_node(ScriptText(evidence.run.source))
-    return idle or mistake("service_silent", service=step.target)
+    return mistake("service_silent", service=step.target)
 
 
 def _pace(exchanges: Sequence[Sent]) -> str:

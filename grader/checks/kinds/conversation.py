@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from grader.checks.measure import Check, Measure, MeasureKind, Measures, Mistake, mistake
-from grader.checks.mistakes import ended_at_once, script_mistakes, without_node
+from grader.checks.mistakes import script_mistakes, without_node
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
 from grader.contracts.outcome import LogRecord, RunOutcome, RunStatus
@@ -11,7 +11,6 @@ from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
 from grader.messages import say
 from grader.messages.quantity import number
-from grader.messages.script import ScriptText
 
 MEASURES = {
     "nodes": MeasureKind(form="count", of="node"),
@@ -64,17 +63,15 @@ def node_mistakes(run: Run) -> tuple[Mistake, ...]:
         interrupted = outcome.status is RunStatus.INTERRUPTED
         found.append(mistake("init_without_node") if interrupted else without_node(run))
     elif outcome.nodes:
-        early = ended_at_once(run) if outcome.status is RunStatus.FINISHED else None
-        found += [early] if early is not None else _logging(run)
-        if early is None and outcome.status is RunStatus.FINISHED:
+        found += _logging(run)
+        if outcome.status is RunStatus.FINISHED:
             ended = number(outcome.duration_ns / 1e9, "s")
             found.append(mistake("not_spinning", ("alive",), ended=ended))
     return tuple(found)
 
 
 def _logging(run: Run) -> Iterator[Mistake]:
-    outcome, script = run.outcome, ScriptText(run.source)
-    written = script.lines_with(r"\bget_logger\(\)\.\w+\(")
+    outcome = run.outcome
     heard = _heard(outcome)
     if any(record.level_name == "INFO" for record in heard):
         return
@@ -83,10 +80,6 @@ def _logging(run: Run) -> Iterator[Mistake]:
         yield mistake("wrong_level", ("info_logs",), levels=", ".join(levels))
     elif outcome.stdout.text.strip():
         yield mistake("printed", ("info_logs",))
-    elif written and script.lines_with(r"\bget_logger\(\)\.debug\(") == written:
-        yield mistake("wrong_level", ("info_logs",), levels="DEBUG")  # not shown unless asked for
-    elif outcome.status in (RunStatus.FINISHED, RunStatus.INTERRUPTED) and written:
-        yield mistake("log_not_reached", ("info_logs",), line=written[0])
     elif outcome.status in (RunStatus.FINISHED, RunStatus.INTERRUPTED):
         yield mistake("never_logged", ("info_logs",))
 

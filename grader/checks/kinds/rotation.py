@@ -7,7 +7,7 @@ import numpy as np
 
 from grader.checks.drive import FAST_TURN_RADPS, Drive, commanded_at_end, drive_of, fastest_radps, moves_of
 from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake, mistake
-from grader.checks.mistakes import command_mistakes, driving_mistakes, steers
+from grader.checks.mistakes import command_mistakes, driving_mistakes
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel
@@ -16,7 +16,6 @@ from grader.geometry import exact
 from grader.geometry.path import Path, segment
 from grader.messages import say
 from grader.messages.quantity import number
-from grader.messages.script import ScriptText
 
 MAX_STARTS = 200  # samples at which a part of the path may begin: to try all costs the square of their number
 PLACE_M = 0.2  # a turn that stays within this distance of where it began counts in full
@@ -139,13 +138,6 @@ def _strayed(turned: float, drift: float, drive: Drive, spoilt: tuple[str, ...])
     return mistake("circling", spoilt, radius=radius, drift=distance)
 
 
-def _adds_up(run: Run) -> bool:
-    """Whether the script adds up folded changes, as it should: then something else ended the turn."""
-    script = ScriptText(run.source)
-    folds = script.lines_with(r"\bsin\(|\bremainder\(|\bwrap|\bnormali[sz]e|[<>]=? ?-?(math|np)\.pi\b")
-    return bool(folds and script.lines_with(r"\+=|(?<![\w.])([\w.]+) ?= ?\1 ?\+"))
-
-
 def _short_turn(turned: float, drive: Drive, run: Run) -> Iterator[Mistake]:
     """Say why the car turned too little."""
     angle = number(turned, "deg")
@@ -155,7 +147,7 @@ def _short_turn(turned: float, drive: Drive, run: Run) -> Iterator[Mistake]:
         return
     held = commanded_at_end(run)
     slow = drive.cut_short or (held is not None and held.w_radps != 0.0)
-    if not slow and steers(run) and not _adds_up(run):
+    if not slow and any(name.endswith("/pose") for name in run.outcome.heard):
         yield mistake("turn_too_short_by_pose", ("turned_deg",), turned=angle)
         return
     codes = {} if slow else {math.degrees(1.0): ("turned_one_radian", 2.0), 180.0: ("half_turn", SAME_DEG)}

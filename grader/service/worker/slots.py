@@ -25,7 +25,6 @@ from grader.contracts.submission import Claim, SubmissionState
 from grader.grading.slot import Slot
 from grader.operation.logs import about
 from grader.service.worker.examiner import Uploads
-from grader.service.worker.explainer import Explaining
 from grader.store.clock import Clock
 from grader.store.queue import Finished, Queue
 from grader.store.work import Doorbell
@@ -66,7 +65,6 @@ class WorkerParts:
         probe: tries the sandbox of this host; called before work is taken, and again while it is not ready.
         metrics: count how gradings went.
         uploads: assignments whose scripts are to be run; by default that is left to other workers.
-        explaining: what explains marks; by default other workers do.
     """
 
     queue: Queue
@@ -78,7 +76,6 @@ class WorkerParts:
     clock: Clock
     metrics: GradingCounts
     uploads: Uploads | None = None
-    explaining: Explaining | None = None
 
 
 class SandboxHealth:

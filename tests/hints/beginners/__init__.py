@@ -1,8 +1,9 @@
 """Scripts as beginners write them from the course's text, each with what is wrong, and what a teacher expects.
 
 `expected.tsv` names for each the verdict (right, harmless or wrong), the lowest and the highest score that a
-teacher would give, the code of the mistake that must be told first (``refused``: not taken), and in
-words what is wrong and what the first hint should say; `reason` where the score is not what one would guess.
+teacher would give, the kind of cause (`tests.hints.categories`; ``refused``: not taken), the lines that a hint may
+name, and in words what is wrong and what the first hint should say; `reason` where the score is not what one would
+guess.
 
 A script is a file in `scripts`, or an entry in `changes.yaml` if it is close to an earlier one.
 """
@@ -19,12 +20,14 @@ from grader.catalog.attempts import changed, edits_of
 from grader.contracts.assignment import SUFFIXES
 from grader.contracts.errors import RefusedError
 from grader.contracts.grading import Grader
+from grader.contracts.outcome import RunStatus
 from grader.contracts.text import EMPTY
 from grader.contracts.upload import check_name, check_source
 from tests.e2e.grading_slot import catalog, grade
 
 FOLDER = Path(__file__).parent
 REFUSED = "refused"
+_ERRORS = (RunStatus.CRASHED, RunStatus.SYNTAX_ERROR)
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,8 @@ class Beginner:
     verdict: str
     lowest: float
     highest: float
-    cause: str
+    category: str
+    lines: frozenset[int]
     what_is_wrong: str
     first_hint: str
 
@@ -51,20 +55,21 @@ class Beginner:
 
 @dataclass(frozen=True)
 class Answer:
-    """What the grader says of a script: score, code of the first mistake, hint in both languages."""
+    """What the report says of a script: score, code of the first mistake, hint in both languages, how it ended."""
 
     score: float
     cause: str
     zh: str
     en: str
+    crashed: bool = False
 
     def faults(self, expected: Beginner) -> list[str]:
         """Return in which points the answer is not what a teacher would say."""
         told = []
         if not expected.lowest <= self.score <= expected.highest:
             told.append(f"{self.score} points, not {expected.lowest:g} to {expected.highest:g}")
-        if self.cause != expected.cause:
-            told.append(f"told {self.cause or 'nothing'} first, not {expected.cause or 'nothing'}")
+        if bool(self.cause) != bool(expected.category):
+            told.append(f"told {self.cause or 'nothing'} first, not {expected.category or 'nothing'}")
         if bool(self.zh) != bool(self.en):
             told.append("a hint in one language only")
         return told
@@ -88,7 +93,8 @@ def beginners() -> list[Beginner]:
             verdict=row["verdict"],
             lowest=float(row["lowest"]),
             highest=float(row["highest"]),
-            cause=row["cause"],
+            category=row["category"],
+            lines=frozenset(map(int, row["lines"].split())),
             what_is_wrong=row["what_is_wrong"],
             first_hint=row["first_hint"],
         )
@@ -105,4 +111,5 @@ def answer(grader: Grader, script: Beginner) -> Answer:
         told = refused.detail or EMPTY
         return Answer(0.0, REFUSED, told.zh, told.en)
     report = grade(grader, script.assignment, script.source, script.file)
-    return Answer(report.score, (*report.mistakes, "")[0], report.hint.zh, report.hint.en)
+    crashed = any(run.outcome.status in _ERRORS for run in report.runs)
+    return Answer(report.score, (*report.mistakes, "")[0], report.hint.zh, report.hint.en, crashed)

@@ -59,31 +59,3 @@ def test_a_crash_is_named_with_its_line() -> None:
     assert scoring.mistakes[0] == "crashed"
     assert "12" in scoring.hint.zh
     assert item(scoring, "alive").earned == 0
-
-
-TICKED = "create_timer(1.0, tick)\ndef tick():\n    log()\n    bye()\n"
-CAUGHT = (
-    "rclpy.init()\ntry:\n    node = Hello()\n    rclpy.spin(node)\nexcept Exception as e:\n    {told}\n{more}"
-)
-
-
-@pytest.mark.parametrize(
-    ("told", "more", "mistake"),
-    [
-        ("print(e)", "", "error_hidden"),
-        ("pass", "", "error_hidden"),
-        ("raise", "", "not_spinning"),
-        ("pass", "def stop():\n    raise SystemExit\n", "not_spinning"),
-        ("pass", "def bye():\n    rclpy.shutdown()\n", "error_hidden"),
-        ("pass", f"{TICKED}def bye():\n    rclpy.shutdown()\n", "not_spinning"),
-        ("pass", "create_timer(1.0, lambda: rclpy.shutdown())\n", "not_spinning"),
-    ],
-)
-def test_an_error_that_an_except_caught_is_told_before_the_early_end(
-    told: str, more: str, mistake: str
-) -> None:
-    outcome = RunOutcome(status=RunStatus.FINISHED, duration_ns=10_000, nodes=("/a",), logs=(INFO,))
-    run = Run(
-        trajectory=drive([], horizon_s=5.0), outcome=outcome, source=CAUGHT.format(told=told, more=more)
-    )
-    assert evaluate(assignment("hello"), [run]).mistakes == (mistake,)

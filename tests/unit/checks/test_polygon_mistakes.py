@@ -218,24 +218,14 @@ def test_little_turns_that_lead_into_a_wall_come_before_the_wall() -> None:
     assert "22.9°" in scoring.hint.en
 
 
-@pytest.mark.parametrize(
-    ("line", "words"),
-    [
-        ("while self.pose.theta < target:", "ends by the heading"),
-        ("turned += abs(msg.theta - last)", "ends by the heading"),
-        ("self.theta = msg.theta", "turn rate"),
-        ("print(f'{self.pose.theta:.2f}')", "turn rate"),
-    ],
-)
-def test_corners_are_no_matter_of_times_where_the_heading_ends_the_turns(line: str, words: str) -> None:
-    assert words in by_pose(polygon_legs(4, corners_deg=[80.0] * 4), source=line).hint.en
+def test_corners_are_no_matter_of_times_where_the_heading_may_end_the_turns() -> None:
+    assert "ends by the heading" in by_pose(polygon_legs(4, corners_deg=[80.0] * 4)).hint.en
 
 
 def test_one_side_that_was_corrected_on_its_way_is_one_side() -> None:
     corrected: list[Leg] = [(1.0, 1.0, 0.0), (0.2, 1.0, 0.2), (0.2, 1.0, -0.2), (0.6, 1.0, 0.0)]
     scoring = by_pose(corrected)
-    assert scoring.mistakes[0] == "sides_missing_by_timer"
-    assert "once for each side" in scoring.hint.en
+    assert scoring.mistakes[0] == "sides_missing"
 
 
 def test_a_fast_turn_by_pose_is_neither_degrees_nor_endless() -> None:
@@ -243,30 +233,9 @@ def test_a_fast_turn_by_pose_is_neither_degrees_nor_endless() -> None:
     assert not {"degrees_as_radians", "endless_turn_by_pose"} & set(fast.mistakes)
 
 
-def with_source(
-    name: str, trajectory: Trajectory, source: str, status: RunStatus = RunStatus.FINISHED
-) -> Scoring:
-    return evaluate(assignment(name), [replace(run_of(trajectory, status), source=source)])
-
-
 def at_wall(legs: list[Leg], hit_s: float) -> Trajectory:
     hit_ns = round(hit_s * 1e9)
     return replace(drive(legs), contacts=(Contact(wall="right", start_ns=hit_ns, end_ns=hit_ns + 1),))
-
-
-@pytest.mark.parametrize(
-    ("source", "horizon_s", "code"),
-    [
-        ("msg.angular.z = 1.0", 60.0, "side_never_ends"),
-        ("msg.angular.z = 0.0", 60.0, "no_turns"),  # nothing in it ever turns
-        ("msg.angular.z = 1.0", 70.0, "no_turns"),  # the drive was over before
-    ],
-)
-def test_a_first_side_without_end_is_told_from_a_missing_turn(
-    source: str, horizon_s: float, code: str
-) -> None:
-    track = drive([(60.0, 1.0, 0.0)], horizon_s=horizon_s)
-    assert with_source("square", track, source, RunStatus.INTERRUPTED).mistakes[0] == code
 
 
 def test_several_drives_after_the_last_turn_are_told_before_the_wall_they_lead_to() -> None:
@@ -294,24 +263,14 @@ def test_tiny_corners_are_no_arcs_of_a_car_that_slips() -> None:
     assert graded("square", tiny).mistakes[0] == "turns_too_short"
 
 
-@pytest.mark.parametrize(
-    ("source", "over", "code"),
-    [
-        ("m.angular.z = v", True, "no_drive"),
-        ("m.linear.x = v\nm.angular.z = w", True, "no_drive"),
-        ("", True, "no_drive"),
-        ("m.angular.z = v", False, "no_drive"),
-        ("m.linear.x = v\nm.angular.z = w", False, "endless_turn"),
-        ("", False, "endless_turn"),
-    ],
-)
-def test_a_script_that_never_drives_is_told_to_drive(source: str, over: bool, code: str) -> None:
+@pytest.mark.parametrize(("over", "code"), [(True, "no_drive"), (False, "endless_turn")])
+def test_a_script_that_never_drives_is_told_to_drive(over: bool, code: str) -> None:
     """A turn that lasts to the end of the run may be all that kept it from driving."""
     turning, status = drive([(14.0, 0.0, 1.0), (0.2, 0.0, 0.0)]), RunStatus.FINISHED
     if not over:
         turning = replace(turning, commands=tuple(one for one in turning.commands if one.w_radps))
         status = RunStatus.INTERRUPTED
-    assert with_source("square", turning, source, status).mistakes[0] == code
+    assert evaluate(assignment("square"), [run_of(turning, status)]).mistakes[0] == code
 
 
 def test_sides_that_were_backed_in_turn_are_told_before_the_corners_they_draw() -> None:

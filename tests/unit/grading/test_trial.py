@@ -66,9 +66,30 @@ def test_the_same_script_gets_the_same_explanation(slot: Slot) -> None:
     assert explained(slot, wrong) == explained(slot, wrong)
 
 
-def test_full_marks_and_what_is_no_python_cost_no_trial(slot: Slot) -> None:
+def test_full_marks_cost_no_trial_and_prose_gets_no_change(slot: Slot) -> None:
     assert explained(slot, SQUARE) == Explanation()
-    assert explained(slot, "for\n") == Explanation()
+    assert explained(slot, "for\n").changes == ()
+
+
+def test_a_line_that_is_no_python_is_rewritten(slot: Slot) -> None:
+    wrong = SQUARE.replace("range(4):", "range(4)：", 1)
+    explanation = explained(slot, wrong)
+    assert [one.code for one in explanation.changes] == ["syntax"]
+    assert obeyed(wrong, explanation) == SQUARE
+
+
+def test_two_errors_that_gain_only_together_are_told_as_one_change(slot: Slot) -> None:
+    wrong = SQUARE.replace("import time\n", "", 1).replace("def __init__(self):", "def __init__(self)：", 1)
+    (change,) = explained(slot, wrong).changes
+    assert (change.code, change.before, change.after) == ("syntax", 0, 100)
+    assert "import time" in change.text.en
+
+
+def test_what_is_not_proven_is_stated_with_its_line(slot: Slot) -> None:
+    cause = explained(slot, SQUARE.replace("__name__ == '__main__'", "__name__ == 'main'")).cause
+    assert cause is not None
+    assert cause.code == "never_true"
+    assert str(cause.line) in cause.text.en
 
 
 FORGERIES = {

@@ -33,7 +33,6 @@ from grader.contracts.text import Text
 from grader.contracts.trajectory import Trajectory
 from grader.messages import say
 from grader.messages.quantity import number
-from grader.messages.script import ScriptText
 
 FULL_CIRCLE_DEG = 350.0  # from here on an arc is called a circle
 BEGUN_SHARE = 0.05  # of the size: a drive this near to the first part is that part, and no more
@@ -404,9 +403,8 @@ def _ending(seen: _Seen) -> Iterator[Mistake]:
         yield mistake("approach", ("gap_pct",), distance=number(seen.figure.approach_m, "m"))
     if seen.figure.repeated:
         return
-    publisher = ScriptText(seen.run.source).publisher_name
     if seen.drive.moving_at_end:
-        yield mistake("never_stops", ("settled",), publisher=publisher)
+        yield mistake("never_stops", ("settled",))
     elif seen.figure.overrun:
         after_m = float(np.max(seen.drive.path.along_m)) - seen.figure.end_m
         spoilt = ("settled", "gap_pct", "off_pct")

@@ -8,7 +8,7 @@ import numpy as np
 from grader.checks.drive import Drive, share_backwards
 from grader.checks.kinds.places.visits import Visit, Way, entered, outside_of
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import command_mistakes, loop_in_callback, only_turned, swings
+from grader.checks.mistakes import command_mistakes, only_turned, swings
 from grader.checks.scoring import fits
 from grader.checks.surroundings import name_of
 from grader.contracts.assignment import Assignment, outside_m
@@ -17,12 +17,10 @@ from grader.contracts.text import EMPTY, Text
 from grader.geometry import exact
 from grader.messages import say
 from grader.messages.quantity import number
-from grader.messages.script import ScriptText
 
 _GOAL_MEASURES = ("reached", "reached_pct", "missed_m", "time_s", "detour_pct")
 _END_MEASURES = ("end_off_m", "heading_error_deg")
 _WRONG_WAY = (
-    "loop_in_callback",
     "path_backwards",
     "place_no_feedback",
     "place_away",
@@ -67,7 +65,7 @@ def place_mistakes(
         yield from only_turned(run, _DRIVE_MEASURES)
         yield from touched  # otherwise `command_mistakes` says to drive; where to is the next question
     else:
-        cause = loop_in_callback(run) or _missed(assignment, run, drive, way, visits)
+        cause = _missed(assignment, run, drive, way, visits)
         # A car on the wrong way met the wall because of it; otherwise the wall may be why the goal was missed.
         yield from [cause, *touched] if cause.code in _WRONG_WAY else [*touched, cause]
 
@@ -227,8 +225,7 @@ def _ending(
 ) -> Iterator[Mistake]:
     """Say what was wrong after the car had visited all goals."""
     if drive.moving_at_end:
-        publisher = ScriptText(run.source).publisher_name
-        yield mistake("place_never_stops", ("settled", *_END_MEASURES), publisher=publisher)
+        yield mistake("place_never_stops", ("settled", *_END_MEASURES))
         return
     off_m = _final_distance_m(way, visits[-1])
     if fits(assignment, "end_off_m", off_m) is False:

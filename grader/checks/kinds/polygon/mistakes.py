@@ -27,12 +27,9 @@ from grader.checks.mistakes import (
     MANY_MOTIONS,
     TOO_BRIEF_NS,
     command_mistakes,
-    defined_twice,
-    loop_in_callback,
     no_final_stop,
     noted,
     only_turned,
-    steers,
     swings,
 )
 from grader.checks.scoring import fits
@@ -46,7 +43,6 @@ from grader.geometry.figure import PolygonFigure
 from grader.geometry.path import MIN_TURN_RAD, median
 from grader.messages import say
 from grader.messages.quantity import listed, number
-from grader.messages.script import NOT_ZERO, ScriptText
 
 ONE_RADIAN_DEG = math.degrees(1.0)
 NEAR_DEG = 6.0  # corners this close to the wanted ones show that this figure was meant
@@ -63,7 +59,6 @@ _DRIVES = ("distance_m", *_LENGTHS, "gap_pct")
 _EQUAL_DRIVES = ("distance_m", "side_error_pct")
 _EQUAL_RATIO = 1.02  # of the longest to the shortest drive: a third of what costs points
 _SHAPE = ("sides", "corner_deg", *_LENGTHS, "gap_pct", "curved_pct", "opposite_corners", "settled")
-_TURN_WRITTEN = rf"\.angular\.z ?{NOT_ZERO}"
 _FAR_OFF_DEG = 15.0  # turns this much too short lead the car away from the wanted figure
 _CORNER_RAD = math.radians(30.0)  # less is a correction of the heading on the way
 _LONGER = 1.5  # times the first side: otherwise all sides may just be too long
@@ -98,8 +93,8 @@ class _Seen:
 
     @property
     def steers(self) -> bool:
-        """Whether the script computes or compares with the heading that it hears."""
-        return steers(self.run)
+        """Whether the script hears where the car is, so that it may steer by that."""
+        return any(name.endswith("/pose") for name in self.run.outcome.heard)
 
     @property
     def ideal_deg(self) -> float:
@@ -122,8 +117,7 @@ def polygon_mistakes(
     seen = _Seen(assignment, run, wanted, driven)
     if noted(run.outcome, "lateral_command") is None:  # or a figure was meant to be driven sideways
         yield from _never_turned(seen)
-    turned = list(only_turned(run, ("distance_m", *_SHAPE)))
-    yield from turned if _never_drives(run) else list(_degrees(seen)) or turned
+    yield from list(_degrees(seen)) or only_turned(run, ("distance_m", *_SHAPE))
     yield from _kept_driving(seen)
     yield from _kept_turning(seen)
     yield from command_mistakes(run, assignment.world, turns=_TURNS, drives=_spoilt_by_short_drives(run))
@@ -140,13 +134,6 @@ def polygon_mistakes(
     yield from _shape(seen)
     if not cut:
         yield from _ending(seen)
-
-
-def _never_drives(run: Run) -> bool:
-    """Whether the script's text has no linear speed that is not 0."""
-    written = rf"\.linear\.x ?[-+]?{NOT_ZERO}|\blinear ?=(?!=)|\bVector3\("
-    script = ScriptText(run.source)
-    return script.has_code and script.is_short and not script.lines_with(written)
 
 
 def _drives_m(run: Run, since_ns: int = 0) -> list[float]:
@@ -182,16 +169,10 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
         if math.degrees(float(np.ptp(seen.driven.drive.path.heading_rad))) > SAME_DEG:
             return  # turned by turtlesim's own action
         if not _on_first_side(seen):
-            closer = loop_in_callback(seen.run) or defined_twice(seen.run)
             once = times_begun(map(is_motion, commands)) == 1
-            if closer is None and once and contacts and _goes_on(seen, contacts[0].start_ns):
+            if once and contacts and _goes_on(seen, contacts[0].start_ns):
                 return  # `_wall` says what by pose never ended
-            if closer is None and _drives_to_the_end(seen):
-                closer = mistake(
-                    "side_never_ends", _SHAPE, time=number(seen.run.outcome.duration_ns / 1e9, "s")
-                )
-            code = "no_turns_by_pose" if seen.steers else "no_turns"
-            yield closer or mistake(code, _SHAPE, ideal=_degree(seen.ideal_deg), sides=seen.sides)
+            yield mistake("no_turns", _SHAPE, ideal=_degree(seen.ideal_deg), sides=seen.sides)
         return
     drives = times_begun(is_motion(command) for command in commands if command.t_ns < turning[0])
     hit = bool(contacts) and contacts[0].start_ns <= turning[0]
@@ -204,16 +185,6 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
         wall = say("detail.wall_hit") if hit else EMPTY
         ideal = _degree(seen.ideal_deg)
         yield mistake("turns_behind_loop", _SHAPE, count=drives, wall=wall, ideal=ideal, sides=seen.sides)
-
-
-def _drives_to_the_end(seen: _Seen) -> bool:
-    """Whether one drive was commanded from the beginning to the end of the run, by a script that has a turn."""
-    commands, outcome = seen.run.trajectory.commands, seen.run.outcome
-    lasts = bool(commands) and is_motion(commands[-1]) and times_begun(map(is_motion, commands)) == 1
-    on_time = outcome.status is RunStatus.INTERRUPTED and any(
-        until_ns >= outcome.duration_ns for _, until_ns in with_ends(seen.run.trajectory)[-1:]
-    )
-    return lasts and on_time and bool(ScriptText(seen.run.source).lines_with(_TURN_WRITTEN))
 
 
 def _on_first_side(seen: _Seen) -> bool:
@@ -338,9 +309,7 @@ def _drives_since_turn(seen: _Seen, hit_ns: int) -> int:
 
 def _goes_on(seen: _Seen, hit_ns: int) -> bool:
     """Whether a script that steers by the pose drove into a wall in its first side, or in a much longer one."""
-    run = seen.run
-    heard = any(name.endswith("/pose") for name in run.outcome.heard)
-    if not heard or not ScriptText(run.source).lines_with(r"\.(x|theta)\b"):
+    if not seen.steers:
         return False
     path, until = seen.driven.drive.path, int(np.searchsorted(seen.driven.drive.t_ns, hit_ns))
     headings, along = path.heading_rad[: until + 1], path.along_m[: until + 1]
@@ -359,7 +328,7 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
         (abs(turn.angle_rad) for turn in seen.driven.segments.turns if turn is not None), default=0.0
     )
     unfinished = seen.driven.figure is None or len(seen.driven.figure.sides_m) < seen.sides
-    by_pose = seen.run.outcome.hears and bool(ScriptText(seen.run.source).lines_with(r"\.theta\b"))
+    by_pose = seen.steers
     if fastest >= (_FAST_BY_POSE_RADPS if by_pose else FAST_TURN_RADPS):
         yield mistake("degrees_as_radians", _SHAPE, rate=number(fastest, ""), ideal=_degree(seen.ideal_deg))
     elif (
@@ -409,7 +378,7 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
         if float(seen.driven.drive.path.along_m[-1]) > 0.1 and _circling(seen):
             yield mistake("arcs_by_pose" if seen.steers else "arcs", _SHAPE, share="100 %")
         elif _is_one_side(seen):
-            yield mistake(_too_few(seen.run), ("sides", "gap_pct", "settled"), count=1, sides=seen.sides)
+            yield mistake("sides_missing", ("sides", "gap_pct", "settled"), count=1, sides=seen.sides)
         return
     if figure.curved_share > MOSTLY_ROUND_SHARE or (
         _drives_blindly(seen) and not (seen.steers and _is_beyond_slip(seen, figure))
@@ -433,13 +402,6 @@ def _is_one_side(seen: _Seen) -> bool:
     straight = float(np.ptp(headings)) < _CORNER_RAD and float(drive.path.along_m[-1]) > _SEEN_M
     turned = any(map(is_turn, moves_of(seen.run.trajectory)))
     return straight and turned and not drive.cut_short and not seen.run.trajectory.contacts
-
-
-def _too_few(run: Run) -> str:
-    """Return the mistake of missing sides in words that fit the script: a timer counts, or a loop does."""
-    script = ScriptText(run.source)
-    by_timer = script.callbacks("timer") and not script.lines_with(r"^[ \t]*for\b")
-    return "sides_missing_by_timer" if by_timer else "sides_missing"
 
 
 def _drives_blindly(seen: _Seen) -> bool:
@@ -483,8 +445,7 @@ def _astray(seen: _Seen, figure: PolygonFigure) -> Mistake:
 def _long_way(seen: _Seen, values: Mapping[str, object]) -> Mistake:
     """Recognise corners that go the long way round: by a wrong difference of angles, or for too long."""
     turned_deg = seen.driven.turned_deg
-    by_pose = seen.run.outcome.hears and bool(ScriptText(seen.run.source).lines_with(r"\btheta\b"))
-    if by_pose or not seen.driven.long_way.all():
+    if seen.steers or not seen.driven.long_way.all():
         return mistake("long_way", ("opposite_corners",), turned=listed(turned_deg, "deg"), **values)
     turned = listed(np.abs(turned_deg), "deg")
     return mistake("long_way_by_time", ("opposite_corners",), turned=turned, **values)
@@ -596,7 +557,7 @@ def _count(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         yield joined
         return
     code = (
-        ("too_slow" if seen.driven.drive.cut_short else _too_few(seen.run))
+        ("too_slow" if seen.driven.drive.cut_short else "sides_missing")
         if count < seen.sides
         else "sides_extra"
     )
@@ -681,11 +642,7 @@ def _ending(seen: _Seen) -> Iterator[Mistake]:
         lasting = ("settled", "sides", "gap_pct")
         yield swings(seen.run, lasting) or mistake("never_finished", lasting)
     elif (overrun and drive.cut_short) or (not repeated and drive.moving_at_end):
-        yield mistake(
-            "never_stops",
-            ("settled", "sides", "gap_pct"),
-            publisher=ScriptText(seen.run.source).publisher_name,
-        )
+        yield mistake("never_stops", ("settled", "sides", "gap_pct"))
     elif figure is not None and overrun:
         after_m = float(drive.path.along_m[-1] - drive.path.along_m[figure.end])
         yield mistake("drove_on", ("settled", "gap_pct"), distance=number(after_m, "m"))

@@ -96,7 +96,8 @@ class Ledger:
         """Send what was taken down."""
         ran = sorted(self.ran)[:MOST_LINES]
         with contextlib.suppress(Exception):  # the script may have changed what this is made of
-            _send(LEDGER, {"ran": ran, "motions": self.motions, "end": self.stopped})
+            whole = self._left >= 0 and len(ran) < MOST_LINES
+            _send(LEDGER, {"ran": ran, "motions": self.motions, "end": self.stopped, "whole": whole})
 
     def _enter(self, frame: FrameType, event: str, argument: object) -> Any:
         return self._step if script.owns(frame.f_code.co_filename) else None

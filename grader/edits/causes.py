@@ -1,0 +1,314 @@
+"""What the traced run shows of a script's fault, with the line: told where no change of the script was proven.
+
+Each explainer states what was measured. It proposes nothing, and is silent where the tree and the ledger leave
+more than one reason. `stated_cause` returns the first that speaks.
+"""
+
+import ast
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Final
+
+from grader.contracts.outcome import RunStatus
+from grader.edits.received import Motion
+from grader.edits.situation import Driven, Situation
+from grader.edits.slices import assignments, calls_of, dotted
+from grader.edits.tree import ParsedScript
+
+_Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
+_MAKERS: Final = ("create_timer", "create_subscription", "create_service", "create_client", "Thread", "Timer")
+_WORK: Final = ("publish", "create_publisher", "create_timer", "create_subscription", "info", "spin")
+_SPINS: Final = ("spin", "spin_once", "spin_until_future_complete", "add_node")
+_CLOCKS: Final = ("time", "now", "nanoseconds")
+_CLOCK_S: Final = 1e6  # more is a time since 1970, which says nothing to a reader
+_CHANGES: Final = 6  # from one of two lines to the other, before they are said to contend
+_LENGTHS: Final = frozenset({"side_error_pct", "length_error_pct", "off_pct"})
+_FEW: Final = 3  # where more is lost, the missing stop is not why
+_OFF: Final = 0.03  # of the wanted size: what updates of turtlesim and the period of a loop add or take away
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A measured fact about a line. `values`: what its sentence ``cause.<code>`` names beside the line."""
+
+    code: str
+    line: int
+    values: dict[str, object] = field(default_factory=dict)
+
+
+def stated_cause(seen: Situation) -> Cause | None:
+    """Return the first fact that explains why the script lacks marks; None where none does for certain."""
+    if seen.outcome.status in (RunStatus.CRASHED, RunStatus.SYNTAX_ERROR):
+        return None  # the exception says it
+    explainers = (
+        _timers_in_callbacks,
+        _never_ran,
+        _endless,
+        _contended,
+        _wrong_size,
+        _both_at_once,
+        _no_stop,
+    )
+    return next((cause for one in explainers for cause in one(seen)), None)
+
+
+def _never_ran(seen: Situation) -> Iterator[Cause]:
+    """Yield why the first statement that works for the task never ran."""
+    if not seen.ledger.whole:
+        return
+    reached = _Reached(seen)
+    for call in sorted(
+        (one for name in _WORK for one in calls_of(seen.script, name)), key=lambda one: one.lineno
+    ):
+        statement = reached.statement_of(call)
+        if statement is None or reached.ran(statement):
+            continue
+        if seen.driven and not dotted(call.func).endswith(("publish", "create_timer")):
+            continue
+        if (cause := reached.why_not(statement)) is not None:
+            yield cause
+
+
+class _Reached:
+    """Which statements ran, and what kept others from running."""
+
+    def __init__(self, seen: Situation) -> None:
+        self._seen = seen
+        self._script = seen.script
+        self._end = {line for line, _, _ in seen.ledger.end}
+
+    def statement_of(self, node: ast.AST) -> ast.stmt | None:
+        """Return the statement that a node stands in."""
+        around = (one for one in (node, *self._script.around(node)) if isinstance(one, ast.stmt))
+        return next(around, None)
+
+    def ran(self, statement: ast.stmt) -> bool:
+        """Whether a statement began; of a compound one its head."""
+        body = getattr(statement, "body", None)
+        last = body[0].lineno if isinstance(body, list) and body else (statement.end_lineno or 0) + 1
+        return any(
+            line in self._seen.ledger.ran for line in range(statement.lineno, max(last, statement.lineno + 1))
+        )
+
+    def why_not(self, statement: ast.stmt) -> Cause | None:
+        """Return what kept a statement from running; None where that is not plain."""
+        line = statement.lineno
+        inner: ast.stmt = statement
+        while True:
+            block = self._script.block_of(inner)
+            place = next(i for i, one in enumerate(block) if one is inner)
+            if (before := self._ended_before(block[:place])) is not None:
+                return Cause(before[0], line, {"before": before[1]})
+            above = self._script.parent(inner)
+            if isinstance(above, _Functions):
+                return None if self.ran(above.body[0]) else self._function(above, line)
+            if isinstance(above, ast.If | ast.While | ast.For) and self.ran(above):
+                return self._head(above, inner, line)
+            if not isinstance(above, ast.stmt) or isinstance(above, ast.Try | ast.ClassDef):
+                return None
+            inner = above
+
+    def _ended_before(self, earlier: list[ast.stmt]) -> tuple[str, int] | None:
+        """Return the statement before that never came to its end, with the code that says how."""
+        for one in reversed(earlier):
+            if not self.ran(one):
+                continue
+            lines = range(one.lineno, (one.end_lineno or one.lineno) + 1)
+            if isinstance(one, ast.Return | ast.Break | ast.Continue | ast.Raise):
+                return "left_before", one.lineno
+            waiting = next((line for line in lines if line in self._end), None)
+            return None if waiting is None else ("waits_before", waiting)
+        return None
+
+    def _head(self, above: ast.If | ast.While | ast.For, inner: ast.stmt, line: int) -> Cause | None:
+        """Return what an `if` or a loop that ran says of a statement in it that never did."""
+        if isinstance(above, ast.For):
+            return Cause("empty_loop", line, {"before": above.lineno})
+        is_else = any(one is inner for one in above.orelse)
+        test = self._script.source(above.test)
+        return Cause("always_true" if is_else else "never_true", line, {"before": above.lineno, "test": test})
+
+    def _function(self, function: ast.FunctionDef | ast.AsyncFunctionDef, line: int) -> Cause | None:
+        """Return why a function never ran: nobody calls it, or nothing runs the callback that it is."""
+        name = function.name
+        if name == "__init__":
+            owner = self._script.parent(function)
+            made = isinstance(owner, ast.ClassDef) and any(True for _ in calls_of(self._script, owner.name))
+            if isinstance(owner, ast.ClassDef) and not made:
+                return Cause("class_not_made", line, {"name": owner.name, "before": owner.lineno})
+            return None
+        mentions = [node for node in ast.walk(self._script.tree) if _names(node, name)]
+        if (
+            not mentions
+            and name == "main"
+            and any(one.code == "main_called" for one in self._seen.outcome.notes)
+        ):
+            return None  # as `ros2 run` does
+        if not mentions:
+            return Cause("never_called", line, {"name": name, "before": function.lineno})
+        maker = next((one for node in mentions for one in self._makers(node)), None)
+        if maker is None:
+            call = self.statement_of(mentions[0])
+            if len(mentions) > 1 or call is None or self._inside(call, function):
+                return None
+            return None if self.ran(call) else self.why_not(call)
+        statement = self.statement_of(maker)
+        if statement is None or not self.ran(statement):
+            return None if statement is None else self.why_not(statement)
+        return self._callback(maker, name, line)
+
+    def _callback(self, maker: ast.Call, name: str, line: int) -> Cause | None:
+        values: dict[str, object] = {"name": name, "before": maker.lineno}
+        spins = [call for one in _SPINS for call in calls_of(self._script, one)]
+        ran = [call for call in spins if (at := self.statement_of(call)) is not None and self.ran(at)]
+        if not ran:
+            waiting = next(iter(self._seen.ledger.end), None)
+            if waiting is not None:
+                return Cause("nothing_spins_while", line, {**values, "waits": waiting[0]})
+            return Cause("nothing_spins", line, values)
+        return Cause("no_message", line, values) if dotted(maker.func).endswith("subscription") else None
+
+    def _makers(self, node: ast.AST) -> Iterator[ast.Call]:
+        for one in self._script.around(node):
+            if isinstance(one, ast.Call) and dotted(one.func).endswith(_MAKERS):
+                yield one
+
+    def _inside(self, node: ast.AST, function: ast.AST) -> bool:
+        return any(one is function for one in self._script.around(node))
+
+
+def _names(node: ast.AST, name: str) -> bool:
+    return (isinstance(node, ast.Name) and node.id == name) or (
+        isinstance(node, ast.Attribute) and node.attr == name
+    )
+
+
+def _endless(seen: Situation) -> Iterator[Cause]:
+    """Yield the loop that the script was still in at the end, its test and what the names in it stood for."""
+    if seen.outcome.status is not RunStatus.INTERRUPTED:
+        return
+    for line, _, values in seen.ledger.end:
+        statement = next(iter(seen.script.statements_on(line)), None)
+        loop = statement and next(
+            (one for one in (statement, *seen.script.around(statement)) if isinstance(one, ast.While)), None
+        )
+        if not isinstance(loop, ast.While) or isinstance(loop.test, ast.Constant) or _is_ok(loop.test):
+            continue
+        test = seen.script.source(loop.test)
+        names = {dotted(node) for node in ast.walk(loop.test)} - {""}
+        shown = ", ".join(f"{name} = {values[name]:g}" for name in sorted(names) if name in values)
+        heard = _set_by_callbacks(seen.script, names)
+        spins = any(_is_in(seen.script, call, loop) for one in _SPINS for call in calls_of(seen.script, one))
+        threads = any(True for one in ("Thread", "MultiThreadedExecutor") for _ in calls_of(seen.script, one))
+        if heard and not spins and not threads:
+            yield Cause("deaf_loop", loop.lineno, {"test": test, "name": heard})
+        elif shown and not any(one in test for one in _CLOCKS) and all(map(_is_small, values.values())):
+            yield Cause("endless_loop", loop.lineno, {"test": test, "values": shown})
+
+
+def _is_small(value: float) -> bool:
+    return abs(value) < _CLOCK_S
+
+
+def _is_ok(test: ast.expr) -> bool:
+    return isinstance(test, ast.Call) and dotted(test.func).endswith("ok")
+
+
+def _is_in(script: ParsedScript, node: ast.AST, loop: ast.AST) -> bool:
+    return any(one is loop for one in script.around(node))
+
+
+def _set_by_callbacks(script: ParsedScript, names: set[str]) -> str:
+    """Return the first of `names` that only a subscription's callback sets; empty if none is."""
+    callbacks = {
+        dotted(one).rpartition(".")[2]
+        for call in calls_of(script, "create_subscription")
+        for one in call.args
+    }
+    for one in assignments(script):
+        if one.target in names:
+            functions = [node.name for node in script.around(one.statement) if isinstance(node, _Functions)]
+            if callbacks & set(functions):
+                return one.target
+    return ""
+
+
+def _timers_in_callbacks(seen: Situation) -> Iterator[Cause]:
+    """Yield a timer that a timer's callback creates each time it runs, and that nothing cancels."""
+    makers = list(calls_of(seen.script, "create_timer"))
+    callbacks = {dotted(one).rpartition(".")[2] for call in makers for one in call.args}
+    if any(True for name in ("cancel", "destroy_timer") for _ in calls_of(seen.script, name)):
+        return
+    for call in makers:
+        inside = [one.name for one in seen.script.around(call) if isinstance(one, _Functions)]
+        if inside and inside[0] in callbacks and call.lineno in seen.ledger.ran:
+            yield Cause("timer_in_callback", call.lineno, {"name": inside[0]})
+
+
+def _contended(seen: Situation) -> Iterator[Cause]:
+    """Yield two lines of different callbacks that command by turns, each something else."""
+    motions = seen.ledger.motions
+    for one, other in itertools.pairwise(motions):
+        pair = {one.line, other.line}
+        if len(pair) < 2 or _function_of(one) == _function_of(other) or (one.v, one.w) == (other.v, other.w):
+            continue
+        changes = sum({a.line, b.line} == pair for a, b in itertools.pairwise(motions))
+        brief = all(each.until - each.t < 500_000_000 for each in motions if each.line in pair)
+        if changes >= _CHANGES and brief:
+            yield Cause("contended", min(pair), {"other": max(pair)})
+            return
+
+
+def _function_of(motion: Motion) -> str:
+    return motion.stack[-1][1] if motion.stack else ""
+
+
+def _wrong_size(seen: Situation) -> Iterator[Cause]:
+    """Yield the motion that was longest off the wanted size, what it came to, and which waits made it so."""
+    for driven in seen.distinct:
+        size, wanted, unit = _compared(seen, driven)
+        if (
+            wanted is None
+            or abs(size - wanted) <= _OFF * wanted
+            or (unit == "m" and not seen.lost & _LENGTHS)
+        ):
+            continue
+        line = driven.motion.line
+        waits = ", ".join(
+            f"{row} ({times} × {ns / times / 1e9:.4g} s)"
+            for row, (times, ns) in driven.motion.waits.items()
+            if times
+        )
+        rate = driven.motion.w if unit == "deg" else driven.motion.v
+        values = {"size": size, "wanted": wanted, "unit": unit, "rate": f"{rate:g}"}
+        code, plain = ("turned", "turned_plain") if unit == "deg" else ("drove", "drove_plain")
+        yield Cause(code if waits else plain, line, {**values, "seconds": driven.seconds, "waits": waits})
+
+
+def _compared(seen: Situation, driven: Driven) -> tuple[float, float | None, str]:
+    """Return the size of a motion and the nearest wanted one, if the marks that were lost are about it."""
+    if driven.is_turn:
+        size, wanted, unit = abs(driven.angle_deg), seen.wanted.turns_deg, "deg"
+    elif driven.is_drive:
+        size, wanted, unit = abs(driven.length_m), seen.wanted.lengths_m, "m"
+    else:
+        return 0.0, None, ""
+    return size, min(wanted, key=lambda one: abs(one - size), default=None), unit
+
+
+def _both_at_once(seen: Situation) -> Iterator[Cause]:
+    """Yield a line that drives and turns at a time where single turns and drives are wanted."""
+    if not seen.wanted.turns_deg or not seen.lost & {"sides", "curved_pct", "corner_deg"}:
+        return
+    for driven in seen.distinct:
+        if driven.is_arc:
+            yield Cause("arc", driven.motion.line, {"v": f"{driven.motion.v:g}", "w": f"{driven.motion.w:g}"})
+
+
+def _no_stop(seen: Situation) -> Iterator[Cause]:
+    """Yield the line that commanded the last motion, where no stop came after it."""
+    last = next(iter(seen.ledger.motions[-1:]), None)
+    if last is None or last.is_stop or "settled" not in seen.lost or len(seen.lost) > _FEW:
+        return
+    yield Cause("no_stop", last.line, {"v": f"{last.v:g}", "w": f"{last.w:g}"})

@@ -1,0 +1,606 @@
+"""Changes of the line that raised an exception, and of what it takes its values from.
+
+Which of them is meant only the trial knows: an exception says what does not fit, and there are few ways to make it
+fit. The sentences name what stood there and what is to stand there.
+"""
+
+import ast
+import builtins
+import re
+from collections.abc import Iterator
+from typing import Final
+
+from grader.contracts.names import IMPORTS, OTHER_LANGUAGES, near_name
+from grader.contracts.outcome import RunStatus, StudentError
+from grader.edits.situation import Proposal, Situation
+from grader.edits.slices import NameSet, assignments, calls_of, dotted, number_of
+from grader.edits.tree import Edit, ParsedScript
+
+_Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
+_CALLED: Final = ("get_logger", "get_clock", "now", "Request", "Response", "super", "input", "time", "random")
+_OF_NODE: Final = frozenset(
+    [
+        "client",
+        "clients",
+        "clock",
+        "context",
+        "create_client",
+        "create_publisher",
+        "create_service",
+        "create_subscription",
+        "create_timer",
+        "destroy_node",
+        "executor",
+        "get_clock",
+        "get_logger",
+        "get_parameter",
+        "guards",
+        "handle",
+        "publishers",
+        "services",
+        "subscriptions",
+        "timers",
+        "waitables",
+        "_timers",
+        "_publishers",
+        "_subscriptions",
+        "_clients",
+        "_services",
+        "_clock",
+        "_logger",
+        "_context",
+    ]
+)
+"""Names that break a node where a script gives them to its own."""
+_AXES: Final = {"linear": "x", "angular": "z"}
+_INDICES: Final = {0: "x", 1: "y", 2: "z", "x": "x", "y": "y", "z": "z"}
+_MAKERS: Final = ("create_timer", "create_subscription", "create_service", "create_publisher")
+_MOST_NODES: Final = 60
+
+
+def error_changes(seen: Situation) -> Iterator[Proposal]:
+    """Yield changes of what the exception that ended the script points to."""
+    error = seen.outcome.error
+    if seen.outcome.status is not RunStatus.CRASHED or error is None or error.line is None:
+        return
+    at = _Place(seen, error, error.line)
+    for operator in (
+        _brackets,
+        _orders,
+        _arguments,
+        _signatures,
+        _node_parts,
+        _own_names,
+        _fields,
+        _vectors,
+        _numbers,
+        _parameters_of_ros,
+        _scopes,
+        _objects,
+        _blocks,
+        _words,
+        _makers,
+        _imports,
+        _texts,
+        _waits,
+        _answers,
+        _without,
+    ):
+        yield from operator(at)
+
+
+class _Place:
+    """The failing line: its nodes, and proposals about them."""
+
+    def __init__(self, seen: Situation, error: StudentError, line: int) -> None:
+        self.seen = seen
+        self.script = seen.script
+        self.error = error
+        self.line = line
+        self.statements = (
+            seen.script.statements_on(line)
+            or [one for one in _statements(seen.script) if one.lineno <= line <= (one.end_lineno or 0)][-1:]
+        )
+        own = [node for one in self.statements for node in ast.walk(one) if isinstance(node, ast.expr)]
+        self.nodes = [node for node in own if node.lineno <= line <= (node.end_lineno or 0)][:_MOST_NODES]
+        self.calls = [node for node in self.nodes if isinstance(node, ast.Call)]
+        self.known = assignments(seen.script)
+
+    def mended(self, cost: float, node: ast.expr | ast.stmt, new: str, *others: Edit) -> Proposal:
+        """Return the proposal that puts `new` in the place of a node."""
+        old = self.script.source(node)
+        values = {"line": node.lineno, "old": old.partition("\n")[0], "new": new, "error": self.error.type}
+        return Proposal("mended", cost, (self.script.replaced(node, new), *others), values)
+
+    def added(self, cost: float, edit: Edit, line: int, new: str) -> Proposal:
+        """Return the proposal that adds a line."""
+        return Proposal("added", cost, (edit,), {"line": line, "new": new, "error": self.error.type})
+
+    def function(self, node: ast.AST) -> "ast.FunctionDef | ast.AsyncFunctionDef | None":
+        """Return the function around a node."""
+        return next((one for one in self.script.around(node) if isinstance(one, _Functions)), None)
+
+
+def _statements(script: ParsedScript) -> Iterator[ast.stmt]:
+    return (node for node in ast.walk(script.tree) if isinstance(node, ast.stmt))
+
+
+def _classes(script: ParsedScript) -> list[ast.ClassDef]:
+    return [node for node in ast.walk(script.tree) if isinstance(node, ast.ClassDef)]
+
+
+def _own_functions(script: ParsedScript) -> "list[ast.FunctionDef | ast.AsyncFunctionDef]":
+    return [node for node in ast.walk(script.tree) if isinstance(node, _Functions)]
+
+
+def _is_called(at: _Place, node: ast.expr) -> bool:
+    parent = at.script.parent(node)
+    return isinstance(parent, ast.Call) and parent.func is node
+
+
+def _brackets(at: _Place) -> Iterator[Proposal]:
+    """Yield brackets where a function or class itself is used, and none where a value or a callback is called."""
+    classes = {one.name for one in _classes(at.script)}
+    callables = {*_CALLED, *classes, *(one.name for one in _own_functions(at.script))}
+    for node in at.nodes:
+        if isinstance(node, ast.Name | ast.Attribute) and not _is_called(at, node):
+            name = dotted(node).rpartition(".")[2] or getattr(node, "attr", "")
+            parent = at.script.parent(node)
+            handed = isinstance(parent, ast.Call) and dotted(parent.func).endswith(_MAKERS)
+            if name in callables and isinstance(parent, ast.Attribute | ast.BinOp | ast.Call) and not handed:
+                yield at.mended(0.5, node, f"{at.script.source(node)}()")
+        if isinstance(node, ast.Subscript) and hasattr(builtins, dotted(node.value) or "-"):
+            yield at.mended(0.4, node, f"{dotted(node.value)}({at.script.source(node.slice)})")
+    for one in at.known:
+        name = dotted(one.value)
+        is_class = name.rpartition(".")[2][:1].isupper() and not name.isupper()
+        if is_class and (name in classes or name in IMPORTS or name.endswith((".Request", "Twist"))):
+            yield at.mended(0.6, one.value, f"{name}()")
+    makers = [call for name in _MAKERS for call in calls_of(at.script, name)]
+    for call in (*at.calls, *(one for maker in makers for one in maker.args if isinstance(one, ast.Call))):
+        if not call.args and not call.keywords and isinstance(call.func, ast.Name | ast.Attribute):
+            yield at.mended(0.7, call, at.script.source(call.func))
+
+
+def _orders(at: _Place) -> Iterator[Proposal]:
+    """Yield two arguments of a call exchanged; of what makes publishers and timers also where it failed later."""
+    makers = [call for name in _MAKERS for call in calls_of(at.script, name) if call not in at.calls]
+    for cost, call in [*((0.8, one) for one in at.calls), *((1.4, one) for one in makers)]:
+        if not 2 <= len(call.args) <= 4 or dotted(call.func).endswith(("range", "publish")):
+            continue
+        for i in range(len(call.args) - 1):
+            one, other = call.args[i], call.args[i + 1]
+            texts = (at.script.source(one), at.script.source(other))
+            rest = [at.script.source(each) for each in call.args]
+            rest[i], rest[i + 1] = texts[1], texts[0]
+            yield at.mended(cost + 0.1 * i, call, f"{at.script.source(call.func)}({', '.join(rest)})")
+
+
+def _arguments(at: _Place) -> Iterator[Proposal]:
+    """Yield a call with an argument less, with the node, with two numbers as one, or without a keyword."""
+    nodes = [one.target for one in at.known if _makes_node(at, one)]
+    for call in at.calls:
+        func, given = at.script.source(call.func), [at.script.source(one) for one in call.args]
+        if given and "positional" in at.error.message and "missing" not in at.error.message:
+            yield at.mended(1.5, call, f"{func}()")
+            yield at.mended(1.2, call, f"{func}({', '.join(given[:-1])})")
+        if len(given) == 2 and all(one.isdigit() for one in given) and "publish" not in func:
+            yield at.mended(0.3, call, f"{func}({given[0]}.{given[1]})")
+        if func.endswith((".spin", ".spin_once")):
+            for name in nodes[:2]:
+                if given[:1] != [name] or len(given) > 1:
+                    yield at.mended(0.5, call, f"rclpy.{func.rpartition('.')[2]}({name})")
+        for keyword in call.keywords:
+            if keyword.arg and f"'{keyword.arg}'" in at.error.message:
+                value = at.script.source(keyword.value)
+                start = at.script.span(keyword.value)[0] - len(keyword.arg) - 1
+                edit = Edit(start, at.script.span(keyword.value)[1], value)
+                values = {
+                    "line": call.lineno,
+                    "old": f"{keyword.arg}={value}",
+                    "new": value,
+                    "error": at.error.type,
+                }
+                yield Proposal("mended", 0.5, (edit,), values)
+
+
+def _makes_node(at: _Place, one: NameSet) -> bool:
+    called = dotted(one.value.func) if isinstance(one.value, ast.Call) else ""
+    return called in {each.name for each in _classes(at.script)} or called.endswith(("create_node", "Node"))
+
+
+def _signatures(at: _Place) -> Iterator[Proposal]:
+    """Yield other parameters for a function of the script's own that got too many or too few arguments."""
+    match = re.match(r"(?:\w+\.)?(\w+)\(\) (takes|missing)", at.error.message)
+    for function in _own_functions(at.script):
+        if match is None or function.name != match[1]:
+            continue
+        names = [one.arg for one in function.args.args]
+        head = at.script.line(function.lineno)
+        if not head.rstrip().endswith(":") or function.args.defaults or head.count("(") != 1:
+            continue
+        in_class = isinstance(at.script.parent(function), ast.ClassDef)
+        ways = [[*names, "msg"], names[:-1], [*names, "request", "response"], [*names, "response"]]
+        if names[-1:] and names[-1].startswith("req"):
+            ways.reverse()
+        if in_class and names[:1] != ["self"]:
+            ways = [["self", *names], ["self", *names[1:]]]
+        if names:
+            ways.append([*names[:-1], f"{names[-1]}=None"])
+        for place, way in enumerate(ways):
+            if way[:1] != ["msg"] or not in_class:
+                yield _with_head(at, 0.5 + 0.2 * place, function, f"def {function.name}({', '.join(way)}):")
+
+
+def _with_head(at: _Place, cost: float, function: ast.stmt, head: str) -> Proposal:
+    """Return a proposal with another first line of a `def` or `class`."""
+    line = at.script.line(function.lineno)
+    start = at.script.span(function)[0]
+    end = start + len(line.rstrip()) - (len(line) - len(line.lstrip()))
+    values = {"line": function.lineno, "old": line.strip(), "new": head, "error": at.error.type}
+    return Proposal("mended", cost, (Edit(start, end, head),), values)
+
+
+def _node_parts(at: _Place) -> Iterator[Proposal]:
+    """Yield what makes a node of a class: its base, `__init__` under its name, the call of Node's, a name."""
+    for node in ast.walk(at.script.tree):
+        if isinstance(node, ast.Call) and not node.args and "node_name" in at.error.message:
+            func = at.script.source(node.func)
+            if func.endswith((".__init__", "create_node")) or (func == "Node" and node in at.calls):
+                yield at.mended(0.3, node, f"{func}('my_node')")
+        if isinstance(node, ast.Attribute) and dotted(node) == "super.__init__":
+            yield at.mended(0.3, node, "super().__init__")
+    for owner in _classes(at.script):
+        yield from _bases(at, owner)
+        for method in owner.body:
+            if isinstance(method, ast.FunctionDef):
+                yield from _beginnings(at, method)
+
+
+def _bases(at: _Place, owner: ast.ClassDef) -> Iterator[Proposal]:
+    if [dotted(one).rpartition(".")[2] for one in owner.bases] != ["Node"]:
+        yield _with_head(at, 0.4, owner, f"class {owner.name}(Node):")
+    elif dotted(owner.bases[0]) == "rclpy.Node":
+        edit = at.script.inserted_before(at.script.tree.body[0], "from rclpy.node import Node")
+        yield at.mended(0.3, owner.bases[0], "Node", edit)
+
+
+def _beginnings(at: _Place, method: ast.FunctionDef) -> Iterator[Proposal]:
+    letters = method.name.strip("_").lower()
+    if method.name != "__init__" and sorted(letters) in (sorted("init"), sorted("int"), sorted("inti")):
+        head = at.script.line(method.lineno).strip().replace(method.name, "__init__", 1)
+        yield _with_head(at, 0.2, method, head)
+    if method.name != "__init__":
+        return
+    begun = [
+        one for one in method.body if "super" in at.script.source(one) and "__init__" in at.script.source(one)
+    ]
+    if not begun:
+        line = "super().__init__('my_node')"
+        yield at.added(0.4, at.script.inserted_before(method.body[0], line), method.lineno + 1, line)
+    elif begun[0] is not method.body[0]:
+        text = at.script.source(begun[0])
+        edits = (at.script.removed(begun[0]), at.script.inserted_before(method.body[0], text))
+        values = {"line": begun[0].lineno, "old": text, "new": text, "error": at.error.type}
+        yield Proposal("sooner", 0.5, edits, values)
+
+
+def _own_names(at: _Place) -> Iterator[Proposal]:
+    """Yield another name for what has one of Node's, of a builtin, of a module, or of an own method."""
+    methods = {one.name for one in _own_functions(at.script)}
+    taken = {one.target.removeprefix("self.") for one in at.known} | methods
+    for name in sorted(taken & _OF_NODE):
+        yield from _renamed(at, 0.6, name, f"my_{name.strip('_')}", calls=True)
+    for one in at.known:
+        name = one.target.removeprefix("self.")
+        is_builtin = "." not in one.target and hasattr(builtins, name)
+        if (one.target.startswith("self.") and name in methods) or is_builtin:
+            yield from _renamed(at, 0.6, name, f"{name}_value", calls=False)
+    for function in _own_functions(at.script):
+        for argument in function.args.args:
+            if argument.arg in ("time", "math", "rclpy", "random"):
+                new = f"{argument.arg}_s" if argument.arg == "time" else f"my_{argument.arg}"
+                names = [
+                    node
+                    for node in ast.walk(function)
+                    if isinstance(node, ast.Name) and node.id == argument.arg
+                ]
+                uses = [one for one in names if not isinstance(at.script.parent(one), ast.Attribute)]
+                edits = [at.script.replaced(one, new) for one in uses]
+                start = at.script.text.find(
+                    argument.arg, at.script.span(function)[0] + len(function.name) + 4
+                )
+                edits.append(Edit(start, start + len(argument.arg), new))
+                values = {"line": function.lineno, "old": argument.arg, "new": new, "error": at.error.type}
+                yield Proposal("mended", 0.7, tuple(dict.fromkeys(edits)), values)
+
+
+def _renamed(at: _Place, cost: float, old: str, new: str, *, calls: bool) -> Iterator[Proposal]:
+    """Yield a name written otherwise wherever it is the script's own; not where it is called, unless `calls`."""
+    edits: list[Edit] = []
+    line = 0
+    for node in ast.walk(at.script.tree):
+        if isinstance(node, ast.Attribute) and node.attr == old and dotted(node.value) == "self":
+            if calls or not _is_called(at, node):
+                end = at.script.span(node)[1]
+                edits.append(Edit(end - len(old), end, new))
+        elif isinstance(node, ast.Name) and node.id == old and not calls and not _is_called(at, node):
+            edits.append(at.script.replaced(node, new))
+        elif isinstance(node, _Functions) and node.name == old and calls:
+            start = at.script.text.index(old, at.script.span(node)[0])
+            edits.append(Edit(start, start + len(old), new))
+        else:
+            continue
+        line = line or node.lineno
+    if edits:
+        yield Proposal(
+            "mended", cost, tuple(edits), {"line": line, "old": old, "new": new, "error": at.error.type}
+        )
+
+
+def _fields(at: _Place) -> Iterator[Proposal]:
+    """Yield the field that takes a number, for a whole vector, an index, or a message without one between."""
+    for node in at.nodes:
+        parent = at.script.parent(node)
+        if not isinstance(node, ast.Attribute):
+            continue
+        if node.attr in _AXES and isinstance(parent, ast.Assign | ast.AugAssign):
+            yield at.mended(0.4, node, f"{at.script.source(node)}.{_AXES[node.attr]}")
+        if node.attr in _AXES and isinstance(parent, ast.Subscript):
+            index = getattr(parent.slice, "value", None)
+            if isinstance(index, int | str) and index in _INDICES:
+                yield at.mended(0.4, parent, f"{at.script.source(node)}.{_INDICES[index]}")
+        if node.attr in ("x", "z") and isinstance(parent, ast.Assign):
+            axis = "linear" if node.attr == "x" else "angular"
+            yield at.mended(0.6, node, f"{at.script.source(node.value)}.{axis}.{node.attr}")
+
+
+def _vectors(at: _Place) -> Iterator[Proposal]:
+    """Yield what stands in a list of one item, and attributes for keys."""
+    for node in at.nodes:
+        if isinstance(node, ast.List | ast.Tuple) and len(node.elts) == 1:
+            yield at.mended(0.6, node, at.script.source(node.elts[0]))
+        if isinstance(node, ast.Subscript) and isinstance(getattr(node.slice, "value", None), str):
+            whole = re.sub(r"\[['\"](\w+)['\"]\]", r".\1", at.script.source(node))
+            yield at.mended(0.5, node, whole)
+
+
+def _numbers(at: _Place) -> Iterator[Proposal]:
+    """Yield a number for a tuple that a comma at its end made, and decimals in all fields at once."""
+    whole = []
+    for one in at.known:
+        value = one.value
+        if isinstance(value, ast.Tuple) and len(value.elts) == 1 and number_of(value.elts[0]) is not None:
+            yield at.mended(0.6, value, at.script.source(value.elts[0]).strip("(), "))
+        written = at.script.source(value)
+        if re.search(r"\.(linear|angular)\.[xyz]$", one.target) and written.lstrip("-").isdigit():
+            whole.append(value)
+    if len(whole) > 1 and "float" in at.error.message:
+        old = at.script.source(whole[0])
+        edits = tuple(at.script.replaced(one, f"{at.script.source(one)}.0") for one in whole)
+        values = {"line": whole[0].lineno, "old": old, "new": f"{old}.0"}
+        yield Proposal("float", 0.15, edits, values)
+
+
+def _parameters_of_ros(at: _Place) -> Iterator[Proposal]:
+    """Yield the value of a parameter, and its declaration."""
+    for call in calls_of(at.script, "get_parameter"):
+        parent = at.script.parent(call)
+        if isinstance(parent, ast.Attribute) and parent.attr != "value":
+            outer = at.script.parent(parent)
+            whole = outer if isinstance(outer, ast.Call) and outer.func is parent else parent
+            yield at.mended(0.5, whole, f"{at.script.source(call)}.value")
+        elif not isinstance(parent, ast.Attribute):
+            yield at.mended(0.5, call, f"{at.script.source(call)}.value")
+        if call.args and "eclar" in at.error.type:
+            statement = next((one for one in at.script.around(call) if isinstance(one, ast.stmt)), None)
+            if statement is not None:
+                owner = dotted(call.func).removesuffix(".get_parameter")
+                line = f"{owner}.declare_parameter({at.script.source(call.args[0])}, 1.0)"
+                yield at.added(0.3, at.script.inserted_before(statement, line), statement.lineno, line)
+
+
+def _scopes(at: _Place) -> Iterator[Proposal]:
+    """Yield ``self.`` before a name that another method sets for itself, and what is needed set earlier."""
+    match = re.search(r"(?:name|attribute|variable) '(\w+)'", at.error.message)
+    name = match[1] if match else ""
+    for one in at.known:
+        if (
+            one.target == name
+            and isinstance(one.statement, ast.Assign)
+            and at.function(one.statement) is not None
+        ):
+            start = at.script.span(one.statement)[0]
+            edits = [Edit(start, start, "self.")]
+            inside = at.function(one.statement)
+            for node in ast.walk(inside) if inside is not None else ():
+                if isinstance(node, ast.Name) and node.id == name and at.script.span(node)[0] != start:
+                    edits.append(at.script.replaced(node, f"self.{name}"))
+            edits += [
+                at.script.replaced(node, f"self.{name}")
+                for node in at.nodes
+                if isinstance(node, ast.Name) and node.id == name
+            ]
+            values = {
+                "line": one.statement.lineno,
+                "old": name,
+                "new": f"self.{name}",
+                "error": at.error.type,
+            }
+            yield Proposal("mended", 0.4, tuple(dict.fromkeys(edits)), values)
+        if one.target == f"self.{name}":
+            yield from _sooner(at, one.statement)
+
+
+def _sooner(at: _Place, needed: ast.stmt) -> Iterator[Proposal]:
+    """Yield the statement that sets something moved before the first one of its block that needs it."""
+    block = at.script.block_of(needed)
+    text = at.script.source(needed)
+    place = next((i for i, one in enumerate(block) if one is needed), 0)
+    first = next((one for one in block if not re.search(r"super\(\)|^['\"]", at.script.source(one))), needed)
+    if place and first is not needed and "\n" not in text:
+        edits = (at.script.removed(needed), at.script.inserted_before(first, text))
+        yield Proposal(
+            "sooner", 0.6, edits, {"line": needed.lineno, "old": text, "new": text, "error": at.error.type}
+        )
+
+
+def _objects(at: _Place) -> Iterator[Proposal]:
+    """Yield the publisher for what cannot publish, and the object for the class on which a method is called."""
+    made = [(one.target, dotted(one.value.func)) for one in at.known if isinstance(one.value, ast.Call)]
+    publishers = [name for name, func in made if func.endswith("create_publisher")]
+    objects = [one.target for one in at.known if _makes_node(at, one)]
+    classes = {one.name for one in _classes(at.script)}
+    for call in at.calls:
+        owner, _, method = dotted(call.func).rpartition(".")
+        others = publishers if method == "publish" else objects if owner in classes else []
+        for name in others[:2]:
+            if owner != name:
+                yield at.mended(0.3, call.func, f"{name}.{method}")
+
+
+def _words(at: _Place) -> Iterator[Proposal]:
+    """Yield ``self.`` before a method of Node's, Python's word for one of another language, a key that is near."""
+    match = re.match(r"name '(\w+)' is not defined|.*has no attribute '(\w+)'|'(.+)'$", at.error.message)
+    name = next((one for one in match.groups() if one), "") if match else ""
+    for node in at.nodes:
+        if isinstance(node, ast.Name) and node.id == name:
+            if name in _OF_NODE:
+                yield at.mended(0.2, node, f"self.{name}")
+            instead = OTHER_LANGUAGES.get(name, "")
+            if instead and "(" not in instead:
+                yield at.mended(0.2, node, instead)
+        if isinstance(node, ast.Attribute) and node.attr == name and name.startswith("log"):
+            level = name.removeprefix("log").replace("err", "error")
+            yield at.mended(0.2, node, f"{at.script.source(node.value)}.get_logger().{level}")
+        if isinstance(node, ast.Constant) and node.value == name and isinstance(name, str):
+            keys = [one.value for one in ast.walk(at.script.tree) if isinstance(one, ast.Constant)]
+            near = near_name(name, [one for one in keys if isinstance(one, str) and one != name])
+            if near is not None:
+                yield at.mended(0.3, node, f"'{near}'")
+
+
+def _blocks(at: _Place) -> Iterator[Proposal]:
+    """Yield a method that stands outside of its class, or within another one, as far in as it belongs."""
+    for function in _own_functions(at.script):
+        names = [one.arg for one in function.args.args]
+        is_inside = isinstance(at.script.parent(function), _Functions)
+        if f"'{function.name}'" not in at.error.message or names[:1] != ["self"]:
+            continue
+        edits = []
+        for number in range(function.lineno, (function.end_lineno or function.lineno) + 1):
+            start = at.script.line_start(number)
+            if at.script.line(number).strip():
+                edits.append(Edit(start, start + 4, "") if is_inside else Edit(start, start, "    "))
+        values = {"line": function.lineno, "old": function.name, "error": at.error.type}
+        yield Proposal("outdented" if is_inside else "indented", 0.3, tuple(edits), values)
+
+
+def _makers(at: _Place) -> Iterator[Proposal]:
+    """Yield a publisher where a subscription was made, and a class where an object was given for its type."""
+    for call in calls_of(at.script, "create_subscription"):
+        if len(call.args) == 3 and "ubscription" in at.error.message:
+            yield at.mended(0.6, call.func, at.script.source(call.func).replace("subscription", "publisher"))
+    for call in calls_of(at.script, "create_publisher"):
+        if call.args and isinstance(call.args[0], ast.Call):
+            yield at.mended(0.5, call.args[0], at.script.source(call.args[0].func))
+
+
+def _imports(at: _Place) -> Iterator[Proposal]:
+    """Yield the statement that imports what another one did not find, and a module for its function."""
+    for statement in at.statements:
+        if isinstance(statement, ast.Import | ast.ImportFrom):
+            names = [one.name.rpartition(".")[2] for one in statement.names]
+            known = [_statement_for(name) for name in names]
+            lines = list(dict.fromkeys(one for one in known if one))
+            if lines and len(names) == len([one for one in known if one]):
+                yield at.mended(0.2, statement, "\n".join(lines))
+    for node in ast.walk(at.script.tree):
+        if isinstance(node, ast.ImportFrom) and node.module == "time":
+            yield at.mended(0.5, node, "import time")
+
+
+def _statement_for(name: str) -> str:
+    """Return the import of a name, whatever its capitals."""
+    same = [one for one in IMPORTS if one == name] or [one for one in IMPORTS if one.lower() == name.lower()]
+    return IMPORTS[same[0]] if same else ""
+
+
+def _texts(at: _Place) -> Iterator[Proposal]:
+    """Yield a text made of a number, where one is added to a text or logged, and a whole number for an index."""
+    for node in at.nodes:
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add) and "str" in at.error.message:
+            for side in (node.left, node.right):
+                if isinstance(side, ast.Name | ast.Attribute | ast.Subscript | ast.Call):
+                    yield at.mended(0.4, side, f"str({at.script.source(side)})")
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) and "integer" in at.error.message:
+            text = f"{at.script.source(node.left)} // {at.script.source(node.right)}"
+            yield at.mended(0.3, node, text)
+            yield at.mended(0.35, node, f"int({at.script.source(node)})")
+    for call in at.calls:
+        if (dotted(call.func).endswith(("info", "warning", "error", "warn", "debug")) and call.args) or (
+            isinstance(call.func, ast.Attribute)
+            and call.func.attr in ("info", "warning", "error")
+            and call.args
+        ):
+            texts = [at.script.source(one) for one in call.args]
+            joined = " + ".join(one if one[:1] in "'\"" else f"str({one})" for one in texts)
+            yield at.mended(0.4, call, f"{at.script.source(call.func)}({joined})")
+    for node in at.nodes:
+        if isinstance(node, ast.Constant) and type(node.value) is int and "iterable" in at.error.message:
+            yield at.mended(0.3, node, f"range({node.value})")
+
+
+def _waits(at: _Place) -> Iterator[Proposal]:
+    """Yield a return until a message has come, where a value of it is used before."""
+    if "None" not in at.error.message:
+        return
+    for statement in at.statements:
+        function = at.function(statement)
+        if function is None:
+            continue
+        for node in at.nodes:
+            name = dotted(node)
+            if name.startswith("self.") and any(
+                one.target == name and getattr(one.value, "value", 0) is None for one in at.known
+            ):
+                test = f"if {name} is None:"
+                edit = at.script.inserted_before(function.body[0], test, "    return")
+                yield at.added(0.5, edit, function.lineno + 1, f"{test} return")
+                spin = at.script.inserted_before(
+                    statement, f"while {name} is None:", "    rclpy.spin_once(self)"
+                )
+                yield at.added(0.8, spin, statement.lineno, f"while {name} is None: rclpy.spin_once(self)")
+
+
+def _answers(at: _Place) -> Iterator[Proposal]:
+    """Yield the answer that a service's callback does not return."""
+    if at.error.type != "TypeError" or at.error.message.strip():
+        return
+    for call in calls_of(at.script, "create_service"):
+        names = {dotted(one).rpartition(".")[2] for one in call.args}
+        for function in _own_functions(at.script):
+            arguments = [one.arg for one in function.args.args]
+            if function.name in names and len(arguments) >= 2:
+                last = function.body[-1]
+                line = f"return {arguments[-1]}"
+                if isinstance(last, ast.Return):
+                    yield at.mended(0.4, last, line)
+                else:
+                    end = last.end_lineno or last.lineno
+                    yield at.added(0.3, at.script.inserted_after(last, line), end + 1, line)
+
+
+def _without(at: _Place) -> Iterator[Proposal]:
+    """Yield the script without the call that failed, or without what ended ROS before: where nothing needs it."""
+    ends = [call for name in ("shutdown", "destroy_node") for call in calls_of(at.script, name)]
+    for call in ends:
+        statement = at.script.parent(call)
+        if isinstance(statement, ast.Expr) and call.lineno in at.seen.ledger.ran:
+            values = {"line": call.lineno, "old": at.script.source(call)}
+            yield Proposal("removed", 1.6, (at.script.removed(statement),), values)
+    for statement in at.statements:
+        called = isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Call)
+        if called and not re.search(r"log|info|print|publish|spin|INFO", at.script.source(statement)):
+            values = {"line": statement.lineno, "old": at.script.source(statement).partition("\n")[0]}
+            yield Proposal("removed", 3.0, (at.script.removed(statement),), values)

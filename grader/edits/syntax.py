@@ -1,0 +1,156 @@
+"""Changes of a line that Python does not take. Such a script has no tree, so they are changes of its text."""
+
+import keyword
+import re
+from collections.abc import Iterator
+from itertools import accumulate, takewhile
+from typing import Final
+
+from grader.contracts.names import STATEMENTS, near_name
+from grader.contracts.outcome import StudentError
+from grader.edits.situation import Proposal
+from grader.edits.tree import Edit
+
+_WIDE: Final = str.maketrans(
+    "（），：；“”‘’＝＋－＊／．＜＞！［］｛｝　\u00a0\u2212\u2013\u2014×÷", "(),:;\"\"''=+-*/.<>![]{}  ---*/"
+)
+_REWRITTEN: Final = (
+    (r"\belse[ \t]+if\b|\belseif\b|\belsif\b", "elif"),
+    (r"&&", " and "),
+    (r"\|\|", " or "),
+    (r"!(?=[\w(])", "not "),
+    (r"([\w.]+)\+\+", r"\1 += 1"),
+    (r"([\w.]+)--", r"\1 -= 1"),
+    (r"=([<>])(?!=)", r"\1="),
+    (r"//[ \t]*(?=[^\d\s])", "# "),
+    (r"/\*(.*?)\*/", r"# \1"),
+    (r"(\d)[ \t]*(m/s|rad/s|rad|cm|m|s|f|米|秒|度|弧度)\b", r"\1"),
+    (r"\b(int|float|double|bool|string|var|let|const|auto)[ \t]+(?=[A-Za-z_])", ""),
+    (r"^([ \t]*)print[ \t]+([^(\n].*)$", r"\1print(\2)"),
+    (r"^([ \t]*(?:if|elif|while)\b[^=\n]*[^=!<>\n])=([^=])", r"\1==\2"),
+    (r"^([ \t]*(?:from|import)[ \t]+[\w.]*)-", r"\1_"),
+    (r"^([ \t]*(?:class|def)[ \t]+\w+)[ -](?=\w)", r"\1_"),
+    (r"^([ \t]*def[ \t]+\w+)[ \t]*:", r"\1():"),
+    (r"^([ \t]*)(class|def)(?=[A-Z_a-z]\w*\()", r"\1\2 "),
+    (r"^([ \t]*)(\w+[ \t]*\([ \t]*self\b.*:)", r"\1def \2"),
+    (r"^([ \t]*except)[ \t]+(\w+),[ \t]*(\w+)", r"\1 (\2, \3)"),
+    (r"^([ \t]*)else[ \t]+[^:\n]+:", r"\1else:"),
+    (r"^([ \t]*for[ \t]+\w+)[ \t]+(?=range)", r"\1 in "),
+    (r"\bself[ \t]+(?=[A-Za-z_]\w*[ \t]*[(=])", "self."),
+    (r"\)[ \t]*(?=[A-Za-z_]\w*\()", ")."),
+    (r"\)[ \t]*(?=[A-Za-z_]\w*\()", "), "),
+    (r"([(,][ \t]*)(/\w[\w/]*)(?=[ \t]*[,)])", r"\1'\2'"),
+    (r"\brange\[([^\]]*)\]", r"range(\1)"),
+    (r"([\w.)\]'\"])[ \t]+(?=['\"\w])", r"\1, "),
+    (r"\.(?=\w+[ \t]*=)", "_"),
+    (r"^[ \t]*```\w*$", ""),
+    (r"^[ \t]*(>>>|\$|%|!|\.\.\.|In \[\d*\]:)[ \t]?", ""),
+    (r"^\d+[.:|)]?([ \t]{2}|$)", ""),
+    (r"^\d+[.:|)]?([ \t]|$)", ""),
+    (r"\}[ \t]*$|\{[ \t]*$|;[ \t]*$", ""),
+    (r"\([ \t]*(\w+)\.(\w+)[ \t]*=", r"(\2="),
+)
+"""What people write as in other languages, on paper or in a terminal, and what Python has instead."""
+_CLOSERS: Final = (
+    (r"string literal|quote", ("'", '"', "')", '")', "'))", '"""', "'''")),
+    (r"never closed|unmatched|does not match|comma", (")", "))", "]", "}", "):")),
+    (r"expected ':'|invalid syntax", (":", "):", ",", ")")),
+    (r"expected 'except'", ("\nexcept KeyboardInterrupt:\n    pass",)),
+)
+"""What may be missing at the end of a line, by what Python says of it."""
+_LINES_BACK: Final = 2
+
+
+def syntax_changes(text: str, error: StudentError) -> Iterator[Proposal]:
+    """Yield changes of the line that Python rejects, of those just above, and of all lines at once."""
+    lines = text.split("\n")
+    for back in range(_LINES_BACK + 1):
+        number = (error.line or 0) - back
+        if 1 <= number <= len(lines):
+            for place, new in enumerate(dict.fromkeys(_ways(lines, number, error.message))):
+                if new != lines[number - 1]:
+                    yield _proposal(lines, {number: new}, 0.2 + back + 0.02 * place)
+    if "indented block" in error.message and error.line is not None and error.line <= len(lines):
+        yield _proposal(lines, _block(lines, error.line), 0.15)
+    for pattern, new in ((None, ""), *_REWRITTEN):
+        changed = {
+            number: better
+            for number, line in enumerate(lines, 1)
+            if (better := line.translate(_WIDE) if pattern is None else re.sub(pattern, new, line)) != line
+        }
+        if error.line in changed and len(changed) > 1:
+            most = len(changed) > len(lines) / 3  # all of it was pasted from elsewhere
+            yield _proposal(lines, changed, 0.1 if most else 0.25 if pattern is None else 0.9)
+
+
+def _proposal(lines: list[str], changed: dict[int, str], cost: float) -> Proposal:
+    starts = list(accumulate((len(line) + 1 for line in lines), initial=0))
+    edits = tuple(
+        Edit(starts[number - 1], starts[number - 1] + len(lines[number - 1]), new)
+        for number, new in changed.items()
+    )
+    number, new = next(iter(changed.items()))
+    values = {"line": number, "old": lines[number - 1].strip(), "new": new.strip()}
+    return Proposal("syntax", cost, edits, values)
+
+
+def _ways(lines: list[str], number: int, message: str) -> Iterator[str]:
+    """Yield how a line may have been meant, the likeliest first; last of all as a comment."""
+    line = lines[number - 1]
+    code, mark, comment = line.partition("#")
+    code, rest = code.rstrip(), f"  {mark}{comment}" if mark else ""
+    if line.translate(_WIDE) != line:
+        yield line.translate(_WIDE)
+    if "indent" in message or "tab" in message.lower():
+        yield from _indented(lines, number)
+    if "':'" in message:
+        yield f"{code}:{rest}"
+    yield from _near_words(line)
+    for pattern, new in _REWRITTEN:
+        if (better := re.sub(pattern, new, code)) != code:
+            yield better + rest
+    for sign, closers in _CLOSERS:
+        for closer in closers if re.search(sign, message) else ():
+            yield f"{code}{closer}{rest}"
+            if code.endswith((":", ")")) and closer in (")", "'", '"'):
+                yield f"{code[:-1]}{closer}{code[-1]}{rest}"
+    if code.endswith((")", "]", "}", ",", "'", '"')):
+        yield code[:-1] + rest
+    yield from _indented(lines, number)
+    yield f"{line[: len(line) - len(line.lstrip())]}# {line.strip()}"
+
+
+def _near_words(line: str) -> Iterator[str]:
+    """Yield the line with the word of Python's that its first one nearly is, and with a name that may be one."""
+    match = re.match(r"([ \t]*)([A-Za-z]+)\b", line)
+    if match is None:
+        return
+    near = near_name(match[2], STATEMENTS) if match[2] not in STATEMENTS else None
+    if near is not None:
+        yield match[1] + near + line[match.end() :]
+    if keyword.iskeyword(match[2]) and re.match(r"[ \t]*=(?!=)", line[match.end() :]):
+        yield f"{match[1]}{match[2]}_{line[match.end() :]}"
+
+
+def _indented(lines: list[str], number: int) -> Iterator[str]:
+    """Yield a line as far in as those around it, or as the block that it begins."""
+    line = lines[number - 1].strip()
+    above = next((one for one in reversed(lines[: number - 1]) if one.strip()), "")
+    below = next((one for one in lines[number:] if one.strip()), "")
+    depths = [len(one.expandtabs(4)) - len(one.expandtabs(4).lstrip()) for one in (above, below)]
+    if above.rstrip().endswith(":"):
+        yield " " * (depths[0] + 4) + line
+        yield " " * (depths[0] + 4) + "pass\n" + lines[number - 1]
+    for depth in (*depths, depths[0] - 4, depths[0] + 4):
+        if depth >= 0:
+            yield " " * depth + line
+
+
+def _block(lines: list[str], number: int) -> dict[int, str]:
+    """Return a line and those behind it that are as far in, up to the next empty one, all one step further in."""
+    first = lines[number - 1]
+    depth = len(first) - len(first.lstrip())
+    block = takewhile(
+        lambda line: line.strip() and len(line) - len(line.lstrip()) >= depth, lines[number - 1 :]
+    )
+    return {number + place: "    " + line for place, line in enumerate(block)}
