@@ -17,11 +17,13 @@ import pytest
 import websocket
 
 from benchmarks.processes import free_port
+from grader.service.web.static_files import address
 from tests.e2e.test_scale_out import PATIENCE_S, process, serving
 from tests.fakes.prepared import Prepared
 
 ROOT = Path(__file__).resolve().parents[2]
 MOST = 60
+METRICS_TOKEN = "9xKq27LmVb0pTz41"
 HELLO = (ROOT / "lesson" / "hello_node.py").read_bytes()
 
 
@@ -51,8 +53,10 @@ def configuration(folder: Path, port: int, ports: tuple[int, int]) -> str:
     paths = "".join(
         f"{one}_temp_path {folder}/{one};\n" for one in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi")
     )
+    user = "user root;" if os.geteuid() == 0 else ""  # else its processes may not enter the folder
     return (
-        f"daemon off; pid {folder}/pid; error_log {folder}/error.log; events {{ worker_connections 200; }}\n"
+        f"daemon off; {user} pid {folder}/pid; error_log {folder}/error.log;\n"
+        "events { worker_connections 200; }\n"
         f"http {{ access_log off; {paths} {text} }}\n"
     )
 
@@ -88,6 +92,7 @@ def behind(
     postgres_url: str, tmp_path: Path, prepared: Prepared, nginx: str, monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[Behind]:
     monkeypatch.setenv("GRADER_REQUESTS_PER_MINUTE", str(MOST))
+    monkeypatch.setenv("GRADER_METRICS_TOKEN", METRICS_TOKEN)
     with ExitStack() as stack:
         clients = []
         for name in ("one", "other"):
@@ -158,6 +163,13 @@ def test_nothing_is_lost_or_had_twice_with_two_services(behind: Behind) -> None:
             with httpx.stream("GET", place, headers=headers, timeout=PATIENCE_S, trust_env=False) as stream:
                 assert any('"graded"' in line for line in stream.iter_lines())
 
+        for _ in range(5):  # the proxy asks once for what holds for ever
+            answer = bob.get(f"{address()}/style.css")
+            assert (answer.status_code, answer.headers.get("content-encoding")) == (200, "gzip"), (
+                answer.headers
+            )
+        assert sum(map(static_requests, behind.alone)) == 1
+
         # one process counts what a person asks for
         answers = []
         while len(answers) < 2 * MOST:
@@ -165,6 +177,14 @@ def test_nothing_is_lost_or_had_twice_with_two_services(behind: Behind) -> None:
             time.sleep(0.02)  # the proxy has a limit as well
         assert set(answers) == {200, 429}
         assert answers.count(200) < 1.7 * MOST
+
+
+def static_requests(url: str) -> int:
+    """How many static files a service was asked for."""
+    headers = {"Authorization": f"Bearer {METRICS_TOKEN}"}
+    counts = httpx.get(f"{url}/metrics", headers=headers, timeout=PATIENCE_S, trust_env=False).text
+    found = re.search(r'grader_http_request_seconds_count\{[^}]*route="/static"[^}]*\} (\d+)', counts)
+    return int(found.group(1)) if found else 0
 
 
 def post_past_the_proxy(url: str, token: str) -> int:

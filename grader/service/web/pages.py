@@ -23,6 +23,7 @@ from grader.render.labels import status_word
 from grader.service.web import forms
 from grader.service.web.access import LANGUAGE_COOKIE, language_of, visitor_of
 from grader.service.web.compiled import CompiledTemplates
+from grader.service.web.static_files import address
 
 FOLDER = Path(__file__).parent
 _A_YEAR_S = 365 * 24 * 3600
@@ -128,7 +129,7 @@ def _environment() -> Environment:
     environment.filters["points"] = quantity.points
     environment.filters["number"] = quantity.exact
     environment.filters["local"] = _local
-    environment.globals.update(status_word=status_word, megabytes=_megabytes)
+    environment.globals.update(status_word=status_word, megabytes=_megabytes, static=address())
     return environment
 
 

@@ -1,7 +1,6 @@
 """Putting the pages on the application."""
 
 from fastapi import FastAPI
-from fastapi.staticfiles import StaticFiles
 
 from grader.service.web import (
     appeals,
@@ -31,7 +30,7 @@ from grader.service.web import (
     student,
     submission,
 )
-from grader.service.web.pages import FOLDER
+from grader.service.web.static_files import StaticFiles
 
 ROUTERS = (
     student.router,
@@ -71,5 +70,5 @@ def install(app: FastAPI) -> None:
     """Add all pages to `app`; its handlers of failures must stand already."""
     for router in ROUTERS:
         app.router.routes.extend(router.routes)  # each is whole: see `grader.api`
-    app.mount("/static", StaticFiles(directory=FOLDER / "static"), name="static")
+    app.mount("/static", StaticFiles(), name="static")
     errors.install(app)

@@ -9,6 +9,7 @@ import pytest
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.outcome import Endpoint, LogRecord, Note, RunOutcome, RunStatus, Stream, StudentError
 from grader.render.escape import visible
+from grader.service.web.static_files import address
 from grader.use_cases.services import Services
 from tests.fakes.grading import grade
 from tests.unit.service.web.conftest import Browser
@@ -59,7 +60,7 @@ def assert_harmless(text: str) -> None:
             assert attributes.get(name, "/").startswith(("/", "?", "#")), attributes
             assert not attributes.get(name, "/").startswith("//"), attributes
     assert {attributes["src"].rpartition("/")[0] for tag, attributes in page.tags if tag == "script"} == {
-        "/static"
+        address()
     }
     assert "49" not in [attributes.get("value") for _, attributes in page.tags]
     assert visible(text) == text  # nothing that moves, hides or reorders
@@ -176,8 +177,16 @@ def test_static_files_are_typed_and_bounded(browser: Browser, services: Services
         )  # else an upgrade is not seen for months
         again = browser.client.get(f"/static/{name}", headers={"If-None-Match": answer.headers["etag"]})
         assert again.status_code == 304
+        for_ever = browser.client.get(f"{address()}/{name}")
+        assert (for_ever.content, for_ever.headers["content-encoding"]) == (answer.content, "gzip")
+        assert for_ever.headers["cache-control"] == "public, max-age=31536000, immutable"
+        plain = browser.client.get(f"{address()}/{name}", headers={"Accept-Encoding": "identity"})
+        assert (plain.content, plain.headers.get("content-encoding")) == (answer.content, None)
+        before = browser.client.get(f"/static/0123456789ab/{name}")  # a page of before an upgrade
+        assert (before.content, before.headers["cache-control"]) == (answer.content, "private, no-cache")
     assert browser.client.get("/static/..%2fpages.py").status_code == 404
-    assert browser.client.get("/static/").status_code == 404
+    for path in ("/static/", "/static/a/b/style.css", f"{address()}/none.js"):
+        assert browser.client.get(path).status_code == 404
 
 
 def test_a_fault_of_the_service_shows_no_inside(
