@@ -219,11 +219,10 @@ def score_items(
         elif spec.measure == BY_PERSON:
             scored.append(replace(blank, status=ItemStatus.NEEDS_MANUAL, message=say("item.by_person")))
         else:
-            weak = [need for need in spec.needs if shares.get(need, 1.0) < ENOUGH]
-            held = weight(shares[need] for need in weak)
+            weak, held = _weak(spec, shares), _held(spec, shares)
             share = credits[spec.id] * held
             shares[spec.id] = share if earned_points(blank.points, share) > 0.0 else 0.0
-            scale = min((credits[other] for other in spec.scaled_by), default=1.0)
+            scale = _scale(spec, credits)
             item = _scored(check, spec, blank, measures, min(credits[spec.id], scale) * held)
             if weak:
                 item = _lowered(item, "item.in_part", held, [titles[need] for need in weak])
@@ -232,6 +231,39 @@ def score_items(
                 item = _lowered(item, "item.scaled", scale, guilty)
             scored.append(item)
     return scored
+
+
+def points_of(specs: Sequence[ItemSpec], measures: Measures) -> float:
+    """Return the points that measures of one run earn in all, before each item is rounded."""
+    credits = _credits(specs, measures)
+    shares: dict[str, float] = {}
+    for spec in specs:
+        if spec.measure != BY_PERSON:
+            shares[spec.id] = credits[spec.id] * _held(spec, shares)
+    return math.fsum(
+        spec.points * min(shares[spec.id], _scale(spec, credits) * _held(spec, shares))
+        for spec in specs
+        if spec.id in shares
+    )
+
+
+def _held(spec: ItemSpec, shares: Mapping[str, float]) -> float:
+    """Return how much of an item counts, given the shares that the items before it earned."""
+    return (
+        0.0
+        if any(shares.get(need, 1.0) <= 0.0 for need in spec.needs)
+        else weight(_weak(spec, shares).values())
+    )
+
+
+def _weak(spec: ItemSpec, shares: Mapping[str, float]) -> dict[str, float]:
+    """Return the needed items that earned little, with their shares."""
+    return {need: shares[need] for need in spec.needs if shares.get(need, 1.0) < ENOUGH}
+
+
+def _scale(spec: ItemSpec, credits: Mapping[str, float]) -> float:
+    """Return the least credit of the items that lower an item."""
+    return min((credits[other] for other in spec.scaled_by), default=1.0)
 
 
 def _credits(specs: Sequence[ItemSpec], measures: Measures) -> dict[str, float]:

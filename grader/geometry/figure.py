@@ -1,16 +1,16 @@
-"""Measure the polygon that straights and turns make: which part is the first figure, its sides and corners.
+"""Read a path as a polygon: which of its straights are the figure, and what are its sides and corners.
 
-Scripts drive an approach first, repeat the figure, begin in the middle of a side, or drive on afterwards. The
-wanted number of sides must decide as little as possible here: a square driven for a triangle has to be measured
-as a square. Only direction, closing and likeness tell what belongs to the figure.
+Scripts drive an approach first, repeat the figure, begin in the middle of a side, or drive on afterwards. Each way
+to read a drive is a figure of its own; who scores them takes the one that earns most. So the closer a drive comes
+to the wanted figure in any of them, the more it earns, and no threshold decides what it is taken for.
 
 All tolerances are shares of the path's own size or angles, so that small and large figures are measured alike.
 """
 
 import itertools
 import math
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,7 +28,6 @@ from grader.geometry.path import (
     Straight,
     Turn,
     bare,
-    median,
 )
 
 # The shipped rubrics give full credit to sides that differ by 4 %, a gap of 4 % of the perimeter and corners
@@ -36,7 +35,6 @@ from grader.geometry.path import (
 # second, it is worth nothing whatever it is taken for. The tolerances stand at these edges, so that a motion
 # that earns something is never taken for another one.
 CLOSED_SHARE = 0.04  # of the perimeter: a figure whose end is this near to its start has closed
-SAME_SHARE = 0.04  # by how much a side too many may differ from the first side
 MERGE_TOLERANCE = 0.2  # by how much the two halves of a side begun in its middle may miss a whole side
 
 # Of the perimeter: a wider gap says nothing about what was meant. At 8 %, the approach to a figure with one
@@ -48,10 +46,6 @@ BETTER_SHARE = 0.02  # of the perimeter: by so much a later figure must close be
 # By how much the corners of a figure with equal corners may differ. At 7.5°, the first of several laps that do
 # not quite close would be taken for an approach.
 ALIKE_RAD = math.radians(15.0)
-
-# Of a corner: by how much the corners of the wanted number of sides may miss a full turn. One corner off, it is
-# exactly the next number of sides.
-LAP_TOLERANCE = 0.9
 
 REPEAT_TOLERANCE = 0.15  # by how much a side of a later lap may differ: on a slipping car laps drift apart
 # Of the difference between their sides: so near to its start begins a larger or smaller lap. In a
@@ -77,7 +71,7 @@ MAX_APPROACH_STRAIGHTS = 3  # to one of its sides, perhaps round something, and 
 
 
 class PolygonFigure(Record, kw_only=False):
-    """The first figure of a path, complete or not.
+    """A path, or a part of it, as a figure, complete or not.
 
     Attributes:
         vertices: sample indices: start of the first side, each corner, end of the last side.
@@ -144,19 +138,39 @@ class _Extent(Record, kw_only=False):
     apart: bool = False
 
 
-def measure_polygon(path: Path, segments: Segments, *, sides: int, cut_short: bool) -> PolygonFigure | None:
-    """Measure the first figure of `sides` sides, or return None when there is not one straight.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Straights:
+    """The straights of a path, from vertex to vertex.
 
-    `cut_short`: the car was still under way when the recording ended, so that the last segment says nothing about
-    its intended size.
+    Attributes:
+        spans: sample indices of the two vertices of each. sides_m: their distances.
+        corners: the change of direction from each straight to the next.
+        cut_short: the car was still under way when the recording ended, so that the last segment says nothing
+            about its intended size.
     """
-    if not segments.straights:
-        return None
-    corners = _corners(path, segments)
-    extent = _extent(path, segments, corners, sides, cut_short=cut_short)
-    if not cut_short:
-        corners += _closing_corner(path, segments, extent.first)
-    return _figure(path, segments, corners, extent, at_rest=not cut_short)
+
+    path: Path
+    segments: Segments
+    spans: list[tuple[int, int]]
+    sides_m: list[float]
+    corners: list[float]
+    cut_short: bool
+
+    def __len__(self) -> int:
+        return len(self.spans)
+
+    def apart_m(self, one: int, other: int) -> float:
+        """Return the distance between two samples."""
+        return chord(self.path, one, other)
+
+
+def readings(path: Path, segments: Segments, *, sides: int, cut_short: bool) -> Iterator[PolygonFigure]:
+    """Yield the ways in which a path may be read as a figure of `sides` sides; none without a straight."""
+    spans = [span(path, segments, i) for i in range(len(segments.straights))]
+    sides_m = [chord(path, *ends) for ends in spans]
+    straights = _Straights(path, segments, spans, sides_m, _corners(path, segments), cut_short)
+    for extent in _extents(straights, sides):
+        yield from _figures(straights, extent)
 
 
 def _corners(path: Path, segments: Segments) -> list[float]:
@@ -191,55 +205,58 @@ def _backs_up(path: Path, straight: Straight) -> bool:
     return bool(path.signed_m[straight.last] < path.signed_m[straight.first])
 
 
-def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *, cut_short: bool) -> _Extent:
-    """Find the figure: the first one that closes, else the first one whose direction comes round.
+def _extents(straights: _Straights, sides: int) -> Iterator[_Extent]:
+    """Yield which straights may be the figure: all, until the direction comes round, or as many as are wanted.
 
-    A side begun in its middle is looked for first, because its two halves are neither approach nor repetition;
-    then laps, whose first one would otherwise be taken for an approach to the next.
+    Straights before it are an approach if a figure of equal corners then closes, or nearly does, and clearly
+    better than one before it. The first and the last straight may be two parts of one side.
     """
-    total = len(segments.straights)
-    lengths = [chord(path, *span(path, segments, i)) for i in range(total)]
-    lap = _lap(path, segments, corners, sides, cut_short=cut_short)
-    if total == sides > lap and not cut_short and _repeats(lengths, corners, lap, cut_short=False):
-        return _Extent(
-            0, total
-        )  # as many sides as are wanted, each turned too far: not laps of another figure
-    if _halves(lengths, corners, lap):
-        return _Extent(0, total, joined=True)
-    if _begins_inside(path, segments, lengths, lap) and _repeats(
-        [*lengths[1:-1], lengths[-1] if cut_short else _completed(lengths, lap)],
-        corners[1:],
-        lap,
-        cut_short=cut_short,
-    ):
-        return _Extent(1, lap, inside=True, repeated=True)
-    again = _repeats(lengths, corners, lap, cut_short=cut_short)
-    if not again and (begun := _approached_halves(path, segments, corners, lengths)) is not None:
-        return _Extent(begun, total - begun, joined=True)
-    plain = again or lap == sides == total
-    first, count = (None if plain else _closed(path, segments, corners, lengths, sides)) or (0, lap)
-    if first + count == total:
-        return _Extent(first, count)
-    found = _followed(path, segments, corners, _Extent(first, count), cut_short=cut_short)
-    meant = total == sides or _one_too_many(lengths[first:], corners[first:])
-    if meant and not (found.repeated or found.apart) and not cut_short:
-        return _Extent(first, total - first)
-    return found
+    total, least = len(straights), math.inf
+    for first in range(min(MAX_APPROACH_STRAIGHTS + 1, total)):
+        rest, nearly = total - first, min(NEARLY_CLOSED_SHARE, least - BETTER_SHARE)
+        lap = _comes_round(straights.corners) if first == 0 else None
+        if lap is not None and lap not in (sides, total):
+            yield _followed(straights, _Extent(first, lap))
+        if first == 0:
+            yield _Extent(first, total)
+        is_figure = 2 < sides <= rest and alike(straights.corners[first : first + sides - 1])
+        if is_figure or lap == sides:
+            inside = first == 1 and sides < rest and _begins_inside(straights, sides)
+            extent = _Extent(first, sides, inside=inside)
+            open_share = _open_share(straights, extent)
+            if (first == 0 and sides < rest) or (first > 0 and open_share <= nearly):
+                yield _followed(straights, extent)
+            if is_figure:
+                least = min(least, open_share)
+        joined = _Extent(first, rest, joined=True)
+        if rest == sides + 1 > 3 and _open_share(straights, joined) <= nearly:
+            yield joined
 
 
-def _followed(
-    path: Path, segments: Segments, corners: list[float], lap: _Extent, *, cut_short: bool
-) -> _Extent:
+def _begins_inside(straights: _Straights, lap: int) -> bool:
+    """Whether the path begins in the middle of a side, and drives all of that side once it has come round."""
+    (begin, corner), (before, again) = straights.spans[0], straights.spans[lap]
+    near_m = MERGE_TOLERANCE * straights.sides_m[lap]
+    way_m = straights.apart_m(before, begin) + straights.sides_m[0]
+    return straights.apart_m(corner, again) <= near_m and abs(way_m - straights.sides_m[lap]) <= near_m
+
+
+def _open_share(straights: _Straights, extent: _Extent) -> float:
+    """Return by which share of its length a figure misses to come back to its start."""
+    stop = extent.first + extent.count
+    length_m = exact.total(straights.sides_m[extent.first : stop])
+    gap_m = straights.apart_m(straights.spans[extent.first][0], straights.spans[stop - 1][1])
+    return gap_m / length_m if length_m > 0.0 else math.inf
+
+
+def _followed(straights: _Straights, lap: _Extent) -> _Extent:
     """Say of a lap how what follows relates to it."""
-    first, count = lap.first, lap.count
-    lengths = [chord(path, *span(path, segments, i)) for i in range(first, len(segments.straights))]
-    retraced = _retraced(path, segments, first, count, cut_short=cut_short)
-    repeated = (
-        retraced
-        or _repeats(lengths, corners[first:], count, cut_short=cut_short)
-        or _resized(path, segments, corners, lap, cut_short=cut_short)
-    )
-    apart = repeated and not retraced and _turned_between(corners[first : first + count])
+    stop = lap.first + lap.count
+    if stop == len(straights):
+        return lap
+    retraced = _retraced(straights, lap)
+    repeated = retraced or _repeats(straights, lap)
+    apart = repeated and not retraced and _turned_between(straights.corners[lap.first : stop])
     return replace(
         lap,
         retraced=retraced,
@@ -249,80 +266,48 @@ def _followed(
     )
 
 
-def _lap(path: Path, segments: Segments, corners: list[float], sides: int, *, cut_short: bool) -> int:
-    """Return after how many straights the direction has come round; all of them if it has not.
-
-    Where corners are a few degrees off, laps of the wanted number of sides come round a side too early or late.
-    They are taken for what was meant if the path consists of them, or if the other number closes no figure.
-    """
-    total = len(segments.straights)
-    lap = _comes_round(corners) or total
-    if lap == sides or not 2 < sides <= total or not alike(corners[:sides]):
-        return lap
-    mean = abs(exact.total(map(bare, corners[: sides - 1]))) / (sides - 1)
-    if abs(sides * mean - FULL_TURN_RAD) > LAP_TOLERANCE * mean:
-        return lap
-    begin, end = span(path, segments, 0)[0], span(path, segments, lap - 1)[1]
-    closed = chord(path, begin, end) <= CLOSED_SHARE * float(path.along_m[end] - path.along_m[begin])
-    consists = not cut_short and total % sides == 0 < total % lap
-    return sides if consists or not closed else lap
-
-
-def _begins_inside(path: Path, segments: Segments, lengths: list[float], lap: int) -> bool:
-    """Whether the path begins in the middle of a side, and drives all of that side once it has come round."""
-    if lap < 3 or len(lengths) < lap + 2 or lengths[0] > (1.0 - 0.5 * MERGE_TOLERANCE) * lengths[lap]:
-        return False
-    begin, corner = span(path, segments, 0)
-    before, again = span(path, segments, lap)
-    near_m = MERGE_TOLERANCE * lengths[lap]
-    rest_m = chord(path, before, begin)
-    return chord(path, corner, again) <= near_m and abs(rest_m + lengths[0] - lengths[lap]) <= near_m
-
-
-def _completed(lengths: list[float], lap: int) -> float:
-    """Return the length of the last straight with that of the first, if they are two parts of one side."""
-    both = lengths[-1] + lengths[0]
-    return both if abs(both - lengths[lap]) <= MERGE_TOLERANCE * lengths[lap] else lengths[-1]
-
-
-def _retraced(path: Path, segments: Segments, first: int, count: int, *, cut_short: bool) -> bool:
+def _retraced(straights: _Straights, lap: _Extent) -> bool:
     """Whether what follows the figure lies on its sides, in either sense: whole laps, unless it was cut short."""
-    later = [span(path, segments, i) for i in range(first + count, len(segments.straights))]
-    if len(later) % count and not cut_short:
+    stop = lap.first + lap.count
+    later = straights.spans[stop:]
+    if len(later) % lap.count and not straights.cut_short:
         return False
-    corners = [span(path, segments, i)[0] for i in range(first, first + count)]
-    near_m = REPEAT_TOLERANCE * min(
-        chord(path, *span(path, segments, i)) for i in range(first, first + count)
-    )
-    whole = later[:-1] if cut_short else later
+    corners = [start for start, _ in straights.spans[lap.first : stop]]
+    near_m = REPEAT_TOLERANCE * min(straights.sides_m[lap.first : stop])
+    whole = later[:-1] if straights.cut_short else later
 
     def places(sample: int) -> set[int]:
-        return {place for place, corner in enumerate(corners) if chord(path, sample, corner) <= near_m}
+        return {place for place, corner in enumerate(corners) if straights.apart_m(sample, corner) <= near_m}
 
     return bool(whole) and all(
-        any((one - other) % count in (1, count - 1) for one in places(start) for other in places(stop))
-        for start, stop in whole
+        any((one - other) % lap.count in (1, lap.count - 1) for one in places(start) for other in places(end))
+        for start, end in whole
     )
 
 
-def _resized(path: Path, segments: Segments, corners: list[float], lap: _Extent, *, cut_short: bool) -> bool:
-    """Whether whole laps follow that begin where the first one did, and are larger or smaller as a whole."""
-    spans = [span(path, segments, i) for i in range(lap.first, len(segments.straights))]
-    if len(spans) < 2 * lap.count or (len(spans) % lap.count and not cut_short):
-        return False
-    sides = [chord(path, *one) for one in spans]
-    if min(sides[: lap.count]) <= 0.0:  # there and back
+def _repeats(straights: _Straights, lap: _Extent) -> bool:
+    """Whether whole laps follow, as large as the first or, where they begin at the same corner, of another size.
+
+    The last one may have been cut short. A part that the script itself ended was no lap: the car drove on.
+    """
+    spans, sides_m = straights.spans[lap.first :], straights.sides_m[lap.first :]
+    if lap.inside:  # a last part of a side is completed by the part with which the path began
+        parts_m = sides_m[-1], sides_m[-1] + straights.sides_m[0]
+        sides_m[-1] = min(parts_m, key=lambda part_m: abs(part_m - sides_m[lap.count - 1]))
+    if (len(spans) % lap.count and not straights.cut_short) or min(sides_m[: lap.count]) <= 0.0:
         return False
     for start in range(lap.count, len(spans), lap.count):
-        later = sides[start : start + lap.count]
-        shares = [one / other for one, other in zip(later, sides, strict=False)]
-        moved_m = chord(path, spans[0][0], spans[start][0])
-        if moved_m > MOVED_SHARE * abs(later[0] - sides[0]):
+        later_m = sides_m[start : start + lap.count]
+        shares = [later / first for later, first in zip(later_m, sides_m, strict=False)]
+        under_way = shares.pop() if straights.cut_short and start + lap.count >= len(spans) else 0.0
+        alike_m = all(abs(share - 1.0) <= REPEAT_TOLERANCE for share in shares)
+        moved_m = straights.apart_m(spans[0][0], spans[start][0])
+        resized = len(shares) > 1 and max(shares) <= (1.0 + REPEAT_TOLERANCE) * min(shares)
+        if not alike_m and not (resized and moved_m <= MOVED_SHARE * abs(later_m[0] - sides_m[0])):
             return False
-        done = start + lap.count <= len(spans) - cut_short
-        if done and max(shares) > (1.0 + REPEAT_TOLERANCE) * min(shares):
+        if under_way > (1.0 + REPEAT_TOLERANCE) * max(shares, default=1.0):
             return False
-    return _turns_alike(corners[lap.first :], lap.count)
+    return _turns_alike(straights.corners[lap.first :], lap.count)
 
 
 def _turned_between(lap: list[float]) -> bool:
@@ -331,13 +316,6 @@ def _turned_between(lap: list[float]) -> bool:
     if _comes_round(inner) != len(lap) or not alike(inner):
         return False
     return abs(math.remainder(lap[-1] - exact.total(inner) / len(inner), FULL_TURN_RAD)) > APART_RAD
-
-
-def _one_too_many(lengths: list[float], corners: list[float]) -> bool:
-    """Whether the last side continues a complete figure as its own sides do: one repetition too many in a loop."""
-    count = len(lengths) - 1
-    same = abs(lengths[-1] - lengths[0]) <= SAME_SHARE * lengths[0]
-    return same and _comes_round(corners) == count and alike(corners)
 
 
 def _comes_round(corners: list[float]) -> int | None:
@@ -361,89 +339,48 @@ def alike(corners: Sequence[float]) -> bool:
     return max(less) - min(less) <= ALIKE_RAD
 
 
-def _closed(
-    path: Path, segments: Segments, corners: list[float], lengths: list[float], sides: int
-) -> tuple[int, int] | None:
-    """Return first straight and number of straights of the first figure of equal corners that closes, or None.
-
-    What is driven before it is an approach. A later one is taken only if it closes clearly better. Where no figure
-    closes, one that nearly does is taken if it has the wanted number of sides.
-    """
-    closed = nearly = None
-    least = least_nearly = math.inf
-    for first in range(min(MAX_APPROACH_STRAIGHTS + 1, len(lengths))):
-        count = _comes_round(corners[first:])
-        if count is None or count < 3 or not alike(corners[first : first + count - 1]):
+def _figures(straights: _Straights, extent: _Extent) -> Iterator[PolygonFigure]:
+    """Yield the figure of some straights, and as if it began, or ended, at a corner near which the path did."""
+    path, first, stop = straights.path, extent.first, extent.first + extent.count
+    vertices = [straights.spans[first][0], *(end for _, end in straights.spans[first:stop])]
+    yield _figure(straights, extent, vertices)
+    whole = first == 0 and stop == len(straights) and not straights.cut_short and not extent.joined
+    if not whole or chord(path, len(path) - 1, 0) > CLOSED_SHARE * exact.total(straights.sides_m):
+        return
+    for turn, at in ((straights.segments.turns[0], -1), (straights.segments.turns[-1], 0)):
+        if turn is None or turn.length_m < SETTLING_SHARE * path.extent_m or _is_arc(path, turn):
             continue
-        start, end = span(path, segments, first)[0], span(path, segments, first + count - 1)[1]
-        gap = chord(path, start, end) / exact.total(lengths[first : first + count])
-        if gap <= min(CLOSED_SHARE, least - BETTER_SHARE):
-            closed, least = (first, count), gap
-        elif count == sides and gap <= min(NEARLY_CLOSED_SHARE, least_nearly - BETTER_SHARE):
-            nearly, least_nearly = (first, count), gap
-    return closed or nearly
+        moved = list(vertices)
+        moved[at] = half_turned(path, turn)
+        yield _figure(straights, extent, moved)
 
 
-def _approached_halves(
-    path: Path, segments: Segments, corners: list[float], lengths: list[float]
-) -> int | None:
-    """Return the straight at which, after an approach, a figure begins in the middle of a side; None: nowhere."""
-    for first in range(1, min(MAX_APPROACH_STRAIGHTS + 1, len(lengths))):
-        rest_m, inner = lengths[first:], corners[first:]
-        lap = _comes_round(inner)
-        if lap is None or not _halves(rest_m, inner, lap) or not alike(inner):
-            continue
-        ends = span(path, segments, first)[0], span(path, segments, len(lengths) - 1)[1]
-        if chord(path, *ends) <= CLOSED_SHARE * exact.total(rest_m):
-            return first
-    return None
-
-
-def _halves(lengths: list[float], corners: list[float], lap: int) -> bool:
-    """Whether the path begins in the middle of a side, which its last straight completes in the same direction."""
-    if len(lengths) != lap + 1 or lap < 3:
-        return False
-    turned = abs(exact.total(map(bare, corners)))
-    if abs(turned - FULL_TURN_RAD) > 0.5 * turned / lap:
-        return False
-    like = [median(lengths[1:-1])]
-    if lap % 2 == 0:
-        like.append(lengths[lap // 2])  # a rectangle's side is as long as the one across
-    first, last = lengths[0], lengths[-1]
-    return any(
-        abs(first + last - whole) <= MERGE_TOLERANCE * whole
-        and abs(first + last - whole) < abs(max(first, last) - whole)  # else one of them is a whole side
-        for whole in like
-    )
-
-
-def _figure(
-    path: Path, segments: Segments, corners: list[float], extent: _Extent, *, at_rest: bool
-) -> PolygonFigure:
-    first, stop = extent.first, extent.first + extent.count
-    spans, straights = [span(path, segments, i) for i in range(first, stop)], segments.straights[first:stop]
-    closing = segments.turns[stop] if len(corners) >= stop else None
-    end = segments.straights[stop - 1].last if closing is None else closing.last
-    start = spans[0][0] if extent.inside else _set_out(path, segments)
-    rest = len(path) - 1 if extent.overrun and at_rest else end
-    vertices = [spans[0][0], *(stop for _, stop in spans)]
-    if first == 0 and stop == len(segments.straights) and at_rest and not extent.joined:
-        vertices = _closed_up(path, vertices, segments.turns[0], closing)
+def _figure(straights: _Straights, extent: _Extent, vertices: list[int]) -> PolygonFigure:
+    path, first, stop = straights.path, extent.first, extent.first + extent.count
+    corners = straights.corners[first:stop]
+    if stop == len(straights) and not straights.cut_short:
+        corners += _closing_corner(path, straights.segments, first)
+    closing = straights.segments.turns[stop] if len(corners) == extent.count else None
+    own = straights.segments.straights[first:stop]
+    end = own[-1].last if closing is None else closing.last
+    begin = straights.spans[first][0]
+    start = begin if extent.inside else _set_out(path, straights.segments)
+    rest = len(path) - 1 if extent.overrun and not straights.cut_short else end
     sides = [chord(path, *one) for one in itertools.pairwise(vertices)]
-    driven_m = float(path.along_m[end] - path.along_m[spans[0][0]])
-    strayed_m = exact.total(straight.strayed_m for straight in straights)
-    bows = tuple(_bow(each, path.extent_m, side_m) for each, side_m in zip(straights, sides, strict=True))
-    curved_m = strayed_m + _curved_m(straights, [*segments.turns[first + 1 : stop], closing])
+    driven_m = float(path.along_m[end] - path.along_m[begin])
+    strayed_m = exact.total(straight.strayed_m for straight in own)
+    bows = tuple(_bow(each, path.extent_m, side_m) for each, side_m in zip(own, sides, strict=True))
+    curved_m = strayed_m + _curved_m(own, [*straights.segments.turns[first + 1 : stop], closing])
     if extent.joined:
         sides = [sides[0] + sides[-1], *sides[1:-1]]
-    inner, last_turned_rad = _shaping(corners[first:stop], extent, turned=closing is not None)
+    inner, last_turned_rad = _shaping(corners, extent, turned=closing is not None)
     return PolygonFigure(
         vertices=tuple(vertices),
         sides_m=tuple(sides),
         corners_rad=tuple(inner),
         last_turn_rad=_last_turn(path, closing, last_turned_rad) if closing is not None else 0.0,
         last_turned_rad=last_turned_rad,
-        approach_m=max(float(path.along_m[spans[0][0]] - path.along_m[start]), 0.0),
+        approach_m=max(float(path.along_m[begin] - path.along_m[start]), 0.0),
         start=start,
         end=end,
         rest=rest,
@@ -484,29 +421,6 @@ def _set_out(path: Path, segments: Segments) -> int:
     return begun.first if begun is not None and far else segments.straights[0].first
 
 
-def _closed_up(path: Path, vertices: list[int], begun: Turn | None, closing: Turn | None) -> list[int]:
-    """Return the corners of a figure that began, or ended, near one: what was driven there counts as a corner.
-
-    The short part of the side beyond that corner completes the other part, if the two make a better side.
-    """
-    sides = [chord(path, *one) for one in itertools.pairwise(vertices)]
-    usual_m, perimeter_m = median(sides), exact.total(sides)
-
-    def better(turn: Turn | None, end: int, far: int, side_m: float) -> bool:
-        if turn is None or chord(path, end, 0) > CLOSED_SHARE * perimeter_m:
-            return False
-        if turn.length_m < SETTLING_SHARE * path.extent_m or _is_arc(path, turn):
-            return False
-        return abs(chord(path, half_turned(path, turn), far) - usual_m) < abs(side_m - usual_m)
-
-    rest = len(path) - 1
-    if begun is not None and better(begun, rest, vertices[-2], sides[-1]):
-        return [*vertices[:-1], half_turned(path, begun)]
-    if closing is not None and better(closing, rest, vertices[1], sides[0]):
-        return [half_turned(path, closing), *vertices[1:]]
-    return vertices
-
-
 def _is_arc(path: Path, turn: Turn) -> bool:
     """Whether a good part of a turn was driven while turning, and not straight before or after it."""
     travel, along = path.travel_rad[turn.first : turn.last + 1], path.along_m[turn.first : turn.last + 1]
@@ -544,23 +458,6 @@ def _bow(straight: Straight, extent_m: float, side_m: float) -> float:
 def _last_turn(path: Path, turn: Turn, angle_rad: float) -> float:
     on_the_spot = turn.length_m <= SPOT_SHARE * path.extent_m
     return math.remainder(angle_rad, FULL_TURN_RAD) if on_the_spot else angle_rad
-
-
-def _repeats(lengths: list[float], corners: list[float], count: int, *, cut_short: bool) -> bool:
-    """Whether the first `count` sides are followed by whole laps, the last of which may have been cut short.
-
-    A part that the script itself ended was no lap: the car drove on after the figure.
-    """
-    sides, later = lengths[:count], lengths[count:]
-    if not later or (len(later) % count and not cut_short):
-        return False
-    before = list(itertools.islice(itertools.cycle(sides), len(later)))
-    whole = len(later) - 1 if cut_short else len(later)
-    same = all(
-        abs(length - side) <= REPEAT_TOLERANCE * side
-        for length, side in zip(later[:whole], before[:whole], strict=True)
-    )
-    return same and later[-1] <= (1.0 + REPEAT_TOLERANCE) * before[-1] and _turns_alike(corners, count)
 
 
 def _turns_alike(corners: list[float], count: int) -> bool:
@@ -609,6 +506,8 @@ def half_turned(path: Path, turn: Turn) -> int:
 
 def _last_vertex(path: Path, turn: Turn) -> int:
     """Return the sample at which half of the corner in the last turn is done, before any whole turns."""
+    if abs(turn.angle_rad) < FULL_TURN_RAD:
+        return half_turned(path, turn)
     turned = np.abs(path.travel_rad[turn.first : turn.last + 1] - path.travel_rad[turn.first])
     corner_rad = abs(math.remainder(float(turned[-1]), FULL_TURN_RAD))
     return turn.first + int(np.argmax(turned >= 0.5 * corner_rad))

@@ -100,8 +100,8 @@ def test_what_follows_the_figure_costs_the_more_the_longer_it_is() -> None:
         earned.append(score(scoring))
         assert scoring.mistakes in ((), ("drove_on",), ("sides_extra", "unequal_sides"), ("sides_extra",))
     assert earned[0] == 100
-    assert earned[-1] == 78.1
-    assert earned[:-2] == sorted(earned[:-2], reverse=True)
+    assert earned[-1] == 80  # one side too many
+    assert earned == sorted(earned, reverse=True)
 
 
 def test_a_walk_after_the_figure_is_told() -> None:
@@ -386,7 +386,7 @@ def test_points_fall_step_by_step_as_sides_bend(name: str, sides: int, most_deg:
     points = [driven(half / 2) for half in range(2 * most_deg)]
     steps = [before - after for before, after in itertools.pairwise(points)]
     assert points[0] == 100
-    assert points[-1] <= 35
+    assert points[-1] <= 37  # seven straight sides of an octagon, and one corner of 90 degrees
     assert min(steps) >= 0
     assert max(steps) <= 30
 

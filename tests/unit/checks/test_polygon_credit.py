@@ -86,6 +86,15 @@ def test_a_last_side_that_grows_earns_point_by_point() -> None:
         assert max(after - before for before, after in itertools.pairwise(earned)) < 8
 
 
+@pytest.mark.parametrize(("name", "sides"), FIGURES.items())
+def test_one_side_too_many_costs_no_more_than_two(name: str, sides: int) -> None:
+    one, two, most = (
+        score(graded(name, drive(sides_driven(sides, count))))
+        for count in (sides + 1, sides + 2, 2 * sides - 1)
+    )
+    assert one >= two >= most >= 80
+
+
 def test_one_straight_is_no_part_of_a_figure() -> None:
     scoring = graded("octagon", drive([(3.0, 1.0, 0.0)]))
     assert score(scoring) == 5

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from grader.geometry.figure import measure_polygon
+from grader.geometry.figure import readings
 from grader.geometry.path import Path, Segments, driven_path, segment
 from tests.unit.checks.trajectories import Leg, drive, polygon_legs
 
@@ -79,8 +79,7 @@ def test_going_back_is_a_run_of_its_own_half_a_turn_away() -> None:
 @pytest.mark.parametrize("sides", [3, 4, 5, 6, 8, 12])
 def test_figures_up_to_twelve_sides(sides: int) -> None:
     path = path_of(polygon_legs(sides, 0.8))
-    figure = measure_polygon(path, segment(path), sides=sides, cut_short=False)
-    assert figure is not None
+    figure = next(readings(path, segment(path), sides=sides, cut_short=False))
     assert len(figure.sides_m) == sides
     turns = [math.degrees(turn) for turn in (*figure.corners_rad, figure.last_turn_rad)]
     assert turns == pytest.approx([360 / sides] * sides, abs=0.2)
@@ -97,8 +96,7 @@ def test_steering_that_weaves_along_is_straight(sides: int, waves: int, swing_de
     swing, quarter = math.radians(swing_deg), 1.5 / waves / 4
     wave = [(quarter, 1.0, sign * swing / quarter) for sign in (1.0, -1.0, -1.0, 1.0)]
     path = path_of([*wave * waves, (math.tau / sides, 0.0, 1.0)] * sides)
-    figure = measure_polygon(path, segment(path), sides=sides, cut_short=False)
-    assert figure is not None
+    figure = next(readings(path, segment(path), sides=sides, cut_short=False))
     assert len(figure.sides_m) == sides
     assert figure.curved_share < 0.25
 
@@ -140,8 +138,7 @@ def test_steering_that_swings_far_within_a_narrow_strip_is_straight(sides: int, 
     steps = [(0.05, 1.0, 2.0 * swing / 0.05), (0.05, 1.0, -2.0 * swing / 0.05)] * 15
     side = [(swing, 0.0, -1.0), *steps, (swing, 0.0, 1.0)]
     path = path_of([*side, (math.tau / sides, 0.0, 1.0)] * sides)
-    figure = measure_polygon(path, segment(path), sides=sides, cut_short=False)
-    assert figure is not None
+    figure = next(readings(path, segment(path), sides=sides, cut_short=False))
     assert len(figure.sides_m) == sides
     assert [math.degrees(corner) for corner in figure.corners_rad] == pytest.approx(
         [360 / sides] * (sides - 1), abs=3.0

@@ -2,18 +2,24 @@
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from grader.checks.drive import pushed_m
+from grader.checks.drive import Drive, drive_of, pushed_m
 from grader.checks.fit import Misfit, is_number
-from grader.checks.kinds.polygon.figures import DrivenPolygon, WantedPolygon, driven_polygon, wanted_polygon
+from grader.checks.kinds.polygon.figures import (
+    DrivenPolygon,
+    WantedPolygon,
+    coarse_readings,
+    fine_readings,
+    wanted_polygon,
+)
 from grader.checks.kinds.polygon.mistakes import polygon_mistakes
 from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake, Option
 from grader.checks.mistakes import driving_mistakes
-from grader.checks.scoring import credit, fits, smoothly
+from grader.checks.scoring import credit, fits, points_of, smoothly
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchSide
 from grader.contracts.scoring import Run
@@ -21,7 +27,7 @@ from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Floats, Trajectory
 from grader.geometry import exact
 from grader.geometry.figure import PolygonFigure
-from grader.geometry.path import median
+from grader.geometry.path import median, without_overshoots
 from grader.messages import say
 from grader.messages.quantity import listed, number
 
@@ -38,6 +44,9 @@ MEASURES = {
 }
 
 
+EXTRA_SIDE_SHARE = (
+    2.0 / 3.0
+)  # of the points for the number of sides is left with one too many, half of that with two
 _LENGTHS = ("side_spread_pct", "side_error_pct")
 _OF_THE_SIDES = ("corner_deg", "curved_pct", "opposite_corners")
 _OF_THE_FIGURE = ("curved_pct", "opposite_corners", "gap_pct", "settled")
@@ -51,17 +60,53 @@ _NO_SIDE = Text(
 
 def measure(assignment: Assignment, run: Run) -> Measures:
     """Measure the figure that the car drove in `run`."""
-    wanted = wanted_polygon(assignment.options)
-    driven = driven_polygon(assignment, wanted, run)
-    return {} if driven is None else _measures(assignment, wanted, driven, _wall_m(run, driven))
+    drive = drive_of(run)
+    return {} if drive is None else read(assignment, run, drive)[1]
 
 
 def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
     """Return what probably went wrong."""
+    drive = drive_of(run)
+    if drive is None:
+        return driving_mistakes(run, ())
+    wanted, (driven, _) = wanted_polygon(assignment.options), read(assignment, run, drive)
+    return driving_mistakes(run, polygon_mistakes(assignment, run, wanted, driven))
+
+
+def read(assignment: Assignment, run: Run, drive: Drive) -> tuple[DrivenPolygon, Measures]:
+    """Return of the ways to read a drive as a figure the one that earns most, and its measures.
+
+    Of several that earn as much it is the plainest.
+    """
+    drive = replace(drive, path=without_overshoots(drive.path))
     wanted = wanted_polygon(assignment.options)
-    driven = driven_polygon(assignment, wanted, run)
-    own = () if driven is None else polygon_mistakes(assignment, run, wanted, driven)
-    return driving_mistakes(run, own)
+    fine = fine_readings(assignment, wanted, drive)
+    best = _best(assignment, run, wanted, fine)
+    if drive.path.extent_m <= 0.0 or _is_plain(best[0], wanted, fine):
+        return best
+    coarse = coarse_readings(assignment, wanted, drive)
+    return _best(assignment, run, wanted, itertools.chain([best[0]], coarse))
+
+
+def _best(
+    assignment: Assignment, run: Run, wanted: WantedPolygon, readings: Iterable[DrivenPolygon]
+) -> tuple[DrivenPolygon, Measures]:
+    measured = ((each, _measures(assignment, wanted, each, _wall_m(run, each))) for each in readings)
+    return max(measured, key=lambda pair: round(points_of(assignment.items, pair[1]), 2))
+
+
+def _is_plain(best: DrivenPolygon, wanted: WantedPolygon, fine: Sequence[DrivenPolygon]) -> bool:
+    """Whether a coarser look has nothing to better: sides as wanted, or plainly another number of sides.
+
+    What was driven before the figure may be a part of its first side.
+    """
+    figure, count = best.figure, len(best.segments.straights)
+    if figure is None or count < 3:
+        return False
+    if any(each.is_another(wanted) for each in fine):
+        return True
+    as_wanted = count == wanted.sides or best.is_on_the_whole(wanted)
+    return as_wanted and max(figure.bows) < 1.0 and figure.approach_m <= 0.0
 
 
 def _measures(
@@ -75,7 +120,7 @@ def _measures(
     }
     if figure is None:
         return taken
-    taken["sides"] = _side_count(figure, wanted, driven.left_out(wanted))
+    taken["sides"] = _side_count(assignment, figure, wanted, driven.left_out(wanted))
     taken["curved_pct"] = Measure(100.0 * figure.curved_share)
     taken["gap_pct"] = _gap_measure(driven, figure)
     taken |= _corner_measures(wanted, driven)
@@ -83,9 +128,10 @@ def _measures(
     taken |= {name: _of_a_part(taken[name], done) for name in _OF_THE_SIDES if name in taken}
     taken |= _lengths(assignment, wanted, driven, wall_m)
     if (otherness := round(driven.otherness(wanted), 3)) > 0.0:
-        spoilt = _OF_THE_FIGURE if len(figure.sides_m) == wanted.sides else (*_OF_THE_FIGURE, *_LENGTHS)
+        counted = len(figure.sides_m) == wanted.sides and driven.rival <= 0.0
+        spoilt = _OF_THE_FIGURE if counted else (*_OF_THE_FIGURE, *_LENGTHS)
         taken |= {name: _of_another(taken[name], otherness) for name in spoilt if name in taken}
-        if len(figure.sides_m) != wanted.sides:
+        if not counted:
             share = taken["sides"].share * (1.0 - otherness)
             taken["sides"] = _shared(taken["sides"], share, say("polygon.near_another"))
     return taken
@@ -139,7 +185,9 @@ def _of_another(measure: Measure, otherness: float) -> Measure:
     return _shared(measure, measure.share * (1.0 - otherness), say("polygon.near_another"))
 
 
-def _side_count(figure: PolygonFigure, wanted: WantedPolygon, left_out: float) -> Measure:
+def _side_count(
+    assignment: Assignment, figure: PolygonFigure, wanted: WantedPolygon, left_out: float
+) -> Measure:
     """Return the number of sides, less what was left out of the last one.
 
     From some bend on, a side is taken for a turn, and the corners beside it are lost as well. So that the score
@@ -152,7 +200,9 @@ def _side_count(figure: PolygonFigure, wanted: WantedPolygon, left_out: float) -
         return _shared(counted, 0.0, say("polygon.part_of_figure"))  # a straight is no part of a figure
     straight = smoothly(min(0.75 * max(figure.bows) + 0.25 * min(figure.bows), 1.0))
     if count > wanted.sides:
-        return _shared(counted, straight * (wanted.sides / count) ** 2, say("polygon.part_of_figure"))
+        most = _credit(assignment, "sides", counted)
+        share = min(EXTRA_SIDE_SHARE / (count - wanted.sides) / most, 1.0) if most > 0.0 else 1.0
+        return _shared(counted, straight * share, say("polygon.part_of_figure"))
     return _shared(counted, straight, say("polygon.bent_sides")) if straight < 1.0 else counted
 
 
@@ -224,8 +274,8 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
 
     Points are where the car was recorded, so that they lie on the drawn path even after a teleport.
     """
-    wanted = wanted_polygon(assignment.options)
-    driven = driven_polygon(assignment, wanted, run)
+    drive, wanted = drive_of(run), wanted_polygon(assignment.options)
+    driven = None if drive is None else read(assignment, run, drive)[0]
     if driven is None or driven.figure is None:
         return FigureSketch()
     trajectory, figure = run.trajectory, driven.figure

@@ -2,18 +2,17 @@
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.checks.drive import Drive, drive_of
+from grader.checks.drive import Drive
 from grader.checks.measure import Option
 from grader.checks.scoring import band_error
 from grader.contracts.assignment import Assignment
 from grader.contracts.record import Record
-from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
 from grader.geometry import exact
 from grader.geometry.coarse import coarse_looks
@@ -23,9 +22,9 @@ from grader.geometry.figure import (
     PolygonFigure,
     alike,
     chord,
-    measure_polygon,
+    readings,
 )
-from grader.geometry.path import Segments, bare, segment, without_overshoots
+from grader.geometry.path import Segments, bare, segment
 
 FULL_TURN_DEG = 360.0
 Bools = NDArray[np.bool_]
@@ -39,6 +38,10 @@ OBLONG_RATIO = 1.5  # from here on a rectangle is nothing of a square
 # Of the longest side: with a shorter one, a figure may be another one whose corners are cut off.
 OTHER_SIDES = 0.4
 STRAIGHT_SHARE = 0.05  # of the way: with no more of it driven while turning, sides are straight
+
+# Of the perimeter: by so much a complete figure must close better than a part of it to be what was meant: by the
+# first nothing of it is, by the second all. A side of a dodecagon is 0.08.
+BETTER_SHARE, MUCH_BETTER_SHARE = 0.04, 0.08
 
 # Opposite sides that differ by more belong to no rectangle with a short side.
 ALIKE_PCT = 12.0
@@ -131,6 +134,7 @@ class DrivenPolygon:
         turned_deg: (n,) what the car turned there: -270° shape a corner of 90°.
         sense: +1 if the figure turns left, else -1.
         turned_on: there was a turn after the last side that is not one of the corners.
+        rival: how far it is a part, or laps, of another complete figure, from 0 to 1.
     """
 
     drive: Drive
@@ -140,47 +144,27 @@ class DrivenPolygon:
     turned_deg: Floats
     sense: float = 1.0
     turned_on: bool = False
+    rival: float = 0.0
 
     def is_other(self, wanted: WantedPolygon) -> bool:
         """Whether another figure than the wanted one was driven, rather than that one badly."""
         return self.otherness(wanted) >= 0.5
 
-    def has_sides(self, wanted: WantedPolygon) -> bool:
-        """Whether it has as many sides as are wanted, and none of them is lost."""
+    def is_another(self, wanted: WantedPolygon) -> bool:
+        """Whether it is plainly another number of straight sides."""
         figure = self.figure
-        return figure is not None and len(figure.sides_m) == wanted.sides and max(figure.bows) < 1.0
-
-    def is_plain(self, wanted: WantedPolygon) -> bool:
-        """Whether a coarser look has nothing to better: sides as wanted, or plainly another number of sides.
-
-        What was driven before the figure may be a part of its first side.
-        """
-        figure = self.figure
-        if figure is None or len(figure.sides_m) < 3:
+        if figure is None or not 3 <= len(figure.sides_m) != wanted.sides:
             return False
         sides = figure.sides_m
-        if len(sides) == wanted.sides:
-            return self.has_sides(wanted) and figure.approach_m <= 0.0
         straight = alike(figure.corners_rad) and figure.curved_share <= STRAIGHT_SHARE
         return (straight or self.is_other(wanted)) and min(sides) >= OTHER_SIDES * max(sides)
-
-    @property
-    def roughness(self) -> float:
-        """How far sides are from straight and equal ones, corners from equal ones, and whether more follows."""
-        figure = self.figure
-        if figure is None:
-            return math.inf
-        uneven = 1.0 - min(figure.sides_m) / max(figure.sides_m)
-        bent = max(figure.bows) + exact.total(figure.bows)
-        return uneven + bent + math.radians(float(np.ptp(self.corners_deg))) + figure.overrun
 
     def is_on_the_whole(self, wanted: WantedPolygon) -> bool:
         """Whether it is a figure of as many sides as are wanted and of equal corners that closes, if roughly."""
         figure = self.figure
         if figure is None or len(figure.sides_m) != wanted.sides or min(figure.bows) >= 1.0:
             return False
-        gap_m = chord(self.drive.path, figure.vertices[0], figure.vertices[-1])
-        return alike(figure.corners_rad) and gap_m <= NEARLY_CLOSED_SHARE * figure.perimeter_m
+        return alike(figure.corners_rad) and _open_share(self) <= NEARLY_CLOSED_SHARE
 
     def otherness(self, wanted: WantedPolygon) -> float:
         """Return from 0 to 1 how far a complete figure with equal corners was driven that is not the wanted one.
@@ -189,12 +173,12 @@ class DrivenPolygon:
         wanted.
         """
         figure, corners = self.figure, self.corners_deg
-        if figure is None or len(corners) == 0 or figure.perimeter_m <= 0.0:
-            return 0.0
+        if self.rival > 0.0 or figure is None or len(corners) == 0 or figure.perimeter_m <= 0.0:
+            return self.rival
         sides, own_deg = figure.sides_m, FULL_TURN_DEG / len(figure.sides_m)
         apart_deg = abs(own_deg - wanted.corner_deg) or FULL_TURN_DEG
         complete = min(
-            _fading(figure.gap_m / figure.perimeter_m, OTHER_GAP_SHARE),
+            _fading(_open_share(self), OTHER_GAP_SHARE),
             _fading(abs(exact.mean(corners) - own_deg), min(SAME_DEG, apart_deg / 3.0)),
             _fading(float(np.ptp(corners)), 2.0 * SAME_DEG),
         )
@@ -268,26 +252,67 @@ def _fading(value: float, full: float) -> float:
     return 1.0 - _from(value, full, 2.0 * full)
 
 
-def driven_polygon(assignment: Assignment, wanted: WantedPolygon, run: Run) -> DrivenPolygon | None:
-    """Return what `run` drove, or None when its trajectory is empty or not finite."""
-    drive = drive_of(run)
-    if drive is None:
-        return None
-    drive = replace(drive, path=without_overshoots(drive.path))
-    fine = _polygon_of(assignment, wanted, drive, segment(drive.path))
-    if fine.is_plain(wanted) or drive.path.extent_m <= 0.0:
-        return fine
-    found = [_polygon_of(assignment, wanted, drive, look) for look in coarse_looks(drive.path)]
-    whole = [fine] * fine.has_sides(wanted) + [one for one in found if one.is_on_the_whole(wanted)]
-    return min(whole, key=lambda one: one.roughness, default=fine)
+def fine_readings(assignment: Assignment, wanted: WantedPolygon, drive: Drive) -> list[DrivenPolygon]:
+    """Return the ways to read what was driven, straight by straight, as a figure."""
+    segments = segment(drive.path)
+    every = list(_readings(assignment, wanted, drive, segments))
+    others = [one for one in every if one.figure is not None and len(one.figure.sides_m) != wanted.sides]
+    rival = max(others, key=lambda one: one.otherness(wanted), default=None)
+    if rival is None:
+        return every
+    return [replace(one, rival=_rivalled(one, rival, wanted)) for one in every]
+
+
+def _rivalled(one: DrivenPolygon, rival: DrivenPolygon, wanted: WantedPolygon) -> float:
+    """Return how far a figure is a part, or laps, of another one, which is complete, from 0 to 1.
+
+    One of as many sides as are wanted is not where the script drove so many in all, or whole laps of so many that
+    nearly close, or where it closes nearly as well as the other one.
+    """
+    figure, other = one.figure, rival.figure
+    if figure is None or other is None:
+        return 0.0
+    total = len(one.segments.straights)
+    if len(figure.sides_m) != wanted.sides:
+        return rival.otherness(wanted)
+    if total == wanted.sides:
+        return 0.0
+    laps = not one.drive.cut_short and total % wanted.sides == 0 < total % len(other.sides_m)
+    if laps and _open_share(one) <= NEARLY_CLOSED_SHARE:
+        return 0.0
+    joined = len(figure.vertices) > len(figure.sides_m) + 1
+    better_share = 1.0 if joined else _open_share(one) - _open_share(rival)
+    return rival.otherness(wanted) * _from(better_share, BETTER_SHARE, MUCH_BETTER_SHARE)
+
+
+def _open_share(one: DrivenPolygon) -> float:
+    """Return by which share of its perimeter a figure itself misses to come back to its start."""
+    figure = one.figure
+    if figure is None or figure.perimeter_m <= 0.0:
+        return math.inf
+    return chord(one.drive.path, figure.vertices[0], figure.vertices[-1]) / figure.perimeter_m
+
+
+def coarse_readings(assignment: Assignment, wanted: WantedPolygon, drive: Drive) -> Iterator[DrivenPolygon]:
+    """Yield the figures of as many sides as are wanted that the path draws on the whole."""
+    for look in coarse_looks(drive.path):
+        for one in _readings(assignment, wanted, drive, look):
+            if one.is_on_the_whole(wanted):
+                yield one
+
+
+def _readings(
+    assignment: Assignment, wanted: WantedPolygon, drive: Drive, segments: Segments
+) -> Iterator[DrivenPolygon]:
+    for figure in readings(drive.path, segments, sides=wanted.sides, cut_short=drive.cut_short):
+        yield _polygon_of(assignment, wanted, drive, segments, figure)
+    if not segments.straights:
+        yield DrivenPolygon(drive, segments, None, np.empty(0), np.empty(0))
 
 
 def _polygon_of(
-    assignment: Assignment, wanted: WantedPolygon, drive: Drive, segments: Segments
+    assignment: Assignment, wanted: WantedPolygon, drive: Drive, segments: Segments, figure: PolygonFigure
 ) -> DrivenPolygon:
-    figure = measure_polygon(drive.path, segments, sides=wanted.sides, cut_short=drive.cut_short)
-    if figure is None:
-        return DrivenPolygon(drive, segments, None, np.empty(0), np.empty(0))
     sense = -1.0 if exact.total(map(bare, figure.corners_rad)) < 0.0 else 1.0
     turned = sense * np.degrees(figure.corners_rad)
     corners = sense * np.degrees([bare(corner) for corner in figure.corners_rad])
