@@ -67,6 +67,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Serve until told to stop; running gradings finish first."""
     from grader.commands.storage import database_url
+    from grader.live.cars import CLIENTS, websockets_installed
     from grader.operation import logs
     from grader.operation.settings import load
 
@@ -79,16 +80,14 @@ def run(arguments: argparse.Namespace) -> int:
     logs.configure(settings.log_format, settings.log_level)
     sys.setswitchinterval(_SWITCH_S)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # starting may take as long as an upgrade
+    live = settings.live_cars if websockets_installed() else 0
+    most = most_connections(settings.max_streams + live * CLIENTS)
     with listening(settings.host, settings.port) as listener, _running(settings) as services:
         # takes a second, which nobody waits for whose settings are refused
         from grader.api import behind_proxies, create_app, warm_up
-        from grader.live.cars import CLIENTS
-        from grader.service.composition import websockets_installed
 
         app = create_app(lambda: nullcontext(services))
         warm_up(services)
-        live = settings.live_cars if websockets_installed() else 0
-        most = most_connections(settings.max_streams + live * CLIENTS)
         server = _Server(behind_proxies(app), most, websockets=live > 0)
         # uvicorn raises the signal once more after it has stopped; that must not look like a failure
         signal.signal(signal.SIGTERM, server.stop)

@@ -7,6 +7,7 @@ import asyncio
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Final
 
 from grader.contracts.errors import InfrastructureError, RefusedError
@@ -19,6 +20,11 @@ CLIENTS: Final = 8
 """Connections to one car."""
 
 _SOON_S: Final = 60
+
+
+def websockets_installed() -> bool:
+    """Return whether the extra ``live`` is there."""
+    return find_spec("wsproto") is not None
 
 
 @dataclass(slots=True, eq=False)

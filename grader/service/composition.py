@@ -5,7 +5,6 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, nullcontext
-from importlib.util import find_spec
 
 from grader.catalog import Catalog, set_root
 from grader.catalog.cache import AssignmentMemory
@@ -16,7 +15,7 @@ from grader.contracts.grading import Preflight, SandboxState
 from grader.grading.practice import PracticeRuns
 from grader.grading.preflight import NoPreflight, SandboxPreflight
 from grader.grading.slot import Slot, SlotConfig
-from grader.live.cars import LiveCars
+from grader.live.cars import LiveCars, websockets_installed
 from grader.operation.metrics import Metrics, exported
 from grader.operation.settings import Settings, is_loopback
 from grader.outside.signin import Providers, read_config
@@ -47,11 +46,6 @@ GRADING_NICENESS = 10
 """Of what grades. At 3 an upload took three times as long (p95) while both slots of two cores graded."""
 _BEHIND = SlotConfig(mode="strict", niceness=14)  # than gradings, and soon enough: examining, practice
 _ISOLATION = SlotConfig(mode="strict", niceness=GRADING_NICENESS)  # no weaker mode
-
-
-def websockets_installed() -> bool:
-    """Return whether the extra ``live`` is there."""
-    return find_spec("wsproto") is not None
 
 
 @contextmanager

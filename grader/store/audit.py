@@ -1,6 +1,7 @@
 """The audit log: every change of a grade or a setting, written in the transaction that makes the change."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -66,19 +67,33 @@ def record(  # noqa: PLR0913
     Raises:
         RefusedError: the course is archived, and `action` would change what the archive keeps.
     """
+    _require_allowed(session, signed, action)
+    session.add(_row(signed, action, subject, before, after, reason))
+
+
+def record_all(session: Session, signed: Signature, action: str, afters: Mapping[str, object]) -> None:
+    """Add an entry, as `record` does, for each subject of `afters`, with what it was made."""
+    _require_allowed(session, signed, action)
+    session.add_all(_row(signed, action, subject, None, after, "") for subject, after in afters.items())
+
+
+def _require_allowed(session: Session, signed: Signature, action: str) -> None:
     if action not in IN_ARCHIVE:
         require_open(session, signed.course)
-    session.add(
-        AuditRow(
-            at=signed.at,
-            course=signed.course,
-            actor=signed.actor,
-            action=action,
-            subject=subject,
-            before=json.dumps(before, ensure_ascii=False, sort_keys=True),
-            after=json.dumps(after, ensure_ascii=False, sort_keys=True),
-            reason=reason,
-        )
+
+
+def _row(  # noqa: PLR0913, PLR0917
+    signed: Signature, action: str, subject: str, before: object, after: object, reason: str
+) -> AuditRow:
+    return AuditRow(
+        at=signed.at,
+        course=signed.course,
+        actor=signed.actor,
+        action=action,
+        subject=subject,
+        before=json.dumps(before, ensure_ascii=False, sort_keys=True),
+        after=json.dumps(after, ensure_ascii=False, sort_keys=True),
+        reason=reason,
     )
 
 

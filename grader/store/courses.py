@@ -24,7 +24,7 @@ from grader.contracts.identity import (
     unknown_members,
 )
 from grader.contracts.text import Text
-from grader.store.audit import Signature, record
+from grader.store.audit import Signature, record, record_all
 from grader.store.clock import Clock, TimedPart
 from grader.store.database import Database, one_at_a_time
 from grader.store.tables import (
@@ -262,8 +262,9 @@ def add_course(session: Session, new: Course, actor: str, copy_of: str | None = 
 
 def add_members(session: Session, signed: Signature, members: Sequence[Member]) -> None:
     """Add people who are not in it yet to the course of `signed`."""
-    for one in members:
-        row = MemberRow(
+    record_all(session, signed, "member.add", {f"member {one.id}": _audited(one) for one in members})
+    session.add_all(
+        MemberRow(
             course=one.course,
             person=one.id,
             name=one.name,
@@ -271,8 +272,8 @@ def add_members(session: Session, signed: Signature, members: Sequence[Member]) 
             email=one.email,
             created_at=signed.at,
         )
-        session.add(row)
-        record(session, signed, "member.add", f"member {one.id}", after=_audited(one))
+        for one in members
+    )
     session.flush()  # before what refers to them
     session.add_all(section for one in members for section in _sections(one))
 

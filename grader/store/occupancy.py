@@ -12,12 +12,14 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from sqlalchemy import Connection, event, func, select, text
 from sqlmodel import Session
 
 from grader.contracts.errors import InfrastructureError, SettingsError
+from grader.contracts.text import trouble
 from grader.store.database import Database, explained
 
 _log = logging.getLogger(__name__)
@@ -280,7 +282,13 @@ def _lock_file(path: str) -> Iterator[int]:
     try:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     except OSError as error:
-        raise SettingsError(f"{path}: {error.strerror}", f"{path}：{error.strerror}") from error
+        folder, told = Path(path).parent, trouble(error)
+        if not folder.is_dir():
+            raise SettingsError(
+                f"there is no folder {folder}: make it, or check where the database is to be",
+                f"没有文件夹 {folder}：请先建立，或检查数据库的位置",
+            ) from error
+        raise SettingsError.about(path, told) from error
     try:
         yield descriptor
     finally:

@@ -18,7 +18,7 @@ from sqlalchemy.exc import DBAPIError
 from sqlalchemy.schema import CreateIndex, CreateTable
 from sqlmodel import SQLModel
 
-from grader.contracts.errors import SettingsError
+from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.store import tables  # noqa: F401  registers the tables in the metadata
 from grader.store.database import Database, one_at_a_time
 from grader.store.occupancy import OccupiedError, alone, in_use
@@ -27,6 +27,7 @@ _log = logging.getLogger(__name__)
 _LOOK_S = 0.2
 # A PostgreSQL server may take so long to notice that a connection was closed, even one of ours.
 _LEAVING_S = 2.0
+_SERVER_S, _SERVER_LOOK_S, _SAY_EVERY_S = 600.0, 1.0, 60.0
 _MIGRATIONS = Path(__file__).parent / "migrations"
 
 
@@ -38,13 +39,15 @@ def up_to_date(
 
     Existing tables are not changed while somebody works with them: that process may be of an older version.
 
-    Nothing of `database` is open yet. `wait`: if tables must be changed, wait until nobody works with them,
-    instead of giving up.
+    Nothing of `database` is open yet. `wait`: wait for a server that does not answer, as while machines start; and
+    if tables must be changed, until nobody works with them. By default this gives up.
 
     Raises:
         SettingsError: as `migrate`; an OccupiedError if it does not `wait`.
         InfrastructureError: as `migrate` and `occupancy.in_use`.
     """
+    if wait:
+        _await_server(database)
     before: str | None = None
     said = ""
     until_s = math.inf if wait else time.monotonic() + _LEAVING_S
@@ -65,6 +68,29 @@ def up_to_date(
                 _log.warning("waiting: %s", told)
                 said = told
             time.sleep(_LOOK_S)
+
+
+def _await_server(database: Database) -> None:
+    """Return once a server answers; say why not at once, and then each minute.
+
+    Raises:
+        InfrastructureError: it does not for ten minutes; or it is a file, which nothing is about to start.
+    """
+    begun_s = time.monotonic()
+    said_s = -math.inf
+    while True:
+        try:
+            with database.reading() as session:
+                session.connection()
+                return
+        except InfrastructureError as error:
+            now_s = time.monotonic()
+            if database.is_sqlite or now_s - begun_s >= _SERVER_S:
+                raise
+            if now_s - said_s >= _SAY_EVERY_S:
+                _log.warning("waiting for %s, up to %g minutes: %s", database.name, _SERVER_S / 60, error)
+                said_s = now_s
+            time.sleep(_SERVER_LOOK_S)
 
 
 def _outdated(database: Database) -> bool:
@@ -107,10 +133,31 @@ def _migrated(database: Database) -> tuple[str | None, str]:
             _create(connection)
             _alembic(connection, "stamp")
         elif before != expected_version():
+            _check_upgradable(database, before)
             _alembic(connection, "upgrade")
         _sort_by_code_point(connection)
         _install_queue(connection)
         return before, expected_version()
+
+
+def _check_upgradable(database: Database, found: str) -> None:
+    versions = _versions(_MIGRATIONS)
+    if found in versions:
+        return
+    newest, oldest = versions[0], versions[-1]
+    if found > newest:
+        raise SettingsError(
+            f"{database.name} is of a newer grader: its tables are at {found}, this one knows up to {newest}; "
+            "install that version again, or restore a backup of before the upgrade",
+            f"{database.name} 是更新版本的评分系统建的：表结构是 {found}，这个版本只认识到 {newest}；"
+            "请重新安装那个版本，或恢复升级前的备份",
+        )
+    raise SettingsError(
+        f"{database.name} is too old: its tables are at {found}, and this version upgrades from {oldest} on; "
+        f"start a version of the grader in between once, which brings them to {oldest} or later",
+        f"{database.name} 太旧：表结构是 {found}，这个版本只能从 {oldest} 起升级；"
+        f"请先用一个介于两者之间的版本启动一次，把它更新到 {oldest} 或更新",
+    )
 
 
 def _create(connection: Connection) -> None:

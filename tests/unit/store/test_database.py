@@ -3,10 +3,11 @@ import os
 import sqlite3
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack, closing, suppress
+from contextlib import AbstractContextManager, ExitStack, closing, suppress
 from dataclasses import asdict
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from sqlalchemy import event, func, inspect, select
@@ -17,11 +18,12 @@ from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, WorkerState
 from grader.store import database as store_database
+from grader.store import schema
 from grader.store.courses import Courses
 from grader.store.database import Database, checkpoint, checkpoints, put
 from grader.store.intake import new_id
 from grader.store.queue import Queue, Retries
-from grader.store.schema import migrate
+from grader.store.schema import expected_version, migrate, up_to_date
 from grader.store.tables import CourseRow, WorkerRow
 from grader.store.workers import Workers, presence
 from tests.fakes.clock import START, FakeClock
@@ -229,11 +231,63 @@ def test_migrating_twice_changes_nothing(database: Database, submissions: Submis
     assert Queue(database, FakeClock(), Retries()).claim("w").submission_id == added.id
 
 
-def test_a_database_of_a_newer_grader_is_refused(database: Database) -> None:
+@pytest.mark.parametrize(
+    ("there", "told"),
+    [
+        ("9999", f"of a newer grader: its tables are at 9999, this one knows up to {expected_version()}"),
+        ("0009", "too old: its tables are at 0009, and this version upgrades from 0017 on"),
+    ],
+)
+def test_a_database_that_cannot_be_upgraded_is_refused_and_says_which_it_is(
+    database: Database, there: str, told: str
+) -> None:
     with database.writing() as session:
-        session.connection().exec_driver_sql("UPDATE alembic_version SET version_num = '9999'")
-    with pytest.raises(SettingsError, match="9999"):
+        session.connection().exec_driver_sql(f"UPDATE alembic_version SET version_num = '{there}'")
+    with pytest.raises(SettingsError, match=told):
         migrate(database)
+
+
+def test_a_missing_folder_is_named(tmp_path: Path) -> None:
+    database = Database(f"sqlite:///{tmp_path}/typo/grader.db")
+    with (
+        pytest.raises(SettingsError, match=f"there is no folder {tmp_path}/typo: make it"),
+        up_to_date(database),
+    ):
+        pass
+    database.close()
+
+
+def test_a_server_that_is_not_there_yet_is_waited_for(
+    postgres_database: Database, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    tries, reading = [], Database.reading
+
+    def answers_later(database: Database) -> AbstractContextManager[Session]:
+        tries.append(None)
+        if len(tries) < 70:
+            raise InfrastructureError("connection refused")
+        return reading(database)
+
+    passed = [0.0]
+    monkeypatch.setattr(Database, "reading", answers_later)
+    monkeypatch.setattr(schema.time, "sleep", passed.append)
+    monkeypatch.setattr(schema.time, "monotonic", lambda: sum(passed))
+    with up_to_date(postgres_database, wait=True):
+        pass
+    told = [one.message for one in caplog.records if "connection refused" in one.message]
+    assert (len(told), len(passed)) == (2, 70)  # at once, and once a minute
+    monkeypatch.setattr(Database, "reading", Mock(side_effect=InfrastructureError("connection refused")))
+    with pytest.raises(InfrastructureError, match="refused"), up_to_date(postgres_database, wait=True):
+        pass
+    assert sum(passed) >= 600
+
+
+def test_a_file_that_cannot_be_opened_is_not_waited_for(tmp_path: Path) -> None:
+    (tmp_path / "grader.db").mkdir()
+    database = Database(f"sqlite:///{tmp_path}/grader.db")
+    with pytest.raises(InfrastructureError), up_to_date(database, wait=True):
+        pass
+    database.close()
 
 
 def test_everything_survives_a_restart(blank_url: str) -> None:
