@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
     _check_environment(arguments)
     with Slot(SlotConfig(mode=arguments.isolation)) as slot:  # warms up while the assignment is read
         job, result = _grade(slot, arguments, source)
-        if is_explained(arguments, result):
+        if is_explained(arguments, job.assignment, result):
             _print_table(arguments, job.assignment, result, show_steps=False)
             _explain(slot, arguments, job, result)
         else:
@@ -150,9 +150,9 @@ def read_source(path: Path) -> bytes:
     return source
 
 
-def is_explained(arguments: argparse.Namespace, result: GradingResult) -> bool:
+def is_explained(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> bool:
     """Whether changes are tried: for people who read why marks are lacking."""
-    return _for_people(arguments) and is_worth_trying(result.report)
+    return _for_people(arguments) and is_worth_trying(assignment, result.report)
 
 
 def _explain(slot: Slot, arguments: argparse.Namespace, job: GradingJob, result: GradingResult) -> None:

@@ -1,5 +1,6 @@
 """Why a script lacks marks, as far as that was proven: changes of its text that were graded like the script."""
 
+from grader.contracts.assignment import Assignment
 from grader.contracts.record import Record
 from grader.contracts.report import GradeReport
 from grader.contracts.text import Text
@@ -25,7 +26,8 @@ class ProvenChange(Record):
 
     Attributes:
         code: which kind of change. text: line, cause, change, and that it was tried.
-        lines: what changes. before, after: scores without and with it.
+        lines: what changes. before, after: scores without and with it, of the items that are not hidden.
+        gains: ids of the items that earn more with it.
     """
 
     code: str
@@ -33,6 +35,7 @@ class ProvenChange(Record):
     lines: tuple[ChangedText, ...]
     before: float
     after: float
+    gains: tuple[str, ...] = ()
 
 
 class StatedCause(Record):
@@ -49,15 +52,19 @@ class Explanation(Record):
     Attributes:
         changes: in the order in which they are to be made; each was tried on top of those before.
         tried: how many changes were graded. cause: None where changes say it, or the run shows none.
+        hidden: items of the rubric that were left out, because the rules hid them from students.
     """
 
     changes: tuple[ProvenChange, ...] = ()
     tried: int = 0
     cause: StatedCause | None = None
+    hidden: tuple[str, ...] = ()
 
 
-def is_worth_trying(report: GradeReport) -> bool:
-    """Whether changes of a script are looked for: marks lack, and its runs are short enough to be made again."""
+def is_worth_trying(assignment: Assignment, report: GradeReport) -> bool:
+    """Whether changes are looked for: of a script that lacks marks, whose runs are short enough to be repeated."""
+    if assignment.input != "script" or assignment.world.kind == "pybullet":
+        return False
     lacks = report.score is not None and report.score < report.max_score
     commands = sum(run.outcome.command_count for run in report.runs)
     return lacks and bool(report.runs) and commands <= MOST_COMMANDS

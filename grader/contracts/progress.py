@@ -38,6 +38,19 @@ class Standing:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ExplanationStanding:
+    """Whether the explanation of a submission's latest grading is there, or nobody looks for one."""
+
+    attempt: int | None
+    is_final: bool
+
+    @property
+    def mark(self) -> str:
+        """Return one word that differs between standings that differ."""
+        return f"explanation.{self.attempt}.{self.is_final}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ClassStanding:
     """Where a class stands: its submissions by state, trials left out.
 

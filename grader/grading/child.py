@@ -78,7 +78,9 @@ def _serve(channel: Channel, sandbox: Sandbox) -> None:
             job = job_from_message(request)
             on_progress = partial(_send_progress, channel) if request.get("tells") else None
             if request.get("kind") == "explain":
-                channel.send(_explanation(pipeline, job))
+                channel.send(
+                    _explanation(pipeline, job, frozenset(request["hidden"]), partial(_ask, channel))
+                )
             else:
                 channel.send(*_answer(pipeline, job, lambda: channel.send({"kind": "running"}), on_progress))
             # Nobody waits now, so do here what would cost time while somebody does. Automatic collection is off
@@ -113,11 +115,20 @@ def _answer(
         return _fault(error), []
 
 
-def _explanation(pipeline: Any, job: GradingJob) -> dict[str, Any]:
+def _explanation(
+    pipeline: Any, job: GradingJob, hidden: frozenset[str], before_each: Callable[[], None]
+) -> dict[str, Any]:
     try:
-        return {"kind": "explanation", "explanation": pipeline.explain(job)}
+        return {"kind": "explanation", "explanation": pipeline.explain(job, hidden, before_each)}
     except GraderError as error:
         return _fault(error)
+
+
+def _ask(channel: Channel) -> None:
+    """Ask the parent whether to grade the next change; it answers when nobody else waits."""
+    channel.send({"kind": "trial"})
+    if channel.receive() is None:
+        raise BrokenPipeError  # the parent is gone, or has given the search up
 
 
 def _refuse(channel: Channel, error: GraderError) -> int:

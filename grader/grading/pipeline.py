@@ -4,7 +4,6 @@ import hashlib
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from grader import __version__
@@ -26,6 +25,7 @@ from grader.contracts.report import (
     status_of,
 )
 from grader.contracts.rubric import ItemStatus, summed
+from grader.contracts.rules import is_hidden
 from grader.contracts.scoring import Run, Scoring
 from grader.contracts.trajectory import encode_trajectory, recorded
 from grader.contracts.upload import decoded
@@ -192,32 +192,44 @@ class Pipeline:
             unmet=unmet(job.assignment, marks),
         )
 
-    def explain(self, job: GradingJob) -> Explanation:
+    def explain(
+        self,
+        job: GradingJob,
+        hidden: frozenset[str] = frozenset(),
+        before_each: Callable[[], None] = lambda: None,
+    ) -> Explanation:
         """Look for changes of a script that gain marks; its report is as if nobody had looked.
+
+        `hidden`: items that are left out as if there were none. `before_each` is called before each grading.
 
         Raises:
             InfrastructureError, SandboxError: as `grade`.
         """
-        from grader.grading.trial import Search
+        from grader.grading.trial import Graded, Search
 
         if job.assignment.input != "script" or job.assignment.world.kind == "pybullet":
             return Explanation()
-        search = Search(job.assignment, partial(self._graded, job.file_name))
+
+        def grade(text: str, assignment: Assignment, traced: bool) -> Graded:
+            before_each()
+            source = text.encode("utf-8", "replace")
+            return self._graded(replace(job, source=source, assignment=assignment), hidden, traced=traced)
+
+        search = Search(job.assignment, grade)
         try:
             return search.explanation(decoded(job.source))
-        except GraderError:
+        except (GraderError, BrokenPipeError):
             raise
         except Exception:  # it reads the script's tree and what its process says of itself
             logging.getLogger(__name__).exception("%s: no explanation of the marks", job.assignment.id)
             return Explanation()
 
-    def _graded(self, file_name: str, text: str, assignment: Assignment, traced: bool) -> "Graded":
+    def _graded(self, job: GradingJob, hidden: frozenset[str], *, traced: bool) -> "Graded":
         """Grade a text for `Search`."""
         from grader.checks import mark
         from grader.grading.trial import Graded, run_work_s
 
-        job = GradingJob(file_name=file_name, source=text.encode("utf-8", "replace"), assignment=assignment)
-        script = _script_of(job)
+        assignment, script = job.assignment, _script_of(job)
         accounts = [
             self._run(assignment, replace(_episode_spec(job, script, case), facts=traced))
             for case in assignment.cases
@@ -226,7 +238,9 @@ class Pipeline:
             _scored_run(case, assignment, script, *account)
             for case, account in zip(assignment.cases, accounts, strict=True)
         ]
-        items = mark(assignment, runs).items(assignment)
+        items = tuple(
+            item for item in mark(assignment, runs).items(assignment) if not is_hidden(item.id, hidden)
+        )
         lacking = (item.id.rpartition("/")[0] for item in items if item.status is ItemStatus.FAILED)
         case_id = next(lacking, "")
         place = next((i for i, run in enumerate(runs) if run.case == case_id), 0)

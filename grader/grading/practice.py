@@ -11,10 +11,9 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Any
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.grading import GradingJob, RunProgress
+from grader.contracts.grading import GradingJob, GradingResult, RunProgress
 from grader.grading.slot import Slot
 
 _GLANCE_S = 0.05  # between two looks at whether a submission still waits
@@ -30,16 +29,13 @@ class PracticeRun:
 
     Attributes:
         job: what to run; None: only start a grading process.
-        explains: the answer is to be the explanation of its marks.
-        answer: a `GradingResult`, or an `Explanation`. Fails with a `RefusedError` if submissions waited for
-            longer than `patience_s`, else with the grader's exception. Cancelling it prevents a run that has not
-            begun, and ends none.
+        answer: fails with a `RefusedError` if submissions waited for longer than `patience_s`, else with the
+            grader's exception. Cancelling it prevents a run that has not begun, and ends none.
         progress: how far the run is; None before it has begun.
     """
 
     job: GradingJob | None
-    answer: Future[Any] = field(default_factory=Future)
-    explains: bool = False
+    answer: Future[GradingResult] = field(default_factory=Future)
     progress: RunProgress | None = None
 
 
@@ -87,8 +83,8 @@ class PracticeRuns:
                 return
         self._put(PracticeRun(None))
 
-    def run(self, job: GradingJob, *, explains: bool = False) -> PracticeRun:
-        """Run a script, or explain its marks, as soon as a thread is free and no submission waits.
+    def run(self, job: GradingJob) -> PracticeRun:
+        """Run a script as soon as a thread is free and no submission waits.
 
         Raises:
             RefusedError: practice is not offered, or too many runs wait.
@@ -98,7 +94,7 @@ class PracticeRuns:
         with self._lock:
             if len(self._under_way) >= self._most * (1 + _WAITING_EACH):
                 raise RefusedError("practice_full", retry_after_s=_RETRY_AFTER_S)
-            run = PracticeRun(job, explains=explains)
+            run = PracticeRun(job)
             self._under_way.append(run)
         run.answer.add_done_callback(self._ended)
         self._put(run)
@@ -140,7 +136,7 @@ class PracticeRuns:
         if stopped:  # no thread would ever take it
             run.answer.set_exception(RefusedError("practice_off"))
 
-    def _ended(self, answer: "Future[Any]") -> None:
+    def _ended(self, answer: "Future[GradingResult]") -> None:
         with self._lock:
             self._under_way = [one for one in self._under_way if one.answer is not answer]
 
@@ -183,10 +179,7 @@ class PracticeRuns:
             if run.job is None or not run.answer.set_running_or_notify_cancel():
                 return
             self._let_submissions_go_first()
-            if run.explains:
-                run.answer.set_result(grader.explain(run.job))
-            else:
-                run.answer.set_result(grader.grade(run.job, lambda: tell(RunProgress()), tell))
+            run.answer.set_result(grader.grade(run.job, lambda: tell(RunProgress()), tell))
         except Exception as error:  # of any kind: whoever waits for the answer gets it
             if not isinstance(error, RefusedError):
                 grader.close()

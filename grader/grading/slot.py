@@ -11,7 +11,7 @@ import select
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from types import TracebackType
 from typing import Any, Final
@@ -37,8 +37,6 @@ NO_ROOM_CODE: Final = 75
 memory was killed; nobody else kills it."""
 
 _SPARE_S: Final = 30.0  # for importing the physics on a loaded machine, the checks and encoding
-EXPLAIN_RUNS: Final = 8
-"""So many of the longest runs may pass before an explanation comes; counted work ends it long before."""
 _EXIT_S: Final = 1.0  # a child that has closed its pipe is about to end
 _LENGTH_BYTES: Final = 4
 _READ_BYTES: Final = 1 << 20
@@ -196,16 +194,33 @@ class Slot:
             raise _fault(answer)
         return self._result(answer)
 
-    def explain(self, job: GradingJob) -> Explanation:
+    def explain(
+        self,
+        job: GradingJob,
+        hidden: Collection[str] = (),
+        before_each: Callable[[], None] = lambda: None,
+    ) -> Explanation:
         """Look in the child for changes of a graded script that gain marks.
+
+        Args:
+            job: as it was graded.
+            hidden: items that nothing is to be told of; they are not looked at.
+            before_each: called before each grading; it may wait, or raise to give the search up.
 
         Raises:
             InfrastructureError, SandboxUnavailableError: as `grade`. The marks stand, however it ends.
         """
         self.start()
-        budget_s = EXPLAIN_RUNS * bounds.longest_run_s(job.assignment.limits.wall_s) + _SPARE_S
-        self._send({**_request(job), "kind": "explain"}, budget_s, [job.source])
-        answer = self._receive(budget_s)
+        cases = len(job.assignment.cases)
+        budget_s = cases * bounds.longest_run_s(job.assignment.limits.wall_s) + _SPARE_S
+        self._send({**_request(job), "kind": "explain", "hidden": sorted(hidden)}, budget_s, [job.source])
+        while (answer := self._receive(budget_s)).get("kind") == "trial":
+            try:
+                before_each()
+            except BaseException:
+                self.close()  # the child waits in the middle of its search
+                raise
+            self._send({"kind": "try"}, budget_s)
         if answer.get("kind") != "explanation":
             raise _fault(answer)
         try:

@@ -69,6 +69,11 @@ class Graded:
         """Whether nothing is lost."""
         return all(item.status is ItemStatus.PASSED for item in self.items)
 
+    def gained_on(self, other: "Graded") -> tuple[str, ...]:
+        """Return the ids of the items that have more points than in `other`."""
+        earned = {item.id: item.earned for item in other.items}
+        return tuple(item.id for item in self.items if item.earned > earned.get(item.id, 0.0))
+
     def gains_on(self, other: "Graded") -> bool:
         """Whether this has more points than `other`, and no item has fewer."""
         earned = {item.id: item.earned for item in other.items}
@@ -258,6 +263,7 @@ def _proven(candidate: Candidate, text: str, now: Graded, after: Graded) -> Prov
         ),
         before=now.score,
         after=after.score,
+        gains=after.gained_on(now),
     )
 
 

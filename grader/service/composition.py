@@ -23,12 +23,15 @@ from grader.outside.signin.opening import opened
 from grader.sandbox import script_sandbox, syntax_sandbox
 from grader.service.worker import Uploads, Worker, WorkerConfig, WorkerParts
 from grader.service.worker.beside import ServiceLink, WorkerProcess
+from grader.service.worker.explainer import Explaining
 from grader.store.clock import Clock, clock_of
 from grader.store.courses import Courses
 from grader.store.database import Database, checkpoints
+from grader.store.explanations import Explanations
 from grader.store.occupancy import Sole, check_room
 from grader.store.own_assignments import OwnAssignments
 from grader.store.queue import Queue, Retries
+from grader.store.rules import StoredRules
 from grader.store.schema import up_to_date
 from grader.store.standings import Measures
 from grader.store.tokens import Tokens
@@ -143,6 +146,7 @@ def running_worker(
             clock=clock,
             metrics=link or stack.enter_context(_own_metrics(settings, database, clock)),
             uploads=Uploads(own=OwnAssignments(database, clock), make_grader=lambda: Slot(_BEHIND)),
+            explaining=_explaining(database, clock),
         )
         stack.enter_context(_news(database, doorbell))
         yield stack.enter_context(_working(settings, parts))
@@ -154,6 +158,15 @@ def _own_metrics(settings: Settings, database: Database, clock: Clock) -> Iterat
     port = settings.metrics_port
     with nullcontext() if port is None else exported(metrics, port, settings.host):
         yield metrics
+
+
+def _explaining(database: Database, clock: Clock) -> Explaining:
+    return Explaining(
+        explanations=Explanations(database, clock),
+        rules=StoredRules(database),
+        make_grader=lambda: Slot(_BEHIND),
+        clock=clock,
+    )
 
 
 def connections_of_worker(slots: int) -> int:

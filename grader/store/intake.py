@@ -39,6 +39,7 @@ from grader.store.database import StorePart, add_once, one_at_a_time
 from grader.store.own_assignments import still_used
 from grader.store.rules import ABOUT, ABOUT_FROM, OF_COURSE, rules_about
 from grader.store.tables import (
+    ExplanationRow,
     GradedAssignmentRow,
     GradingRow,
     SourceRow,
@@ -62,7 +63,7 @@ _OPEN_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
 _SMALLEST_STEP = timedelta(microseconds=1)
 _UUID_VERSION_7 = 0x7 << 76
 _UUID_VARIANT = 0b10 << 62
-_row, _key = table_of(SubmissionRow).c, table_of(UploadKeyRow).c
+_row, _key, _explanation = (table_of(row).c for row in (SubmissionRow, UploadKeyRow, ExplanationRow))
 _COLUMNS = tuple(_row.keys())
 _INSERT_SUBMISSION, _INSERT_KEY = (insert(table_of(row)) for row in (SubmissionRow, UploadKeyRow))
 _FORGET_OLD_KEYS = delete(table_of(UploadKeyRow)).where(
@@ -99,6 +100,7 @@ class _Known(NamedTuple):
         keyed: digest and submission of what was sent under the upload's key before; None: nothing was.
         latest: the student's last submission to the assignment.
         lately: the student's submissions to any assignment that wait, are graded or were graded lately.
+        explained: how long explanations of the latter took.
     """
 
     archived: bool
@@ -111,6 +113,7 @@ class _Known(NamedTuple):
     zone: ZoneInfo
     latest: _Earlier | None
     lately: Sequence[_Earlier]
+    explained: timedelta
 
 
 _EARLIER = tuple(_row[name] for name in _Earlier._fields)
@@ -136,7 +139,14 @@ def _question(of_course: ColumnElement[bool]) -> Select[Any]:
     parts = (select(part.subquery()) for part in (latest, waiting, graded))
     deciding = union(*parts).subquery()
     tables = ABOUT_FROM.outerjoin(table_of(UploadKeyRow), keyed).outerjoin(deciding, true())
-    asked = select(*OF_COURSE, _key.digest, _key.submission_id, *ABOUT, *deciding.c).select_from(tables)
+    explained = (
+        select(func.sum(_explanation.took_s))
+        .join(table_of(SubmissionRow), _row.id == _explanation.submission_id)
+        .where(of_course, _row.student == bindparam("student"), _row.finished_at >= since)
+        .scalar_subquery()
+    )
+    asked = select(*OF_COURSE, explained, _key.digest, _key.submission_id, *ABOUT, *deciding.c)
+    asked = asked.select_from(tables)
     return asked.order_by(deciding.c.received_at, deciding.c.id)
 
 
@@ -300,7 +310,9 @@ def _known(
         "lately": now - LATELY,
     }
     rows = session.connection().execute(_WITHOUT_COURSE if course is None else _IN_COURSE, asked).all()
-    archived_at, distro, runs_as, member, digest, submission_id, *about = rows[0][: -len(_EARLIER)]
+    archived_at, distro, runs_as, member, explained_s, digest, submission_id, *about = rows[0][
+        : -len(_EARLIER)
+    ]
     own = [_Earlier(*values) for row in rows if (values := row[-len(_EARLIER) :])[0] is not None]
     recent = now - LATELY
     return _Known(
@@ -312,6 +324,7 @@ def _known(
         *rules_about(*about),
         next((one for one in reversed(own) if one.assignment == assignment), None),
         [one for one in own if one.finished_at is None or one.finished_at >= recent],
+        timedelta(seconds=explained_s or 0.0),
     )
 
 
@@ -391,7 +404,7 @@ def _turn(session: Session, upload: NewSubmission, known: _Known, now: datetime)
     The new upload takes the first turn of those that wait, each of them the turn of the next, and the last one
     the end of the student's own. So the newest upload is graded first, and no other student waits longer for it.
     """
-    last = now + _handicap(known.lately, now)
+    last = now + _behind(known, now)
     of_assignment = (one for one in known.lately if one.assignment == upload.assignment)
     if not any(one.state == SubmissionState.QUEUED.value and one.priority == 0 for one in of_assignment):
         return last
@@ -416,22 +429,27 @@ def _turn(session: Session, upload: NewSubmission, known: _Known, now: datetime)
     return turns[0]
 
 
-def _handicap(lately: Sequence[_Earlier], now: datetime) -> timedelta:
-    """Return how far behind its arrival an upload is placed, so that people take turns and not uploads.
-
-    Each further upload of a person who waits goes behind what others bring within the next ten minutes, and
-    so does that of a person whose gradings took a minute or more in the last ten. It is never more than that: on a
-    slow host everybody's gradings take long, and then those who come back take turns in order of arrival.
-    """
-    waits = cost = timedelta()
-    for one in lately:
+def _behind(known: _Known, now: datetime) -> timedelta:
+    """Return how far behind its arrival an upload is placed."""
+    waits, cost = 0, known.explained
+    for one in known.lately:
         if one.priority:
             continue  # a re-grade, which nobody asked of the student
         if one.state == SubmissionState.QUEUED.value:
-            waits += LATELY
+            waits += 1
         elif one.started_at is not None:
-            cost += _COST_WEIGHT * max((one.finished_at or now) - one.started_at, timedelta())
-    return waits + min(cost, LATELY)
+            cost += max((one.finished_at or now) - one.started_at, timedelta())
+    return handicap(waits, cost)
+
+
+def handicap(waits: int, cost: timedelta) -> timedelta:
+    """Return how far behind its arrival somebody's work is placed, so that people take turns and not uploads.
+
+    What comes from a person of whom something waits goes behind what others bring within the next ten minutes,
+    and so does that of a person whose work took a minute or more in the last ten. It is never more than that: on a
+    slow host everybody's gradings take long, and then those who come back take turns in order of arrival.
+    """
+    return waits * LATELY + min(_COST_WEIGHT * cost, LATELY)
 
 
 def _owner(course: str | None, student: str) -> str:

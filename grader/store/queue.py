@@ -17,12 +17,14 @@ from sqlalchemy import ColumnElement, Connection, bindparam, case, func, or_, se
 from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
+from grader.contracts.explanation import is_worth_trying
 from grader.contracts.grading import GradingResult
 from grader.contracts.rubric import to_judge
 from grader.contracts.submission import Claim, QueueState, SubmissionState
 from grader.store.claiming import DUE, change, due_early, instants, resume, take
 from grader.store.clock import LONGEST_PAUSE, Clock, ahead, longer_pause
 from grader.store.database import Database, add_once
+from grader.store.explanations import queue_explanation
 from grader.store.gradings import (
     AssignmentRows,
     Values,
@@ -328,6 +330,8 @@ class Queue:
                 if graded["sha256"] not in known:
                     add_once(connection, GradedAssignmentRow, **graded)
                 insert_grading(connection, grading, detail_values(grading, result))
+                if is_worth_trying(assignment, result.report):
+                    queue_explanation(connection, claim.submission_id, claim.attempt, now)
             stored = current or _stored_already(connection, grading)
             answer_lost = stored and not current
             following = None if claimant is None else self._claim_next(session, claimant, answer_lost)

@@ -5,15 +5,15 @@ from collections import defaultdict
 from collections.abc import Collection
 from typing import Any
 
-from sqlalchemy import func, or_, select
+from sqlalchemy import and_, func, or_, select
 from sqlmodel import Session, col
 
-from grader.contracts.progress import ClassStanding, Standing
+from grader.contracts.progress import ClassStanding, ExplanationStanding, Standing
 from grader.contracts.submission import SubmissionState
 from grader.contracts.telemetry import QueueDepth, ServiceState
 from grader.store.clock import Clock
 from grader.store.database import Database, StorePart
-from grader.store.tables import AuditRow, SubmissionRow
+from grader.store.tables import AuditRow, ExplanationRow, SubmissionRow
 from grader.store.workers import Workers
 
 _MARK_CHARACTERS = 16
@@ -43,6 +43,26 @@ class Standings(StorePart):
                 started_at=started_at,
             )
             for id_, state, attempt, started_at in rows
+        }
+
+    def of_explanations(self, submissions: Collection[str]) -> dict[str, ExplanationStanding]:
+        """Return where the explanations of `submissions` stand, by id."""
+        if not submissions:
+            return {}
+        row, explanation = SubmissionRow, ExplanationRow
+        of_latest = and_(
+            col(explanation.submission_id) == col(row.id),
+            col(explanation.attempt) == col(row.graded_attempt),
+            col(explanation.finished_at).is_(None),
+        )
+        statement = (
+            select(col(row.id), col(row.graded_attempt), col(explanation.attempt))
+            .join_from(row, explanation, of_latest, isouter=True)
+            .where(col(row.id).in_(submissions))
+        )
+        return {
+            id_: ExplanationStanding(attempt=attempt, is_final=awaited is None)
+            for id_, attempt, awaited in self._rows(statement)
         }
 
     def of_classes(self, courses: Collection[str | None]) -> dict[str | None, ClassStanding]:

@@ -497,6 +497,24 @@ class TrajectoryRow(_Row, table=True):
     content: bytes = Field(sa_column=bytes_column())
 
 
+class ExplanationRow(_Row, table=True):
+    """What trials say of a grading: `content`, a `Record` as canonical JSON; None while it is looked for.
+
+    `took_s`: how long was looked for it. See `grader.store.explanations`.
+    """
+
+    __table_args__ = (_of_grading(), Index("explanation_waiting", "finished_at", "turn_at"))
+
+    submission_id: str = Field(primary_key=True, max_length=36)
+    attempt: int = Field(primary_key=True)
+    turn_at: datetime = Field(sa_column=instant_column())
+    lease_until: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+    tries: int
+    took_s: float
+    finished_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+    content: bytes | None = Field(default=None, sa_column=Column(CompressedBytes(), nullable=True))
+
+
 class WorkerRow(_Row, table=True):
     """What a worker process last said about itself."""
 

@@ -14,9 +14,10 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
+from typing import TypeAlias
 
 from grader.contracts.errors import InfrastructureError, RefusedError
-from grader.contracts.progress import ClassStanding, Standing
+from grader.contracts.progress import ClassStanding, ExplanationStanding, Standing
 from grader.contracts.submission import Submission, SubmissionState
 from grader.store.clock import Clock
 from grader.store.queue import Queue
@@ -25,7 +26,8 @@ from grader.store.work import Doorbell
 from grader.store.workers import Workers
 
 Subject = tuple[str, str | None]
-"""``("submission", id)`` or ``("class", course)``."""
+"""``("submission", id)``, ``("explanation", id)`` of a submission, or ``("class", course)``."""
+AnyStanding: TypeAlias = Standing | ExplanationStanding | ClassStanding
 
 _FRESH_S = 5.0  # the mean of gradings and the number of slots change slowly
 _PAUSE_S = 0.1  # between two looks, however often the doorbell rings: a busy class rings it all the time
@@ -96,12 +98,12 @@ class SubjectWatch:
 
     def __init__(self, subject: Subject) -> None:
         self.subject = subject
-        self.latest: Standing | ClassStanding | None = None
+        self.latest: AnyStanding | None = None
         self._loop = asyncio.get_running_loop()
         self._news = asyncio.Event()
         self._ended = False
 
-    def tell(self, standing: Standing | ClassStanding) -> None:
+    def tell(self, standing: AnyStanding) -> None:
         """Put a standing in place of the one before; from any thread."""
         self._later(lambda: self._take(standing))
 
@@ -109,7 +111,7 @@ class SubjectWatch:
         """Tell the watcher that nothing more will come; from any thread."""
         self._later(self._finish)
 
-    async def news(self, timeout_s: float) -> Standing | ClassStanding | None:
+    async def news(self, timeout_s: float) -> AnyStanding | None:
         """Return the next standing that differs from the one before, or None at the end or after `timeout_s`."""
         try:
             async with asyncio.timeout(timeout_s):
@@ -119,7 +121,7 @@ class SubjectWatch:
         self._news.clear()
         return None if self._ended else self.latest
 
-    def _take(self, standing: Standing | ClassStanding) -> None:
+    def _take(self, standing: AnyStanding) -> None:
         if standing != self.latest:
             self.latest = standing
             self._news.set()
@@ -175,7 +177,7 @@ class Watching:
         finally:
             self._remove(watch)
 
-    def look(self, subject: Subject) -> Standing | ClassStanding | None:
+    def look(self, subject: Subject) -> AnyStanding | None:
         """Return where `subject` stands now; None when there is no such thing."""
         return self._look({subject}).get(subject)
 
@@ -246,13 +248,16 @@ class Watching:
             if (standing := standings.get(watch.subject)) is not None:
                 watch.tell(standing)
 
-    def _look(self, subjects: set[Subject]) -> dict[Subject, Standing | ClassStanding]:
+    def _look(self, subjects: set[Subject]) -> dict[Subject, AnyStanding]:
         ids = {name for what, name in subjects if what == "submission" and name is not None}
         courses = {name for what, name in subjects if what == "class"}
-        standings: dict[Subject, Standing | ClassStanding] = {}
+        standings: dict[Subject, AnyStanding] = {}
         for id_, standing in self._standings.of(ids).items():
             estimated_at = self.estimates.finish(standing, standing.position)
             standings["submission", id_] = replace(standing, estimated_at=estimated_at)
+        explained = {name for what, name in subjects if what == "explanation" and name is not None}
+        for id_, explanation in self._standings.of_explanations(explained).items():
+            standings["explanation", id_] = explanation
         for course, class_standing in self._standings.of_classes(courses).items():
             standings["class", course] = class_standing
         return standings

@@ -28,6 +28,7 @@ from grader.store.course_life import CourseLife
 from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
+from grader.store.explanations import Explanations
 from grader.store.identities import Identities
 from grader.store.intake import Intake
 from grader.store.judgements import Judgements
@@ -97,6 +98,7 @@ class Services:
     snapshot: Callable[[], AbstractContextManager[object]]
     intake: Intake
     submissions: Submissions
+    explanations: Explanations
     queue: Queue
     workers: Workers
     regrades: Regrades
@@ -185,6 +187,7 @@ def _stores(database: Database, clock: Clock) -> dict[str, Any]:
         "snapshot": database.reading,
         "intake": Intake(database),
         "submissions": Submissions(database),
+        "explanations": Explanations(database, clock),
         "regrades": Regrades(database),
         "judgements": Judgements(database),
         "comments": Comments(database),

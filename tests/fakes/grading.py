@@ -3,7 +3,7 @@
 import hashlib
 import json
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from grader.contracts.assignment import Assignment, Case, ItemSpec
 from grader.contracts.errors import InfrastructureError, UnknownAssignmentError
@@ -228,7 +228,7 @@ class FakeGrader:
         aborts: how often `abort` was called.
         runs: whether the script is running when a fault comes.
         progress: what it tells of each run.
-        explanation: what it finds for each script that lacks marks.
+        explanation: what it finds for each script that lacks marks. explained: files, and what was hidden of each.
         hold: when set, gradings wait until `release` (or `abort`, which makes them fail).
     """
 
@@ -238,7 +238,7 @@ class FakeGrader:
         self.progress: list[RunProgress] = []
         self.graded: list[str] = []
         self.explanation = Explanation()
-        self.explained = 0
+        self.explained: list[tuple[str, tuple[str, ...]]] = []
         self.starts = 0
         self.closed = 0
         self.aborts = 0
@@ -257,8 +257,16 @@ class FakeGrader:
     def start(self) -> None:
         self.starts += 1
 
-    def explain(self, job: GradingJob) -> Explanation:
-        self.explained += 1
+    def explain(
+        self,
+        job: GradingJob,
+        hidden: Collection[str] = (),
+        before_each: Callable[[], None] = lambda: None,
+    ) -> Explanation:
+        self.explained.append((job.file_name, tuple(hidden)))
+        before_each()
+        if self.faults:
+            raise self.faults.pop(0)
         return self.explanation
 
     def grade(

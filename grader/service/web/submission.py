@@ -1,6 +1,7 @@
 """The page of one submission: progress, then the result with its replay, and the data both are drawn from."""
 
 from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
@@ -19,7 +20,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.figure import FigureSketch
 from grader.contracts.judgement import JudgedItem, judged
 from grader.contracts.outcome import StudentError
-from grader.contracts.progress import Standing
+from grader.contracts.progress import ExplanationStanding, Standing
 from grader.contracts.report import report_from
 from grader.contracts.submission import StoredReport, Submission
 from grader.formats.packages.bundle import line_in_text, text_of
@@ -51,7 +52,7 @@ from grader.service.web.source import SourceView, failing_lines, source_view
 from grader.service.web.waiting import left_s, progress
 from grader.use_cases import appealing, commenting, explaining, recordings, submissions
 from grader.use_cases.assignments import item_title, published, terms_of
-from grader.use_cases.following import SubjectWatch
+from grader.use_cases.following import Subject, SubjectWatch
 from grader.use_cases.judging import judged_items, may_correct
 from grader.use_cases.regrading import look_at_changes
 from grader.use_cases.services import Services
@@ -146,15 +147,32 @@ def read_state(errand: KnownDep, submission_id: SubmissionId) -> Response:
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
 
 
+@asynccontextmanager
+async def _watched_as(
+    errand: PageErrand, subject: Subject, last_event_id: str | None
+) -> AsyncIterator[SubjectWatch]:
+    await run_in_threadpool(access.require_sight, errand, str(subject[1]))
+    owner = owner_of(errand.caller, f"visitor {errand.visitor.student}")
+    async with watched(errand.request, errand.services, subject, owner, last_event_id) as watch:
+        yield watch
+
+
 async def _watched(
     errand: KnownDep, submission_id: SubmissionId, last_event_id: LastEventId = None
 ) -> AsyncIterator[SubjectWatch]:
-    await run_in_threadpool(access.require_sight, errand, submission_id)
-    owner = owner_of(errand.caller, f"visitor {errand.visitor.student}")
-    async with watched(
-        errand.request, errand.services, ("submission", submission_id), owner, last_event_id
-    ) as watch:
+    async with _watched_as(errand, ("submission", submission_id), last_event_id) as watch:
         yield watch
+
+
+async def _watched_explanation(
+    errand: KnownDep, submission_id: SubmissionId, last_event_id: LastEventId = None
+) -> AsyncIterator[SubjectWatch]:
+    async with _watched_as(errand, ("explanation", submission_id), last_event_id) as watch:
+        yield watch
+
+
+def _explanation_event(standing: ExplanationStanding) -> ServerSentEvent:
+    return ServerSentEvent(data={"open": not standing.is_final}, event="explanation", id=standing.mark)
 
 
 @router.get("/events", response_class=EventSourceResponse)
@@ -220,12 +238,22 @@ def read_film(errand: KnownDep, submission_id: SubmissionId, case: Case = None) 
 
 
 @router.get("/explanation", dependencies=[COSTLY])
-async def read_explanation(errand: KnownDep, submission_id: SubmissionId) -> Response:
-    """Return the part of the page with the changes that were tried; nothing where none gains."""
-    await run_in_threadpool(access.require_sight, errand, submission_id)
-    explanation = await explaining.explain(errand.services, errand.caller, submission_id)
-    html = fragment(errand.request, "explanation.html", changes=explanation.changes)
+def read_explanation(errand: KnownDep, submission_id: SubmissionId) -> Response:
+    """Return the part of the page with the changes that were tried, nothing where none gains; 202 until then."""
+    found = explaining.explanation(errand.services, *access.seen(errand, submission_id))
+    if found is None:
+        return Response(status_code=202, headers={"Cache-Control": "no-store"})
+    html = fragment(errand.request, "explanation.html", changes=found.changes)
     return HTMLResponse(html.strip(), headers={"Cache-Control": "no-store"})
+
+
+@router.get("/explanation/events", response_class=EventSourceResponse)
+async def follow_explanation(
+    services: ServicesDep, watch: Annotated[SubjectWatch, Depends(_watched_explanation)]
+) -> AsyncIterator[ServerSentEvent]:
+    """Say when the explanation is there, and end."""
+    async for event in events(watch, None, services.watching.limits.life_s, _explanation_event):
+        yield event
 
 
 @router.get("/plot.png", dependencies=[DRAWN])

@@ -25,6 +25,7 @@ from grader.contracts.submission import Claim, SubmissionState
 from grader.grading.slot import Slot
 from grader.operation.logs import about
 from grader.service.worker.examiner import Uploads
+from grader.service.worker.explainer import Explaining
 from grader.store.clock import Clock
 from grader.store.queue import Finished, Queue
 from grader.store.work import Doorbell
@@ -65,6 +66,7 @@ class WorkerParts:
         probe: tries the sandbox of this host; called before work is taken, and again while it is not ready.
         metrics: count how gradings went.
         uploads: assignments whose scripts are to be run; by default that is left to other workers.
+        explaining: what explains marks; by default other workers do.
     """
 
     queue: Queue
@@ -76,6 +78,7 @@ class WorkerParts:
     clock: Clock
     metrics: GradingCounts
     uploads: Uploads | None = None
+    explaining: Explaining | None = None
 
 
 class SandboxHealth:

@@ -14,6 +14,7 @@ from functools import partial
 from grader.contracts.errors import InfrastructureError
 from grader.operation.logs import bound
 from grader.service.worker.examiner import Examiner
+from grader.service.worker.explainer import Explainer
 from grader.service.worker.heart import Heart
 from grader.service.worker.slots import SandboxHealth, WorkerParts, WorkerSlot
 from grader.store.work import PolledWork
@@ -47,7 +48,7 @@ class Worker:
         ]
         self._work = PolledWork(parts.doorbell, config.poll_s)
         self._heart = Heart(self.id, self._slots, parts, self._sandbox, config.heartbeat_s)
-        self._examiner = _examiner(parts, lambda: self._sandbox.state.ready) if config.slots else None
+        self._behind = _behind(parts, lambda: self._sandbox.state.ready) if config.slots else ()
         self._threads = [
             threading.Thread(target=self._work_on, args=(slot,), name=f"grader-slot-{number}", daemon=True)
             for number, slot in enumerate(self._slots)
@@ -58,16 +59,16 @@ class Worker:
         self._heart.start()
         for thread in self._threads:
             thread.start()
-        if self._examiner is not None:
-            self._examiner.start()
+        for one in self._behind:
+            one.start()
 
     def stop(self) -> None:
         """Take no more work, let running gradings finish, and return to the queue what takes too long."""
         for slot in self._slots:
             slot.stop()
         self._work.drain()
-        if self._examiner is not None:
-            self._examiner.stop(_ABORT_S)
+        for one in self._behind:
+            one.stop(_ABORT_S)
         self._join(self._config.drain_s)
         self._heart.stop(_ABORT_S)
         with _database_may_be_away():
@@ -91,11 +92,16 @@ class Worker:
             thread.join(max(0.0, deadline_s - time.monotonic()))
 
 
-def _examiner(parts: WorkerParts, ready: Callable[[], bool]) -> Examiner | None:
-    if parts.uploads is None:
-        return None
-    students_wait = partial(parts.queue.is_due, in_turn=True)
-    return Examiner(parts.uploads, parts.assignments, ready=ready, students_wait=students_wait)
+def _behind(parts: WorkerParts, ready: Callable[[], bool]) -> tuple[Examiner | Explainer, ...]:
+    """Return what works behind the slots."""
+    is_due = parts.queue.is_due
+    behind: list[Examiner | Explainer] = []
+    if parts.uploads is not None:
+        students_wait = partial(is_due, in_turn=True)
+        behind.append(Examiner(parts.uploads, parts.assignments, ready=ready, students_wait=students_wait))
+    if parts.explaining is not None:
+        behind.append(Explainer(parts.explaining, parts.doorbell, ready=ready, submissions_wait=is_due))
+    return tuple(behind)
 
 
 @contextmanager

@@ -1,5 +1,6 @@
 """The part of a page that tells what was tried: asked for apart from the marks, and never of what is hidden."""
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -7,11 +8,13 @@ import pytest
 
 from grader.contracts.explanation import ChangedText, Explanation, ProvenChange
 from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.report import report_from
+from grader.contracts.rubric import RubricItem
 from grader.contracts.rules import Rules
 from grader.contracts.text import Text
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
-from tests.fakes.grading import FakeGrader, grade
+from tests.fakes.grading import grade
 from tests.unit.service.web.conftest import Browser
 
 CHANGE = ProvenChange(
@@ -28,50 +31,98 @@ def full_marks(job: GradingJob) -> GradingResult:
     return replace(result, report=replace(result.report, score=result.report.max_score))
 
 
-@pytest.fixture
-def tried(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The files whose explanation was looked for."""
-    looked: list[str] = []
-
-    def explain(_: FakeGrader, job: object) -> Explanation:
-        looked.append(job.file_name)  # type: ignore[attr-defined]
-        return Explanation(changes=(CHANGE,), tried=3)
-
-    monkeypatch.setattr(FakeGrader, "explain", explain)
-    return looked
+def explain(services: Services, *, hidden: tuple[str, ...] = ()) -> bool:
+    """Explain what waits longest; False when nothing does."""
+    claim = services.explanations.claim()
+    if claim is None:
+        return False
+    return services.explanations.finish(claim, Explanation(changes=(CHANGE,), tried=3, hidden=hidden), 0.5)
 
 
-def test_what_was_tried_is_told_apart_from_the_marks_and_found_once(
-    browser: Browser, put: Callable[..., str], tried: list[str]
+def test_what_was_tried_is_told_apart_from_the_marks(
+    browser: Browser, put: Callable[..., str], services: Services
 ) -> None:
     browser.get("/?lang=en")
     browser.enter(student="s1")
     address = put(b"good  # told once")
     page = browser.get(address).text
     assert f'data-address="{address}/explanation"' in page
-    assert tried == []
-    for _ in range(2):
-        part = browser.get(f"{address}/explanation").text
-        assert "Line 1: write &lt;2&gt;" in part
-        assert "<del>   1 - a &lt; 1</del>" in part
-        assert "<ins>   1 + a &lt; 2</ins>" in part
-    assert tried == ["square.py"]
+    assert "trying changes" in page
+    assert browser.get(f"{address}/explanation").status_code == 202
+    assert explain(services)
+    assert not explain(services)
+    part = browser.get(f"{address}/explanation")
+    assert part.status_code == 200
+    assert "Line 1: write &lt;2&gt;" in part.text
+    assert "<del>   1 - a &lt; 1</del>" in part.text
+    assert "<ins>   1 + a &lt; 2</ins>" in part.text
+    assert not explain(services)
 
 
-def test_nothing_is_tried_for_full_marks(browser: Browser, put: Callable[..., str], tried: list[str]) -> None:
+def test_the_stream_tells_when_the_explanation_is_there(
+    browser: Browser, put: Callable[..., str], services: Services
+) -> None:
+    browser.enter(student="s1")
+    address = put(b"good  # streamed")
+    with browser.client.stream("GET", f"{address}/explanation/events") as answer:
+        data = (line for line in answer.iter_lines() if line.startswith("data:"))
+        assert json.loads(next(data)[5:]) == {"open": True}
+        assert explain(services)
+        services.doorbell.ring()
+        assert json.loads(next(data)[5:]) == {"open": False}
+        assert next(data, None) is None  # it ends
+
+
+def test_nothing_is_tried_for_full_marks(
+    browser: Browser, put: Callable[..., str], services: Services
+) -> None:
     browser.enter(student="s1")
     address = put(b"good", grading=full_marks)
     assert "data-address" not in browser.get(address).text
     assert browser.get(f"{address}/explanation").text == ""
-    assert tried == []
+    assert not explain(services)
 
 
-def test_what_is_hidden_is_not_given_away(
-    browser: Browser, put: Callable[..., str], services: Services, tokens: dict[str, str], tried: list[str]
+def test_an_explanation_made_before_something_was_hidden_is_thrown_away(
+    browser: Browser, put: Callable[..., str], services: Services, tokens: dict[str, str]
 ) -> None:
-    services.rules.set("square", Rules(hidden_items=("closed",)), Signature(services.clock(), "ros", "wang"))
     browser.enter(token=tokens["li"])
     address = put(b"good  # hidden", student="li", course="ros")
+    assert explain(services)
+    assert "&lt;2&gt;" in browser.get(f"{address}/explanation").text
+    signed = Signature(services.clock(), "ros", "wang")
+    services.rules.set("square", Rules(hidden_items=("closed",)), signed)
+    assert browser.get(f"{address}/explanation").status_code == 202
+    assert explain(services, hidden=("closed",))
+    assert "&lt;2&gt;" in browser.get(f"{address}/explanation").text
+
+
+def test_that_only_what_is_hidden_lacks_marks_is_not_given_away(
+    browser: Browser, put: Callable[..., str], services: Services, tokens: dict[str, str]
+) -> None:
+    address = put(b"good  # hidden", student="li", course="ros")
+    lacking = [item.id for item in items_of(services, address) if item.earned < item.points]
+    signed = Signature(services.clock(), "ros", "wang")
+    services.rules.set("square", Rules(hidden_items=tuple(lacking)), signed)
+    browser.enter(token=tokens["li"])
+    page = browser.get(address).text
+    assert "data-address" not in page
+    assert browser.get(f"{address}/explanation").text == ""
+
+
+def test_one_of_an_assignment_that_has_changed_is_not_told(
+    browser: Browser, put: Callable[..., str], services: Services, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    browser.enter(student="s1")
+    address = put(b"good  # of before")
+    assert explain(services)
+    changed = [replace(one, version=one.version + 1) for one in services.assignments.all()]  # type: ignore[attr-defined]
+    monkeypatch.setattr(services.assignments, "_all", changed)
     assert "data-address" not in browser.get(address).text
     assert browser.get(f"{address}/explanation").text == ""
-    assert tried == []
+
+
+def items_of(services: Services, address: str) -> tuple[RubricItem, ...]:
+    stored = services.submissions.report(address.rpartition("/")[2])
+    assert stored is not None
+    return report_from(stored.content).items
