@@ -12,7 +12,7 @@ from typing import Any, Final
 from sqlalchemy import Connection, and_, bindparam, delete, func, insert, or_, select, update
 from sqlmodel import col
 
-from grader.contracts.assignment import Assignment
+from grader.contracts.assignment import Assignment, stored_assignment
 from grader.contracts.explanation import Explanation
 from grader.contracts.record import canonical, from_json
 from grader.store.clock import TimedPart, ahead
@@ -119,7 +119,7 @@ class Explanations(TimedPart):
                 course=course,
                 file_name=file_name,
                 source=source,
-                assignment=from_json(Assignment, assignment),
+                assignment=stored_assignment(assignment),
             )
 
     def renew(self, claim: ExplanationClaim) -> bool:
