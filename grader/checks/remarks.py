@@ -16,6 +16,8 @@ from grader.contracts.outcome import Note
 from grader.contracts.rubric import Unit
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Trajectory
+from grader.geometry import exact
+from grader.geometry.path import segment
 from grader.messages.quantity import number
 
 _PLACEHOLDER: Final = re.compile(r"\{([A-Za-z_][\w.]*)(?:[:!][^{}]*)?\}")
@@ -30,11 +32,27 @@ def remarks(run: Run) -> tuple[Note, ...]:
     return tuple(Note(code=code, text=text) for look in looks for code, text in look(run))
 
 
-def counted_note(run: Run, *, as_commanded: bool) -> Note:
-    """Return the note that says which motion counts, and how far both go."""
+def notes_of_both(run: Run, *, as_commanded: bool) -> tuple[Note, ...]:
+    """Return the notes on a run as driven and as commanded: which counts, how far both go, their mean corners.
+
+    Corners are told where both motions have as many, two at least, and the means differ as they are written.
+    """
     both = (run.trajectory, run.trajectory.at_once())
     told = "|".join(number(value, unit) for each in both for value, unit in _extent(each))
-    return Note(code="counted_commanded" if as_commanded else "counted_driven", text=told)
+    counted = Note(code="counted_commanded" if as_commanded else "counted_driven", text=told)
+    driven_deg, commanded_deg = map(_corners_deg, both)
+    if len(driven_deg) != len(commanded_deg) or len(driven_deg) < 2:
+        return (counted,)
+    means = [number(exact.mean(corners), "deg") for corners in (driven_deg, commanded_deg)]
+    return (
+        (counted, Note(code="corners_at_home", text="|".join(means))) if len(set(means)) > 1 else (counted,)
+    )
+
+
+def _corners_deg(motion: Trajectory) -> list[float]:
+    """Return how far the turns between the straights of a motion turn, to either side."""
+    turns = segment(path_of(motion, len(motion))).turns[1:-1]
+    return [math.degrees(abs(turn.angle_rad)) for turn in turns if turn is not None]
 
 
 def _extent(motion: Trajectory) -> tuple[tuple[float, Unit], ...]:

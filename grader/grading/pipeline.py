@@ -387,14 +387,14 @@ def _within_file(outcome: RunOutcome, script: _Script) -> RunOutcome:
 
 
 def _told(runs: Sequence[Run], marks: "Marks") -> list[Run]:
-    """Return the runs, with a note on which motion counts where one tells that commands waited for long."""
-    from grader.checks.remarks import counted_note
+    """Return the runs, with notes on both motions where one tells that commands waited for long."""
+    from grader.checks.remarks import notes_of_both
 
     told = list(runs)
     for i, run in enumerate(runs):
         if any(note.code == WAIT_NOTE for note in run.outcome.notes):
-            note = counted_note(run, as_commanded=marks.as_commanded)
-            told[i] = replace(run, outcome=replace(run.outcome, notes=(*run.outcome.notes, note)))
+            notes = notes_of_both(run, as_commanded=marks.as_commanded)
+            told[i] = replace(run, outcome=replace(run.outcome, notes=(*run.outcome.notes, *notes)))
     return told
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from grader.checks import evaluate, mark, sketch
-from grader.checks.remarks import counted_note
+from grader.checks.remarks import notes_of_both
 from grader.contracts.assignment import Counts
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Scoring
@@ -57,11 +57,19 @@ def test_one_choice_is_made_for_all_runs() -> None:
     }
 
 
-def test_a_note_says_which_counts() -> None:
-    commanded = counted_note(run_of(both(WIDE, RIGHT), RunStatus.FINISHED), as_commanded=True)
-    assert (commanded.code, commanded.text) == ("counted_commanded", "8 m|381.2°|8 m|360°")
-    driven = counted_note(run_of(both(RIGHT, WIDE), RunStatus.FINISHED), as_commanded=False)
-    assert driven.code == "counted_driven"
+def test_notes_say_which_counts_and_what_the_corners_are_at_home() -> None:
+    counted, corners = notes_of_both(run_of(both(WIDE, RIGHT), RunStatus.FINISHED), as_commanded=True)
+    assert (counted.code, counted.text) == ("counted_commanded", "8 m|381.2°|8 m|360°")
+    assert (corners.code, corners.text) == ("corners_at_home", "95.3°|90°")
+    counted, _ = notes_of_both(run_of(both(RIGHT, WIDE), RunStatus.FINISHED), as_commanded=False)
+    assert counted.code == "counted_driven"
+
+
+def test_corners_that_are_alike_or_have_no_partners_are_not_told() -> None:
+    three = drive(polygon_legs(4)[:-2])
+    for commanded in (RIGHT, three, drive([(2.0, 1.0, 0.0)])):
+        notes = notes_of_both(run_of(both(RIGHT, commanded), RunStatus.FINISHED), as_commanded=False)
+        assert [note.code for note in notes] == ["counted_driven"]
 
 
 def test_a_sketch_has_both_paths() -> None:
