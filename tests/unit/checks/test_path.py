@@ -304,20 +304,7 @@ def test_a_path_from_the_given_start_is_judged_there() -> None:
             "path_count",
             "driven: 3; the path has 2",
         ),
-        (
-            "figure_eight",
-            [EIGHT[0], ("turn", 180.0), EIGHT[0]],
-            "path_turned",
-            "Before circle 2 the car turned 180°",
-        ),
         ("two_circles", [("arc", 360.0, 1.6), ("arc", 360.0, 0.8)], "path_reversed", "Begin with its first"),
-        ("two_circles", [("arc", 180.0, 0.8), ("arc", 180.0, 1.6)], "path_swept", "turned by 180°; 360°"),
-        (
-            "figure_eight",
-            [("arc", -300.0, 1.0), ("arc", 360.0, 1.0)],
-            "path_swept",
-            "circle 1, the car turned by 300°",
-        ),
         ("letter_l", [("line", -3.0), *L[1:]], "path_backwards", "linear.x is negative"),
     ],
 )
@@ -347,7 +334,7 @@ def test_a_wall_comes_first_and_standing_still_is_no_path() -> None:
     hit = replace(drive(legs(L[:1])), contacts=(Contact(wall="right", start_ns=1, end_ns=2),))
     assert graded("letter_l", hit).mistakes[0] == "wall_hit"
     circle = replace(drive(legs(EIGHT[:1])), contacts=hit.contacts)
-    assert graded("figure_eight", circle).mistakes[0] == "wall_hit_in_arc"
+    assert graded("figure_eight", circle).mistakes[0] == "wall_hit"
     assert score(graded("letter_l", drive([(1.0, 0.0, 0.0)]))) == 0
     spun = graded("figure_eight", drive([(30.0, 0.0, 1.0)]))
     assert (score(spun), spun.mistakes[0]) == (0, "no_drive")
@@ -440,14 +427,7 @@ def test_a_mirror_image_is_named_whatever_the_rubric_measures() -> None:
         assert graded_as(each, drive(legs(TRIANGLE, sense=-1.0))).mistakes[0] == "path_mirrored"
 
 
-def test_a_path_of_arcs_that_was_never_bent_and_a_first_piece_without_end_are_told() -> None:
-    straight = graded("figure_eight", drive([(5.0, 1.0, 0.0)]))
-    assert straight.mistakes[0] == "path_no_arc"
-    for_ever = drive([(360.0, 1.0, 1.0)], horizon_s=60.0)
-    assert graded("figure_eight", for_ever, RunStatus.INTERRUPTED).mistakes[0] == "piece_never_ends"
-    assert "piece_never_ends" not in graded("figure_eight", drive([(6.28, 1.0, 1.0)])).mistakes
-    line = drive([(300.0, 1.0, 0.0)], horizon_s=60.0)
-    assert graded("letter_l", line, RunStatus.INTERRUPTED).mistakes[0] == "piece_never_ends"
+def test_a_line_that_is_driven_too_slowly_is_told() -> None:
     crept = drive([(300.0, 0.03, 0.0)], horizon_s=60.0)
     assert graded("letter_l", crept, RunStatus.INTERRUPTED).mistakes[0] == "path_too_slow"
 

@@ -193,7 +193,6 @@ def test_who_stops_just_before_the_goal_does_not_lose_all_that_needs_it() -> Non
             "reached 2 of 3 goals. The nearest",
         ),
         (goals(*POINTS), through(*POINTS[:2]), "place_stuck", "came to goal 2 and stayed there"),
-        (goals(POINTS[0]), through((3.0, 8.0)), "place_exchanged", "at x = 8 m, y = 3 m"),
         (goals((3.0, 3.4), POINTS[0]), through((3.0, 8.0)), "place_missed", "reached 1 of 2"),
         (goals(*POINTS, hold_s=5.0), through(*POINTS), "place_not_held", "5 s is wanted"),
         (goals(POINTS[0], by_s=3.0), through(POINTS[0]), "place_late", "3 s is the latest"),

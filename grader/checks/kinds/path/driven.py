@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.checks.drive import Drive, is_arc, is_motion, with_ends
+from grader.checks.drive import Drive
 from grader.checks.kinds.path.wanted import (
     MIN_CORNER_RAD,
     SAMPLES,
@@ -21,7 +21,6 @@ from grader.checks.kinds.path.wanted import (
     tracks,
 )
 from grader.contracts.assignment import StartPose, WantedPath
-from grader.contracts.trajectory import Trajectory
 from grader.geometry import exact
 from grader.geometry.figure import MAX_APPROACH_STRAIGHTS, chord, half_turned
 from grader.geometry.matching import (
@@ -82,32 +81,6 @@ class DrivenStretch:
     deviation_m: float = math.nan
     centre: complex = 0j
     swept_rad: float = math.nan
-
-
-class CommandedArc(NamedTuple):
-    """An arc as it was commanded: how far the car turned, and the radius; either is positive to the left."""
-
-    swept_deg: float
-    radius_m: float
-
-
-def commanded_arcs(trajectory: Trajectory) -> list[CommandedArc]:
-    """Return the arcs that were commanded one after the other; nothing if something else was driven, too.
-
-    Commands of the same curvature belong to one arc, whatever their speed, and though the car stood still between.
-    """
-    found: list[CommandedArc] = []
-    for command, until_ns in with_ends(trajectory):
-        if not is_motion(command):
-            continue
-        if not is_arc(command):
-            return []
-        radius_m = command.v_mps / command.w_radps
-        swept_deg = math.degrees(command.w_radps) * (until_ns - command.t_ns) / 1e9
-        if found and abs(radius_m / found[-1].radius_m - 1.0) < ONE_ARC_SHARE:
-            swept_deg += found.pop().swept_deg
-        found.append(CommandedArc(swept_deg, radius_m))
-    return found
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -1,36 +1,31 @@
 """Mistakes that are recognised by how a driven path differs from the wanted one."""
 
-import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grader.checks.drive import Drive, coasts, is_drive, motions_of, share_backwards, with_ends
+from grader.checks.drive import Drive, coasts, share_backwards
 from grader.checks.kinds.path.driven import (
     UNFINISHED_SHARE,
-    CommandedArc,
     DrivenStretch,
     Figure,
     as_turned_deg,
     begun_off,
-    commanded_arcs,
     corners_deg,
     end_ns,
     figure_in,
     inner_corners,
     roughly_off,
 )
-from grader.checks.kinds.path.wanted import MIN_CORNER_RAD, Stretch, corner_rad, track_of, tracks
+from grader.checks.kinds.path.wanted import Stretch
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import command_mistakes, no_final_stop, only_turned
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment, WantedPath
-from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
-from grader.contracts.trajectory import Trajectory
 from grader.messages import say
 from grader.messages.quantity import number
 
@@ -42,10 +37,7 @@ FAR_SHARE = 0.06  # of the size: a drive that is nearer is the wanted one, drive
 # A path driven the other way round, or elsewhere, is tried twice: roughly, and closely where that is promising.
 MUCH_BETTER_SHARE = 0.6  # of the rough distance: a variant that leaves more is not tried closely
 LEFT_SHARE = 0.25  # of the close distance: a variant that leaves no more explains the drive
-TURNED_DEG = 30.0  # a turn on the spot that is smaller corrects the heading
 BACK_SHARE = 0.5  # of the way: a car that backed up for more was driven backwards
-SAME_RADIUS_SHARE = 0.1  # of the radius: an arc that is no further off is the wanted one
-SWEPT_SHARE = 0.03  # of the angle: an arc that is off by more was driven for too short or too long
 SIZE_FACTOR = 5.0  # a variant that is larger or smaller by more fits by chance
 _SHAPE_MEASURES = (
     "off_pct",
@@ -61,7 +53,6 @@ _SHAPE_MEASURES = (
 _WHOLE_MEASURES = ("off_pct", "mean_off_pct", "covered_pct", "gap_pct")
 _ARC_MEASURES = ("round_pct", *_WHOLE_MEASURES)
 _DRIVE_MEASURES = ("distance_m", *_SHAPE_MEASURES)
-_ENDLESS_RAD = 1.25 * math.tau  # a turn on the spot that is no corner of any path
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -140,7 +131,6 @@ def path_mistakes(
     """Yield what probably went wrong on the way."""
     yield from command_mistakes(run, assignment.world, turns=_SHAPE_MEASURES, drives=_DRIVE_MEASURES)
     yield from only_turned(run, _DRIVE_MEASURES)
-    yield from _one_motion(assignment, run)
     yield from _wall(assignment, run, drive, figure)
     if figure is not None:
         seen = _Seen(assignment, run, drive, figure, stretches)
@@ -148,33 +138,13 @@ def path_mistakes(
         yield from _ending(seen)
 
 
-def _one_motion(assignment: Assignment, run: Run) -> Iterator[Mistake]:
-    """Recognise a path of several pieces of which the first was never over, and one whose arcs were never bent."""
-    track = None if assignment.path is None or assignment.path.by_solution else track_of(assignment.path)
-    commanded = motions_of(run.trajectory)
-    if track is None or not commanded:
-        return
-    (first, lasted_ns), ended_ns = commanded[0], run.outcome.duration_ns
-    endless = run.outcome.status is RunStatus.INTERRUPTED and first.t_ns + lasted_ns >= ended_ns
-    under_way = endless and track.stretches[0].kind == "line"
-    has_arcs = any(each.kind == "arc" for each in track.stretches)
-    if has_arcs and not under_way and not any(one.w_radps for one, _ in commanded):
-        yield mistake("path_no_arc", _SHAPE_MEASURES)
-    slow = first.v_mps and abs(first.v_mps) * lasted_ns / 1e9 < track.stretches[0].length_m
-    if endless and not slow and len(commanded) == 1 and len(track.stretches) > 1:
-        speeds = {"speed": number(first.v_mps, "1"), "rate": number(first.w_radps, "1")}
-        yield mistake("piece_never_ends", _SHAPE_MEASURES, time=number(ended_ns / 1e9, "s"), **speeds)
-
-
 def _wall(assignment: Assignment, run: Run, drive: Drive, figure: Figure | None) -> Iterator[Mistake]:
     until_ns = math.inf if figure is None or not figure.overrun else end_ns(figure, drive)
     for contact in run.trajectory.contacts[:1]:
         if contact.start_ns > until_ns:
             return  # the figure was complete
-        track = None if assignment.path is None else track_of(assignment.path)
-        is_round = track is not None and all(each.kind == "arc" for each in track.stretches)
         time, wall = number(contact.start_ns / 1e9, "s"), say(f"wall.{contact.wall}")
-        yield mistake("wall_hit_in_arc" if is_round else "wall_hit", _SHAPE_MEASURES, time=time, wall=wall)
+        yield mistake("wall_hit", _SHAPE_MEASURES, time=time, wall=wall)
 
 
 def _shape(seen: _Seen) -> Iterator[Mistake]:
@@ -189,7 +159,7 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
     if not seen.figure.begun and has_one_cause and (other := _other_way(seen, away / size)) is not None:
         yield other
         return
-    if off and (closer := _backwards(seen) or _swept(seen)) is not None:
+    if off and (closer := _backwards(seen)) is not None:
         yield closer
         return
     corners = inner_corners(seen.figure, seen.drive)
@@ -246,49 +216,8 @@ def _backwards(seen: _Seen) -> Mistake | None:
     return mistake("path_backwards", _SHAPE_MEASURES) if mostly else None
 
 
-def _swept(seen: _Seen) -> Mistake | None:
-    """Recognise arcs of the right radii, driven in the right order, of which one ends too early or too late."""
-    wanted = seen.assignment.path
-    if wanted is None or wanted.any_scale:
-        return None
-    driven = commanded_arcs(seen.run.trajectory)
-    for track in tracks(wanted):
-        pairs = list(zip(driven, track.stretches, strict=False))
-        if len(driven) != len(track.stretches) or not all(map(_is_as_wide, pairs)):
-            continue
-        sides = {math.copysign(1.0, one.swept_deg * each.angle_deg) for one, each in pairs}
-        if len(sides) > 1 or (sides == {-1.0} and not wanted.mirror):
-            continue
-        one, each = max(pairs, key=_angle_off_deg)
-        if _angle_off_deg((one, each)) > SWEPT_SHARE * abs(each.angle_deg):
-            named = {
-                "driven": number(abs(one.swept_deg), "deg"),
-                "wanted": number(abs(each.angle_deg), "deg"),
-            }
-            return mistake("path_swept", _SHAPE_MEASURES, piece=name_of(each), **named)
-    return None
-
-
-def _is_as_wide(pair: tuple[CommandedArc, Stretch]) -> bool:
-    """Whether a wanted piece is an arc, and the driven one has its radius."""
-    driven, wanted = pair
-    return wanted.kind == "arc" and abs(abs(driven.radius_m) / wanted.radius_m - 1.0) < SAME_RADIUS_SHARE
-
-
-def _angle_off_deg(pair: tuple[CommandedArc, Stretch]) -> float:
-    """Return by how much an arc went too far or not far enough round."""
-    driven, wanted = pair
-    return abs(abs(driven.swept_deg) - abs(wanted.angle_deg))
-
-
 def _unfinished(seen: _Seen) -> Iterator[Mistake]:
     share = number(100.0 * seen.figure.covered_share, "%")
-    motions = motions_of(seen.run.trajectory)
-    last, lasted_ns = motions[-1] if motions and seen.drive.cut_short else (None, 0)
-    if last is not None and not last.v_mps and abs(last.w_radps) * lasted_ns / 1e9 > _ENDLESS_RAD:
-        turned = number(math.degrees(abs(last.w_radps) * lasted_ns / 1e9), "deg")
-        yield mistake("path_endless_turn", (*_SHAPE_MEASURES, "settled"), turned=turned)
-        return
     code = "path_too_slow" if seen.drive.cut_short else "path_unfinished"
     yield mistake(code, (*_SHAPE_MEASURES, "settled"), share=share)
 
@@ -297,9 +226,6 @@ def _pieces(seen: _Seen) -> Iterator[Mistake]:
     """Name the wrong pieces: arcs first, then the worst corner, then the worst line."""
     scale, figure = seen.figure.placed.scale, seen.figure
     if len(seen.stretches) < len(figure.track.stretches):
-        return
-    if (turned := _turned_between(seen)) is not None:
-        yield turned  # without it the next piece lies elsewhere: nothing is known of its sense or size
         return
     yield from _arcs(seen, scale)
     corners = corners_deg(seen.stretches, mirrored=figure.placed.mirrored)
@@ -329,31 +255,6 @@ def _pieces(seen: _Seen) -> Iterator[Mistake]:
                 wanted=number(scale * each.wanted.length_m, "m"),
             )
             return
-
-
-def _turned_between(seen: _Seen) -> Mistake | None:
-    """Recognise a turn on the spot between two pieces of which one leads straight on into the other."""
-    on_spot_deg = _most_turned_deg(seen.run.trajectory)
-    if on_spot_deg < TURNED_DEG:
-        return None
-    for before, after in itertools.pairwise(seen.stretches):
-        if abs(corner_rad(before.wanted, after.wanted)) >= MIN_CORNER_RAD:
-            continue
-        bend_rad = math.remainder(after.begins_rad - before.ends_rad, math.tau)
-        if abs(bend_rad) >= math.radians(TURNED_DEG):
-            angle = number(on_spot_deg, "deg")
-            return mistake("path_turned", _SHAPE_MEASURES, piece=name_of(after.wanted), angle=angle)
-    return None
-
-
-def _most_turned_deg(trajectory: Trajectory) -> float:
-    """Return the largest angle that was commanded on the spot at one go."""
-    most_rad = turned_rad = 0.0
-    for command, until_ns in with_ends(trajectory):
-        on_spot = not is_drive(command)
-        turned_rad = turned_rad + command.w_radps * (until_ns - command.t_ns) / 1e9 if on_spot else 0.0
-        most_rad = max(most_rad, abs(turned_rad))
-    return math.degrees(most_rad)
 
 
 def _arcs(seen: _Seen, scale: float) -> Iterator[Mistake]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from grader.checks.drive import Drive, share_backwards
-from grader.checks.kinds.places.visits import Visit, Way, entered, outside_of
+from grader.checks.kinds.places.visits import Visit, Way, entered
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import command_mistakes, only_turned, swings
 from grader.checks.scoring import fits
@@ -25,7 +25,6 @@ _WRONG_WAY = (
     "place_no_feedback",
     "place_away",
     "place_lost",
-    "place_exchanged",
 )
 _DRIVE_MEASURES = ("distance_m", *_GOAL_MEASURES, *_END_MEASURES)
 _SAME_HEADING_DEG = 3.0
@@ -34,14 +33,8 @@ LEAST_M = 0.02  # a shorter way is no drive
 AWAY_SHARE = 0.9  # of the distance at the start: a car that never came nearer drove the wrong way
 CIRCLED_RAD = 2.5 * math.tau  # a car that turned further than this and did not arrive circles the goal
 NEAR_TIMES = 12.0  # the radius of the goal: a car that never came nearer circles something else
-EXCHANGED_M = 0.5  # from the goal with x and y exchanged: a car that rests this near to it went there
 # A car that ends this much further from a goal than it was at best did not lack time: it drove past the goal.
 LOST_TIMES, LOST_M = 1.25, 0.5
-
-
-def _was_there(visit: Visit, way: Way) -> bool:
-    """Return whether the car came to a goal after all, when its way was too long already."""
-    return visit.entered_s is None and bool(np.any(outside_of(visit.goal.region, way) <= 0.0))
 
 
 def place_mistakes(
@@ -50,12 +43,6 @@ def place_mistakes(
     """Yield what probably went wrong on the way to the places."""
     turns = (*_GOAL_MEASURES, *_END_MEASURES)
     yield from command_mistakes(run, assignment.world, turns=turns, drives=_DRIVE_MEASURES)
-    if (
-        late := next((one for one in visits if one.done_s is None and _was_there(one, way)), None)
-    ) is not None:
-        driven_m = exact.total(exact.hypot(np.diff(way.x_m), np.diff(way.y_m)))
-        told = {"number": late.number, "driven": number(driven_m, "m"), "straight": number(late.first_m, "m")}
-        yield mistake("place_wandered", _GOAL_MEASURES, **told)
     touched = list(_touched(assignment, run, way))
     if all(visit.done_s is not None for visit in visits):
         ending = list(_ending(assignment, run, drive, way, visits))
@@ -116,10 +103,6 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, visits: Se
     if standing is not None and standing.number < first.number:
         return mistake("place_stuck", spoilt, at=standing.number, goal=first.number)
     last_m = _final_distance_m(way, first)
-    if values["reached"] == 0 and _at_exchanged(way, first):
-        region = first.goal.region
-        x, y = (number(value, "m") for value in (region.x_m, region.y_m))
-        return mistake("place_exchanged", spoilt, goal=first.number, x=x, y=y)
     stayed_away = first.nearest_m > AWAY_SHARE * first.first_m and values["reached"] == 0
     if stayed_away and not _was_approaching(first, last_m):
         code = "path_backwards" if share_backwards(run) > _MOSTLY else "place_away"
@@ -145,14 +128,6 @@ def _standing_at(way: Way, visits: Sequence[Visit]) -> Visit | None:
     done = [visit for visit in visits if visit.done_s is not None]
     ends = (float(way.x_m[-1]), float(way.y_m[-1]))
     return next((one for one in done if way.rests and outside_m(one.goal.region, *ends) <= 0.0), None)
-
-
-def _at_exchanged(way: Way, goal: Visit) -> bool:
-    """Whether the car came to rest where the goal would be if its x and y were exchanged."""
-    region = goal.goal.region
-    off_m = exact.hypot(float(way.x_m[-1]) - region.y_m, float(way.y_m[-1]) - region.x_m)
-    apart_m = exact.hypot(region.x_m - region.y_m, region.y_m - region.x_m)
-    return way.rests and off_m <= EXCHANGED_M < apart_m / 2.0
 
 
 def _nearest(visit: Visit) -> Text | str:

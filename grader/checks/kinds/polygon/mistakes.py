@@ -70,7 +70,6 @@ _FAST_BY_POSE_RADPS = 40.0
 _SLIP_DEG = 12.0
 
 _BACKED = 0.2  # of the way: less corrects a side that was too long
-_MULTIPLE_SHARE = 0.03
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -290,21 +289,11 @@ def _wall(seen: _Seen) -> Iterator[Mistake]:
     contacts = seen.run.trajectory.contacts
     if contacts and contacts[0].start_ns <= int(seen.driven.drive.t_ns[end]):
         wall = contacts[0]
-        if (drives := _drives_since_turn(seen, wall.start_ns)) > 1:
-            yield mistake("turns_end", _SHAPE, count=drives, ideal=_degree(seen.ideal_deg), sides=seen.sides)
-            return
         figure, arcs = seen.driven.figure, any(map(is_arc, moves_of(seen.run.trajectory)))
         if arcs and figure is not None and figure.curved_share > MOSTLY_ROUND_SHARE:
             return  # `_shape` says what led it there
         code = "side_goes_on" if _goes_on(seen, wall.start_ns) else "wall_hit"
         yield mistake(code, _SHAPE, time=number(wall.start_ns / 1e9, "s"), wall=say(f"wall.{wall.wall}"))
-
-
-def _drives_since_turn(seen: _Seen, hit_ns: int) -> int:
-    """Return how many drives began between the last turn before a wall was hit, and that."""
-    commands = [command for command in seen.run.trajectory.commands if command.t_ns <= hit_ns]
-    last = max((at for at, command in enumerate(commands) if is_turn(command)), default=len(commands))
-    return times_begun(map(is_motion, commands[last + 1 :]))
 
 
 def _goes_on(seen: _Seen, hit_ns: int) -> bool:
@@ -444,11 +433,8 @@ def _astray(seen: _Seen, figure: PolygonFigure) -> Mistake:
 
 def _long_way(seen: _Seen, values: Mapping[str, object]) -> Mistake:
     """Recognise corners that go the long way round: by a wrong difference of angles, or for too long."""
-    turned_deg = seen.driven.turned_deg
-    if seen.steers or not seen.driven.long_way.all():
-        return mistake("long_way", ("opposite_corners",), turned=listed(turned_deg, "deg"), **values)
-    turned = listed(np.abs(turned_deg), "deg")
-    return mistake("long_way_by_time", ("opposite_corners",), turned=turned, **values)
+    turned = listed(seen.driven.turned_deg, "deg")
+    return mistake("long_way", ("opposite_corners",), turned=turned, **values)
 
 
 def _backed_sides(seen: _Seen) -> Iterator[Mistake]:
@@ -473,7 +459,7 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     off = np.array([seen.loses("corner_deg", corner) for corner in corners.tolist()])
     back = float(np.min(np.abs(corners))) > 180.0 - SAME_DEG  # to which side, is chance
     if back or (bool((corners < 0.0).any()) and _both_ways(seen)):
-        yield mistake("turned_back" if back else "zigzag", spoilt, **values)
+        yield mistake("zigzag", spoilt, **values)
     elif not off.any() and bool(seen.driven.long_way.any()):
         yield _long_way(seen, values)
     elif not off.any():
@@ -553,9 +539,6 @@ def _count(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     right = near if len(corners) else _on_first_side(seen) or _is_one_side(seen)
     if not right or count == seen.sides:
         return
-    if (joined := _joined_sides(seen, figure)) is not None:
-        yield joined
-        return
     code = (
         ("too_slow" if seen.driven.drive.cut_short else "sides_missing")
         if count < seen.sides
@@ -563,18 +546,6 @@ def _count(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     )
     spoilt = ("sides", "gap_pct", "settled", *(_LENGTHS if code == "too_slow" else ()))
     yield mistake(code, spoilt, count=count, sides=seen.sides)
-
-
-def _joined_sides(seen: _Seen, figure: PolygonFigure) -> Mistake | None:
-    """Recognise sides that lie on one line, because a turn between them is missing."""
-    if min(figure.sides_m) <= 0.0:
-        return None
-    sides = np.asarray(figure.sides_m) / min(figure.sides_m)
-    times = np.round(sides)
-    apart = float(np.max(np.abs(sides - times) / times))
-    if len(sides) == seen.sides or int(np.sum(times)) != seen.sides or apart > _MULTIPLE_SHARE:
-        return None
-    return mistake("turn_missing", _SHAPE, lengths=listed(figure.sides_m, "m"), sides=seen.sides)
 
 
 def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:

@@ -10,14 +10,12 @@ from grader.checks.mistakes import only_turned, robot_mistakes
 from grader.checks.scoring import fits
 from grader.checks.surroundings import name_of
 from grader.contracts.assignment import Assignment
-from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Contact
 from grader.messages.quantity import number
 
 _SCAN = "sensor_msgs/msg/LaserScan"
 _REACTION_NS = 500_000_000  # two scans
-_MUCH = 0.2  # of the way: more than a turn in a corner
 _TOUCH = ("contacts", "clearance_m", "ahead_m", "settled", "band_pct", "band_m", "moving_s", "covered_pct")
 _MANY_COMMANDS = 3  # a script that publishes once has another fault
 
@@ -44,10 +42,7 @@ def room_mistakes(
 def _touched(run: Run) -> Iterator[Mistake]:
     for contact in run.trajectory.contacts[:1]:
         values = {"time": number(contact.start_ns / 1e9, "s"), "what": name_of(contact.wall)}
-        ended_ns = run.outcome.duration_ns
-        if run.outcome.status is RunStatus.FINISHED and contact.start_ns > ended_ns:
-            yield mistake("room_ran_on", _TOUCH, ended=number(ended_ns / 1e9, "s"), **values)
-        elif not run.outcome.hears:
+        if not run.outcome.hears:
             yield mistake("room_blind", _TOUCH, **values)
         elif (silent_ns := _silent_since(run, contact)) is not None:
             yield mistake("room_no_stop", _TOUCH, since=number(silent_ns / 1e9, "s"), **values)
@@ -92,12 +87,7 @@ def _strayed(assignment: Assignment, measures: Measures, band: WallFollowing | N
     kept = measures.get("band_pct")
     if band is not None and kept is not None and fits(assignment, "band_pct", kept.value) is False:
         spoilt = ("band_pct", "band_m")
-        if band.backwards_share > _MUCH:
-            yield mistake("room_to_and_fro", spoilt, share=number(100.0 * band.backwards_share, "%"))
-        elif band.other_side_share > _MUCH:
-            yield mistake("room_other_side", spoilt, share=number(100.0 * band.other_side_share, "%"))
-        else:
-            yield mistake("room_no_wall" if kept.value == 0.0 else "room_strays", spoilt, **kept.details)
+        yield mistake("room_strays", spoilt, **kept.details)
     on_line = measures.get("line_pct")
     if on_line is not None and fits(assignment, "line_pct", on_line.value) is False:
         yield mistake("room_off_line", ("line_pct", "line_covered_pct"), share=number(on_line.value, "%"))

@@ -47,16 +47,12 @@ class WallFollowing:
         low_m, high_m: between which the nearest wall should be.
         kept_share: of the way, forwards and with the wall on the wanted side.
         way_m: how far that led along the walls; what leads back, as half of a circle does, is taken off.
-        backwards_share: of the way, driven in reverse gear.
-        other_side_share: of the way, near enough to a wall, but with it on the other side.
     """
 
     low_m: float
     high_m: float
     kept_share: float = 0.0
     way_m: float = 0.0
-    backwards_share: float = 0.0
-    other_side_share: float = 0.0
 
 
 def wall_following(assignment: Assignment, room: Room, drive: Drive) -> WallFollowing | None:
@@ -79,8 +75,6 @@ def wall_following(assignment: Assignment, room: Room, drive: Drive) -> WallFoll
         high_m=high_m,
         kept_share=float(np.mean(kept & (direction > 0.0))),
         way_m=_net_m(_progress_m(room, way)[first:], kept, side),
-        backwards_share=float(np.mean(direction < 0.0)),
-        other_side_share=float(np.mean((within & ~beside)[first:])),
     )
 
 
