@@ -32,7 +32,10 @@ _FIXES: Mapping[str, Text] = {
     "list_type": _LIST,
     "tuple_type": _LIST,
     "dict_type": Text(zh="这里要写字段，例如 {sides: 4}", en="write fields here, such as {sides: 4}"),
-    "string_type": Text(zh="要写文字：给数字加上引号", en="write a text: put quotes around a number"),
+    "string_type": Text(
+        zh="要写文字：数字、on、off、yes、no 要加引号；这里没有 {zh: …, en: …}",
+        en="write a text: put quotes around a number, on, off, yes and no; it is no {zh: …, en: …}",
+    ),
 }
 _TOO_FEW: Final = Text(zh="列表太短：这里还要一个值", en="the list is too short; add a value here")
 _FORMS: Mapping[str, Text] = {

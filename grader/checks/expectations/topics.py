@@ -216,7 +216,7 @@ def _at(field: str, values: Any) -> Any:
 
 def _answers(one: Expectation, evidence: Evidence, messages: list[Message]) -> Verdict:
     """Judge whether each message of a step had an answer on the topic: of those that came in time the first."""
-    exchanges, left = evidence.exchanges(one.step), list(messages)
+    exchanges, left = evidence.exchanges_looked_at(one), list(messages)
     good, row, pairs = 0, None, []
     for exchange in exchanges:
         reached = _in_time(one, exchange, exchanges, left)
@@ -271,7 +271,7 @@ def _fits(one: Expectation, evidence: Evidence, exchange: Sent, message: Message
 
 def _logged_for(one: Expectation, evidence: Evidence, messages: list[Message]) -> Verdict:
     """Judge whether each message of a step was logged."""
-    exchanges, left = evidence.exchanges(one.step), list(messages)
+    exchanges, left = evidence.exchanges_looked_at(one), list(messages)
     good, row = 0, None
     for exchange in exchanges:
         text = wanted_of(one.target, evidence.said(exchange, None))

@@ -79,6 +79,11 @@ class Evidence:
         """Return what a step's messages, calls or goals came to."""
         return [each for each in self.talk.exchanges if each.step == step_id]
 
+    def exchanges_looked_at(self, one: Expectation) -> list[Sent]:
+        """Return what a step came to in the time that is looked at: each is to have an answer."""
+        exchanges = self.exchanges(one.step)
+        return [each for each in exchanges if each.sent_ns is None or self.looks_at(one, each.sent_ns)]
+
     def messages(self, one: Expectation) -> list[Message]:
         """Return the messages on the expectation's topic that it looks at."""
         found = [each for each in self.talk.heard.get(one.target, ()) if self.looks_at(one, each.t_ns)]
