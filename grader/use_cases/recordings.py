@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from grader.checks import sketch
 from grader.contracts.assignment import Assignment
+from grader.contracts.conversation import Saying
 from grader.contracts.errors import AssignmentError, RefusedError, UnknownAssignmentError
 from grader.contracts.figure import FigureSketch, PictureForm
 from grader.contracts.identity import Caller
@@ -141,6 +142,12 @@ def measured_figure(
         return sketch(assignment, Run(trajectory=motion, outcome=run.outcome, case=run.case))
     except (AssignmentError, UnknownAssignmentError):
         return None
+
+
+def sayings(services: Services, stored: StoredReport, case_id: str) -> tuple[Saying, ...]:
+    """Return what was said in a run, in order; nothing where nothing was recorded."""
+    content = services.submissions.trajectory(stored, case_id)
+    return () if content is None else decode_trajectory(gzip.decompress(content)).sayings
 
 
 def _drawable(

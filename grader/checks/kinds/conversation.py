@@ -51,7 +51,9 @@ def _alive(outcome: RunOutcome) -> float:
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
-    """Return the view of what was said over time, or else of log lines."""
+    """Return the view of the path where the car was driven, else of what was said over time, else of log lines."""
+    if run.trajectory.sayings and run.trajectory.commands:
+        return FigureSketch()
     return FigureSketch(view="talk" if run.trajectory.sayings else "log")
 
 

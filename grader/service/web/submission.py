@@ -49,6 +49,7 @@ from grader.service.web.result import (
     stream_text,
 )
 from grader.service.web.source import SourceView, failing_lines, source_view
+from grader.service.web.talk import talk_page
 from grader.service.web.waiting import left_s, progress
 from grader.use_cases import appealing, commenting, explaining, recordings, submissions
 from grader.use_cases.assignments import item_title, published, terms_of
@@ -373,6 +374,11 @@ def _result(
         "parts": () if figure is None else figure_parts(figure, names),
         "replay": run is not None and run.case in stored.cases and _is_replayed(figure),
         "film": figure is not None and figure.view == "frames",
+        "talk": None
+        if run is None
+        else talk_page(
+            recordings.sayings(errand.services, stored, run.case), run.outcome.duration_ns, language
+        ),
         "bags": _WRITES_BAGS,
         "replay_words": replay_words(language),
     }
