@@ -41,36 +41,37 @@ if TYPE_CHECKING:
     Guard = Callable[[Callable[[], None]], int]
 
 _AT_EXIT = "_threading_atexits"
-_OWN: tuple[tuple[Any, str], ...] = (
-    (sys, "argv"),
-    (sys, "orig_argv"),
-    (kernel, "main"),
-    (kernel, "main_ended"),
-    (kernel, "on_terminate"),
-    (kernel, "_signals"),
-    (kernel, "_on_interrupt"),
-    (handlers, "handlers"),
-    (handles, "_live_contexts"),
-    (utilities, "g_default_context"),
-    (rclpy, "_executor"),
-    (signals, "_installed"),
-    (signals, "_registered"),
-    (context, "g_logging_ref_count"),
-    (logs, "_settings"),
-    (logs, "_levels"),
-    (logs, "_rosout"),
-    (logs, "_rosout_open"),
-    (logs, "_nodes"),
-    (logs, "_late"),
-    (threading, "_main_thread"),
-    (threading, _AT_EXIT),
-    (pools, "_shutdown"),
-    (pools, "_threads_queues"),
-    (_frozen_importlib, "_module_locks"),  # one that never ends loading a module holds up no other
-    (os.environ, "_data"),
-    (storage, "cwd"),
+_OWN: tuple[tuple[Any, str, Callable[[Program], Any]], ...] = (
+    (sys, "argv", lambda program: program.argv),
+    (sys, "orig_argv", lambda program: [sys.executable, *program.argv]),
+    (kernel, "main", lambda program: program.thread),
+    (kernel, "main_ended", lambda program: False),
+    (kernel, "on_terminate", lambda program: None),
+    (kernel, "_signals", lambda program: []),
+    (kernel, "_on_interrupt", lambda program: []),
+    (handlers, "handlers", lambda program: dict(handlers.handlers)),
+    (handles, "_live_contexts", lambda program: []),
+    (utilities, "g_default_context", lambda program: None),
+    (rclpy, "_executor", lambda program: None),
+    (signals, "_installed", lambda program: SignalHandlerOptions.NO),
+    (signals, "_registered", lambda program: False),
+    (context, "g_logging_ref_count", lambda program: 0),
+    (logs, "_settings", lambda program: None),
+    (logs, "_levels", lambda program: {}),
+    (logs, "_rosout", lambda program: {}),
+    (logs, "_rosout_open", lambda program: False),
+    (logs, "_nodes", lambda program: {}),
+    (logs, "_late", lambda program: {}),
+    (threading, "_main_thread", lambda program: _MainThread(program.thread)),
+    (threading, _AT_EXIT, lambda program: list(getattr(threading, _AT_EXIT))),
+    (pools, "_shutdown", lambda program: False),
+    (pools, "_threads_queues", lambda program: WeakKeyDictionary()),
+    # one that never ends loading a module holds up no other
+    (_frozen_importlib, "_module_locks", lambda program: {}),
+    (os.environ, "_data", lambda program: _encoded(program.environment)),
+    (storage, "cwd", lambda program: storage.cwd),
 )
-"""State that each program has for itself, as objects and names of their attributes."""
+"""What each program has for itself: an object, the name of its attribute, and what it is at first."""
 
 
 class Program:
@@ -90,24 +91,21 @@ class Program:
         self.environment: dict[str, str] = node.environment
         self.cwd: str | None = node.cwd
         self.ended = False
+        self.thread: Thread
+        self.argv: list[str] = []
         self.values: list[Any] = []
         self.modules: dict[str, ModuleType] = {}
 
     def main_thread(self) -> Thread:
         """Return the program's main thread, not started, and note what the program has for itself at first."""
-        thread = kernel.new_thread(f"main thread of {self.executable}", False)
+        self.thread = thread = kernel.new_thread(f"main thread of {self.executable}", False)
         thread.program = self
         called = executable_path(self.package, self.executable)
-        argv = [called, *self.arguments]
+        self.argv = [called, *self.arguments]
         main = ModuleType("__main__")
         vars(main).update({"__file__": called, "__builtins__": __builtins__, "__cached__": None})
         self.modules = {"__main__": main}
-        self.values = [
-            argv, [sys.executable, *argv], thread, False, None, [], [], dict(handlers.handlers), [], None, None,
-            SignalHandlerOptions.NO, False, 0, None, {}, {}, False, {}, {}, _MainThread(thread),
-            list(getattr(threading, _AT_EXIT)), False, WeakKeyDictionary(), {},
-            _encoded(self.environment), storage.cwd,
-        ]  # fmt: skip
+        self.values = [at_start(self) for _, _, at_start in _OWN]
         return thread
 
 
@@ -182,14 +180,12 @@ class _Images:
         for name in self.own_modules:
             if name in modules:
                 kept[name] = modules.pop(name)
-        values = []
-        for place, name in _OWN:
-            values.append(getattr(place, name))
+        values = [getattr(place, name) for place, name, _ in _OWN]
         old = self.launch if old is None else old
         new = self.launch if new is None else new
         old.modules, old.values = kept, values
         modules.update(new.modules)
-        for (place, name), value in zip(_OWN, new.values, strict=True):
+        for (place, name, _), value in zip(_OWN, new.values, strict=True):
             setattr(place, name, value)
 
     def everywhere(self, act: Callable[[], None]) -> None:
