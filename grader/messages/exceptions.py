@@ -166,11 +166,13 @@ def _unknown_module(error: StudentError) -> Closer:
     if root in LIBRARIES_NOT_HERE:
         return "library_not_here", {"name": root}
     near = near_name(name, MODULES)
+    stem, _, ending = root.rpartition("_")
+    is_of_interfaces = ending in ("interfaces", "interface", "msgs", "srvs", "actions")
+    if is_of_interfaces and near is not None:  # the common ending alone makes score_msgs like sensor_msgs
+        near = near if near_name(stem, [near.partition(".")[0].rpartition("_")[0]]) else None
     if near is not None and near.partition(".")[0] != name:
         return "misspelt", {"suggestion": near}
-    if root.endswith(("_interfaces", "_interface", "_msgs", "_srvs", "_actions")):
-        return "own_interfaces", {"name": root}
-    return None
+    return ("own_interfaces", {"name": root}) if is_of_interfaces else None
 
 
 def _imported_name(error: StudentError) -> Closer:
