@@ -16,7 +16,7 @@ _NS_PER_S: Final = 1e9
 
 
 @dataclass(frozen=True, slots=True)
-class Mark:
+class TalkMark:
     """Something that was said, at a place of the time axis in percent.
 
     Attributes:
@@ -32,16 +32,16 @@ class Mark:
 
 
 @dataclass(frozen=True, slots=True)
-class Lane:
+class TalkLane:
     """What was said on one topic, service or action."""
 
     name: str
-    marks: tuple[Mark, ...]
+    marks: tuple[TalkMark, ...]
     summary: str
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class TalkRow:
     """A line of the table."""
 
     time: str
@@ -54,8 +54,8 @@ class Row:
 class TalkPage:
     """The drawing, its time axis from 0 to `end`, and the table; `left_out` rows are too many."""
 
-    lanes: tuple[Lane, ...]
-    rows: tuple[Row, ...]
+    lanes: tuple[TalkLane, ...]
+    rows: tuple[TalkRow, ...]
     end: str
     left_out: int
 
@@ -67,23 +67,23 @@ def talk_page(sayings: Sequence[Saying], duration_ns: int, language: Language) -
     names = list(dict.fromkeys(said.name for said in sayings))[:MOST_LANES]
     end_ns = max([duration_ns, 1, *(said.until_ns or said.t_ns for said in sayings)])
     lanes = [_lane([said for said in sayings if said.name == name], end_ns, language) for name in names]
-    rows = [Row(_time(said), _ARROWS[said.way], said.name, _told(said, language)) for said in sayings]
+    rows = [TalkRow(_time(said), _ARROWS[said.way], said.name, _told(said, language)) for said in sayings]
     end = number(end_ns / _NS_PER_S, "s")
     return TalkPage(tuple(lanes), tuple(rows[:_MOST_ROWS]), end, max(len(rows) - _MOST_ROWS, 0))
 
 
-def _lane(sayings: Sequence[Saying], end_ns: int, language: Language) -> Lane:
+def _lane(sayings: Sequence[Saying], end_ns: int, language: Language) -> TalkLane:
     marks = tuple(_mark(said, end_ns, language) for said in sayings)
     counts = {kind: sum(mark.kind == kind for mark in marks) for kind in dict.fromkeys(m.kind for m in marks)}
     told = [on_page(language, f"talk.{kind}", count=count) for kind, count in counts.items()]
-    return Lane(sayings[0].name, marks, on_page(language, "comma").join(told))
+    return TalkLane(sayings[0].name, marks, on_page(language, "comma").join(told))
 
 
-def _mark(said: Saying, end_ns: int, language: Language) -> Mark:
+def _mark(said: Saying, end_ns: int, language: Language) -> TalkMark:
     is_silent = said.way in ("call", "ask") and said.until_ns is None
     end = None if said.until_ns is None else _place(said.until_ns, end_ns)
     told = f"{_time(said)}  {_told(said, language)}"
-    return Mark("silent" if is_silent else said.way, _place(said.t_ns, end_ns), end, told)
+    return TalkMark("silent" if is_silent else said.way, _place(said.t_ns, end_ns), end, told)
 
 
 def _place(t_ns: int, end_ns: int) -> str:
