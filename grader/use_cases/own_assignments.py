@@ -3,7 +3,11 @@
 import json
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
+from grader.catalog import Catalog, default_root
+from grader.catalog.authoring import create
 from grader.catalog.files import SPEC_NAME
 from grader.catalog.refreshed import same_version
 from grader.contracts.assignment import Assignment
@@ -88,6 +92,25 @@ def folder(services: Services, caller: Caller, assignment_id: str) -> bytes:
     if content is None:
         raise RefusedError("assignment_not_found")
     return content
+
+
+def template(services: Services, caller: Caller, name: str, like: str) -> bytes:
+    """Return the folder of a new assignment as a zip: an example, or a copy of the shipped one of the id `like`.
+
+    Raises:
+        RefusedError: the caller is no instructor, or `name` cannot be an id, or nothing shipped is called `like`.
+    """
+    require_instructor(caller)
+    shipped = {one.name: one for one in default_root().iterdir() if (one / SPEC_NAME).is_file()}
+    if like and like not in shipped:
+        raise RefusedError("assignment_not_found")
+    with TemporaryDirectory() as place:
+        try:
+            folder = create(Catalog(Path(place)), name, shipped.get(like))
+        except AssignmentError as error:
+            raise RefusedError("invalid_request", error.text, field="id") from None
+        paths = sorted(path for path in folder.rglob("*") if path.is_file())
+        return packed(name, {path.relative_to(folder).as_posix(): path.read_bytes() for path in paths})
 
 
 def remove(services: Services, caller: Caller, assignment_id: str, reason: str) -> None:

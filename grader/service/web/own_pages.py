@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Depends, File, Form, Path, Query, Response, UploadFile
 from fastapi.responses import RedirectResponse
 
+from grader.catalog import default_root
 from grader.contracts.errors import RefusedError
 from grader.contracts.own_assignment import OwnState
 from grader.service.requests.answers import to_save
@@ -33,6 +34,17 @@ def upload(errand: InstructorDep, file: Annotated[UploadFile, File()]) -> Respon
     except RefusedError as error:
         return _page(errand, error=error)
     return RedirectResponse("/class/own?done=uploaded", status_code=303)
+
+
+@router.get("/template.zip")
+def download_template(
+    errand: InstructorDep,
+    id: Annotated[str, Query(max_length=64)] = "my_exercise",
+    like: Annotated[str, Query(max_length=64)] = "",
+) -> Response:
+    """Send a folder to begin with: an example, or a copy of a shipped assignment."""
+    content = own_assignments.template(errand.services, errand.caller, id.strip(), like)
+    return Response(content, 200, to_save(f"{id.strip()}.zip"), "application/zip")
 
 
 @router.get("/{assignment_id}/folder.zip")
@@ -64,6 +76,9 @@ def _page(errand: PageErrand, *, error: RefusedError | None = None, of: str = ""
         status=200 if problem is None else problem.status,
         uploads=found,
         titles=known,
+        shipped=[
+            one for one in errand.services.assignments.of(None).all() if (default_root() / one.id).is_dir()
+        ],
         waits=any(one.state is OwnState.WAITING for one in found),
         problem=problem,
         problem_of=of,

@@ -47,6 +47,7 @@ ROUTERS = (
     platforms.desk,
     notices.router,
     guide.router,
+    guide.for_staff,
     classroom.router,
     gradings.router,
     gradebook_page.router,

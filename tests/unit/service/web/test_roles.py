@@ -122,6 +122,9 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /class/rules/{assignment_id}/extensions": (303, 403, 403, 403, 303, 422),
     "GET /class/rules/{assignment_id}/section": INSTRUCTORS,
     "POST /class/rules/{assignment_id}/section": (303, 403, 403, 403, 422, 422),  # without a due date
+    "GET /class/guide": STAFF,
+    "GET /class/guide/exercises": STAFF,
+    "GET /class/own/template.zip": INSTRUCTORS,
     "GET /class/judgements": STAFF,
     "GET /class/judgements/phrases": STAFF,
     "POST /class/judgements/phrases": (303, 403, 403, 303, 303, 303),
