@@ -253,7 +253,8 @@ class Rules:
 
     Attributes:
         shown: when students see the assignment: always, from `opens` on, or, of a draft, never.
-        opens: nothing is accepted before. due: what comes later is late. Either may be None.
+        opens: nothing is accepted before. due: what comes later is late. Either may be None. Days of lateness are
+            those on the clock of the zone of `due`.
         accept_late_s: how long after `due` submissions are accepted; None: for ever, 0: not at all.
         attempts, attempts_per_day: how many in all, and in one calendar day of the course; None: any number.
         weight: what the assignment counts in the total in per cent; None: its points.
@@ -364,7 +365,7 @@ class Rules:
         """Return the due date of one student, never earlier than everybody's. None: there is none."""
         if self.due is None or extension.due is None:
             return self.due
-        return max(self.due, extension.due)
+        return max(self.due, extension.due.astimezone(self.due.tzinfo))
 
     def late_s(self, extension: Extension, received_at: datetime) -> float:
         """Return how many seconds after the student's due date `received_at` is; 0.0 when it is not."""
@@ -373,7 +374,10 @@ class Rules:
 
     def kept_share(self, extension: Extension, received_at: datetime) -> float:
         """Return the share of its points that a submission keeps, in [0, 1]."""
-        return self.late.kept_share(self.late_s(extension, received_at))
+        due = self.due_for(extension)
+        if due is None or received_at <= due:
+            return 1.0
+        return self.late.kept_share(_late_on_the_clock_s(due, received_at))
 
     def kept_score(self, extension: Extension, score: float, received_at: datetime) -> float:
         """Return what of `score` is kept after lateness, rounded as scores are."""
@@ -463,6 +467,18 @@ class Rules:
             return None
         tomorrow = datetime.combine(today + timedelta(days=1), time(), zone)
         return Refusal(code="no_attempts_today", until=tomorrow)
+
+
+def _late_on_the_clock_s(due: datetime, received_at: datetime) -> float:
+    """Return how late an instant is if each day of the zone of `due` had 24 hours: clocks may change meanwhile."""
+    late_at_s = received_at.timestamp()
+    days = int((late_at_s - due.timestamp()) // _DAY_S) + 1
+    while (
+        due + timedelta(days=days)
+    ).timestamp() > late_at_s:  # at the same time of the day, so many days later
+        days -= 1
+    rest_s = late_at_s - (due + timedelta(days=days)).timestamp()
+    return days * _DAY_S + min(rest_s, _DAY_S)
 
 
 NO_RULES = Rules()

@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Collection, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from datetime import datetime, tzinfo
 from functools import lru_cache
 from typing import Any, cast
@@ -147,7 +147,7 @@ class StoredRules(StorePart):
         return CourseRules(
             zone=ZoneInfo(zone or _UTC),
             archived=archived_at is not None,
-            by_assignment={} if document is None else {assignment: _read(document)},
+            by_assignment={} if document is None else {assignment: _read(document, zone)},
             extensions={(assignment, student): Extension(due=due, extra_attempts=extra_attempts)}
             if extended
             else {},
@@ -178,7 +178,11 @@ class StoredRules(StorePart):
             if known is None:
                 raise unknown_course(course)
             row = session.get(RulesRow, (course, assignment))
-            before = _first_rules(_begun_with(known), assignment) if row is None else _read(row.document)
+            before = (
+                _first_rules(_begun_with(known), assignment)
+                if row is None
+                else _read(row.document, known.time_zone)
+            )
             _require(seen, before)
             document = json.dumps(to_document(rules), sort_keys=True)
             session.merge(
@@ -260,9 +264,10 @@ def rules_of(session: Session, course: str | None) -> CourseRules:
     ruled = select(RulesRow).where(col(RulesRow.course) == course)
     extended = select(ExtensionRow).where(col(ExtensionRow.course) == course)
     rows, extensions = session.execute(ruled).scalars(), session.execute(extended).scalars()
-    by_assignment = {one.assignment: _read(one.document) for one in rows}
+    zone = _UTC if row is None else row.time_zone
+    by_assignment = {one.assignment: _read(one.document, zone) for one in rows}
     return CourseRules(
-        zone=ZoneInfo(_UTC if row is None else row.time_zone),
+        zone=ZoneInfo(zone),
         archived=row is not None and row.archived_at is not None,
         by_assignment=by_assignment,
         sections=sections_of(session, course)
@@ -292,7 +297,7 @@ def rules_about(
     sections: str | None,
 ) -> tuple[Rules, Extension, ZoneInfo]:
     """Return rules, extension and time zone for a student's submissions, from the columns of a row of `ABOUT`."""
-    rules = NO_RULES if document is None else _read(document)
+    rules = NO_RULES if document is None else _read(document, zone)
     rules = rules.for_sections((sections or "").split(_BETWEEN))
     extension = NO_EXTENSION if extra_attempts is None else Extension(due=due, extra_attempts=extra_attempts)
     return rules, extension, ZoneInfo(zone or _UTC)
@@ -329,8 +334,12 @@ def from_document(document: dict[str, Any]) -> Rules:
 
 
 @lru_cache(maxsize=1_024)
-def _read(document: str) -> Rules:
-    return from_document(json.loads(document))
+def _read(document: str, zone: str | None) -> Rules:
+    """Return stored rules, due dates on the clock of `zone`: by it days of lateness are counted."""
+    rules, clock = from_document(json.loads(document)), ZoneInfo(zone or _UTC)
+    due = None if rules.due is None else rules.due.astimezone(clock)
+    sections = tuple(replace(one, due=one.due.astimezone(clock)) for one in rules.by_section)
+    return replace(rules, due=due, by_section=sections)
 
 
 def _require(seen: Seen, before: Rules | Extension) -> None:

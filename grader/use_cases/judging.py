@@ -11,14 +11,14 @@ from grader.contracts.judgement import JudgedItem, standing
 from grader.contracts.notation import written
 from grader.contracts.report import report_from
 from grader.contracts.rubric import ItemStatus, RubricItem
-from grader.contracts.rules import Corrector
+from grader.contracts.rules import Corrector, is_hidden
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import Text
 from grader.store.judgements import Given, Neighbours, Waiting, WaitingFor, tag
 from grader.use_cases.assignments import require_published
 from grader.use_cases.callers import require_staff
 from grader.use_cases.services import Services
-from grader.use_cases.visibility import graded, visible_submission
+from grader.use_cases.visibility import graded, hiding, visible_submission
 
 _REFUSALS = {"stale": "judged_meanwhile", "role": "forbidden", "same": "points_unchanged"}
 _ITEMS = Text(zh="写明要改的项目，每项一次。", en="Name the items to change, each once.")
@@ -194,11 +194,35 @@ def _give(
         text = comment.replace("\r\n", "\n")
         one = Given(item=item, points=round(points, 2), comment=text, corrects=corrects, answers=answers)
         given.append((one, seen))
+    before = {one.id: one for one in judged_items(graded(services, caller, submission_id)[1])}
+    asked = {one.item for one in services.appeals.of(submission_id) if one.is_open}
     try:
         services.judgements.judge_all(submission_id, given, services.signature(caller))
     except JudgementError as error:
         refused = next((one for one, _ in given if one.item == error.item), given[0][0])
         raise _refusal(services, caller, submission_id, refused, error) from None
+    corrected = [(before[one.item], one) for one, _ in given if one.item not in asked]
+    _announce(services, caller, submission, corrected)
+
+
+def _announce(
+    services: Services, caller: Caller, submission: Submission, given: Sequence[tuple[JudgedItem, Given]]
+) -> None:
+    """Tell the student of corrections by a comment; of answers to appeals they are told otherwise."""
+    hidden = hiding(services, submission).items
+    lines = [
+        f"{item.title.zh} / {item.title.en}: {written(_counting(item))} → {written(one.points)} / "
+        f"{written(item.points)}"
+        for item, one in given
+        if item.machine is not None and not is_hidden(item.id, hidden)
+    ]
+    if lines and caller.course is not None:
+        told = "\n".join([*lines, given[0][1].comment])[:LONGEST_COMMENT]
+        services.comments.add(submission.id, told, None, services.signature(caller), by_student=False)
+
+
+def _counting(item: JudgedItem) -> float:
+    return item.judgement.points if item.judgement is not None else item.machine or 0.0
 
 
 def may_correct(services: Services, caller: Caller, assignment: str) -> bool:

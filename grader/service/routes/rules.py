@@ -8,6 +8,7 @@ from fastapi import APIRouter, Header, Path, Response
 from pydantic import Field
 
 from grader.contracts.identity import Role
+from grader.contracts.python import UTC
 from grader.contracts.rules import Extension
 from grader.service.requests.answers import PRIVATE
 from grader.service.requests.dependencies import (
@@ -156,7 +157,7 @@ def _standing(terms: Terms, *, shows_hidden: bool) -> StandingView:
     return StandingView(
         rules=RulesBody.of(rules if shows_hidden else dataclasses.replace(rules, hidden_items=())),
         time_zone=str(terms.zone),
-        your_due=terms.due,
+        your_due=None if terms.due is None else terms.due.astimezone(UTC),
         attempts_used=terms.attempts_used,
         attempts_left=terms.attempts_left,
         counted_submission=None if counted is None else SUBMISSIONS + counted.attempt.id,

@@ -179,3 +179,26 @@ def test_late_rules_that_make_no_sense(values: dict[str, object]) -> None:
 def test_every_kind_of_late_rule_stands_in_the_instructors_guide(page: str) -> None:
     text = (DOCS / page).read_text(encoding="utf-8")
     assert [kind for kind in LATE_PARAMETERS if f"`{kind}`" not in text] == []
+
+
+@pytest.mark.parametrize(
+    ("due", "received", "kept"),
+    [
+        # the night of 29 March 2026 has 23 hours in Berlin, that of 25 October 25
+        ("2026-03-28T23:59", "2026-03-29T23:59:00", 0.9),
+        ("2026-03-28T23:59", "2026-03-29T23:59:01", 0.8),
+        ("2026-10-24T23:59", "2026-10-25T23:58:59", 0.9),
+        ("2026-10-24T23:59", "2026-10-25T23:59:01", 0.8),
+        ("2026-10-24T02:30", "2026-10-25T02:29:00", 0.9),  # the first of two times at which clocks say so
+        ("2026-03-01T12:00", "2026-03-01T12:00:00", 1.0),
+    ],
+)
+def test_days_of_lateness_are_those_of_the_calendar(due: str, received: str, kept: float) -> None:
+    berlin = ZoneInfo("Europe/Berlin")
+    rules = Rules(
+        due=datetime.fromisoformat(due).replace(tzinfo=berlin), late=LateRule(kind="linear", per_day=0.1)
+    )
+    at = datetime.fromisoformat(received).replace(tzinfo=berlin).astimezone(UTC)
+    assert rules.kept_share(NO_EXTENSION, at) == pytest.approx(kept)
+    extension = Extension(due=rules.due.astimezone(UTC))
+    assert rules.kept_share(extension, at) == pytest.approx(kept)

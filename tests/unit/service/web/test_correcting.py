@@ -58,6 +58,7 @@ def test_an_instructor_corrects_and_the_student_reads_why(
     wang.post(address, {**form(wang, driven, 2), "points": "1", "comment": "I saw <it>."}, page=driven)
 
     wang.enter(token=tokens["li"])
+    assert f'href="{driven}#source"' in wang.get("/").text  # announced as what staff wrote
     text = wang.get(driven).text
     assert "A teacher changed the points from 0 to 1: I saw &lt;it&gt;." in text
     assert "/class/judgements/" not in text
