@@ -177,12 +177,7 @@ class StoredRules(StorePart):
             known = session.get(CourseRow, course)
             if known is None:
                 raise unknown_course(course)
-            row = session.get(RulesRow, (course, assignment))
-            before = (
-                _first_rules(_begun_with(known), assignment)
-                if row is None
-                else _read(row.document, known.time_zone)
-            )
+            before = _rules_before(session, known, assignment)
             _require(seen, before)
             document = json.dumps(to_document(rules), sort_keys=True)
             session.merge(
@@ -237,6 +232,13 @@ class StoredRules(StorePart):
                     after=to_document(extension),
                     reason=reason,
                 )
+
+
+def _rules_before(session: Session, course: CourseRow, assignment: str) -> Rules:
+    row = session.get(RulesRow, (course.id, assignment))
+    if row is None:
+        return _first_rules(_begun_with(course), assignment)
+    return _read(row.document, course.time_zone)
 
 
 def add_rules(session: Session, assignment: str, rules: Rules, signed: Signature) -> None:

@@ -210,7 +210,7 @@ def test_a_course_is_copied_and_archived(grader, recognised) -> None:
         "course", "copy", "next", "--instructor", "chen", "--move-days", "364", "--course", "ros"
     )
     assert recognised(tokens_of(output)["chen"]).course == "next"
-    assert '"due": "2027-03-19T23:59:59+08:00"' in grader("rules", "show", "--course", "next")[0]
+    assert '"due": "2027-03-19T23:59:59+08:00"' in grader("rules", "show", "--json", "--course", "next")[0]
     grader("course", "archive", "--course", "ros")
     assert "archived" in grader("course", "list")[0]
     refused = grader("rules", "set", "square", "attempts=1", "--course", "ros", status=2)[1]

@@ -172,6 +172,7 @@ def test_an_answer_may_be_written_on_the_page(browser: Browser, services: Servic
     stored = services.submissions.of_student("20260123", question)[0]
     assert stored.file_name == "answer.txt"
     assert services.submissions.source(stored.id).decode() == "第一行\n\n第二行"
+    services.clock.advance(1)
     chosen = {"file": ("mine.txt", "定时器".encode("gbk"), "text/plain")}
     assert browser.post(page, {"text": "written"}, files=chosen, page=page).status_code == 303
     stored = services.submissions.of_student("20260123", question)[0]
