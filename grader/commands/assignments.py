@@ -53,7 +53,7 @@ def _configure_validate(validate: argparse.ArgumentParser) -> None:
         type=whole_number,
         default=1,
         metavar="N",
-        help="with N different seeds: other starts, rooms, noise (default: 1) / 换 N 组种子",
+        help="N times: other starts, rooms, noise, a later Ctrl+C (default: 1) / 换 N 组种子，Ctrl+C 也更晚",
     )
     validate.add_argument(
         "--mutants",

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 from rich import text as styled
@@ -44,6 +45,10 @@ _MORE_LEAVES_NOTHING = Text(zh="大多少扣完", en="nothing left at")
 _DRIVER = Text(zh="不看的开法", en="driver that looks at nothing")
 _USUAL_TOTAL = 100
 _SHIFT = 100  # of the seeds of another room
+_LATER_S = 4.0  # longer than a side and a corner of most figures take
+_LUCK = Text(
+    zh="得分随种子或 Ctrl+C 的时刻变化", en="the score changes with the seed or the instant of Ctrl+C"
+)
 _WHICH_COSTS = Text(zh="：答案的动作差多少就扣多少", en=": which error in the solution's motion costs what")
 
 
@@ -163,7 +168,8 @@ def unusual_totals(findings: Iterable[Finding]) -> list[Text]:
 def validate_seeds(catalog: Catalog, assignment_ids: Iterable[str], language: Language, seeds: int) -> int:
     """Grade the files of the assignments with `seeds` seeds; return 0 when all scores are as expected.
 
-    A row has the lowest and the highest score of a script, and the first seed that makes a problem.
+    With each seed they are graded twice, once with a Ctrl+C that comes up to 4 s later. A row has the lowest and
+    the highest score of a script, and the first seed that makes a problem, or that its score changes.
     """
     table = _table(language, EMPTY, _ASSIGNMENT, _SCRIPT, _SCORE, _PROBLEM)
     failed = False
@@ -179,15 +185,19 @@ def validate_seeds(catalog: Catalog, assignment_ids: Iterable[str], language: La
                         problems.setdefault(
                             finding.script, f"seed +{100 * shift}: {finding.problem.get(language)}"
                         )
+                later_s = _LATER_S * (shift + 1) / seeds
+                for finding in examine(shifted, assignment_id, slot, later_s=later_s).findings:
+                    scores[finding.script].append(finding.score or 0.0)
             for script, found in scores.items():
                 low, high = written(min(found)), written(max(found))
                 problem = problems.get(script, "")
+                luck = _LUCK.get(language) if low != high else ""
                 table.add_row(
                     "✗" if problem else "✓",
                     assignment_id,
                     script,
                     f"{low} - {high}",
-                    styled.Text(problem, style="red"),
+                    styled.Text(problem, style="red") if problem else styled.Text(luck, style="yellow"),
                 )
             failed |= bool(problems)
     console().print(table)
@@ -208,14 +218,20 @@ def fitting(catalog: Catalog, assignment_id: str) -> Assignment:
     return assignment
 
 
-def examine(catalog: Catalog, assignment_id: str, grader: Grader, *, sensitive: bool = False) -> Examination:
+def examine(
+    catalog: Catalog, assignment_id: str, grader: Grader, *, sensitive: bool = False, later_s: float = 0.0
+) -> Examination:
     """Examine one assignment of a folder (`grader.grading.examination`); record what its solution drives.
+
+    `later_s`: by how much Ctrl+C comes later than the assignment says, unless it talks to the script by the clock.
 
     Raises:
         GraderError: the assignment cannot be read, or the grader failed.
     """
     record_reference(catalog, assignment_id, grader)
     assignment, attempts = fitting(catalog, assignment_id), catalog.wrong_attempts(assignment_id)
+    if not assignment.steps and not any(item.expect for item in assignment.items):
+        assignment = replace(assignment, horizon_s=assignment.horizon_s + later_s)
     own = own_scripts(assignment, attempts, catalog.scripts(assignment_id))
     return examine_scripts(own, grader, sensitive=sensitive)
 

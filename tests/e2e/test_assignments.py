@@ -9,7 +9,7 @@ from _pytest.mark import ParameterSet
 
 from grader.catalog import Catalog
 from grader.catalog.authoring import create
-from grader.commands.validation import examine, fitting
+from grader.commands.validation import examine, fitting, validate_seeds
 from grader.contracts.grading import Grader, GradingJob
 from grader.contracts.text import EMPTY
 from grader.grading.examination import examine as examine_scripts
@@ -304,3 +304,10 @@ def test_a_courses_own_interfaces_are_imported_and_spoken(grader: Grader, tmp_pa
     assert "The 'names' field must be a set or sequence" in report.runs[0].outcome.stderr.text
     report = grade(grader, "hello", ADDER.encode())
     assert "No module named 'course_msgs'" in report.runs[0].outcome.stderr.text
+
+
+@pytest.mark.slow
+def test_a_script_whose_score_hangs_on_when_ctrl_c_comes_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    assert validate_seeds(Catalog(), ["spin"], "en", 2) == 0
+    named = [row.split()[2] for row in capsys.readouterr().out.splitlines() if "the score changes" in row]
+    assert named == ["wrong/too_slow.py"]
