@@ -82,9 +82,11 @@ def render_report(  # noqa: PLR0913
 
 
 def render_steps(report: GradeReport, explanation: Explanation, language: Language) -> RenderableType:
-    """Return what to do: the changes that were tried and gain, each with its lines; else the report's hints."""
+    """Return what to do: the changes that gain, each with its lines; else the stated cause and the hints."""
     if not explanation.changes:
-        return Group(*_next_steps(report, language))
+        cause = explanation.cause
+        stated = () if cause is None else (next_steps((visible(cause.text.get(language)),), language),)
+        return Group(*stated, *_next_steps(report, language))
     return Group(*chain.from_iterable(_change(one, language) for one in explanation.changes))
 
 

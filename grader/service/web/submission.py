@@ -244,7 +244,7 @@ def read_explanation(errand: KnownDep, submission_id: SubmissionId) -> Response:
     found = explaining.explanation(errand.services, *access.seen(errand, submission_id))
     if found is None:
         return Response(status_code=202, headers={"Cache-Control": "no-store"})
-    html = fragment(errand.request, "explanation.html", changes=found.changes)
+    html = fragment(errand.request, "explanation.html", changes=found.changes, cause=found.cause)
     return HTMLResponse(html.strip(), headers={"Cache-Control": "no-store"})
 
 

@@ -20,9 +20,11 @@ async function load() {
 
 function show(html) {
   place.querySelector("[role=status]").hidden = true;
-  if (html) {
+  if (html.includes('class="change"')) {
     place.innerHTML = html;
     document.body.classList.add("explained"); // what was tried silences what was guessed
+  } else {
+    place.insertAdjacentHTML("afterbegin", html); // a stated cause, or nothing, beside the hint
   }
 }
 

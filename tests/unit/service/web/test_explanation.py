@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from grader.contracts.explanation import ChangedText, Explanation, ProvenChange
+from grader.contracts.explanation import ChangedText, Explanation, ProvenChange, StatedCause
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.report import report_from
 from grader.contracts.rubric import RubricItem
@@ -57,6 +57,21 @@ def test_what_was_tried_is_told_apart_from_the_marks(
     assert "<del>   1 - a &lt; 1</del>" in part.text
     assert "<ins>   1 + a &lt; 2</ins>" in part.text
     assert not explain(services)
+
+
+def test_a_stated_cause_is_told_beside_the_hint(
+    browser: Browser, put: Callable[..., str], services: Services
+) -> None:
+    browser.get("/?lang=en")
+    browser.enter(student="s1")
+    address = put(b"good  # stated")
+    claim = services.explanations.claim()
+    assert claim is not None
+    cause = StatedCause(code="never_true", line=3, text=Text(zh="第 3 行", en="Line 3 never ran"))
+    assert services.explanations.finish(claim, Explanation(cause=cause), 0.1)
+    part = browser.get(f"{address}/explanation").text
+    assert '<p class="next">Line 3 never ran</p>' in part
+    assert 'class="change"' not in part
 
 
 def test_the_stream_tells_when_the_explanation_is_there(
