@@ -20,11 +20,13 @@ class ServiceState:
     """What the database says about queue and workers at one instant.
 
     Attributes:
-        oldest_queued_at: instant at which the one that waits longest was queued; None when nothing waits.
+        oldest_queued_at: instant at which the fresh one that waits longest was queued; None when none waits.
         workers: those that live, of all processes.
+        free_bytes: room on the database's disk; None of a server.
     """
 
     at: datetime
     depths: tuple[QueueDepth, ...]
     oldest_queued_at: datetime | None
     workers: tuple[WorkerState, ...]
+    free_bytes: int | None

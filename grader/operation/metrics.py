@@ -176,6 +176,10 @@ class _RowCollector(Collector):
         yield up
         yield from _queue(state)
         yield from _workers(state.workers)
+        if state.free_bytes is not None:
+            yield GaugeMetricFamily(
+                "grader_disk_free_bytes", "Room on the database's disk.", value=state.free_bytes
+            )
 
 
 def _queue(state: ServiceState) -> Iterable[Metric]:
@@ -188,7 +192,9 @@ def _queue(state: ServiceState) -> Iterable[Metric]:
     oldest = state.oldest_queued_at
     age_s = 0.0 if oldest is None else max((state.at - oldest).total_seconds(), 0.0)
     yield GaugeMetricFamily(
-        "grader_oldest_queued_seconds", "How long the first submission has been waiting.", value=age_s
+        "grader_oldest_queued_seconds",
+        "How long the first fresh submission has waited.",
+        value=age_s,
     )
 
 

@@ -185,6 +185,13 @@ class Database:
             finally:
                 self._own.session = None
 
+    def free_bytes(self) -> int | None:
+        """Return how much room its disk has; None of a server, which watches its own."""
+        if not self.is_sqlite:
+            return None
+        disk = os.statvfs(Path(self.name).parent)
+        return disk.f_bavail * disk.f_frsize
+
     def close(self) -> None:
         """Close every connection; those in use by other threads as soon as their transactions end."""
         self._closed = True

@@ -268,6 +268,10 @@ class Queue:
             before = select(func.count()).select_from(SubmissionRow).where(waiting, first)
             return int(session.execute(before).scalar_one())
 
+    def free_bytes(self) -> int | None:
+        """Return how much room the disk of the queue has; None of a server's."""
+        return self._database.free_bytes()
+
     def is_due(self, *, in_turn: bool = False) -> bool:
         """Return whether a submission is due; `in_turn`: one whose turn has come."""
         with self._database.reading() as session:

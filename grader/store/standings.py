@@ -158,7 +158,8 @@ class Measures:
         """
         state, priority = col(SubmissionRow.state), col(SubmissionRow.priority)
         counts = select(state, priority, func.count()).group_by(state, priority).order_by(state, priority)
-        oldest = select(func.min(col(SubmissionRow.queued_at))).where(state == SubmissionState.QUEUED.value)
+        fresh = state == SubmissionState.QUEUED.value, priority == 0  # re-grades may wait for days
+        oldest = select(func.min(col(SubmissionRow.queued_at))).where(*fresh)
         with self._database.reading() as session:
             depths = tuple(
                 QueueDepth(state=row[0], priority=row[1], count=row[2]) for row in session.execute(counts)
@@ -169,4 +170,5 @@ class Measures:
             depths=depths,
             oldest_queued_at=oldest_queued_at,
             workers=self._workers.alive(self._silent_s),
+            free_bytes=self._database.free_bytes(),
         )

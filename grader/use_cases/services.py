@@ -54,6 +54,8 @@ from grader.use_cases.following import Estimates, Watching, WatchLimits
 from grader.use_cases.pictures import PlotCache
 from grader.use_cases.space import SpaceCounter
 
+_LEAST_FREE_BYTES = 64 << 20  # a minute of uploads, and room for the log of a checkpoint
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ServiceHealth:
@@ -61,6 +63,12 @@ class ServiceHealth:
 
     queue: QueueState
     workers: tuple[WorkerState, ...]
+    free_bytes: int | None
+
+    @property
+    def disk_is_full(self) -> bool:
+        """Whether uploads are refused, or soon will be, because the database's disk has no room."""
+        return self.free_bytes is not None and self.free_bytes < _LEAST_FREE_BYTES
 
     @property
     def ready(self) -> tuple[WorkerState, ...]:
@@ -137,7 +145,11 @@ class Services:
 
     def health(self) -> ServiceHealth:
         """Return the state of the queue and of all workers that are alive."""
-        return ServiceHealth(queue=self.queue.state(), workers=self.workers.alive(self.settings.silent_s))
+        return ServiceHealth(
+            queue=self.queue.state(),
+            workers=self.workers.alive(self.settings.silent_s),
+            free_bytes=self.queue.free_bytes(),
+        )
 
     @classmethod
     def over(  # noqa: PLR0913

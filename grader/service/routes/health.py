@@ -12,6 +12,7 @@ from grader.contracts.submission import WorkerState
 from grader.service.requests.dependencies import ServicesDep
 from grader.service.routes.problems import public_responses
 from grader.service.routes.views import View
+from grader.use_cases.services import ServiceHealth
 
 router = APIRouter(tags=["health"])
 
@@ -51,8 +52,9 @@ class Health(View):
     """State of the service."""
 
     status: Literal["ok", "degraded"] = Field(
-        description="`degraded`: uploads are accepted and kept, but nothing grades them right now."
+        description="`degraded`: uploads are kept, but nothing grades them right now; or the disk is full."
     )
+    detail: str = Field(description="What is wrong with the disk; empty when nothing is.", examples=[""])
     version: str = Field(examples=["0.1.0"])
     sandbox: SandboxView
     queue: QueueView
@@ -74,10 +76,12 @@ class Health(View):
 def read(services: ServicesDep, response: Response) -> Health:
     """Return queue, workers and sandbox; 503 when nothing would be graded."""
     health = services.health()
-    response.status_code = 200 if health.ready else 503
+    fine = bool(health.ready) and not health.disk_is_full
+    response.status_code = 200 if fine else 503
     response.headers["Cache-Control"] = "no-store"
     return Health(
-        status="ok" if health.ready else "degraded",
+        status="ok" if fine else "degraded",
+        detail=_of_disk(health),
         version=__version__,
         sandbox=_sandbox(health.ready or health.workers),
         queue=QueueView.of(health.queue),
@@ -85,6 +89,12 @@ def read(services: ServicesDep, response: Response) -> Health:
         workers=worker_views(health.workers),
         broken_assignments=sorted(services.assignments.of(None).troubles()),
     )
+
+
+def _of_disk(health: ServiceHealth) -> str:
+    if not health.disk_is_full or health.free_bytes is None:
+        return ""
+    return f"the disk of the database is full: {health.free_bytes / 1e6:.0f} MB are left; uploads are refused"
 
 
 def worker_views(workers: Iterable[WorkerState]) -> list[WorkerView]:

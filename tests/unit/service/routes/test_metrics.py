@@ -7,6 +7,7 @@ import httpx
 import pytest
 from fastapi import FastAPI
 from pydantic import SecretStr
+from sqlalchemy import text
 
 from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.contracts.report import GradeStatus
@@ -100,6 +101,9 @@ def test_queue_and_workers_are_read_from_the_rows(
         'priority="0",state="queued"': 2,
         'priority="0",state="running"': 1,
     }
+    with services.queue._database.writing() as session:  # a re-grade, which may wait for days
+        session.execute(text("UPDATE submission SET priority = 1 WHERE student = 's2' AND state = 'queued'"))
+        session.execute(text("UPDATE submission SET queued_at = '2020-01-01 00:00:00' WHERE priority = 1"))
     names = ("oldest_queued_seconds", "sandbox_ready", "workers_alive", "slots", "slots_busy", "database_up")
     assert [measured(client, "grader_" + name)[""] for name in names] == [12, 1, 1, 2, 1, 1]
 

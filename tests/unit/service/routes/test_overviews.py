@@ -345,6 +345,16 @@ def test_with_a_worker_it_is_well(client: httpx.Client, services: Services, cloc
     assert client.get("/healthz").status_code == 503
 
 
+def test_a_full_disk_is_said_to_be_one(
+    client: httpx.Client, services: Services, clock: FakeClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    services.workers.report(worker(clock))
+    monkeypatch.setattr(type(services.queue), "free_bytes", lambda _: 3_000_000)
+    answer = client.get("/healthz")
+    assert (answer.status_code, answer.json()["status"]) == (503, "degraded")
+    assert answer.json()["detail"] == "the disk of the database is full: 3 MB are left; uploads are refused"
+
+
 @pytest.mark.parametrize("state", [{"ready": False}, {"slots": 0}])
 def test_a_worker_that_cannot_grade_does_not_count(
     client: httpx.Client, services: Services, clock: FakeClock, state: dict[str, Any]
