@@ -31,6 +31,7 @@ class Appeal:
         item: of the submission's rubric. earned, points: what it had, out of how many, when the student asked.
         attempt: the grading that the student looked at.
         answer: of staff, in words; empty while it is open.
+        passed_on_by: which assistant left it to the instructors, with `note`; students are not told.
         seen: the student has opened the submission since it was answered.
     """
 
@@ -48,6 +49,8 @@ class Appeal:
     answered_by: str
     answered_at: datetime | None
     seen: bool
+    passed_on_by: str = ""
+    note: str = ""
 
     @property
     def is_open(self) -> bool:

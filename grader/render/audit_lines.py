@@ -25,7 +25,7 @@ ACTIONS = (
     "webhook.set", "webhook.remove", "mail.set",
     "rules.change", "extension.change", "submission.hand_in",
     "grade.judge", "grade.change", "regrade.applied", "regrade.discarded", "regrade.undone",
-    "appeal.make", "appeal.withdraw", "appeal.answered", "appeal.corrected", "appeal.refused",
+    "appeal.make", "appeal.withdraw", "appeal.pass_on", "appeal.answered", "appeal.corrected", "appeal.refused",
     "assignment.upload", "assignment.remove",
 )  # fmt: skip
 KINDS = ("assignment", "course", "item", "member", "platform", "submission", "token", "webhook")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import ColumnElement, Select, exists, func, select, update
+from sqlalchemy import ColumnElement, Select, case, exists, func, literal, select, update
 from sqlmodel import Session, col
 
 from grader.contracts.appeal import ANSWERS, Appeal, AppealState
@@ -86,6 +86,17 @@ class Appeals(StorePart):
             row.state = AppealState.WITHDRAWN.value
             _record(session, signed, "withdraw", row)
 
+    def pass_on(self, submission_id: str, item: str, note: str, signed: Signature) -> None:
+        """Leave an open appeal to the instructors.
+
+        Raises:
+            AppealError: as `withdraw`.
+        """
+        with self._database.writing() as session:
+            row = _open_one(session, submission_id, item)
+            row.passed_on_by, row.note = signed.actor, note
+            _record(session, signed, "pass_on", row, after={"comment": note})
+
     def answer(self, submission_id: str, item: str, state: AppealState, text: str, signed: Signature) -> None:
         """Answer an open appeal, leaving the points as they are.
 
@@ -103,9 +114,13 @@ class Appeals(StorePart):
     def listed(
         self, course: str | None, wanted: AppealsWanted, offset: int, limit: int
     ) -> tuple[Appeal, ...]:
-        """Return at most `limit` appeals of a class: open ones oldest first, answered ones latest first."""
+        """Return at most `limit` appeals of a class: open ones oldest first, answered ones latest first.
+
+        Open ones that were passed on come before the others.
+        """
         when = col(AppealRow.made_at) if wanted.open else col(AppealRow.answered_at).desc()
-        order = (when, col(AppealRow.submission_id), col(AppealRow.item))
+        others = case((col(AppealRow.passed_on_by) == "", 1), else_=0) if wanted.open else literal(0)
+        order = (others, when, col(AppealRow.submission_id), col(AppealRow.item))
         of_class = _with_submission().where(*_fitting(course, wanted))
         return self._read(of_class.order_by(*order).offset(offset).limit(limit))
 

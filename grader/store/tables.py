@@ -439,7 +439,10 @@ class PhraseRow(_Row, table=True):
 
 
 class AppealRow(_Row, table=True):
-    """That a student asks for another look at a rubric item, and the answer. `seen_at`: the student saw that."""
+    """That a student asks for another look at a rubric item, and the answer. `seen_at`: the student saw that.
+
+    `passed_on_by`: which assistant left it to the instructors, with `note`.
+    """
 
     __table_args__ = (
         _one_of(AppealState, "state", "appeal_state"),
@@ -456,6 +459,8 @@ class AppealRow(_Row, table=True):
     state: str = Field(max_length=16)
     answer: str = Field(default="", sa_column=text_column())
     answered_by: str = Field(default="", max_length=64)
+    passed_on_by: str = Field(default="", max_length=64, sa_column_kwargs={"server_default": ""})
+    note: str = Field(default="", sa_column=Column(PlainText(), nullable=False, server_default=""))
     answered_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
     seen_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
 

@@ -226,6 +226,22 @@ def answer(  # noqa: PLR0913
         raise RefusedError(_CODES[error.code]) from None
 
 
+def pass_on(services: Services, caller: Caller, submission_id: str, item: str, note: str) -> None:
+    """Leave an open appeal to the instructors, with what they should know; the student is told nothing of it.
+
+    Raises:
+        RefusedError: the caller may not see the class or the submission; there is no open appeal; or the note is
+            missing.
+    """
+    require_staff(caller)
+    submission = visible_submission(services, caller, submission_id)
+    note = checked_text(note, LONGEST_TEXT, _TEXT)
+    try:
+        services.appeals.pass_on(submission.id, item, note, services.signature(caller))
+    except AppealError as error:
+        raise RefusedError(_CODES[error.code]) from None
+
+
 def _shown(services: Services, caller: Caller, submission: Submission) -> tuple[Appeal, ...]:
     appeals = services.appeals.of(submission.id)
     if not appeals or caller.is_staff:

@@ -75,6 +75,9 @@ class AppealView(View):
     answer: str = Field(description="In words; empty while it is open.")
     answered_by: str | None = Field(description="Null for students, and while it is open.", examples=["wang"])
     answered_at: datetime | None
+    passed_on_by: str | None = Field(
+        description="Which assistant left it to the instructors; null for students.", examples=["zhang"]
+    )
     seen: bool = Field(description="The student has opened the submission's page since it was answered.")
 
 
@@ -193,5 +196,6 @@ def _view(errand: Errand, appeal: Appeal, language: Language) -> AppealView:
         appeal,
         submission=SUBMISSIONS + appeal.submission,
         answered_by=appeal.answered_by or None if errand.caller.is_staff else None,
+        passed_on_by=appeal.passed_on_by or None if errand.caller.is_staff else None,
         title=item_title(published(errand.services, errand.caller, appeal.assignment), appeal.item, language),
     )

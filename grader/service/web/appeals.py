@@ -41,7 +41,7 @@ class AnswerForm(BaseModel):
     """What staff answer, as typed. `seen` names the state of the item that was looked at."""
 
     item: str = Field(default="", max_length=128)
-    decision: Literal["", "answered", "corrected", "refused"] = ""
+    decision: Literal["", "answered", "corrected", "refused", "passed_on"] = ""
     text: str = Field(default="", max_length=20_000)
     points: str = Field(default="", max_length=40)
     seen: str = Field(default="", max_length=200)
@@ -104,6 +104,9 @@ def answer(errand: StaffDep, submission_id: SubmissionId, form: Annotated[Answer
     """Answer an appeal and lead back to its item; on a refusal show the form with the reason at its field."""
     access.require_sight(errand, submission_id)
     errors = _errors(form)
+    if form.decision == "passed_on" and not errors:
+        appealing.pass_on(errand.services, errand.caller, submission_id, form.item, form.text)
+        return RedirectResponse(HOME, status_code=303)
     if not errors:
         corrects = form.decision == "corrected"
         points = typed_points(form.points.strip()) if corrects else None
@@ -158,7 +161,7 @@ def _one(
         form=form,
         errors=errors or {},
         longest_text=LONGEST_TEXT,
-        decisions=ANSWERS,
+        decisions=(*ANSWERS, *(() if errand.caller.is_instructor else ("passed_on",))),
     )
 
 

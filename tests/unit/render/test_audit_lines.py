@@ -20,7 +20,7 @@ ZH, EN = (Teller(language, ZoneInfo("Asia/Shanghai")) for language in ("zh", "en
 def test_every_action_of_the_store_has_words() -> None:
     folder = Path(grader.store.__file__).parent
     texts = [path.read_text(encoding="utf-8") for path in folder.rglob("*.py")]
-    calls = [call for text in texts for call in re.findall(r"\brecord\((.*?)\)", text, re.DOTALL)]
+    calls = [call for text in texts for call in re.findall(r"\brecord(?:_all)?\((.*?)\)", text, re.DOTALL)]
     named = {one for call in calls for one in re.findall(r"\"([a-z]+\.[a-z_]+)\"", call)}
     decided = {f"regrade.{one.value}" for one in RegradeState if one is not RegradeState.OPEN}
     assert {"rules.change", "grade.judge", "member.add"} <= named

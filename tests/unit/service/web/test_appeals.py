@@ -90,3 +90,28 @@ def test_a_student_takes_it_back(browser: Browser, driven: str, item: str, token
     assert browser.post(f"{driven}/appeals/withdraw", {"item": item}, page=driven).status_code == 303
     assert "Appeals waiting" not in browser.get("/").text
     assert ask(browser, driven, item, "again") == 303
+
+
+def test_an_assistant_passes_it_on(
+    browser: Browser, driven: str, item: str, tokens: dict[str, str], services: Services
+) -> None:
+    submission = driven.rpartition("/")[2]
+    address, page = f"/class/appeals/{submission}", f"/class/appeals/{submission}?item={item}"
+    browser.enter(token=tokens["li"])
+    ask(browser, driven, item)
+    browser.enter(token=tokens["ta"])
+    given = {"item": item, "decision": "passed_on", "text": "Is the <band> right?"}
+    assert browser.post(address, {**given, "text": ""}, page=page).status_code == 422
+    assert browser.post(address, given, page=page).headers["Location"] == "/class/appeals"
+    browser.enter(token=tokens["li"])
+    assert "band" not in browser.get(driven).text
+    assert "Appeals waiting for an answer: 1" in browser.get("/").text
+    browser.enter(token=tokens["wang"])
+    assert "Passed on by ta" in browser.get("/class/appeals").text
+    shown = browser.get(page).text
+    assert "Is the &lt;band&gt; right?" in shown
+    assert 'value="passed_on"' not in shown
+    answer = {"item": item, "decision": "refused", "text": "It is."}
+    assert browser.post(address, answer, page=page).status_code == 303
+    (entry,) = [one for one in services.audit.entries("ros", 20) if one.action == "appeal.pass_on"]
+    assert entry.actor == "ta"
