@@ -184,7 +184,8 @@ def format_exception(error: BaseException) -> str:
         text = "".join(exception.format())
         if not isinstance(error, (NameError, AttributeError)):
             return text
-        return text.removesuffix("\n") + _suggestion(error) + "\n"
+        bare, suggestion = text.removesuffix("\n"), _suggestion(error)
+        return f"{bare.removesuffix(suggestion)}{suggestion}\n"  # from Python 3.12 on it is there already
     except Exception:
         return f"{one_line(error)}\n"
 
