@@ -8,6 +8,7 @@ from typing import Literal
 
 from grader.contracts.errors import RefusedError, RegradeError
 from grader.contracts.identity import Caller, Role
+from grader.contracts.own_assignment import OwnState
 from grader.contracts.regrade import PastGrading, Regrade, ToldChange, Wanted
 from grader.contracts.rules import is_hidden
 from grader.contracts.submission import StoredReport, Submission
@@ -18,6 +19,10 @@ from grader.use_cases.people import names
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import found, visible_submission
 
+_EXAMINED = Text(
+    zh="这个作业的新版本正在检查，重评要用它：等它通过再开始。",
+    en="A new version of it is being examined, and a re-grade would use the one before: wait until it has passed.",
+)
 Ending = Literal["apply", "discard", "undo"]
 _CODES = {
     "unknown": "regrade_not_found",
@@ -34,11 +39,14 @@ def open_regrade(services: Services, caller: Caller, wanted: Wanted) -> Regrade:
     """Start a re-grade and tell workers that there is work.
 
     Raises:
-        RefusedError: the caller is no instructor, the assignment is not published, a student is unknown, nothing
-            is to be graded, or a re-grade of it is open.
+        RefusedError: the caller is no instructor, the assignment is not published or a new version of it is being
+            examined, a student is unknown, nothing is to be graded, or a re-grade of it is open.
     """
     require_instructor(caller)
     require_published(services, caller, wanted.assignment, field="assignment")
+    uploads = () if caller.course is None else services.own_assignments.of(caller.course)
+    if any(one.assignment == wanted.assignment and one.state is OwnState.WAITING for one in uploads):
+        raise RefusedError("invalid_request", _EXAMINED, field="assignment")
     roster = names(services, caller)
     if unknown := [one for one in wanted.students if roster and one not in roster]:
         listed = ", ".join(unknown[:10])

@@ -153,6 +153,8 @@ def _refusal(request: Request, problem: RefusedError) -> FormError:
         return FormError(field="students", text=on_page(language, "regrade.nothing_fits"))
     if problem.code == "unknown_student" and problem.detail is not None:
         return FormError(field="students", text=problem.detail.get(language))
+    if problem.code == "invalid_request" and problem.detail is not None:
+        return FormError(field="assignment", text=problem.detail.get(language))
     if problem.code == "regrade_open":
         return FormError(field="assignment", text=on_page(language, "regrade.open_already"))
     return FormError(field="assignment", text=form_problem(problem, language).title)

@@ -47,6 +47,9 @@ def test_a_change_waits_to_be_examined(
     assert (answer.status_code, answer.headers["Location"]) == (303, "/class/own?done=uploaded")
     (upload,) = services.own_assignments.of("ros")
     assert (upload.assignment, upload.version) == ("square", Catalog().get("square").version + 1)
+    assert "版本" in wang.get("/class/regrades").text
+    early = wang.post("/class/regrades", {"assignment": "square", "which": "all"}, page="/class/regrades")
+    assert (early.status_code, "新版本正在检查" in early.text) == (422, True)
 
 
 @pytest.mark.parametrize(
