@@ -56,6 +56,7 @@ _AXES: Final = {"linear": "x", "angular": "z"}
 _INDICES: Final = {0: "x", 1: "y", 2: "z", "x": "x", "y": "y", "z": "z"}
 _MAKERS: Final = ("create_timer", "create_subscription", "create_service", "create_publisher")
 _MOST_NODES: Final = 60
+_MOST_PLACES: Final = 8
 
 
 def error_changes(seen: Situation) -> Iterator[Proposal]:
@@ -79,6 +80,7 @@ def error_changes(seen: Situation) -> Iterator[Proposal]:
         _objects,
         _blocks,
         _words,
+        _durations,
         _makers,
         _imports,
         _texts,
@@ -86,7 +88,22 @@ def error_changes(seen: Situation) -> Iterator[Proposal]:
         _answers,
         _without,
     ):
-        yield from operator(at)
+        for proposal in operator(at):
+            yield proposal
+            yield from _everywhere(at, proposal)
+
+
+def _everywhere(at: "_Place", proposal: Proposal) -> Iterator[Proposal]:
+    """Yield the same change wherever the same text stands: who errs on one line errs on the next."""
+    if len(proposal.edits) != 1 or proposal.code != "mended":
+        return
+    start, end, new = proposal.edits[0]
+    old = at.script.text[start:end]
+    nodes = (node for node in ast.walk(at.script.tree) if isinstance(node, ast.expr))
+    spans = {at.script.span(node) for node in nodes if at.script.source(node) == old}
+    if 1 < len(spans) <= _MOST_PLACES:
+        edits = tuple(Edit(*span, new) for span in sorted(spans))
+        yield Proposal(proposal.code, proposal.cost + 0.01, edits, proposal.values)
 
 
 class _Place:
@@ -478,6 +495,15 @@ def _words(at: _Place) -> Iterator[Proposal]:
             near = near_name(name, [one for one in keys if isinstance(one, str) and one != name])
             if near is not None:
                 yield at.mended(0.3, node, f"'{near}'")
+
+
+def _durations(at: _Place) -> Iterator[Proposal]:
+    """Yield seconds for a time or duration of ROS, in ROS 1's words or compared with a number."""
+    for node in at.nodes:
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "to_sec":
+            yield at.mended(0.2, node, f"({at.script.source(node.func.value)}).nanoseconds / 1e9")
+        if isinstance(node, ast.Compare) and "'Duration'" in at.error.message:
+            yield at.mended(0.2, node.left, f"({at.script.source(node.left)}).nanoseconds / 1e9")
 
 
 def _blocks(at: _Place) -> Iterator[Proposal]:

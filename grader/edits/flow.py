@@ -43,6 +43,54 @@ def flow_changes(seen: Situation) -> Iterator[Proposal]:
     yield from _pauses(seen)
     yield from _removed(seen)
     yield from _objects(seen)
+    yield from _guards(seen)
+    yield from _logs(seen)
+    yield from _late(seen, known)
+
+
+def _guards(seen: Situation) -> Iterator[Proposal]:
+    """Yield the name that a script has when it is run, for another one that it is compared with."""
+    for node in seen.script.tree.body:
+        if (
+            isinstance(node, ast.If)
+            and isinstance(node.test, ast.Compare)
+            and dotted(node.test.left) == "__name__"
+        ):
+            given = node.test.comparators[0]
+            if getattr(given, "value", None) != "__main__":
+                values = {"line": node.lineno, "old": seen.script.source(given), "new": "'__main__'"}
+                yield Proposal("name", 0.2, (seen.script.replaced(given, "'__main__'"),), values)
+
+
+def _logs(seen: Situation) -> Iterator[Proposal]:
+    """Yield the level that is wanted of a message, and a log for what is only printed."""
+    for node in ast.walk(seen.script.tree) if "info_logs" in seen.lost else ():
+        func = node.func if isinstance(node, ast.Call) else None
+        if isinstance(func, ast.Attribute) and func.attr in ("warn", "warning", "error", "debug", "fatal"):
+            new = f"{seen.script.source(func.value)}.info"
+        elif isinstance(func, ast.Name) and func.id == "print" and _is_method(seen.script, node):
+            new = "self.get_logger().info"
+        else:
+            continue
+        values = {"line": func.lineno, "old": seen.script.source(func), "new": new}
+        yield Proposal("name", 0.5, (seen.script.replaced(func, new),), values)
+
+
+def _late(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
+    """Yield a publish behind the fields of its message that are set after it in the same block."""
+    for call in calls_of(seen.script, "publish"):
+        statement = seen.script.parent(call)
+        message = dotted(call.args[0]) if call.args else ""
+        if not message or not isinstance(statement, ast.Expr):
+            continue
+        block = seen.script.block_of(statement)
+        later = [one.statement for one in known if one.target.startswith(f"{message}.")]
+        behind = [one for one in later if one in block and one.lineno > statement.lineno]
+        if behind:
+            text = seen.script.source(statement)
+            edits = (seen.script.removed(statement), seen.script.inserted_after(behind[-1], text))
+            values = {"line": statement.lineno, "loop": behind[-1].lineno}
+            yield Proposal("published_late", 1.2, edits, values)
 
 
 def _axes(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
@@ -279,7 +327,8 @@ def _without_call(seen: Situation) -> Iterator[Proposal]:
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Name | ast.Attribute):
             name = dotted(node.value)
             if name:
-                new = f"{name}({'msg' if name.endswith('.publish') else ''})"
+                given = _node_name(seen.script) if name.endswith(".spin") else ""
+                new = f"{name}({'msg' if name.endswith('.publish') else given})"
                 edit = seen.script.replaced(node.value, new)
                 yield Proposal("brackets", 0.8, (edit,), {"line": node.lineno, "old": name, "new": new})
 

@@ -59,6 +59,7 @@ def name_changes(seen: Situation) -> Iterator[Proposal]:
         yield from _of_error(seen, error, error.line)
     if seen.outcome.command_count == 0:
         yield from _topics(seen)
+        yield from _depths(seen)
 
 
 def _of_error(seen: Situation, error: StudentError, line: int) -> Iterator[Proposal]:
@@ -233,7 +234,9 @@ def _quoted(seen: Situation, line: int, name: str) -> Iterator[Proposal]:
 def _node_names(seen: Situation) -> Iterator[Proposal]:
     """Yield a name that a node may have."""
     for node in ast.walk(seen.script.tree):
-        if not (isinstance(node, ast.Call) and node.args and dotted(node.func).endswith(_NODE_MAKERS)):
+        if not (
+            isinstance(node, ast.Call) and node.args and seen.script.source(node.func).endswith(_NODE_MAKERS)
+        ):
             continue
         given = node.args[0]
         old = given.value if isinstance(given, ast.Constant) else None
@@ -311,6 +314,15 @@ def _topics(seen: Situation) -> Iterator[Proposal]:
         kind = given[0] if given else None
         if kind is not None and dotted(kind) and dotted(kind) != seen.twist:
             yield from _of_type(seen, kind)
+
+
+def _depths(seen: Situation) -> Iterator[Proposal]:
+    """Yield the usual queue for a quality of service that the car does not get."""
+    if any(note.code == "incompatible_qos" for note in seen.outcome.notes):
+        for call in calls_of(seen.script, "create_publisher"):
+            if len(call.args) == 3:
+                values = {"line": call.lineno, "old": seen.script.source(call.args[2]), "new": "10"}
+                yield Proposal("name", 0.5, (seen.script.replaced(call.args[2], "10"),), values)
 
 
 def _of_type(seen: Situation, kind: ast.expr) -> Iterator[Proposal]:

@@ -55,7 +55,6 @@ _CLOSERS: Final = (
     (r"string literal|quote", ("'", '"', "')", '")', "'))", '"""', "'''")),
     (r"never closed|unmatched|does not match|comma", (")", "))", "]", "}", "):")),
     (r"expected ':'|invalid syntax", (":", "):", ",", ")")),
-    (r"expected 'except'", ("\nexcept KeyboardInterrupt:\n    pass",)),
 )
 """What may be missing at the end of a line, by what Python says of it."""
 _LINES_BACK: Final = 2
@@ -109,6 +108,18 @@ def _ways(lines: list[str], number: int, message: str) -> Iterator[str]:
     for pattern, new in _REWRITTEN:
         if (better := re.sub(pattern, new, code)) != code:
             yield better + rest
+    yield from _endings(line, message)
+    yield from _indented(lines, number)
+    yield f"{line[: len(line) - len(line.lstrip())]}# {line.strip()}"
+
+
+def _endings(line: str, message: str) -> Iterator[str]:
+    """Yield a line with another end: what Python misses there, or without its last sign."""
+    code, mark, comment = line.partition("#")
+    code, rest = code.rstrip(), f"  {mark}{comment}" if mark else ""
+    if "'except'" in message:
+        depth = max(len(line) - len(line.lstrip()) - 4, 0)
+        yield f"{line}\n{' ' * depth}except KeyboardInterrupt:\n{' ' * depth}    pass"
     for sign, closers in _CLOSERS:
         for closer in closers if re.search(sign, message) else ():
             yield f"{code}{closer}{rest}"
@@ -116,8 +127,6 @@ def _ways(lines: list[str], number: int, message: str) -> Iterator[str]:
                 yield f"{code[:-1]}{closer}{code[-1]}{rest}"
     if code.endswith((")", "]", "}", ",", "'", '"')):
         yield code[:-1] + rest
-    yield from _indented(lines, number)
-    yield f"{line[: len(line) - len(line.lstrip())]}# {line.strip()}"
 
 
 def _near_words(line: str) -> Iterator[str]:
