@@ -67,8 +67,8 @@ _NOT_YAML: Final = Text(
 )
 
 NO_BAND = Text(
-    zh=f"{BY_PERSON!r} 由人评分：删掉 low、high、ramp 和 limit",
-    en=f"a person judges {BY_PERSON!r}: remove low, high, ramp and limit",
+    zh=f"{BY_PERSON!r} 由人评分：删掉 low、high、ramp、limit 和 hint",
+    en=f"a person judges {BY_PERSON!r}: remove low, high, ramp, limit and hint",
 )
 BAND_MISSING = Text(
     zh=f"写上 low、high 或两个都写：满分的范围（由人评分的写 measure: {BY_PERSON}）",

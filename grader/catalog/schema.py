@@ -80,6 +80,7 @@ from grader.contracts.assignment import (
     Case,
     Counts,
     Distro,
+    Hints,
     Input,
     ItemSpec,
     Limits,
@@ -100,7 +101,7 @@ from grader.contracts.assignment import (
 )
 from grader.contracts.conversation import MOST_SENT, MOST_STEPS
 from grader.contracts.python import Self
-from grader.contracts.text import Text
+from grader.contracts.text import EMPTY, Text
 
 Id = Annotated[str, Field(pattern=ID_PATTERN)]
 Topic = Annotated[str, Field(pattern=f"^{TOPIC_PATTERN}$")]
@@ -154,6 +155,7 @@ class ItemModel(SpecModel):
     scaled_by: tuple[str, ...] = ()
     across: Across = "each"
     limit: Annotated[str, Field(max_length=500)] = ""
+    hint: TextModel | None = None
 
     @model_validator(mode="after")
     def _has_band(self) -> Self:
@@ -163,7 +165,7 @@ class ItemModel(SpecModel):
             if self.low is not None or self.high is not None or self.ramp:
                 raise MisfitError(MEASURE_OR_EXPECT, "expect")
         elif self.measure == BY_PERSON:
-            if self.low is not None or self.high is not None or self.ramp or self.limit:
+            if self.low is not None or self.high is not None or self.ramp or self.limit or self.hint:
                 raise MisfitError(NO_BAND)
         elif self.low is None and self.high is None:
             raise MisfitError(BAND_MISSING)
@@ -173,7 +175,8 @@ class ItemModel(SpecModel):
 
     def to_contract(self) -> ItemSpec:
         """Return the contract."""
-        own: dict[str, Any] = {"title": self.title.to_contract()}
+        hint = EMPTY if self.hint is None else self.hint.to_contract()
+        own: dict[str, Any] = {"title": self.title.to_contract(), "hint": hint}
         if self.expect:
             own |= {"measure": f"{EXPECTED}.{self.id}", "low": 100.0, "ramp": 100.0}
             own["expect"] = tuple(one.to_contract() for one in self.expect)
@@ -545,6 +548,7 @@ class AssignmentModel(SpecModel):
     places: PlacesModel | None = None
     package: PackageModel | None = None
     counts: Counts = "either"
+    hints: Hints = Hints.CHANGE
     items: Annotated[tuple[ItemModel, ...], Field(min_length=1)]
     wrong: Annotated[tuple[WrongModel, ...], Field(max_length=MOST_ATTEMPTS)] = ()
 

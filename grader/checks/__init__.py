@@ -34,7 +34,7 @@ from grader.contracts.notation import significant
 from grader.contracts.record import Record
 from grader.contracts.rubric import ItemStatus, PublishedRubric, RubricItem, summed
 from grader.contracts.scoring import Run, Scoring
-from grader.contracts.text import Text
+from grader.contracts.text import EMPTY, Text
 
 
 class Marks(Record):
@@ -140,7 +140,10 @@ def explained(assignment: Assignment, marks: Marks) -> Scoring:
     ]
     if (ignored := ignored_input(assignment, runs, seen)) is not None:
         seen[0] = replace(seen[0], mistakes=(ignored, *seen[0].mistakes))
-    return summarise(_in_order(assignment, scored, together), seen, [run.outcome for run in runs])
+    whole = summarise(_in_order(assignment, scored, together), seen, [run.outcome for run in runs])
+    own = {item.hint for item in assignment.items if item.hint != EMPTY}
+    first = next((item.hint for item in whole.items if item.hint in own), None)
+    return whole if first is None else replace(whole, hint=first)  # the teacher's own words go first
 
 
 def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:

@@ -364,6 +364,8 @@ def _seen(check: Kind, spec: ItemSpec, measure: Measure) -> Text:
 def _hint(check: Kind, spec: ItemSpec, measure: Measure, mistakes: Sequence[Mistake]) -> Text:
     if spec.measure == BY_PERSON or _measured_credit(spec, measure) >= 1.0:
         return EMPTY
+    if spec.hint != EMPTY:
+        return spec.hint
     for each in mistakes:
         if each.explains(spec.measure):
             return each.text

@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,7 +21,7 @@ from grader.commands.options import (
     tell,
 )
 from grader.commands.plots import check_bag_path, check_plot_path, file_error, form_of, of_case, write_file
-from grader.contracts.assignment import Assignment
+from grader.contracts.assignment import Assignment, Hints
 from grader.contracts.errors import (
     InfrastructureError,
     RefusedError,
@@ -96,8 +97,9 @@ def run(arguments: argparse.Namespace) -> int:
             _print_table(arguments, job.assignment, result, show_steps=False)
             _explain(slot, arguments, job, result)
         else:
+            shown = _as_told(slot, arguments, job, result)
             slot.abort()  # such a large process takes a while to die: let it do so while the table is printed
-            _show_result(arguments, job.assignment, result)
+            _show_result(arguments, job.assignment, shown, result.report.sha256())
         _write_files(arguments, job.assignment, result)
     report = result.report
     if arguments.result is not None:
@@ -168,7 +170,23 @@ def _explain(slot: Slot, arguments: argparse.Namespace, job: GradingJob, result:
             explanation = slot.explain(job)
     except InfrastructureError:
         explanation = Explanation()
-    output.print(render_steps(result.report, explanation, arguments.lang))
+    told = list(render_steps(result.report, explanation, job.assignment, arguments.lang))
+    for number, part in enumerate(told, 1):
+        output.print(part)
+        if number < len(told) and not _asks_for_more(arguments, output.is_terminal):
+            return
+
+
+def _asks_for_more(arguments: argparse.Namespace, is_terminal: bool) -> bool:
+    """Whether the next hint is wanted: whoever sits at a terminal is asked, and others read all."""
+    from grader.render.labels import word
+
+    if not (is_terminal and sys.stdin.isatty()):
+        return True
+    try:
+        return not input(word("more_hint_key", arguments.lang)).strip()
+    except (EOFError, KeyboardInterrupt):
+        return False
 
 
 def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[GradingJob, GradingResult]:
@@ -275,11 +293,25 @@ def _for_people(arguments: argparse.Namespace) -> bool:
     return not arguments.json and arguments.result is None
 
 
-def _show_result(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
+def _as_told(
+    slot: Slot, arguments: argparse.Namespace, job: GradingJob, result: GradingResult
+) -> GradingResult:
+    """Return a result as other platforms show it, and as much of it as the assignment tells."""
+    if arguments.json or (arguments.result is None and job.assignment.hints is Hints.CHANGE):
+        return result
+    from grader.commands.handed_in import told_report
+
+    return replace(result, report=told_report(slot, job, result.report))
+
+
+def _show_result(
+    arguments: argparse.Namespace, assignment: Assignment, result: GradingResult, sha256: str
+) -> None:
+    """Print a result; `sha256`: of the report as it was made."""
     if arguments.json:
         sys.stdout.write(result.report.canonical_bytes().decode() + "\n")
     elif arguments.result is not None:
-        for document in _documents(arguments, result):
+        for document in _documents(arguments, result, sha256):
             sys.stdout.write(json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n")
     else:
         _print_table(arguments, assignment, result)
@@ -292,13 +324,15 @@ def _write_files(arguments: argparse.Namespace, assignment: Assignment, result: 
         _record(arguments, assignment, result)
 
 
-def _documents(arguments: argparse.Namespace, result: GradingResult) -> tuple[dict[str, object], ...]:
+def _documents(
+    arguments: argparse.Namespace, result: GradingResult, sha256: str
+) -> tuple[dict[str, object], ...]:
     """Return the lines of the format that ``--result`` asks for."""
     from grader.render import documents
 
     report, language = result.report, arguments.lang
     if arguments.result == "gradescope":
-        return (documents.to_gradescope(report, language),)
+        return (documents.to_gradescope(report, language, sha256),)
     if arguments.result == "prairielearn":
         return (documents.to_prairielearn(report, language),)
     if arguments.result == "autolab":

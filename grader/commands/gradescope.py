@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from grader.catalog import Catalog
 from grader.catalog.files import handed_in, is_there
-from grader.commands.handed_in import ChosenFile, graded, pick, write_results
+from grader.commands.handed_in import ChosenFile, graded, job_of, pick, told_report, write_results
 from grader.commands.options import add_language_option, tell
 from grader.commands.plots import file_error
 from grader.contracts.assignment import SUFFIXES, Assignment
@@ -191,13 +191,14 @@ def _document(submission: Path, assignment: Assignment, language: Language) -> d
         handed_in = pick(submission, assignment)
         with Slot(SlotConfig()) as slot:
             report: GradeReport = graded(slot, assignment, handed_in).report
+            shown = told_report(slot, job_of(assignment, handed_in), report)
     except RefusedError as refusal:
         return _message(refusal.told(language), score=0.0)
     except GraderError as error:  # the container can no longer do what it could when it was built
         sys.stdout.write(f"{type(error).__name__}: {error}\n")
         return _message(_FAULT.get(language))
     sys.stdout.write(f"{handed_in.name}: {report.status.value}, {report.score}/{report.max_score}\n")
-    return to_gradescope(report, language)
+    return to_gradescope(shown, language, report.sha256())
 
 
 def _message(text: str, score: float | None = None) -> dict[str, Any]:

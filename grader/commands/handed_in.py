@@ -2,14 +2,17 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
 from grader.contracts.assignment import SUFFIXES, Assignment
-from grader.contracts.errors import InfrastructureError, RefusedError
+from grader.contracts.errors import GraderError, InfrastructureError, RefusedError
+from grader.contracts.explanation import Explanation, is_worth_trying
 from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.report import GradeReport
 from grader.contracts.text import Text, trouble
 from grader.contracts.upload import MAX_SOURCE_BYTES, check_name, check_source
 from grader.formats.packages.bundle import MAX_PACKAGE_BYTES, bundled
@@ -86,11 +89,27 @@ def graded(slot: Slot, assignment: Assignment, handed_in: ChosenFile) -> Grading
         InfrastructureError: the grader failed again: this says nothing about the file.
         SandboxUnavailableError: this machine cannot confine scripts.
     """
-    job = GradingJob(file_name=handed_in.name, source=handed_in.source, assignment=assignment)
+    job = job_of(assignment, handed_in)
     try:
         return slot.grade(job)
     except InfrastructureError:
         return slot.grade(job)
+
+
+def job_of(assignment: Assignment, handed_in: ChosenFile) -> GradingJob:
+    """Return what grades a file."""
+    return GradingJob(file_name=handed_in.name, source=handed_in.source, assignment=assignment)
+
+
+def told_report(slot: Slot, job: GradingJob, report: GradeReport) -> GradeReport:
+    """Return a report that says what was tried in place of what was guessed; a search that fails says nothing."""
+    from grader.render.steps import own_hints, told
+
+    explanation = Explanation()
+    if is_worth_trying(job.assignment, report):
+        with suppress(GraderError):
+            explanation = slot.explain(job)
+    return told(report, explanation, job.assignment.hints, own_hints(job.assignment, report))
 
 
 def write_results(root: Path, document: Mapping[str, Any]) -> None:

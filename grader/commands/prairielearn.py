@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from grader.catalog import Catalog
-from grader.commands.handed_in import graded, pick, write_results
+from grader.commands.handed_in import graded, job_of, pick, told_report, write_results
 from grader.commands.options import add_language_option
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError, SettingsError
@@ -71,7 +71,8 @@ def _document(student: Path, assignment: Assignment, language: Language) -> dict
         return {"gradable": False, "format_errors": [refusal.told(language)]}
     with Slot(SlotConfig()) as slot:
         result = graded(slot, assignment, handed_in)
-    document = to_prairielearn(result.report, language)
+        report = told_report(slot, job_of(assignment, handed_in), result.report)
+    document = to_prairielearn(report, language)
     pictures = _pictures(assignment, result, language) if document["gradable"] else []
     with_pictures = {**document, "images": pictures}
     return (  # better no pictures than no result

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Final, Literal, get_args
 
 from grader.contracts.conversation import Expectation, Step
+from grader.contracts.python import StrEnum
 from grader.contracts.record import Record, field, from_plain, to_plain
 from grader.contracts.rubric import summed
 from grader.contracts.text import EMPTY, Language, Text
@@ -355,6 +356,14 @@ class WantedPackage(Record):
     interfaces: bool = False
 
 
+class Hints(StrEnum):
+    """How much is told of lost points: what was measured; also in which line; also a change that was tried."""
+
+    FACT = "fact"
+    LINE = "line"
+    CHANGE = "change"
+
+
 class ItemSpec(Record):
     """One rubric item as the instructor wrote it.
 
@@ -373,6 +382,7 @@ class ItemSpec(Record):
         across: with several cases, ``each`` earns its share of the points; or the ``worst`` of them, or the
             ``mean`` of what was measured in them, earns all.
         expect: what is wanted of the script, in place of a measure: the item earns the share that is met.
+        hint: what the teacher says where the item loses points, before anything else is said; may be empty.
         limit: why a motion may differ without any loss, within the band or in what nothing measures; empty: it
             should not by much.
     """
@@ -389,6 +399,7 @@ class ItemSpec(Record):
     across: Across = "each"
     limit: str = ""
     expect: tuple[Expectation, ...] = ()
+    hint: Text = EMPTY
 
 
 class Answer(Record):
@@ -405,7 +416,7 @@ class Answer(Record):
     remark: Text
 
 
-_GRADE_NOTHING = frozenset({"id", "version", "order", "title", "brief", "file_patterns", "items"})
+_GRADE_NOTHING = frozenset({"id", "version", "order", "title", "brief", "file_patterns", "items", "hints"})
 
 
 Counts = Literal["driven", "either"]
@@ -430,6 +441,7 @@ class Assignment(Record):
         runs_as: how a script is started; None: as the course says, see `of_course` and `started_as`.
         counts: where commands come faster than turtlesim takes them, score what the turtle ``driven`` did, or
             ``either`` that or the motion as commanded, whichever is better as a whole.
+        hints: how much students are told of lost points, where their course does not say otherwise.
     """
 
     id: str
@@ -455,6 +467,7 @@ class Assignment(Record):
     places: WantedPlaces | None = None
     package: WantedPackage | None = None
     counts: Counts = "either"
+    hints: Hints = Hints.CHANGE
 
     @property
     def release(self) -> Distro:
@@ -514,7 +527,7 @@ class Assignment(Record):
 def graded_otherwise(before: Assignment, after: Assignment) -> tuple[str, ...]:
     """Return which fields make `after` grade otherwise, such as ``horizon_s`` or ``items.sides.high``.
 
-    Texts, the place on the checklist and the names of files grade nothing.
+    Texts, how much is told, the place on the checklist and the names of files grade nothing.
     """
     old, new = to_plain(before), to_plain(after)
     changed = [name for name in new if name not in _GRADE_NOTHING and old[name] != new[name]]
@@ -524,7 +537,7 @@ def graded_otherwise(before: Assignment, after: Assignment) -> tuple[str, ...]:
         if was is None:
             changed.append(f"items.{item.id}")
         else:
-            fields = {name: value for name, value in to_plain(item).items() if name != "title"}
+            fields = {name: value for name, value in to_plain(item).items() if name not in ("title", "hint")}
             changed += [f"items.{item.id}.{name}" for name, value in fields.items() if was[name] != value]
     return (*changed, *(f"items.{gone}" for gone in known))
 

@@ -80,6 +80,15 @@ class Shown(StrEnum):
     DRAFT = "draft"
 
 
+class HintRule(StrEnum):
+    """How much students are told of lost points: what the assignment says, or what `Hints` means."""
+
+    ASSIGNMENT = "assignment"
+    FACT = "fact"
+    LINE = "line"
+    CHANGE = "change"
+
+
 class Corrector(StrEnum):
     """Who corrects the points that the machine gave."""
 
@@ -259,6 +268,7 @@ class Rules:
         attempts, attempts_per_day: how many in all, and in one calendar day of the course; None: any number.
         weight: what the assignment counts in the total in per cent; None: its points.
         hidden_items: rubric items that students do not see before `hidden_until`; None: they never see them.
+        hints: how much students are told of lost points.
         appeals_until: how long students may ask for another look at an item; None: they may not.
         corrected_by: who may correct what the machine judged.
         by_section: what holds for single sections instead of `due`, `late` and `accept_late_s`.
@@ -286,6 +296,9 @@ class Rules:
         tuple[str, ...], Names("Rubric items that students do not see.", most=MOST_HIDDEN_ITEMS)
     ] = ()
     hidden_until: Annotated[datetime | None, Instant("Null: students never see them.")] = None
+    hints: Annotated[
+        HintRule, Choice("How much students are told of lost points.", options=tuple(HintRule))
+    ] = HintRule.ASSIGNMENT
     appeals_until: Annotated[
         datetime | None,
         Instant("Until then students may ask for another look at an item; null: they may not."),

@@ -16,11 +16,12 @@ from rich.rule import Rule
 from rich.table import Table
 from rich.text import Text
 
-from grader.contracts.explanation import Explanation, ProvenChange
+from grader.contracts.assignment import Assignment
+from grader.contracts.explanation import ChangedText, Explanation
 from grader.contracts.outcome import LogRecord, RunOutcome, Stream, StudentError
 from grader.contracts.report import GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
-from grader.contracts.text import Language
+from grader.contracts.text import EMPTY, Language
 from grader.contracts.text import Text as Sentence
 from grader.messages import quantity
 from grader.messages.details import explained
@@ -35,6 +36,7 @@ from grader.render.labels import (
     word,
 )
 from grader.render.prose import Prose
+from grader.render.steps import own_hints, steps, told
 
 _STYLE = {
     ItemStatus.PASSED: "green",
@@ -81,18 +83,29 @@ def render_report(  # noqa: PLR0913
     )
 
 
-def render_steps(report: GradeReport, explanation: Explanation, language: Language) -> RenderableType:
-    """Return what to do: the changes that gain, each with its lines; else the stated cause and the hints."""
+def render_steps(
+    report: GradeReport, explanation: Explanation, assignment: Assignment, language: Language
+) -> Iterator[RenderableType]:
+    """Yield what to do, from what was measured over the line to what to write: the reader may ask for each.
+
+    That is what was tried and gains, or what the run shows, as far as the assignment lets it be told; where nothing
+    gains, the report's hints.
+    """
+    own = own_hints(assignment, report)
+    if own and explanation.changes:
+        yield next_steps((visible(one.get(language)) for one in dict.fromkeys(own.values())), language)
+    for step in steps(report, explanation, assignment.hints):
+        yield next_steps((visible(step.fact.get(language)),), language)
+        if step.line != EMPTY:
+            yield Text(f"  {visible_line(step.line.get(language), _LONGEST_LINE)}")
+        if step.change != EMPTY:
+            yield Group(Prose(f"  {visible(step.change.get(language))}"), *_changed(step.lines))
     if not explanation.changes:
-        cause = explanation.cause
-        stated = () if cause is None else (next_steps((visible(cause.text.get(language)),), language),)
-        return Group(*stated, *_next_steps(report, language))
-    return Group(*chain.from_iterable(_change(one, language) for one in explanation.changes))
+        yield Group(*_next_steps(told(report, Explanation(), assignment.hints, own), language))
 
 
-def _change(change: ProvenChange, language: Language) -> Iterator[RenderableType]:
-    yield next_steps((visible(change.text.get(language)),), language)
-    for line in change.lines:
+def _changed(lines: Iterable[ChangedText]) -> Iterator[RenderableType]:
+    for line in lines:
         for mark, text, style in (("-", line.before, "red"), ("+", line.after, "green")):
             if text is not None:
                 yield Text(f"{line.number:5} {mark} {visible_line(text, _LONGEST_LINE)}", style=style)

@@ -5,6 +5,7 @@ claims it under a lease, as a submission in `grader.store.queue`; `tries` fences
 all submissions, so they delay no marks. Students take turns: one goes behind what the student's own cost lately.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any, Final
@@ -20,6 +21,7 @@ from grader.store.intake import LATELY, handicap
 from grader.store.tables import (
     ExplanationRow,
     GradedAssignmentRow,
+    GradedMistakeRow,
     GradingRow,
     SourceRow,
     SubmissionRow,
@@ -61,6 +63,11 @@ _GRADED = (
 )
 """What was graded, and as what."""
 _FORGET = delete(table_of(ExplanationRow)).where(_row.submission_id == bindparam("of"))
+_mistake = table_of(GradedMistakeRow)
+_FORGET_MISTAKES = delete(_mistake).where(
+    _mistake.c.submission_id == bindparam("of"), _mistake.c.attempt == bindparam("under")
+)
+_ADD_MISTAKES = insert(_mistake)
 _QUEUE = insert(table_of(ExplanationRow)).values(tries=0, took_s=0.0)
 
 
@@ -139,15 +146,26 @@ class Explanations(TimedPart):
         if len(content) > MOST_BYTES:
             content = canonical(Explanation(hidden=explanation.hidden, tried=explanation.tried))
         values = {"content": content, "took_s": took_s, "finished_at": self._clock(), "lease_until": None}
-        return self._write(claim, values)
+        return self._write(claim, values, [f"change.{one.code}" for one in explanation.changes])
 
-    def _write(self, claim: ExplanationClaim, values: dict[str, Any]) -> bool:
+    def _write(self, claim: ExplanationClaim, values: dict[str, Any], codes: Sequence[str] = ()) -> bool:
+        """Write to a claim's row; `codes`: what the class's overview counts in place of mistakes."""
         of = _row.submission_id == claim.submission_id, _row.attempt == claim.attempt
         latest = update(table_of(ExplanationRow)).where(
             *of, _row.tries == claim.tries, _row.finished_at.is_(None)
         )
         with self._database.writing() as session:
-            return session.connection().execute(latest.values(**values)).rowcount == 1
+            connection = session.connection()
+            if connection.execute(latest.values(**values)).rowcount != 1:
+                return False
+            if codes:
+                key = {"submission_id": claim.submission_id, "attempt": claim.attempt}
+                connection.execute(_FORGET_MISTAKES, {"of": claim.submission_id, "under": claim.attempt})
+                ranked = enumerate(dict.fromkeys(codes))
+                connection.execute(
+                    _ADD_MISTAKES, [{**key, "code": code, "rank": rank} for rank, code in ranked]
+                )
+            return True
 
 
 def queue_explanation(connection: Connection, submission_id: str, attempt: int, now: datetime) -> None:

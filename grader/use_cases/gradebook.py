@@ -12,7 +12,6 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import StudentProgress
 from grader.contracts.errors import CourseError, RefusedError
 from grader.contracts.identity import Caller, Member, Role
-from grader.contracts.judgement import judged
 from grader.contracts.notation import written
 from grader.contracts.rubric import summed
 from grader.contracts.text import Language
@@ -23,6 +22,7 @@ from grader.render.documents import to_gradescope, to_prairielearn
 from grader.use_cases import people
 from grader.use_cases.assignments import in_course, require_published
 from grader.use_cases.callers import require_staff
+from grader.use_cases.explaining import level_for, told_report
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import graded, hiding
 
@@ -180,10 +180,12 @@ def exported(
         RefusedError: there is no such submission, or no grading yet.
     """
     submission, stored = graded(services, caller, submission_id)
+    student = Caller(course=submission.course)  # whoever asks, students read it there
+    report = told_report(services, submission, stored, level_for(services, student, submission))
     if platform == "prairielearn":
-        return to_prairielearn(judged(stored), language)
+        return to_prairielearn(report, language)
     hidden = hiding(services, submission).items if caller.is_staff else frozenset[str]()
-    return to_gradescope(judged(stored), language, stored.sha256, hidden=hidden)
+    return to_gradescope(report, language, stored.sha256, hidden=hidden)
 
 
 def plain(

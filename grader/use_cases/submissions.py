@@ -6,10 +6,12 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 
 from grader.contracts.errors import RefusedError
+from grader.contracts.explanation import Explanation
 from grader.contracts.identity import Caller
 from grader.contracts.submission import StoredReport, Submission, SubmissionFilter, SubmissionState
 from grader.store.intake import as_attempts
 from grader.store.rules import CourseRules
+from grader.use_cases import explaining
 from grader.use_cases.assignments import require_published
 from grader.use_cases.callers import require_staff
 from grader.use_cases.services import Services
@@ -37,7 +39,7 @@ class ShownSubmission:
     """A submission and its latest grading, as the caller may see them.
 
     Attributes:
-        grading: None before the first.
+        grading: None before the first. explanation: why marks lack; None until then.
         position: how many are before it while it waits.
         estimated_finish_at: None when it is graded, or nobody can say.
     """
@@ -47,6 +49,7 @@ class ShownSubmission:
     position: int | None
     estimated_finish_at: datetime | None
     lateness: Lateness
+    explanation: Explanation | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,6 +125,7 @@ def read(services: Services, caller: Caller, submission_id: str) -> ShownSubmiss
         position=position,
         estimated_finish_at=estimated,
         lateness=_lateness(submission, known),
+        explanation=explaining.found(services, submission, grading),
     )
 
 

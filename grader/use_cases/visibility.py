@@ -12,16 +12,16 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Any
 
-from grader.contracts.assignment import Assignment
+from grader.contracts.assignment import Assignment, Hints
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role
 from grader.contracts.judgement import judged
-from grader.contracts.record import canonical
+from grader.contracts.record import canonical, to_plain
 from grader.contracts.report import GradeReport, GradeStatus, report_from
 from grader.contracts.rubric import ItemStatus, summed, to_judge
-from grader.contracts.rules import is_hidden
+from grader.contracts.rules import HintRule, is_hidden
 from grader.contracts.submission import StoredReport, Submission
-from grader.contracts.text import LANGUAGES, Text
+from grader.contracts.text import EMPTY, LANGUAGES, Text
 from grader.operation.logs import note
 from grader.store.rules import CourseRules
 from grader.use_cases.services import Services
@@ -36,6 +36,14 @@ class Hiding:
 
     items: frozenset[str]
     until: datetime | None
+
+
+@dataclass(frozen=True, slots=True)
+class _Veil:
+    """What a caller does not see: hidden items, and hints that are not `own_hints` (None: all are told)."""
+
+    hidden: frozenset[str] = frozenset()
+    own_hints: Mapping[str, Mapping[str, str]] | None = None
 
 
 def hiding(services: Services, submission: Submission) -> Hiding:
@@ -74,9 +82,8 @@ def found_by_rules(
     submission, report = services.submissions.with_report(submission_id) or (None, None)
     submission = _seen(caller, submission)
     known = services.rules.about(submission.course, submission.student, submission.assignment)
-    hides = caller.course is not None and caller.role is Role.STUDENT
-    hidden = known.of(submission.assignment).hidden_at(services.clock()) if hides else frozenset[str]()
-    return *_shown(submission, report, hidden), known
+    veil = _veil(services, caller, submission.assignment, known)
+    return *_shown(submission, report, veil), known
 
 
 def graded(services: Services, caller: Caller, submission_id: str) -> tuple[Submission, StoredReport]:
@@ -122,12 +129,33 @@ def shown_assignments(
     )
 
 
+def hint_level(services: Services, caller: Caller, assignment_id: str, rules: CourseRules) -> Hints:
+    """Return how much the caller is told of lost points. Staff is told everything."""
+    if caller.is_staff:
+        return Hints.CHANGE
+    rule = rules.of(assignment_id).hints
+    if rule is not HintRule.ASSIGNMENT:
+        return Hints(rule.value)
+    known = services.assignments.of(caller.course).all()
+    return next((one.hints for one in known if one.id == assignment_id), Hints.CHANGE)
+
+
+def _veil(services: Services, caller: Caller, assignment_id: str, rules: CourseRules) -> _Veil:
+    hides = caller.course is not None and caller.role is Role.STUDENT
+    hidden = rules.of(assignment_id).hidden_at(services.clock()) if hides else frozenset[str]()
+    if hint_level(services, caller, assignment_id, rules) is Hints.CHANGE:
+        return _Veil(hidden)
+    items = services.assignments.of(caller.course).get(assignment_id).items
+    return _Veil(hidden, {one.id: to_plain(one.hint) for one in items if one.hint != EMPTY})
+
+
 def _shown(
-    submission: Submission, stored: StoredReport | None, hidden: frozenset[str]
+    submission: Submission, stored: StoredReport | None, veil: _Veil
 ) -> tuple[Submission, StoredReport | None]:
-    if not hidden or stored is None:
+    hidden = veil.hidden
+    if veil == _Veil() or stored is None:
         return submission, stored
-    report = _without(json.loads(stored.content), hidden)
+    report = _veiled(json.loads(stored.content), veil)
     content = canonical(report)
     digest = hashlib.sha256(content).hexdigest()
     told = replace(submission, score=report["score"], max_score=report["max_score"], report_sha256=digest)
@@ -146,10 +174,10 @@ def _shown(
 
 def shown_report(services: Services, caller: Caller, report: GradeReport) -> GradeReport:
     """Return a report that is not stored, without what would be hidden from the caller if it were."""
-    hidden = _hidden(services, caller, report.assignment)[report.assignment]
-    if not hidden:
+    veil = _veils(services, caller, report.assignment)[report.assignment]
+    if veil == _Veil():
         return report
-    return report_from(json.dumps(_without(json.loads(report.canonical_bytes()), hidden)))
+    return report_from(json.dumps(_veiled(json.loads(report.canonical_bytes()), veil)))
 
 
 def shown_list(
@@ -157,22 +185,22 @@ def shown_list(
 ) -> tuple[Submission, ...]:
     """Return submissions as the caller may see them: scores without hidden items."""
     listed = tuple(submissions)
-    hidden = _hidden(services, caller, *{one.assignment for one in listed})
-    return tuple(_listed(services, one, hidden[one.assignment]) for one in listed)
+    veils = _veils(services, caller, *{one.assignment for one in listed})
+    return tuple(_listed(services, one, veils[one.assignment]) for one in listed)
 
 
-def _listed(services: Services, submission: Submission, hidden: frozenset[str]) -> Submission:
-    if not hidden or submission.report_sha256 is None:
+def _listed(services: Services, submission: Submission, veil: _Veil) -> Submission:
+    if veil == _Veil() or submission.report_sha256 is None:
         return submission
-    return _shown(submission, services.submissions.report(submission.id), hidden)[0]
+    return _shown(submission, services.submissions.report(submission.id), veil)[0]
 
 
-def _hidden(services: Services, caller: Caller, *assignments: str) -> dict[str, frozenset[str]]:
-    """Return the hidden items of each assignment; the rules are read once for all."""
-    if caller.course is None or caller.role is not Role.STUDENT:
-        return dict.fromkeys(assignments, frozenset())
-    known, now = services.rules.of(caller.course), services.clock()
-    return {one: known.of(one).hidden_at(now) for one in assignments}
+def _veils(services: Services, caller: Caller, *assignments: str) -> dict[str, _Veil]:
+    """Return what the caller does not see of each assignment; the rules are read once for all."""
+    if caller.is_staff:
+        return dict.fromkeys(assignments, _Veil())
+    known = services.rules.of(caller.course)
+    return {one: _veil(services, caller, one, known) for one in assignments}
 
 
 def _without_items(assignment: Assignment, hidden: frozenset[str]) -> Assignment:
@@ -188,6 +216,20 @@ def _without_items(assignment: Assignment, hidden: frozenset[str]) -> Assignment
         if item.id not in hidden
     )
     return replace(assignment, items=items)
+
+
+def _veiled(report: dict[str, Any], veil: _Veil) -> dict[str, Any]:
+    """Return a report without what is hidden, and with the teacher's own hints alone if others are not told."""
+    shown = _without(report, veil.hidden) if veil.hidden else report
+    own = veil.own_hints
+    if own is None:
+        return shown
+    items = [
+        {**one, "hint": _EMPTY if one["hint"] == _EMPTY else own.get(one["id"].rpartition("/")[2], _EMPTY)}
+        for one in shown["items"]
+    ]
+    first = next((one["hint"] for one in items if one["hint"] != _EMPTY), _EMPTY)
+    return {**shown, "items": items, "hint": first, "mistakes": []}
 
 
 def _without(report: dict[str, Any], hidden: frozenset[str]) -> dict[str, Any]:

@@ -4,9 +4,8 @@ What a script wrote is shown in bounded length and with no invisible characters 
 """
 
 import hashlib
-import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from datetime import datetime
 from typing import Annotated, Any
@@ -16,19 +15,24 @@ from fastapi import APIRouter, Depends, File, Form, Header, Query, Request, Resp
 from pydantic import BeforeValidator, Field
 from pydantic_core import PydanticCustomError
 
+from grader.contracts.assignment import Hints
+from grader.contracts.explanation import Explanation
 from grader.contracts.judgement import judged
 from grader.contracts.outcome import SHOWN_CHARACTERS, SHOWN_LOGS, Blame, RunStatus
+from grader.contracts.record import to_plain
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
-from grader.contracts.submission import StoredReport, Submission, SubmissionFilter, SubmissionState
+from grader.contracts.submission import Submission, SubmissionFilter, SubmissionState
 from grader.contracts.text import Language
 from grader.contracts.validation_words import NO_FILE
 from grader.formats.packages.bundle import is_package
 from grader.render.escape import visible
+from grader.render.steps import Step, steps
 from grader.service.requests.dependencies import (
     COSTLY,
     SUBMISSIONS,
     CredentialsDep,
+    Errand,
     ErrandDep,
     LanguageDep,
     QueryWhole,
@@ -42,6 +46,7 @@ from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases import submissions
 from grader.use_cases.bodies import Instant
+from grader.use_cases.explaining import level_for, told_report
 from grader.use_cases.handing_in import Upload, hand_in, most_upload_bytes
 from grader.use_cases.submissions import ShownSubmission
 from grader.use_cases.visibility import graded
@@ -142,6 +147,23 @@ class RubricItemView(SeenItemView):
     earned: float = Field(examples=[5.0])
 
 
+class ChangedLineView(View):
+    """A line before and after a change; null: there was none, or there is none any more."""
+
+    number: int = Field(description="Of the line; of a new one, of the line that it follows.", examples=[12])
+    before: str | None = Field(examples=["    msg.angular.z = 90.0"])
+    after: str | None = Field(examples=["    msg.angular.z = 1.5708"])
+
+
+class StepView(View):
+    """One thing to do, as far as the rules let it be told: what is not told is empty."""
+
+    fact: str = Field(description="What was measured.", examples=["Corners: 57.3°, wanted 90°."])
+    line: str = Field(description="Where it comes from.", examples=["Look at line 12: msg.angular.z = 90.0"])
+    change: str = Field(description="What to write instead, and the scores without and with it.")
+    lines: list[ChangedLineView] = Field(description="The same, line by line.")
+
+
 class StreamView(View):
     """Captured text, control characters shown as escapes. It is the student's: escape it for HTML."""
 
@@ -235,6 +257,10 @@ class SubmissionView(View):
     summary: str = Field(description="One sentence for the student.")
     hint: str = Field(description="The one next step that matters most.")
     mistakes: list[str] = Field(description="Codes of recognised mistakes, likeliest first.")
+    steps: list[StepView] = Field(
+        description="Changes that were tried and gain points, in the order in which they are to be made. They "
+        "come some time after the marks; empty until then, and where none gains."
+    )
     rubric: list[RubricItemView]
     runs: list[RunView]
     report_sha256: str | None = Field(description="Equal for equal files and assignments.")
@@ -414,7 +440,7 @@ def read(  # noqa: PLR0913, PLR0917
         is_costly = shown.grading is not None
         costly = services.allowances.costly.one_more(errand.caller, f"submission {submission_id}")
         with costly if is_costly else nullcontext():
-            content = _view(shown, language).model_dump_json()
+            content = _view(errand, shown, language).model_dump_json()
     return Response(content, media_type="application/json", headers=headers)
 
 
@@ -422,7 +448,7 @@ def _headers(shown: ShownSubmission, language: Language, now: datetime) -> dict[
     """Return the headers of a submission's answer. Its weak ETag leaves out the estimate, which always moves."""
     grading = shown.grading
     made = None if grading is None else (grading.sha256, grading.judgements)
-    told = repr((shown.submission, made, shown.position, shown.lateness, language))
+    told = repr((shown.submission, made, shown.position, shown.lateness, shown.explanation, language))
     headers = {
         "Content-Language": language,
         "Vary": "Accept-Language, Authorization",
@@ -481,10 +507,16 @@ def read_source(errand: ErrandDep, submission_id: SubmissionId) -> Response:
     return Response(source, media_type=kind, headers=headers)
 
 
-def _view(read: ShownSubmission, language: Language) -> SubmissionView:
+def _view(errand: Errand, read: ShownSubmission, language: Language) -> SubmissionView:
     """Return a submission and its latest grading in `language`."""
     submission, stored, lateness = read.submission, read.grading, read.lateness
-    report = {} if stored is None else _whole(stored)
+    services = errand.services
+    level = Hints.CHANGE if stored is None else level_for(services, errand.caller, submission)
+    report: Mapping[str, Any] = {}
+    found: Sequence[Step] = ()
+    if stored is not None:
+        report = told_report(services, submission, stored, level).to_dict()
+        found = steps(judged(stored), read.explanation or Explanation(), level)
     return SubmissionView.of(
         submission,
         status=submission.state,
@@ -496,6 +528,7 @@ def _view(read: ShownSubmission, language: Language) -> SubmissionView:
         summary=_in_language(report.get("summary"), language),
         hint=_in_language(report.get("hint"), language),
         mistakes=report.get("mistakes", []),
+        steps=[_step_view(one, language) for one in found],
         rubric=[item_view(item, language) for item in report.get("items", [])],
         runs=[run_view(run) for run in report.get("runs", [])],
         graded_at=None if stored is None else stored.finished_at,
@@ -509,8 +542,13 @@ def _links(own: str) -> Links:
     return Links(self=own, report=f"{own}/report", trajectory=f"{own}/trajectory", plot=f"{own}/plot.png")
 
 
-def _whole(stored: StoredReport) -> Mapping[str, Any]:
-    return judged(stored).to_dict() if stored.judgements else dict(json.loads(stored.content))
+def _step_view(step: Step, language: Language) -> StepView:
+    return StepView(
+        fact=step.fact.get(language),
+        line=step.line.get(language),
+        change=step.change.get(language),
+        lines=[ChangedLineView(**to_plain(one)) for one in step.lines],
+    )
 
 
 def _in_language(text: Mapping[str, str] | None, language: Language) -> str:

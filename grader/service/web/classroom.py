@@ -10,6 +10,7 @@ from grader.contracts.identity import sections_of
 from grader.contracts.judgement import judged
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import StoredReport, Submission, SubmissionState
+from grader.contracts.text import Language
 from grader.formats.packages.bundle import text_of
 from grader.messages import outline
 from grader.render.labels import status_word
@@ -64,8 +65,7 @@ def read_assignment(errand: StaffDep, assignment_id: str) -> Response:
         raise RefusedError("assignment_not_found")
     language = errand.language
     mistakes = [
-        (one.code, outline(language, f"mistake.{one.code}") or one.code, one.students)
-        for one in statistics.most_common_mistakes
+        (one.code, _outline(language, one.code), one.students) for one in statistics.most_common_mistakes
     ]
     return page(
         errand.request,
@@ -91,7 +91,7 @@ def read_concerned(
     language, assignment = errand.language, published(errand.services, errand.caller, assignment_id)
     told = [
         *([item_title(assignment, item, language)] if item else []),
-        *([outline(language, f"mistake.{mistake}") or mistake] if mistake else []),
+        *([_outline(language, mistake)] if mistake else []),
         *([status_word(status, language) if status in _STATUSES else status] if status else []),
     ]
     return page(
@@ -183,3 +183,9 @@ def _graded(errand: PageErrand, submission_id: str) -> tuple[Submission, StoredR
 
 def _source(services: Services, submission: Submission) -> str:
     return text_of(services.submissions.source(submission.id) or b"")
+
+
+def _outline(language: Language, code: str) -> str:
+    """Return the sentence of a mistake, or of a change that was tried, without its values."""
+    known = code if code.startswith("change.") else f"mistake.{code}"
+    return outline(language, known) or code

@@ -27,6 +27,7 @@ from grader.contracts.rules import (
     Corrector,
     Counts,
     Extension,
+    HintRule,
     LateKind,
     LateRule,
     LateStep,
@@ -80,6 +81,7 @@ class RuleForm(BaseModel):
     step_keep: list[str] = Field(default_factory=list, max_length=MOST_STEPS)
     shown: Shown = Shown.ALWAYS
     counts: Counts = Counts.BEST
+    hints: HintRule = HintRule.ASSIGNMENT
     corrected_by: Corrector = Corrector.INSTRUCTORS
     hidden_items: list[str] = Field(default_factory=list, max_length=MOST_HIDDEN_ITEMS)
     reason: str = Field(default="", max_length=1_000)
@@ -152,6 +154,7 @@ def form_of(rules: Rules, zone: ZoneInfo, seen: str = "") -> RuleForm:
             "step_keep": [_text(step["keep"], one.keep, zone) for one in late.steps],
             "shown": rules.shown,
             "counts": rules.counts,
+            "hints": rules.hints,
             "corrected_by": rules.corrected_by,
             "hidden_items": list(rules.hidden_items),
             "seen": seen,
@@ -215,6 +218,7 @@ class Reader:
             "late": before.late if untouched else self._late(form),
             "shown": Shown(form.shown),
             "counts": Counts(form.counts),
+            "hints": HintRule(form.hints),
             "corrected_by": Corrector(form.corrected_by),
             "hidden_items": tuple(form.hidden_items),
             **{name: self._value(name, form, before) for name in _short(Rules)},

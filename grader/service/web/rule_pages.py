@@ -9,7 +9,7 @@ from fastapi.responses import RedirectResponse
 from grader.contracts.assignment import DISTROS, WAYS_TO_RUN, Assignment, Distro, RunsAs
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen, sections_of
-from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Corrector, Counts, Shown
+from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Corrector, Counts, HintRule, Shown
 from grader.render.audit_lines import Teller
 from grader.service.web.access import AssignmentId, InstructorDep, PageErrand, StaffDep, require_staff
 from grader.service.web.forms import OWN_FORM
@@ -182,6 +182,7 @@ def _page(  # noqa: PLR0913
         "late_kinds": tuple(LATE_PARAMETERS),
         "counts": tuple(Counts),
         "correctors": tuple(Corrector),
+        "hint_rules": tuple(HintRule),
         "shown": tuple(Shown),
         "saved": saved,
     }

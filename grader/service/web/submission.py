@@ -240,11 +240,11 @@ def read_film(errand: KnownDep, submission_id: SubmissionId, case: Case = None) 
 
 @router.get("/explanation", dependencies=[COSTLY])
 def read_explanation(errand: KnownDep, submission_id: SubmissionId) -> Response:
-    """Return the part of the page with the changes that were tried, nothing where none gains; 202 until then."""
-    found = explaining.explanation(errand.services, *access.seen(errand, submission_id))
-    if found is None:
+    """Return the part of the page that says what was tried, nothing where none gains; 202 until then."""
+    steps = explaining.told_steps(errand.services, errand.caller, *access.seen(errand, submission_id))
+    if steps is None:
         return Response(status_code=202, headers={"Cache-Control": "no-store"})
-    html = fragment(errand.request, "explanation.html", changes=found.changes, cause=found.cause)
+    html = fragment(errand.request, "explanation.html", steps=steps)
     return HTMLResponse(html.strip(), headers={"Cache-Control": "no-store"})
 
 

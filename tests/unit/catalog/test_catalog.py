@@ -10,9 +10,10 @@ from grader.catalog import Catalog, default_root
 from grader.catalog.files import is_there
 from grader.checks import problems
 from grader.commands.validation import fitting
-from grader.contracts.assignment import Assignment, StartPose
+from grader.contracts.assignment import Assignment, Hints, StartPose, graded_otherwise
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 from grader.contracts.record import from_plain, to_plain
+from grader.contracts.text import EMPTY, Text
 
 CHECKLIST = [
     "hello",
@@ -108,6 +109,20 @@ def test_one_good_file(tmp_path: Path) -> None:
     assert assignment.world.cmd_vel_topic == "/turtle1/cmd_vel"
 
 
+def test_the_teachers_own_hint_and_how_much_is_told(tmp_path: Path) -> None:
+    text = GOOD.replace("order: 1", "order: 1\nhints: line").replace(
+        "points: 40", "points: 40\n    hint: {zh: 想想, en: Think}"
+    )
+    for name in ("own", "plain"):
+        (tmp_path / name).mkdir()
+    read = write(tmp_path / "own", text).get("demo")
+    assert read.hints is Hints.LINE
+    assert [item.hint for item in read.items] == [EMPTY, Text(zh="想想", en="Think")]
+    plain = write(tmp_path / "plain", GOOD).get("demo")
+    assert plain.hints is Hints.CHANGE
+    assert graded_otherwise(plain, read) == ()  # no new version: it scores the same
+
+
 def test_an_edit_is_seen_without_a_restart(tmp_path: Path) -> None:
     catalog = write(tmp_path, GOOD)
     assert catalog.get("demo").version == 1
@@ -119,6 +134,8 @@ def test_an_edit_is_seen_without_a_restart(tmp_path: Path) -> None:
     ("old", "new", "line", "words"),
     [
         ("order: 1", "order: 1\ncolour: red", 4, ("colour", "remove")),
+        ("order: 1", "order: 1\nhints: all", 4, ("hints", "fact", "change")),
+        ("points: 40", "points: 40\n    hint: {zh: 想想}", 16, ("items.1.hint.en", "required")),
         ("en: Demo}", "en: Go to (2, 9)}", 4, ("title.9)", "quotes around")),
         ("version: 1\n", "", 1, ("version", "required")),
         ("version: 1", "version: one", 2, ("version", "whole number")),

@@ -87,6 +87,7 @@ TEMPLATES: Mapping[str, Iterable[str]] = {
         *(name for own in LATE_PARAMETERS.values() for name in own if name != "steps"),
     ],
     "rules.corrected_by.": rules.Corrector,
+    "rules.hints.": rules.HintRule,
     "rules.counts.": rules.Counts,
     "rules.hint.": (),  # where there is none, the form has none
     "rules.late.": LATE_PARAMETERS,

@@ -10,7 +10,7 @@ from grader.contracts.explanation import ChangedText, Explanation, ProvenChange,
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.report import report_from
 from grader.contracts.rubric import RubricItem
-from grader.contracts.rules import Rules
+from grader.contracts.rules import HintRule, Rules
 from grader.contracts.text import Text
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
@@ -141,3 +141,41 @@ def items_of(services: Services, address: str) -> tuple[RubricItem, ...]:
     stored = services.submissions.report(address.rpartition("/")[2])
     assert stored is not None
     return report_from(stored.content).items
+
+
+@pytest.mark.parametrize("level", [HintRule.FACT, HintRule.LINE, HintRule.CHANGE])
+def test_students_are_told_as_much_as_the_rules_let_be_told(
+    browser: Browser,
+    put: Callable[..., str],
+    services: Services,
+    tokens: dict[str, str],
+    level: HintRule,
+) -> None:
+    address = put(b"good  # told in part", student="li", course="ros", grading=guessed)
+    signed = Signature(services.clock(), "ros", "wang")
+    services.rules.set("square", Rules(hints=level), signed)
+    assert explain(services)
+    browser.enter(token=tokens["li"])
+    part = browser.get(f"{address}/explanation").text
+    said = browser.client.get(f"/api/v1{address}", headers={"Authorization": f"Bearer {tokens['li']}"}).text
+    for text in (part, said):
+        assert ("a &lt; 1" in text or "a < 1" in text) is (level is not HintRule.FACT)
+        assert ("&lt;2&gt;" in text or "<2>" in text) is (level is HintRule.CHANGE)
+    report = browser.client.get(
+        f"/api/v1{address}/report", headers={"Authorization": f"Bearer {tokens['li']}"}
+    ).text
+    for text in (browser.get(address).text, report):
+        assert ("a mere guess" in text) is (level is HintRule.CHANGE)
+    wang = {"Authorization": f"Bearer {tokens['wang']}"}
+    assert "a mere guess" in browser.client.get(f"/api/v1{address}/report", headers=wang).text
+    exported = browser.client.get(f"/class{address}/gradescope.json", headers=wang).text
+    assert "a mere guess" not in exported
+
+
+def guessed(job: GradingJob) -> GradingResult:
+    result = grade(job)
+    items = tuple(
+        replace(item, hint=Text(zh="a mere guess", en="a mere guess")) if item.earned < item.points else item
+        for item in result.report.items
+    )
+    return replace(result, report=replace(result.report, items=items, hint=items[-1].hint))
