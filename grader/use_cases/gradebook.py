@@ -22,7 +22,7 @@ from grader.render.documents import to_gradescope, to_prairielearn
 from grader.use_cases import people
 from grader.use_cases.assignments import in_course, require_published
 from grader.use_cases.callers import require_staff
-from grader.use_cases.explaining import level_for, told_report
+from grader.use_cases.explaining import told_of
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import graded, hiding
 
@@ -181,7 +181,8 @@ def exported(
     """
     submission, stored = graded(services, caller, submission_id)
     student = Caller(course=submission.course)  # whoever asks, students read it there
-    report = told_report(services, submission, stored, level_for(services, student, submission))
+    rules = services.rules.about(submission.course, submission.student, submission.assignment)
+    report = told_of(services, student, submission, stored, rules).report
     if platform == "prairielearn":
         return to_prairielearn(report, language)
     hidden = hiding(services, submission).items if caller.is_staff else frozenset[str]()

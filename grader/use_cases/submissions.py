@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.explanation import Explanation
 from grader.contracts.identity import Caller
 from grader.contracts.submission import StoredReport, Submission, SubmissionFilter, SubmissionState
 from grader.store.intake import as_attempts
@@ -39,7 +38,7 @@ class ShownSubmission:
     """A submission and its latest grading, as the caller may see them.
 
     Attributes:
-        grading: None before the first. explanation: why marks lack; None until then.
+        grading: None before the first. told: what is said of it.
         position: how many are before it while it waits.
         estimated_finish_at: None when it is graded, or nobody can say.
     """
@@ -49,7 +48,7 @@ class ShownSubmission:
     position: int | None
     estimated_finish_at: datetime | None
     lateness: Lateness
-    explanation: Explanation | None
+    told: explaining.Told | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,7 +124,7 @@ def read(services: Services, caller: Caller, submission_id: str) -> ShownSubmiss
         position=position,
         estimated_finish_at=estimated,
         lateness=_lateness(submission, known),
-        explanation=explaining.found(services, submission, grading),
+        told=None if grading is None else explaining.told_of(services, caller, submission, grading, known),
     )
 
 

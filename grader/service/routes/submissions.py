@@ -5,7 +5,7 @@ What a script wrote is shown in bounded length and with no invisible characters 
 
 import hashlib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import nullcontext
 from datetime import datetime
 from typing import Annotated, Any
@@ -15,9 +15,6 @@ from fastapi import APIRouter, Depends, File, Form, Header, Query, Request, Resp
 from pydantic import BeforeValidator, Field
 from pydantic_core import PydanticCustomError
 
-from grader.contracts.assignment import Hints
-from grader.contracts.explanation import Explanation
-from grader.contracts.judgement import judged
 from grader.contracts.outcome import SHOWN_CHARACTERS, SHOWN_LOGS, Blame, RunStatus
 from grader.contracts.record import to_plain
 from grader.contracts.report import GradeStatus
@@ -27,12 +24,11 @@ from grader.contracts.text import Language
 from grader.contracts.validation_words import NO_FILE
 from grader.formats.packages.bundle import is_package
 from grader.render.escape import visible
-from grader.render.steps import Step, steps
+from grader.render.steps import Step
 from grader.service.requests.dependencies import (
     COSTLY,
     SUBMISSIONS,
     CredentialsDep,
-    Errand,
     ErrandDep,
     LanguageDep,
     QueryWhole,
@@ -46,7 +42,6 @@ from grader.service.routes.problems import responses
 from grader.service.routes.views import View
 from grader.use_cases import submissions
 from grader.use_cases.bodies import Instant
-from grader.use_cases.explaining import level_for, told_report
 from grader.use_cases.handing_in import Upload, hand_in, most_upload_bytes
 from grader.use_cases.submissions import ShownSubmission
 from grader.use_cases.visibility import graded
@@ -440,7 +435,7 @@ def read(  # noqa: PLR0913, PLR0917
         is_costly = shown.grading is not None
         costly = services.allowances.costly.one_more(errand.caller, f"submission {submission_id}")
         with costly if is_costly else nullcontext():
-            content = _view(errand, shown, language).model_dump_json()
+            content = _view(shown, language).model_dump_json()
     return Response(content, media_type="application/json", headers=headers)
 
 
@@ -448,7 +443,8 @@ def _headers(shown: ShownSubmission, language: Language, now: datetime) -> dict[
     """Return the headers of a submission's answer. Its weak ETag leaves out the estimate, which always moves."""
     grading = shown.grading
     made = None if grading is None else (grading.sha256, grading.judgements)
-    told = repr((shown.submission, made, shown.position, shown.lateness, shown.explanation, language))
+    said = None if shown.told is None else (shown.told.report.hint, shown.told.steps)
+    told = repr((shown.submission, made, shown.position, shown.lateness, said, language))
     headers = {
         "Content-Language": language,
         "Vary": "Accept-Language, Authorization",
@@ -507,16 +503,11 @@ def read_source(errand: ErrandDep, submission_id: SubmissionId) -> Response:
     return Response(source, media_type=kind, headers=headers)
 
 
-def _view(errand: Errand, read: ShownSubmission, language: Language) -> SubmissionView:
+def _view(read: ShownSubmission, language: Language) -> SubmissionView:
     """Return a submission and its latest grading in `language`."""
     submission, stored, lateness = read.submission, read.grading, read.lateness
-    services = errand.services
-    level = Hints.CHANGE if stored is None else level_for(services, errand.caller, submission)
-    report: Mapping[str, Any] = {}
-    found: Sequence[Step] = ()
-    if stored is not None:
-        report = told_report(services, submission, stored, level).to_dict()
-        found = steps(judged(stored), read.explanation or Explanation(), level)
+    report: Mapping[str, Any] = {} if read.told is None else read.told.report.to_dict()
+    found = () if read.told is None else read.told.steps
     return SubmissionView.of(
         submission,
         status=submission.state,

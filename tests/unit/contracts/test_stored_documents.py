@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
 from grader.contracts.assignment import Assignment, stored_assignment
+from grader.contracts.explanation import Explanation
 from grader.contracts.own_assignment import Examined
 from grader.contracts.record import Record, canonical, to_plain
 from grader.contracts.regrade import ScoreChange, Wanted
@@ -14,7 +15,7 @@ from grader.contracts.report import GradeReport, Measurements
 from grader.grading.examination.reading import Reading
 from tests.unit.checks.shipped import assignment
 
-STORED = (Assignment, Examined, GradeReport, Measurements, Reading, ScoreChange, Wanted)
+STORED = (Assignment, Examined, Explanation, GradeReport, Measurements, Reading, ScoreChange, Wanted)
 GOLDEN = Path(__file__).parents[2] / "golden/stored_fields.json"
 
 
