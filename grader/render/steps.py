@@ -87,7 +87,8 @@ def told(report: GradeReport, explanation: Explanation, level: Hints, own: Mappi
         replace(item, hint=own.get(item.id, EMPTY)) if level is not Hints.CHANGE or item.id in gains else item
         for item in report.items
     )
-    said = (*dict.fromkeys(own.values()), *(_next(step) for step in found))
+    guess = () if explanation.changes or level is not Hints.CHANGE else (report.hint,)
+    said = dict.fromkeys((*own.values(), *(_next(step) for step in found), *guess))
     hint = Text(zh="\n".join(one.zh for one in said), en="\n".join(one.en for one in said))
     if level is not Hints.CHANGE:
         return replace(report, items=items, hint=hint, mistakes=())

@@ -88,8 +88,8 @@ def render_steps(
 ) -> Iterator[RenderableType]:
     """Yield what to do, from what was measured over the line to what to write: the reader may ask for each.
 
-    That is what was tried and gains, or what the run shows, as far as the assignment lets it be told; where nothing
-    gains, the report's hints.
+    That is what was tried and gains, or what the run shows, as far as the assignment lets it be told; and where
+    nothing gains, the report's hints.
     """
     own = own_hints(assignment, report)
     if own and explanation.changes:
