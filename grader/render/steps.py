@@ -15,7 +15,7 @@ _NOTHING_LOST = (ItemStatus.PASSED, ItemStatus.NEEDS_MANUAL)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Step:
+class HintStep:
     """One thing to do; what is not to be told is empty.
 
     Attributes:
@@ -29,21 +29,23 @@ class Step:
     lines: tuple[ChangedText, ...] = ()
 
 
-def steps(report: GradeReport, explanation: Explanation, level: Hints) -> tuple[Step, ...]:
+def steps(report: GradeReport, explanation: Explanation, level: Hints) -> tuple[HintStep, ...]:
     """Return what is told of the changes that were tried, in the order in which they are to be made.
 
     Where none gains: what the run shows, which names a line.
     """
     items, cause = {item.id: item for item in report.items}, explanation.cause
     if not explanation.changes and cause is not None and level is not Hints.FACT:
-        return (Step(fact=cause.text),)
+        return (HintStep(fact=cause.text),)
     return tuple(_step(one, items, level) for one in explanation.changes)
 
 
-def _step(change: ProvenChange, items: Mapping[str, RubricItem], level: Hints) -> Step:
+def _step(change: ProvenChange, items: Mapping[str, RubricItem], level: Hints) -> HintStep:
     gaining = [items[id_] for id_ in change.gains if id_ in items]
     seen = [item for item in gaining if item.status is not ItemStatus.NOT_CHECKED] or gaining
-    step = Step(fact=_fact(seen[0]) if seen else EMPTY)  # the first one: what comes later may follow from it
+    step = HintStep(
+        fact=_fact(seen[0]) if seen else EMPTY
+    )  # the first one: what comes later may follow from it
     if level is Hints.FACT:
         return step
     step = replace(step, line=_line(change))
@@ -96,7 +98,7 @@ def told(report: GradeReport, explanation: Explanation, level: Hints, own: Mappi
     return replace(report, items=items, hint=hint, mistakes=codes or report.mistakes)
 
 
-def _next(step: Step) -> Text:
+def _next(step: HintStep) -> Text:
     """Return a step in one text: a change names its line and what it is about."""
     if step.change != EMPTY:
         return step.change

@@ -12,7 +12,7 @@ from grader.contracts.identity import Caller
 from grader.contracts.judgement import judged
 from grader.contracts.report import GradeReport
 from grader.contracts.submission import StoredReport, Submission
-from grader.render.steps import Step, own_hints, steps, told
+from grader.render.steps import HintStep, own_hints, steps, told
 from grader.store.rules import CourseRules
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import hint_level
@@ -28,8 +28,8 @@ class Told:
     """
 
     report: GradeReport
-    steps: tuple[Step, ...] = ()
-    own: tuple[Step, ...] = ()
+    steps: tuple[HintStep, ...] = ()
+    own: tuple[HintStep, ...] = ()
 
 
 def is_explained(services: Services, submission: Submission, grading: StoredReport | None) -> bool:
@@ -56,7 +56,7 @@ def found(
 
 def told_steps(
     services: Services, caller: Caller, submission: Submission, grading: StoredReport | None
-) -> tuple[Step, ...] | None:
+) -> tuple[HintStep, ...] | None:
     """Return what the caller is told, step by step; None while it is looked for, which this begins if need be.
 
     The teacher's own words go first. Nothing, where nothing was found.
@@ -85,7 +85,7 @@ def told_of(
     return Told(
         report=told(report, explanation, level, own),
         steps=steps(report, explanation, level),
-        own=tuple(Step(fact=hint) for hint in dict.fromkeys(own.values())),
+        own=tuple(HintStep(fact=hint) for hint in dict.fromkeys(own.values())),
     )
 
 

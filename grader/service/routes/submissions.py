@@ -24,7 +24,7 @@ from grader.contracts.text import Language
 from grader.contracts.validation_words import NO_FILE
 from grader.formats.packages.bundle import is_package
 from grader.render.escape import visible
-from grader.render.steps import Step
+from grader.render.steps import HintStep
 from grader.service.requests.dependencies import (
     COSTLY,
     SUBMISSIONS,
@@ -533,7 +533,7 @@ def _links(own: str) -> Links:
     return Links(self=own, report=f"{own}/report", trajectory=f"{own}/trajectory", plot=f"{own}/plot.png")
 
 
-def _step_view(step: Step, language: Language) -> StepView:
+def _step_view(step: HintStep, language: Language) -> StepView:
     return StepView(
         fact=step.fact.get(language),
         line=step.line.get(language),
