@@ -247,6 +247,12 @@ def points_of(specs: Sequence[ItemSpec], measures: Measures) -> float:
     )
 
 
+def earns_all(specs: Sequence[ItemSpec], measures: Measures) -> bool:
+    """Whether measures of one run earn all points that a machine gives."""
+    credits = _credits(specs, measures)
+    return all(credit >= 1.0 for credit in credits.values())
+
+
 def _held(spec: ItemSpec, shares: Mapping[str, float]) -> float:
     """Return how much of an item counts, given the shares that the items before it earned."""
     return (

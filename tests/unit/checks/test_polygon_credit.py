@@ -41,6 +41,21 @@ def all_corners(sides: int, share: float) -> list[Leg]:
     return with_corners(sides, [360.0 / sides * share] * sides)
 
 
+def begun_within(sides: int, share: float) -> list[Leg]:
+    """Begun within a side, of which `share` of the missing part is driven at the end."""
+    first, *rest = polygon_legs(sides, SIDE_M)
+    return [(0.6 * first[0], *first[1:]), *rest, (0.4 * share * first[0], *first[1:])]
+
+
+def approached(sides: int, share: float) -> list[Leg]:
+    """After an approach, the shorter the nearer the share is to 1."""
+    return [(SIDE_M * (1.01 - share), 1.0, 0.0), (0.9, 0.0, -1.0), *polygon_legs(sides, SIDE_M)]
+
+
+def second_lap(sides: int, share: float) -> list[Leg]:
+    return [*polygon_legs(sides, SIDE_M), *all_corners(sides, share)]
+
+
 @pytest.mark.parametrize(("name", "sides"), FIGURES.items())
 def test_a_part_of_the_sides_earns_about_that_part(name: str, sides: int) -> None:
     earned = [score(graded(name, drive(sides_driven(sides, count)))) for count in range(1, sides + 1)]
@@ -69,6 +84,9 @@ def test_the_same_slip_costs_the_same_in_each_figure(name: str, sides: int) -> N
         (one_side, (1.5, 1.4, 1.3, 1.2, 1.15, 1.1, 1.05, 1.0)),
         (one_corner, (0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 1.0)),
         (all_corners, (0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0)),
+        (begun_within, (0.05, 0.2, 0.6, 0.8, 0.9, 0.95, 1.0)),
+        (approached, (-0.5, 0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 1.0)),
+        (second_lap, (0.5, 0.7, 0.8, 0.9, 0.95, 1.0)),
     ],
 )
 def test_nearer_to_the_wanted_figure_never_earns_less(

@@ -3,6 +3,7 @@
 import itertools
 import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,12 +18,12 @@ from grader.checks.kinds.path.driven import (
     end_ns,
     looked_at,
 )
-from grader.checks.kinds.path.mistakes import name_of, named_corner, path_mistakes
+from grader.checks.kinds.path.mistakes import SIZE_FACTOR, name_of, named_corner, other_size, path_mistakes
 from grader.checks.kinds.path.wanted import go_on, track_of
 from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake
 from grader.checks.mistakes import driving_mistakes
-from grader.checks.scoring import fits
-from grader.contracts.assignment import Assignment
+from grader.checks.scoring import earns_all, fits, points_of
+from grader.contracts.assignment import Assignment, WantedPath
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchLabel, SketchSide
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
@@ -43,6 +44,8 @@ MEASURES = {
     "gap_pct": MeasureKind("%"),
     "settled": MeasureKind(form="flag"),
 }
+# Of the size: a path of another size that is off by no more is the wanted one; from twice that on none of it is.
+ALIKE_SHARE = 0.025
 _Pair = Callable[[DrivenStretch], tuple[float, float]]
 _NO_PATH = Text(
     zh="缺少：写上 path 和它的 pieces，例如 pieces: [{line: 2.0}, {turn: 90}]",
@@ -67,26 +70,63 @@ _NO_CORNERS = Text(zh="路径里没有转角：删掉这一项", en="the path ha
 
 
 def measure(assignment: Assignment, run: Run) -> Measures:
-    """Measure how well the driven path is the wanted one."""
-    drive = drive_of(run)
-    if drive is None or assignment.path is None:
+    """Measure how well the driven path is the wanted one.
+
+    Of a path with a size of its own it is measured as well as if any size would do: of the right shape in another
+    size only its lengths and radii are wrong. What earns more counts.
+    """
+    drive, wanted = drive_of(run), assignment.path
+    if drive is None or wanted is None:
         return {}
-    drive, figure = looked_at(drive, assignment.path, assignment.world.start)
+    sized = _measures(*looked_at(drive, wanted, assignment.world.start))
+    resized = None if earns_all(assignment.items, sized) else _resized(assignment, wanted, drive)
+    return resized[1] if resized is not None and _earns_more(assignment, resized[1], sized) else sized
+
+
+def _earns_more(assignment: Assignment, one: Measures, other: Measures) -> bool:
+    return round(points_of(assignment.items, one), 2) > round(points_of(assignment.items, other), 2)
+
+
+def _resized(
+    assignment: Assignment, wanted: WantedPath, drive: Drive
+) -> tuple[Figure, dict[str, Measure]] | None:
+    """Return the wanted path in another size, laid on a drive, and its measures; None where it does not fit."""
+    if wanted.any_scale:
+        return None
+    part, figure = looked_at(drive, replace(wanted, any_scale=True), assignment.world.start)
+    if figure is None or not 1.0 / SIZE_FACTOR < figure.placed.scale < SIZE_FACTOR:
+        return None
+    like = 2.0 - figure.apart_m / figure.size_m / ALIKE_SHARE
+    if like <= 0.0:
+        return None
+    share, why = min(like, 1.0), {"why": say("path.resized")}
+    taken = _measures(part, figure, scale=1.0)
+    less = {name: replace(each, share=share, details={**why, **each.details}) for name, each in taken.items()}
+    return figure, {**less, "distance_m": taken["distance_m"]}
+
+
+def _measures(drive: Drive, figure: Figure | None, scale: float | None = None) -> dict[str, Measure]:
+    """Measure a figure. `scale`: by how much its pieces should be enlarged; None: by as much as the whole path."""
     measures = {"distance_m": Measure(float(np.max(drive.path.along_m))), "settled": _settled(drive, figure)}
     if figure is not None:
         stretches = driven_stretches(figure, drive)
-        measures |= _of_the_whole(figure, _drove_on_m(drive, figure)) | _of_the_pieces(figure, stretches)
+        measures |= _of_the_whole(figure, _drove_on_m(drive, figure))
+        measures |= _of_the_pieces(figure, stretches, figure.placed.scale if scale is None else scale)
     return measures
 
 
 def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
     """Return what probably went wrong."""
-    drive = drive_of(run)
-    if drive is None or assignment.path is None:
+    drive, wanted = drive_of(run), assignment.path
+    if drive is None or wanted is None:
         return driving_mistakes(run, ())
-    drive, figure = looked_at(drive, assignment.path, assignment.world.start)
-    stretches = [] if figure is None else driven_stretches(figure, drive)
-    return driving_mistakes(run, path_mistakes(assignment, run, drive, figure, stretches))
+    part, figure = looked_at(drive, wanted, assignment.world.start)
+    stretches = [] if figure is None else driven_stretches(figure, part)
+    own = path_mistakes(assignment, run, part, figure, stretches)
+    resized = _resized(assignment, wanted, drive)
+    if resized is not None and _earns_more(assignment, resized[1], _measures(part, figure)):
+        own = itertools.chain([other_size(resized[0])], own)
+    return driving_mistakes(run, own)
 
 
 def _settled(drive: Drive, figure: Figure | None) -> Measure:
@@ -123,10 +163,9 @@ def _of_the_whole(figure: Figure, on_m: float) -> dict[str, Measure]:
     }
 
 
-def _of_the_pieces(figure: Figure, stretches: list[DrivenStretch]) -> dict[str, Measure]:
+def _of_the_pieces(figure: Figure, stretches: list[DrivenStretch], scale: float) -> dict[str, Measure]:
     if len(stretches) < len(figure.track.stretches):
         return {}
-    scale = figure.placed.scale
     lines = [each for each in stretches if each.wanted.kind == "line"]
     arcs = [each for each in stretches if each.wanted.kind == "arc"]
     taken = {"corner_error_deg": _corners(figure, stretches)}

@@ -55,7 +55,6 @@ LIKELY = 4  # ways of driving that are matched, those that fit best at equal dis
 THIN = 4  # the matching uses every fourth point: it only chooses among them
 NO_LINE_SHARE = 0.02  # of the path: a corner this near to its end has no line behind it
 REFINED = 2  # rounds of matching and fitting in turn: further ones hardly change anything
-ONE_ARC_SHARE = 0.02  # of the radius: commands that differ by more belong to two arcs
 FINE = 5 * SAMPLES  # points of the driven figure from which pieces are measured
 
 
@@ -313,29 +312,6 @@ def roughly_off(drive: Drive, wanted: WantedPath, start: StartPose) -> float:
     points = exact.paired(path.x_m, path.y_m)
     tried = _tried(points, along, float(along[-1]), tracks(wanted), _Allowed(wanted, start))
     return min((each.residual for each in tried), default=math.inf)
-
-
-def begun_off(drive: Drive, wanted: WantedPath, start: StartPose) -> float:
-    """Return how far the whole drive is off the wanted path's first part of its length, as a share of the size.
-
-    That part is known only where the wanted path has a size of its own: otherwise infinity.
-    """
-    if wanted.any_scale:
-        return math.inf
-    path, allowed = drive.path, _Allowed(wanted, start)
-    along = np.maximum.accumulate(path.along_m)
-    driven = resampled(exact.paired(path.x_m, path.y_m), along, np.linspace(0.0, float(along[-1]), SAMPLES))
-    least = math.inf
-    for way in tracks(wanted):
-        last = min(float(along[-1]) / way.length_m, 1.0) * (len(way.points) - 1)
-        given = resampled(
-            way.points, np.arange(len(way.points), dtype=np.float64), np.linspace(0.0, last, SAMPLES)
-        )
-        for mirrored in (False, True) if wanted.mirror else (False,):
-            placed = allowed.placed(given, driven, mirrored=mirrored)
-            rms_m = exact.root_mean_square(placed.of(given) - driven)
-            least = min(least, rms_m / size_m(way.points))
-    return least
 
 
 def _ends_of_laps(points: Points, along: Floats, least_m: float) -> Iterator[float]:

@@ -12,7 +12,6 @@ from grader.checks.kinds.path.driven import (
     DrivenStretch,
     Figure,
     as_turned_deg,
-    begun_off,
     corners_deg,
     end_ns,
     figure_in,
@@ -79,7 +78,7 @@ class _Seen:
             return False
         if wanted.any_scale:
             return self.figure.covered_share >= self.driven_share - BEGUN_SHARE
-        return begun_off(self.drive, wanted, self.assignment.world.start) < BEGUN_SHARE
+        return self.figure.begun > 0.0
 
     @property
     def is_too_little(self) -> bool:
@@ -202,9 +201,13 @@ def _other_way(seen: _Seen, share: float) -> Mistake | None:
             continue
         left = figure.apart_m / figure.size_m
         if left < LEFT_SHARE * share and not seen.loses("off_pct", 100.0 * left):
-            factor = number(100.0 * figure.placed.scale, "%")
-            return mistake(code, _SHAPE_MEASURES, **({"factor": factor} if code == "path_size" else {}))
+            return other_size(figure) if code == "path_size" else mistake(code, _SHAPE_MEASURES)
     return None
+
+
+def other_size(figure: Figure) -> Mistake:
+    """Say that the path is right but for its size."""
+    return mistake("path_size", _SHAPE_MEASURES, factor=number(100.0 * figure.placed.scale, "%"))
 
 
 def _backwards(seen: _Seen) -> Mistake | None:

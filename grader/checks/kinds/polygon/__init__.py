@@ -44,9 +44,9 @@ MEASURES = {
 }
 
 
-EXTRA_SIDE_SHARE = (
-    2.0 / 3.0
-)  # of the points for the number of sides is left with one too many, half of that with two
+# Of the points for the number of sides: left with one too many; half of it with two.
+EXTRA_SIDE_SHARE = 2.0 / 3.0
+
 _LENGTHS = ("side_spread_pct", "side_error_pct")
 _OF_THE_SIDES = ("corner_deg", "curved_pct", "opposite_corners")
 _OF_THE_FIGURE = ("curved_pct", "opposite_corners", "gap_pct", "settled")
