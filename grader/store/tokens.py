@@ -5,7 +5,7 @@ ends with the token. So whoever gets hold of a browser's cookie has no token. Wh
 same kind of session (`grader.store.identities`).
 
 People type tokens from a slip of paper, so a token is a code of ten characters: 47 random bits. Its digest is one
-that takes time to make (scrypt, some 10 ms), so whoever steals the database alone tries for a thousand years of a
+that takes time to make (scrypt, some 10 ms), so whoever steals the database alone tries for some 150 years of a
 core before they have the first of 300 codes; how often one may guess at a service is bounded by
 `grader.use_cases.callers`. Sessions, and tokens of before there were codes, have 256 random bits: their plain
 digest cannot be searched backwards. Looking up a digest tells nothing about how close a guess was.
