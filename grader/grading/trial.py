@@ -221,7 +221,7 @@ class Search:
 
 def wanted_of(assignment: Assignment, lost: frozenset[str]) -> WantedSizes:
     """Return the sizes that an assignment names: in its options, its path, and the bands of lost items."""
-    from grader.checks.kinds import CHECKS
+    from grader.checks.kinds import CHECKS, OLDER_NAMES
 
     turns, lengths, counts = [], [], []
     options: Mapping[str, object] = assignment.options
@@ -234,7 +234,7 @@ def wanted_of(assignment: Assignment, lost: frozenset[str]) -> WantedSizes:
     for piece in () if assignment.path is None else assignment.path.pieces:
         turns += [abs(piece.angle_deg)] if piece.angle_deg else []
         lengths += [abs(piece.length_m)] if piece.length_m else []
-    measures = CHECKS[assignment.check].measures
+    measures = CHECKS[OLDER_NAMES.get(assignment.check, assignment.check)].measures
     for item in assignment.items:
         kind, low, high = measures.get(item.measure), item.low, item.high
         if kind is None or item.measure not in lost or not low or low < 0.0:

@@ -1,5 +1,7 @@
 """Changes are told only where grading them gains, at another horizon too; what a script forges gains nothing."""
 
+from dataclasses import replace
+
 import pytest
 
 from grader.contracts.explanation import Explanation
@@ -110,3 +112,10 @@ def test_a_script_that_writes_facts_itself_gains_nothing(slot: Slot, frame: byte
     report = grade(slot, "square", forger)
     assert report.score == 0
     assert grade(slot, "square", SQUARE).score == 100
+
+
+def test_an_assignment_that_names_its_check_by_an_older_name_is_explained(slot: Slot) -> None:
+    task = replace(catalog().get("hello"), check="node")
+    source = "import rclpy\nrclpy.init()\nnode = rclpy.create_node('hello node')\nrclpy.spin(node)\n"
+    job = GradingJob(file_name="script.py", source=source.encode(), assignment=task)
+    assert [one.code for one in slot.explain(job).changes] == ["node_name"]
