@@ -10,9 +10,6 @@ from grader.contracts.package import AREAS
 from grader.contracts.scoring import Run
 from grader.messages import say
 
-_MODULES = ("missing_module", "own_module")
-"""Mistakes whose texts speak of the one file that is handed in otherwise."""
-
 MEASURES = {area: MeasureKind(form="flag", of="package") for area in AREAS}
 
 
@@ -50,7 +47,7 @@ def _placed(mistakes: Sequence[Mistake], run: Run) -> Iterator[Mistake]:
     for number, each in enumerate(mistakes):
         if number or error is None or not has_place:
             yield each
-        elif each.code in _MODULES:
+        elif each.code == "missing_module":  # whose text speaks of the one file that is handed in otherwise
             package = (*error.file.split("/"), "")[1]
             values = {"file": error.file, "line": error.line, "problem": error.message, "package": package}
             yield replace(each, text=say("package.missing_module", **values))
