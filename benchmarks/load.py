@@ -219,7 +219,11 @@ def report_gradings(console: Console, gradings: Sequence[dict[str, Any]], bare: 
         done = sum(since < one <= until for one in finished)
         if done >= _ENOUGH:
             rate = done / (until - since)
-            console.print(f"{rate:.1f} gradings/s {when} ({rate / bare:.2f} of the bare loops)")
+            came = sum(since < one <= until for one in received) / (until - since)
+            console.print(
+                f"{rate:.1f} gradings/s {when} ({rate / bare:.2f} of the bare loops;"
+                f" {came / bare:.2f} of them came in, and no more can be graded for long)"
+            )
 
 
 def report_looks(console: Console, busy: Sequence[float], quiet: Looks) -> None:
