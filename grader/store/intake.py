@@ -17,6 +17,7 @@ from sqlalchemy import (
     Select,
     and_,
     bindparam,
+    case,
     delete,
     func,
     insert,
@@ -57,6 +58,8 @@ _COST_WEIGHT = 10
 _MOST_LATELY = 100
 """Bound on the latest and on the waiting submissions of a person that decide about the next one's turn, so that
 an upload costs the same after any number of others."""
+_MOST_EXPLAINED_S = 1.5
+"""What one explanation counts at most: on a busy host it waits for the processor behind everybody."""
 _KEY_LIFE = timedelta(days=7)
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 _OPEN_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
@@ -140,7 +143,11 @@ def _question(of_course: ColumnElement[bool]) -> Select[Any]:
     deciding = union(*parts).subquery()
     tables = ABOUT_FROM.outerjoin(table_of(UploadKeyRow), keyed).outerjoin(deciding, true())
     explained = (
-        select(func.sum(_explanation.took_s))
+        select(
+            func.sum(
+                case((_explanation.took_s > _MOST_EXPLAINED_S, _MOST_EXPLAINED_S), else_=_explanation.took_s)
+            )
+        )
         .join(table_of(SubmissionRow), _row.id == _explanation.submission_id)
         .where(of_course, _row.student == bindparam("student"), _row.finished_at >= since)
         .scalar_subquery()
