@@ -187,8 +187,11 @@ def test_a_car_is_driven_by_keys_and_buttons(student: Browser) -> None:
     assert student.js("return document.activeElement.id") == "view"
     places = {(one.rect["x"], one.rect["y"]) for one in student.all(".pad button")}
     assert len(places) == len(student.all(".pad button"))
+    _press_first(student)
+    student.js(_HOLD, "ArrowDown")
     student.js(_HOLD, "ArrowUp")
-    student.until(lambda: not student.says("#place").startswith("x 5.54 m"))
+    student.js(_RELEASE, "ArrowDown")  # the other one is still held
+    student.until(lambda: float(student.says("#place").split()[1]) > 6.5)
     student.js(_RELEASE, "ArrowUp")
     student.one(".pad .left").send_keys(Keys.ENTER)
     student.until(lambda: not student.says("#place").endswith(" 0°"))
@@ -201,6 +204,29 @@ def test_a_car_is_driven_by_keys_and_buttons(student: Browser) -> None:
     assert student.js("return document.documentElement.scrollWidth") <= PHONE[0]
 
 
+def _press_first(student: Browser) -> None:
+    """Press a button while the view has the focus, as after loading: it drives until it is let go."""
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    forward = student.one(".pad [data-v='1'][data-w='0']")
+    student.js(_NOTE_COMMANDS)
+    ActionChains(student.driver).click_and_hold(forward).perform()
+    student.until(lambda: not student.says("#place").startswith("x 5.54 m"))
+    assert set(student.js("return window.commanded")) == {1}
+    ActionChains(student.driver).release().perform()
+    assert student.js("return window.commanded.at(-1)") == 0
+    student.js("document.getElementById('view').focus()")
+
+
+_NOTE_COMMANDS = """
+    window.commanded = [];
+    const send = WebSocket.prototype.send;
+    WebSocket.prototype.send = function (frame) {
+        const { op, msg } = JSON.parse(frame);
+        if (op === "publish") window.commanded.push(msg.linear.x);
+        return send.call(this, frame);
+    };
+"""
 _HOLD = (
     "document.activeElement.dispatchEvent(new KeyboardEvent('keydown', {key: arguments[0], bubbles: true}))"
 )

@@ -21,6 +21,7 @@ let socket = null;
 let serial = 0;
 const answers = new Map();
 let repeating = 0;
+let held = ""; // what drives: a key, or "button"
 let painting = 0;
 
 function say(text) {
@@ -44,16 +45,18 @@ function command(v, w) {
   send({ op: "publish", topic: "/turtle1/cmd_vel", type: "geometry_msgs/msg/Twist", msg: message });
 }
 
-/** Drive until `halt`. */
-function drive(v, w) {
+/** Drive as long as `by` is held, until `halt`. */
+function drive(by, v, w) {
   window.clearInterval(repeating);
   command(v, w);
+  held = by;
   repeating = v === 0 && w === 0 ? 0 : window.setInterval(() => command(v, w), COMMAND_MS);
 }
 
-function halt() {
-  if (repeating) {
-    drive(0, 0);
+/** Stop what `by` drives. A press of a button takes the focus from the view: that must not stop what it has begun. */
+function halt(by) {
+  if (repeating && held === by) {
+    drive("", 0, 0);
   }
 }
 
@@ -218,7 +221,7 @@ function connect(url) {
   socket.addEventListener("message", received);
   socket.addEventListener("close", () => {
     window.clearInterval(listing);
-    halt();
+    halt(held);
     answers.clear();
     say(find("drive").hidden ? words.lost : words.ended);
     find("drive").hidden = true;
@@ -248,26 +251,27 @@ find("start").addEventListener("submit", async (event) => {
 
 // the controls
 
+const nameOf = ({ key }) => (key.length === 1 ? key.toLowerCase() : key);
 view.addEventListener("keydown", (event) => {
-  const wanted = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+  const wanted = KEYS[nameOf(event)];
   if (wanted && !event.ctrlKey && !event.altKey && !event.metaKey) {
     event.preventDefault();
     if (!event.repeat) {
-      drive(...wanted);
+      drive(nameOf(event), ...wanted);
     }
   }
 });
-view.addEventListener("keyup", halt);
-view.addEventListener("blur", halt);
-document.addEventListener("visibilitychange", halt);
+view.addEventListener("keyup", (event) => halt(nameOf(event)));
+view.addEventListener("blur", () => held !== "button" && halt(held));
+document.addEventListener("visibilitychange", () => halt(held));
 
 document.querySelectorAll(".pad button").forEach((button) => {
   const wanted = [Number(button.dataset.v), Number(button.dataset.w)];
   button.addEventListener("pointerdown", (event) => {
     button.setPointerCapture(event.pointerId);
-    drive(...wanted);
+    drive("button", ...wanted);
   });
-  ["pointerup", "pointercancel", "lostpointercapture"].forEach((name) => button.addEventListener(name, halt));
+  ["pointerup", "pointercancel", "lostpointercapture"].forEach((name) => button.addEventListener(name, () => halt("button")));
   button.addEventListener("contextmenu", (event) => event.preventDefault());
   button.addEventListener("click", (event) => {
     if (event.detail === 0) { // by the keyboard: a command drives for a second
