@@ -353,6 +353,9 @@ def test_the_sketch_shows_the_wanted_path_where_it_fits() -> None:
     shown = sketch(assignment("figure_eight"), run_of(drive(legs([EIGHT[0], ("arc", -360.0, 1.3)]))))
     assert [(label.text.en, label.ok) for label in shown.labels] == [("r = 1 m", True), ("r = 1.3 m", False)]
     assert len(shown.ideal_m) > 100
+    assert math.dist(shown.ideal_m[0], (5.544, 5.544)) < 0.01  # from where the car set out
+    first = shown.ideal_m[: len(shown.ideal_m) // 2]
+    assert max(abs(math.dist(point, (5.544, 6.544)) - 1.0) for point in first) < 0.05
     lines = sketch(assignment("right_triangle"), run_of(drive(legs(TRIANGLE))))
     assert [round(side.length_m, 2) for side in lines.sides] == [2.0, 2.0, 2.83]
     assert [round(corner.angle_deg) for corner in lines.corners] == [90, 135]

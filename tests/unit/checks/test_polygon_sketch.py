@@ -18,7 +18,13 @@ def test_the_plot_shows_sides_corners_and_the_fitted_figure() -> None:
     assert len(shown.ideal_m) == 4
     edges = [math.dist(shown.ideal_m[i], shown.ideal_m[i - 1]) for i in range(4)]
     assert max(edges) - min(edges) < 1e-9
-    assert 2.0 < edges[0] < 2.4
+    assert edges[0] == pytest.approx(2.0, abs=0.01)  # as the sides that are compared with the median
+    assert shown.ideal_m[0] == shown.sides[0].start_m  # where the car set out, and ahead of it
+    ahead = [
+        math.atan2(b[1] - a[1], b[0] - a[0])
+        for a, b in [shown.ideal_m[:2], (shown.sides[0].start_m, shown.sides[0].end_m)]
+    ]
+    assert ahead[0] == pytest.approx(ahead[1])
     assert shown.gap is not None
     assert shown.gap.length_m == pytest.approx(0.4, abs=0.02)
 
@@ -46,3 +52,14 @@ def test_the_fitted_figure_of_one_begun_in_the_middle_of_a_side() -> None:
     assert len(shown.sides) == 5
     assert math.dist(shown.ideal_m[0], shown.ideal_m[1]) == pytest.approx(2.0, abs=0.02)
     assert math.dist(shown.ideal_m[0], shown.sides[0].end_m) < 0.02
+
+
+def test_the_first_error_shows_first() -> None:
+    """A first corner of 80 degrees leaves the first side on the wanted figure, and nothing after it."""
+    legs = [*polygon_legs(4)]
+    legs[2] = (math.radians(80), 0.0, 1.0)
+    shown = sketch(assignment("square"), run_of(drive(legs)))
+    apart = [math.dist(wanted, side.start_m) for wanted, side in zip(shown.ideal_m, shown.sides, strict=True)]
+    assert apart[0] == 0.0
+    assert apart[1] < 0.03
+    assert apart[2] > 0.3

@@ -28,8 +28,11 @@ from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchLab
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
 from grader.geometry import exact
+from grader.geometry.exact import Points
 from grader.messages import say
 from grader.messages.quantity import number
+
+_BEGINNING = 3  # points on, in whose direction a path begins: before any piece ends
 
 MEASURES = {
     "distance_m": MeasureKind("m"),
@@ -230,7 +233,7 @@ def _touch(stretches: Sequence[DrivenStretch]) -> Measure:
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
-    """Return the wanted path where it fits best, and the driven pieces with their lengths, corners and radii."""
+    """Return the wanted path from where the car set out, and the driven pieces with lengths, corners and radii."""
     drive = drive_of(run)
     figure = None
     if drive is not None and assignment.path is not None:
@@ -242,13 +245,23 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
         view="path",
         sides=tuple(_side(assignment, each, scale) for each in stretches if each.wanted.kind == "line"),
         corners=_sketched_corners(assignment, figure, stretches),
-        ideal_m=tuple(_point(point) for point in figure.wanted.tolist()),
+        ideal_m=tuple(_point(point) for point in _from_the_start(figure).tolist()),
         ideal_closed=False,
         labels=tuple(
             _radius_label(assignment, each, scale) for each in stretches if not math.isnan(each.radius_m)
         ),
         end_ns=end_ns(figure, drive),
     )
+
+
+def _from_the_start(figure: Figure) -> Points:
+    """Return the wanted path, begun as the driven one is, so that the first error shows first."""
+    wanted, driven = figure.wanted - figure.wanted[0], figure.driven - figure.driven[0]
+    if wanted[_BEGINNING] == 0 or driven[_BEGINNING] == 0:
+        return figure.wanted
+    turn = complex(driven[_BEGINNING]) * complex(wanted[_BEGINNING]).conjugate()
+    start = complex(figure.driven[0])
+    return start + exact.turned(wanted, turn / exact.magnitude(turn))
 
 
 def _side(assignment: Assignment, one: DrivenStretch, scale: float) -> SketchSide:

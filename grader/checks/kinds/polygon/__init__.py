@@ -331,28 +331,24 @@ def _point(trajectory: Trajectory, index: int) -> Point:
 
 
 def ideal_polygon(points: list[Point], figure: PolygonFigure, wanted: WantedPolygon) -> tuple[Point, ...]:
-    """Fit the wanted polygon with the driven sense of turning.
+    """Lay the wanted polygon where the car set out, along its first side, so that the first error shows first.
 
-    With as many sides driven as wanted it is the least-squares fit over the vertices (a similarity, solved
-    as one complex ratio); otherwise it stands on the first driven side.
+    It has the driven sense of turning, and the wanted size; where that is free, the size of the median side.
     """
     if len(points) < 2 or points[0] == points[1]:
         return ()
     begun_in_a_side = len(points) == len(figure.sides_m) + 2  # then start and end are no vertices
-    driven = np.array([complex(*point) for point in (points[1:-1] if begun_in_a_side else points[:-1])])
+    corner = complex(*points[1 if begun_in_a_side else 0])
     shape = np.array(wanted.vertices(_first_length_m(figure, wanted, later=begun_in_a_side)))
     if exact.total(figure.corners_rad) < 0.0:
         shape = np.conj(shape)
-    if len(driven) == wanted.sides:
-        shape = shape - exact.middle(shape)
-        centre = exact.middle(driven)
-        scale = exact.correlation(shape, driven - centre) / exact.correlation(shape, shape).real
-    else:
-        scale = complex((driven[1] if len(driven) > 1 else complex(*points[1])) - driven[0]) / complex(
-            shape[1] - shape[0]
-        )
-        centre = complex(driven[0]) - scale * complex(shape[0])
-    return tuple((float(vertex.real), float(vertex.imag)) for vertex in centre + exact.turned(shape, scale))
+    first = complex(*points[1]) - complex(*points[0])
+    along = complex(
+        shape[0] - shape[-1] if begun_in_a_side else shape[1] - shape[0]
+    )  # the same side, as wanted
+    scale = first / exact.magnitude(first) * along.conjugate() / exact.magnitude(along)
+    scale *= 1.0 if wanted.lengths_m is not None else median(figure.sides_m)
+    return tuple((float(one.real), float(one.imag)) for one in corner + exact.turned(shape - shape[0], scale))
 
 
 def _first_length_m(figure: PolygonFigure, wanted: WantedPolygon, *, later: bool) -> float | None:
