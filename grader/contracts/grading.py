@@ -84,14 +84,15 @@ class Preflight(Protocol):
     """Looks at a file without running it."""
 
     def check(
-        self, source: bytes, file_name: str, busy: Callable[[float], None] = ...
+        self, source: bytes, file_name: str, busy: Callable[[float], None] = ..., *, patience_s: float = ...
     ) -> SyntaxProblem | None:
         """Compile `source` in a confined process; return what is wrong with it, or None.
 
-        `busy` is told for how many seconds the process was busy with it, without what the check had to wait.
+        `busy` is told for how many seconds the process was busy with it, without what the check had to wait,
+        at most `patience_s`.
 
         Raises:
-            InfrastructureError: the check itself could not be done.
+            InfrastructureError: the check itself could not be done, or not in time.
         """
 
 

@@ -22,7 +22,7 @@ from grader.sim.frames import SYNTAX_ERROR, Exit
 from grader.sim.wire import PROTOCOL, decode, encode_start
 
 _LIMITS: Final = Limits(cpu_s=2.0, wall_s=20.0)
-_PATIENCE_S: Final = 60.0  # more than a check, and preparing the next process, may take
+PATIENCE_S: Final = 60.0  # more than a check, and preparing the next process, may take
 _SHOWN_INDENT: Final = 4
 _TOO_MUCH: Final = "this file is too much for the Python compiler (nested too deeply, or too large)"
 
@@ -35,7 +35,12 @@ class NoPreflight:
     """Accepts every text: its syntax is then checked where it is graded, and reported as ``syntax_error``."""
 
     def check(
-        self, source: bytes, file_name: str, busy: Callable[[float], None] = _ignored
+        self,
+        source: bytes,
+        file_name: str,
+        busy: Callable[[float], None] = _ignored,
+        *,
+        patience_s: float = PATIENCE_S,
     ) -> SyntaxProblem | None:
         """Return None."""
         return None
@@ -53,19 +58,25 @@ class SandboxPreflight:
             self._behind.submit(self._make_ready, sandbox)
 
     def check(
-        self, source: bytes, file_name: str, busy: Callable[[float], None] = _ignored
+        self,
+        source: bytes,
+        file_name: str,
+        busy: Callable[[float], None] = _ignored,
+        *,
+        patience_s: float = PATIENCE_S,
     ) -> SyntaxProblem | None:
         """Compile `source` in a confined process; return what is wrong with it, or None.
 
-        `busy` is told for how many seconds the process was busy with it, without what the check had to wait.
+        `busy` is told for how many seconds the process was busy with it, without what the check had to wait, at
+        most `patience_s`.
 
         Raises:
             InfrastructureError, SandboxError: the check itself could not be done.
         """
         try:
-            sandbox = self._idle.get(timeout=_PATIENCE_S)
+            sandbox = self._idle.get(timeout=patience_s)
         except queue.Empty:
-            raise InfrastructureError(f"no syntax check was free for {_PATIENCE_S:.0f} s") from None
+            raise InfrastructureError(f"no syntax check was free for {patience_s:.0f} s") from None
         jail: Jail | None = None
         begun_s = time.monotonic()
         try:

@@ -703,7 +703,20 @@ class ToldRow(_Row, table=True):
     state: str = Field(max_length=SHA256_LENGTH)
 
 
+class DraftRow(_Row, table=True):
+    """What a member of a course was last writing for an assignment."""
+
+    __table_args__ = (_of_member(),)
+
+    course: str = Field(primary_key=True, max_length=64)
+    person: str = Field(primary_key=True, max_length=64)
+    assignment: str = Field(primary_key=True, max_length=64)
+    text: str = Field(sa_column=text_column())
+    saved_at: datetime = Field(sa_column=instant_column())
+
+
 OF_MEMBERS: Final = (
+    DraftRow,
     NoticeRow,
     ToldRow,
     PlatformScoreRow,

@@ -33,6 +33,7 @@ _UPLOADS_AT_ONCE = 2  # a file, and the same once more by a client that got no a
 _SIGN_INS_AT_ONCE = 8  # of each provider; the service has forty threads for requests
 _GUESSES_OF_ADDRESS, _GUESSES = 60, 600  # wrong codes a minute; a class at one address mistypes fewer
 _TESTS_PER_MINUTE = 5  # bots take 20
+_DRAFTS_PER_MINUTE = 30
 _SOON_S = 1  # until one of the answers under way has probably been sent
 
 
@@ -281,7 +282,7 @@ class Allowances:
         costly: of each student's requests whose answers take much time to make.
         sign_ins: of those that wait for one provider, which may be slow.
         tests: of each course's messages that only try where notices go.
-        practice, practice_at_once: of each person's practice runs.
+        practice, practice_at_once: of each person's practice runs. drafts: kept while somebody writes.
     """
 
     requests: RateLimit
@@ -293,6 +294,7 @@ class Allowances:
     tests: RateLimit
     practice: RateLimit
     practice_at_once: AtOnce
+    drafts: RateLimit
 
     @classmethod
     def of(cls, settings: Settings, clock: Clock) -> Self:
@@ -307,6 +309,7 @@ class Allowances:
             tests=RateLimit(_TESTS_PER_MINUTE, clock),
             practice=RateLimit(settings.practice_per_minute, clock),
             practice_at_once=AtOnce(1),
+            drafts=RateLimit(_DRAFTS_PER_MINUTE, clock),
         )
 
     def request(self, caller: Caller) -> None:

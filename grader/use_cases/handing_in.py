@@ -230,7 +230,7 @@ def _check_syntax(services: Services, owner: str, source: bytes, file_name: str)
         _log.warning("a file was taken without a look at its syntax: %s", error)
         return  # no fault of the file: grading will look at it again
     if problem is not None:
-        raise _syntax_error(problem, file_name)
+        raise syntax_refusal(problem, file_name)
 
 
 def too_large(limit: int) -> RefusedError:
@@ -244,7 +244,8 @@ def too_large(limit: int) -> RefusedError:
     )
 
 
-def _syntax_error(problem: SyntaxProblem, file_name: str) -> RefusedError:
+def syntax_refusal(problem: SyntaxProblem, file_name: str) -> RefusedError:
+    """Return the refusal of a file that is not Python, in a beginner's words."""
     kind, _, message = visible_line(problem.message, _LONGEST_LINE).partition(": ")
     shown = f'  File "{file_name}", line {problem.line}\n    {problem.text.strip()}\n'
     error = StudentError(type=kind, message=message or kind, line=problem.line, traceback=shown)

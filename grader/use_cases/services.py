@@ -29,6 +29,7 @@ from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.explanations import Explanations
+from grader.store.drafts import Drafts
 from grader.store.identities import Identities
 from grader.store.intake import Intake
 from grader.store.judgements import Judgements
@@ -113,6 +114,7 @@ class Services:
     judgements: Judgements
     comments: Comments
     phrases: Phrases
+    drafts: Drafts
     appeals: Appeals
     dashboard: Dashboard
     costs: Costs
@@ -204,6 +206,7 @@ def _stores(database: Database, clock: Clock) -> dict[str, Any]:
         "judgements": Judgements(database),
         "comments": Comments(database),
         "phrases": Phrases(database),
+        "drafts": Drafts(database),
         "appeals": Appeals(database),
         "dashboard": Dashboard(database, clock),
         "rules": StoredRules(database),

@@ -3,6 +3,7 @@
 import os
 import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -85,6 +86,69 @@ def test_a_script_is_written_run_mended_and_handed_in(student: Browser, course: 
     assert "100 / 100" in student.says("#score")
 
 
+def _marks(browser: Browser) -> list[str]:
+    said = "return [...document.getElementById('editor').shadowRoot.querySelectorAll('.cm-said')]"
+    return browser.js(f"{said}.map((one) => one.textContent)")
+
+
+def test_what_is_written_is_kept_and_python_says_what_it_does_not_take(student: Browser) -> None:
+    _write(student, "x = 1\nif x = 2:\n    pass\n")
+    student.until(lambda: student.says("#kept") == "Saved.")
+    student.until(lambda: _marks(student))
+    assert "==" in _marks(student)[0]
+    _write(student, "kept = 1\n")
+    student.until(lambda: not _marks(student))
+    _write(student, "left = 2\n")  # kept as the page is left
+    student.open("/assignments/square")
+    student.open(PAGE)
+    student.until(lambda: _content(student))
+    assert _content(student).text.strip() == "left = 2"
+    student.open("/assignments/straight/practice?lang=en")
+    student.until(lambda: _content(student))
+    assert "import rclpy" in _content(student).text  # of its own
+
+
+def test_an_attempt_is_mended_where_it_failed(student: Browser, course: School, tmp_path: Path) -> None:
+    wrong = tmp_path / "drive.py"
+    wrong.write_text("import rclpy\nrclpy.init()\nnobody()\n")
+    student.hand_in("square", wrong)
+    hinted = student.one(".next a[href='#L3']")
+    assert "3" in hinted.text
+    student.click(".actions a[href*='mend=']")
+    student.until(lambda: _content(student) and _marks(student))
+    assert "nobody()" in _content(student).text
+    assert "NameError" in _marks(student)[0]
+    assert student.js("return location.search") == ""
+    _write(student, "else_ = 1\n")
+    student.one("#last").click()
+    student.until(lambda: "nobody()" in _content(student).text)
+
+
+def test_names_of_rclpy_are_completed(student: Browser) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    _write(student, "import rclpy\nfrom geometry_msgs.msg import ")
+    content = _content(student)
+    content.send_keys("Twi")
+    student.until(lambda: "Twist" in _suggestions(student))
+    student.until(lambda: content.send_keys(Keys.TAB) or not _suggestions(student))
+    content.send_keys(Keys.ENTER, "self.create_pub")
+    student.until(lambda: _suggestions(student) == ["create_publisher"])
+    student.until(lambda: content.send_keys(Keys.TAB) or not _suggestions(student))
+    content.send_keys("()", Keys.ENTER, "rclpy.spin_u")
+    student.until(lambda: _suggestions(student) == ["spin_until_future_complete"])
+    content.send_keys(Keys.ENTER)  # a new line, and nothing that was not typed
+    assert content.text.split("\n")[1:4] == [
+        "from geometry_msgs.msg import Twist", "self.create_publisher()", "rclpy.spin_u",
+    ]  # fmt: skip
+
+
+def _suggestions(browser: Browser) -> list[str]:
+    root = "document.getElementById('editor').shadowRoot"
+    listed = f"return [...{root}.querySelectorAll('.cm-tooltip-autocomplete li')]"
+    return browser.js(f"{listed}.map((one) => one.textContent)")
+
+
 @pytest.mark.slow
 def test_what_is_refused_is_told_and_not_called_a_lost_connection(student: Browser) -> None:
     from selenium.webdriver.common.keys import Keys
@@ -141,8 +205,10 @@ def test_it_is_used_without_a_mouse(student: Browser) -> None:
 
     student.js("document.getElementById('editor').shadowRoot.querySelector('.cm-content').focus()")
     ActionChains(student.driver).key_down(Keys.CONTROL).send_keys("a").key_up(Keys.CONTROL).perform()
-    press("mistyped", Keys.ESCAPE, Keys.TAB)
-    assert student.js("return document.activeElement.id") == "run"
+    press("mistyped", Keys.ESCAPE, Keys.ESCAPE)  # suggestions, then the editor
+    ActionChains(student.driver).key_down(Keys.SHIFT).send_keys(Keys.TAB).key_up(Keys.SHIFT).perform()
+    assert student.js("return document.activeElement.id") == "reset"
+    student.js("document.getElementById('run').focus()")
     press(Keys.ENTER)
     student.until(lambda: "NameError" in student.says("#result"))
     press(Keys.TAB)

@@ -310,7 +310,12 @@ class FakePreflight:
         self.busy_s = 0.0
 
     def check(
-        self, source: bytes, file_name: str, busy: Callable[[float], None] = lambda _: None
+        self,
+        source: bytes,
+        file_name: str,
+        busy: Callable[[float], None] = lambda _: None,
+        *,
+        patience_s: float = 0.0,
     ) -> SyntaxProblem | None:
         if self.fault is not None:
             raise self.fault

@@ -23,6 +23,7 @@ from grader.render.labels import status_word
 from grader.service.web import forms
 from grader.service.web.access import LANGUAGE_COOKIE, language_of, visitor_of
 from grader.service.web.compiled import CompiledTemplates
+from grader.service.web.line_links import linked
 from grader.service.web.static_files import address
 
 FOLDER = Path(__file__).parent
@@ -108,9 +109,9 @@ def _shown(value: object) -> object:
     return value
 
 
-def _local(instant: datetime, zone: str) -> str:
+def _local(instant: datetime, zone: str, form: str = "%Y-%m-%d %H:%M") -> str:
     """Return an instant on the clock of a time zone: what is due says so everywhere alike."""
-    return instant.astimezone(ZoneInfo(zone)).strftime("%Y-%m-%d %H:%M")
+    return instant.astimezone(ZoneInfo(zone)).strftime(form)
 
 
 def _megabytes(number: int) -> str:
@@ -129,6 +130,7 @@ def _environment() -> Environment:
     environment.filters["points"] = quantity.points
     environment.filters["number"] = quantity.exact
     environment.filters["local"] = _local
+    environment.filters["linked"] = linked
     environment.globals.update(status_word=status_word, megabytes=_megabytes, static=address())
     return environment
 

@@ -5,6 +5,8 @@ Everything here is still raw text; the templates escape it.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import groupby
+from operator import attrgetter
 from typing import Any
 
 from grader.contracts.assignment import Assignment
@@ -33,7 +35,20 @@ from grader.render.labels import (
     word,
 )
 
-_REPLAY_WORDS = ("play", "pause", "time", "still", "plan", "v", "w", "turned", "heading", "command", "times")
+_REPLAY_WORDS = (
+    "play",
+    "pause",
+    "time",
+    "still",
+    "plan",
+    "v",
+    "w",
+    "turned",
+    "heading",
+    "command",
+    "times",
+    "lasting",
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,13 +93,14 @@ class RunError:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LogLine:
-    """One log message, its time in virtual seconds."""
+    """A log message, and how often it came in a row; the time is the first one's, in virtual seconds."""
 
     seconds: str
     level: str
     severe: bool
     name: str
     message: str
+    times: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -272,7 +288,7 @@ def _run(run: CaseRun, assignment: Assignment | None, language: Language) -> Run
         error=outcome.error,
         detail=explained(outcome.status, outcome.detail).get(language),
         notes=_notes(outcome, language),
-        logs=tuple(_log(record) for record in outcome.logs[:SHOWN_LOGS]),
+        logs=_logs(outcome.logs[:SHOWN_LOGS]),
         logs_dropped=outcome.logs_dropped + max(0, len(outcome.logs) - SHOWN_LOGS),
         stdout=stream_text(without_logs(outcome.stdout, outcome.logs[:SHOWN_LOGS])),
         stderr=stream_text(without_logs(outcome.stderr, outcome.logs[:SHOWN_LOGS])),
@@ -290,14 +306,21 @@ def _notes(outcome: RunOutcome, language: Language) -> tuple[str, ...]:
     return tuple(dict.fromkeys(sentences))
 
 
-def _log(record: LogRecord) -> LogLine:
-    return LogLine(
-        seconds=f"{record.t_ns * 1e-9:.3f}",
-        level=record.level_name,
-        severe=record.level >= 40,
-        name=record.name,
-        message=record.message,
-    )
+def _logs(records: Sequence[LogRecord]) -> tuple[LogLine, ...]:
+    lines = []
+    for (level, name, message), same in groupby(records, key=attrgetter("level_name", "name", "message")):
+        first, *others = same
+        lines.append(
+            LogLine(
+                seconds=f"{first.t_ns * 1e-9:.3f}",
+                level=level,
+                severe=first.level >= 40,
+                name=name,
+                message=message,
+                times=1 + len(others),
+            )
+        )
+    return tuple(lines)
 
 
 def stream_text(stream: Stream) -> StreamText:

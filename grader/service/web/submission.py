@@ -39,6 +39,7 @@ from grader.service.web.access import (
 )
 from grader.service.web.comparison import DiffLine, changes
 from grader.service.web.forms import OWN_FORM
+from grader.service.web.line_links import lines_named
 from grader.service.web.pages import fragment, page
 from grader.service.web.result import (
     StreamText,
@@ -55,6 +56,7 @@ from grader.use_cases import appealing, commenting, explaining, recordings, subm
 from grader.use_cases.assignments import item_title, published, terms_of
 from grader.use_cases.following import Subject, SubjectWatch
 from grader.use_cases.judging import judged_items, may_correct
+from grader.use_cases.practising import may_practise
 from grader.use_cases.regrading import look_at_changes
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import hiding
@@ -96,6 +98,9 @@ def read(errand: KnownDep, submission_id: SubmissionId, case: Case = None, *, sa
         explained=explaining.is_explained(errand.services, submission, found.grading),
         hiding=hiding(errand.services, submission),
         same=same,
+        mendable=assignment is not None
+        and errand.services.practice.offered
+        and may_practise(errand.services, errand.caller, assignment),
         corrections=_corrections(errand, submission, found.grading),
         source=_source(errand.services, submission, found.grading),
         line_of=lambda error: _line_of(errand.services, submission, error),
@@ -354,7 +359,7 @@ def _result(
     errand: PageErrand, assignment: Assignment | None, stored: StoredReport | None, case: str | None
 ) -> dict[str, Any]:
     if stored is None:
-        return {"result": None, "replay": False}
+        return {"result": None, "replay": False, "hinted": ()}
     language = errand.language
     report = judged(stored)
     run = report.run_of(case)
@@ -368,6 +373,7 @@ def _result(
     in_room = assignment is not None and assignment.world.kind == "robot"
     return {
         "result": result,
+        "hinted": lines_named(result.hint),
         "pictures": [part for part in result.runs if in_room and part.case in stored.cases],
         "run": run,
         "cut": _cut_output(errand.services, stored),

@@ -4,15 +4,17 @@ const SAME = 1e-9;
 const LATE_S = 5e-4; // log lines are written to the millisecond
 
 export class Moments {
-  /** `jump(seconds)` is called when somebody chooses a line. */
-  constructor(holder, motion, words, jump) {
+  /** `published`: how many commands the script sent. `jump(seconds)` is called when somebody chooses a line. */
+  constructor(holder, motion, words, published, jump) {
     this.frame = holder.querySelector(".log");
     const list = this.frame.querySelector("ol");
     this.now = null;
     const logs = [...list.children].map((line) => ({ t: Number(line.dataset.t), line }));
-    const commands = stretches(motion.commands)
+    // the recording has one command for each update: where there were more, it does not know which were how many
+    const isWhole = published === motion.commands.length;
+    const commands = stretches(motion.commands, motion.end)
       .slice(0, MOST_COMMANDS)
-      .map((stretch) => ({ t: stretch.t, line: commandLine(stretch, words) }));
+      .map((stretch) => ({ t: stretch.t, line: commandLine(stretch, words, isWhole) }));
     this.lines = [...logs, ...commands].sort((one, other) => one.t - other.t);
     for (const { t, line } of this.lines) {
       const button = document.createElement("button");
@@ -79,7 +81,7 @@ export class Moments {
 }
 
 /** Equal commands after each other, as one. */
-function stretches(commands) {
+function stretches(commands, end) {
   const found = [];
   for (const { t, v, w } of commands) {
     const last = found.at(-1);
@@ -89,16 +91,16 @@ function stretches(commands) {
       found.push({ t, v, w, count: 1 });
     }
   }
-  return found;
+  return found.map((one, i) => ({ ...one, until: found[i + 1]?.t ?? end }));
 }
 
-function commandLine({ t, v, w, count }, words) {
+function commandLine({ t, v, w, count, until }, words, isWhole) {
   const line = document.createElement("li");
   line.className = "command";
   const number = (value) => String(Number(value.toFixed(3)));
   const text = words.command.replace("{v}", number(v)).replace("{w}", number(w));
-  const times = count > 1 ? ` ${words.times.replace("{count}", String(count))}` : "";
-  line.append(piece("t", `${t.toFixed(3)} s`), " ", piece("what", text + times));
+  const counted = isWhole ? words.times.replace("{count}", String(count)) : words.lasting.replace("{seconds}", (until - t).toFixed(2));
+  line.append(piece("t", `${t.toFixed(3)} s`), " ", piece("what", text + (count > 1 ? ` ${counted}` : "")));
   return line;
 }
 

@@ -31,6 +31,7 @@ export class Plan {
     this.motion = motion;
     this.sketch = sketch;
     this.words = words;
+    this.other = null; // the motion of another attempt
   }
 
   /** Draw everything anew at `width` CSS pixels. */
@@ -40,7 +41,8 @@ export class Plan {
     const regions = sketch.regions ?? [];
     const solids = sketch.solids ?? [];
     const commanded = sketch.commanded_m ?? []; // where the turtle drove another path
-    const shown = [...ideal, ...commanded, ...[...regions, ...solids].flatMap((each) => each.outline_m)];
+    const other = this.other?.x.map((x, i) => [x, this.other.y[i]]) ?? [];
+    const shown = [...ideal, ...commanded, ...other, ...[...regions, ...solids].flatMap((each) => each.outline_m)];
     const [left, right] = bounds([...motion.x, ...shown.map(([x]) => x)]);
     const [bottom, top] = bounds([...motion.y, ...shown.map(([, y]) => y)]);
     const extent = Math.max(right - left, top - bottom, LEAST_EXTENT_M) * 1.08;
@@ -58,6 +60,9 @@ export class Plan {
     this.regions(regions);
     if (commanded.length) {
       add(this.svg, "path", { class: "commanded", d: trace(commanded.map((point) => this.place(point))).path });
+    }
+    if (other.length) {
+      add(this.svg, "path", { class: "other", d: trace(other.map((point) => this.place(point)), (i) => this.other.jumps.has(i)).path });
     }
     const points = motion.t.map((_, i) => this.place([motion.x[i], motion.y[i]]));
     this.track = trace(points, (i) => motion.jumps.has(i));

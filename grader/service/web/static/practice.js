@@ -5,6 +5,9 @@ import {
   bracketMatching, defaultKeymap, drawSelection, EditorState, EditorView, HighlightStyle, highlightActiveLine, history,
   historyKeymap, indentOnInput, indentUnit, indentWithTab, keymap, lineNumbers, pythonLanguage, syntaxHighlighting, tags,
 } from "./codemirror.js";
+import { completion } from "./completion.js";
+import { Draft } from "./draft_kept.js";
+import { mark, marks } from "./marks.js";
 import { show } from "./replay.js";
 
 const form = document.getElementById("practice");
@@ -17,6 +20,7 @@ const virtualTime = document.getElementById("virtual-time");
 const refused = document.getElementById("refused");
 const result = document.getElementById("result");
 const words = JSON.parse(form.dataset.words);
+const opened = JSON.parse(form.dataset.opened);
 const starter = plain.value;
 
 const colours = HighlightStyle.define([
@@ -34,25 +38,12 @@ const look = EditorView.theme({
   ".cm-content": { caretColor: "var(--ink)" },
   ".cm-cursor": { borderLeftColor: "var(--ink)" },
   "&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground": { backgroundColor: "var(--good-tint)" },
+  ".cm-wrong": { backgroundColor: "var(--bad-tint)" },
+  ".cm-said": { color: "var(--bad)", fontFamily: "var(--sans, sans-serif)", padding: "0 0 .25rem 1.5rem" },
+  ".cm-tooltip": { backgroundColor: "var(--raised)", color: "var(--ink)", border: "1px solid var(--quiet)" },
+  ".cm-tooltip-autocomplete > ul > li[aria-selected]": { backgroundColor: "var(--accent)", color: "var(--paper)" },
   "&.cm-focused .cm-matchingBracket": { backgroundColor: "var(--part-tint)", outline: "1px solid var(--part)" },
 });
-
-/** What was written in this tab before; it goes with the tab, as several people use one computer. */
-function kept() {
-  try {
-    return window.sessionStorage.getItem(form.dataset.keep);
-  } catch {
-    return null; // the browser keeps nothing
-  }
-}
-
-function keep(text) {
-  try {
-    window.sessionStorage.setItem(form.dataset.keep, text);
-  } catch {
-    // then a reload begins anew
-  }
-}
 
 /**
  * Type over what is selected. A browser that does so by itself gives the new text the look of the old, in a style of
@@ -74,7 +65,7 @@ function open(doc) {
     state: EditorState.create({
       doc,
       extensions: [
-        lineNumbers(), history(), drawSelection(), highlightActiveLine(), bracketMatching(), indentOnInput(),
+        lineNumbers(), history(), drawSelection(), highlightActiveLine(), bracketMatching(), indentOnInput(), completion, marks,
         indentUnit.of("    "), pythonLanguage, syntaxHighlighting(colours), look, EditorView.lineWrapping,
         keymap.of([
           { key: "Mod-Enter", run: () => (runOnce(), true) },
@@ -82,14 +73,26 @@ function open(doc) {
         ]),
         EditorView.domEventHandlers({ beforeinput: typeOver }),
         EditorView.contentAttributes.of({ "aria-label": words.editor, "aria-multiline": "true" }),
-        EditorView.updateListener.of((update) => update.docChanged && keep(update.state.doc.toString())),
+        EditorView.updateListener.of((update) => update.docChanged && draft.later()),
       ],
     }),
   });
 }
 
-const editor = open(kept() ?? starter);
+const editor = open(opened.draft ?? starter);
+const draft = new Draft(form, file, words, (problem) => mark(editor, "python", problem === null ? [] : [problem]));
 plain.remove();
+if (opened.draft !== null) {
+  draft.later(); // what Python has against it stands there again
+}
+if (opened.brought !== undefined) { // a submission to be mended; what was there comes back with Ctrl+Z
+  put(opened.brought);
+  mark(editor, "told", opened.marks);
+  window.history.replaceState(null, "", window.location.pathname);
+  if (opened.marks.length) {
+    goTo(opened.marks[0].line);
+  }
+}
 document.getElementById("keys").hidden = document.getElementById("actions").hidden = false;
 
 function file() {
@@ -101,16 +104,29 @@ function tell(sentences) {
   refused.replaceChildren(...sentences.map((one) => Object.assign(document.createElement("p"), { textContent: one })));
 }
 
+/** Put a program in the place of what is there. */
+function put(program) {
+  editor.dispatch({ changes: { from: 0, to: editor.state.doc.length, insert: program }, userEvent: "input" });
+}
+
 function goTo(number) {
   const line = editor.state.doc.line(Math.min(Math.max(number, 1), editor.state.doc.lines));
   editor.dispatch({ selection: { anchor: line.from, head: line.to }, scrollIntoView: true });
   editor.focus();
 }
 
-function put({ html, trajectory, sketch }) {
+const lineOf = (link) => Number(link.hash.slice(2));
+
+function showResult({ html, trajectory, sketch }) {
   // made by our own templates, which escape whatever a script wrote
   result.innerHTML = html;
-  result.querySelectorAll("[data-line]").forEach((one) => one.addEventListener("click", () => goTo(Number(one.dataset.line))));
+  const links = [...result.querySelectorAll("a[href^='#L']")];
+  links.forEach((link) => link.addEventListener("click", (event) => {
+    event.preventDefault();
+    goTo(lineOf(link));
+  }));
+  const told = links.filter((link) => link.dataset.said !== undefined || link.closest(".next") !== null);
+  mark(editor, "told", told.map((link) => ({ line: lineOf(link), text: link.dataset.said ?? "" })));
   const replay = result.querySelector("#replay");
   if (replay !== null && trajectory !== null) {
     show(replay, trajectory, sketch);
@@ -161,7 +177,7 @@ const on = {
   running: tellOf,
   refused: (problem) => tell([...new Set([problem.title, problem.detail, problem.fix])].filter(Boolean)),
   seen(shown) {
-    put(shown);
+    showResult(shown);
     say(words.done);
     if (result.getBoundingClientRect().top > window.innerHeight / 2) {
       result.scrollIntoView(); // on a phone it stands below the editor
@@ -210,7 +226,14 @@ async function runOnce() {
 runButton?.addEventListener("click", runOnce);
 document.getElementById("reset").addEventListener("click", () => {
   if (window.confirm(words.reset_sure)) {
-    editor.dispatch({ changes: { from: 0, to: editor.state.doc.length, insert: starter } });
+    put(starter);
+  }
+});
+document.getElementById("last")?.addEventListener("click", async ({ target }) => {
+  const answer = await fetch(target.dataset.source, { redirect: "error" });
+  if (answer.ok) {
+    put(await answer.text());
+    editor.focus();
   }
 });
 form.addEventListener("submit", () => {

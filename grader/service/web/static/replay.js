@@ -35,7 +35,7 @@ class Replay {
     this.button = find("play");
     this.scrub = find("scrub");
     this.speed = find("speed");
-    this.moments = new Moments(find("moments"), motion, words, (time) => this.jump(time));
+    this.moments = new Moments(find("moments"), motion, words, Number(section.dataset.published), (time) => this.jump(time));
     find("legend").hidden = sketch.view !== "path"; // it explains figures
     find("commanded").hidden = !sketch.commanded_m?.length;
     const speeds = [...this.speed.options].map((option) => option.value);
@@ -101,6 +101,10 @@ class Replay {
       this.jump(Number(this.scrub.value));
     });
     this.button.addEventListener("click", () => (this.playing ? this.pause() : this.play()));
+    this.find("other")?.addEventListener("change", async ({ target }) => {
+      this.plan.other = target.value === "" ? null : new Motion(await (await fetch(target.value, { redirect: "error" })).json());
+      this.fit();
+    });
     let width = 0;
     new ResizeObserver(() => {
       const now = this.find("plan").clientWidth;

@@ -100,6 +100,7 @@ ROWS: dict[str, Row] = {
     ),
     # work, on pages
     "POST /assignments/{assignment_id}/practice": Row("enter ok ok ok ok", {}, files=SCRIPT, owner=""),
+    "POST /assignments/{assignment_id}/practice/draft": Row("enter ok ok ok ok", {}, files=SCRIPT, owner=""),
     "POST /assignments/{assignment_id}": Row(
         "enter ok ok ok ok", {"student": "li"}, files=SCRIPT, owner="li"
     ),

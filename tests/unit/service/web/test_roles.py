@@ -78,6 +78,7 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /playground/car": MEMBERS,
     "GET /assignments/{assignment_id}/practice": MEMBERS,
     "POST /assignments/{assignment_id}/practice": MEMBERS,
+    "POST /assignments/{assignment_id}/practice/draft": MEMBERS,
     "GET /submissions": MEMBERS,
     "GET /submissions/{submission_id}": OWN,
     "GET /submissions/{submission_id}/events": OWN,
@@ -332,7 +333,7 @@ def answers(
         kwargs = {} if method == "GET" else {"data": data}
         if operation == "POST /assignments/{assignment_id}":
             kwargs["files"] = {"file": ("square.py", role.encode())}
-        if operation == "POST /assignments/{assignment_id}/practice":
+        if operation.startswith("POST /assignments/{assignment_id}/practice"):
             kwargs["files"] = {"file": ("square.py", b"x = 1\n")}
         if operation == "POST /class/people/preview":
             kwargs["files"] = {"file": ("class.csv", b"id,name\nnew,x\n")}
