@@ -191,3 +191,13 @@ def _remedy(name: str, endings: tuple[str, ...], told: Text) -> Text:
 
 def _line(source: bytes, place: int) -> int:
     return source.count(b"\n", 0, place) + 1
+
+
+def same_program(one: bytes, other: bytes) -> bool:
+    """Return whether two scripts differ in nothing but blank lines, comment lines and space at line ends."""
+    return _statements(one) == _statements(other)
+
+
+def _statements(source: bytes) -> list[str]:
+    lines = (line.rstrip() for line in lines_of(decoded(source)))
+    return [line for line in lines if line and not line.lstrip().startswith("#")]

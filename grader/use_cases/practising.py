@@ -21,7 +21,7 @@ from grader.contracts.identity import Caller, Role
 from grader.contracts.report import CaseOutput, GradeReport
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import decode_trajectory
-from grader.contracts.upload import check_name, check_source
+from grader.contracts.upload import check_name, check_source, same_program
 from grader.grading.practice import PracticeRun
 from grader.operation.logs import note
 from grader.use_cases.assignments import visible_assignment
@@ -48,6 +48,7 @@ class Practice:
         trajectory: JSON of where the car was; None when nothing was recorded.
         figure: what the checks saw in that; None when they cannot say.
         cases: how many the assignment has; one of them was run.
+        untouched: it was the assignment's starter as it was given.
         cut_output: what a script had printed that was ended for printing too much.
     """
 
@@ -57,6 +58,7 @@ class Practice:
     figure: FigureSketch | None
     cases: int
     cut_output: tuple[CaseOutput, ...]
+    untouched: bool
 
 
 def practisable(services: Services, caller: Caller, assignment_id: str) -> Assignment:
@@ -92,10 +94,10 @@ def _is_open(services: Services, caller: Caller, assignment_id: str) -> bool:
 class UnderWay:
     """A practice run that somebody waits for, in the event loop that began it."""
 
-    def __init__(self, services: Services, caller: Caller, assignment: Assignment, run: PracticeRun) -> None:
+    def __init__(self, services: Services, caller: Caller, job: GradingJob, run: PracticeRun) -> None:
         self._services = services
         self._caller = caller
-        self._assignment = assignment
+        self._job = job
         self._run = run
         self._ended = asyncio.Event()
         # not asyncio.wrap_future: result and future would hold each other until somebody collects garbage
@@ -124,10 +126,8 @@ class UnderWay:
             result = self._run.answer.result()
         except SandboxUnavailableError as error:
             raise RefusedError("practice_off") from error
-        note(assignment=self._assignment.id, code="practised")
-        return await asyncio.to_thread(
-            _shown_practice, self._services, self._caller, self._assignment, result
-        )
+        note(assignment=self._job.assignment.id, code="practised")
+        return await asyncio.to_thread(_shown_practice, self._services, self._caller, self._job, result)
 
 
 def _wake(loop: asyncio.AbstractEventLoop, ended: asyncio.Event, _: object) -> None:
@@ -163,7 +163,7 @@ async def practising(
 
     run.answer.add_done_callback(ended)  # also of a run that nobody waits for any more
     try:
-        yield UnderWay(services, caller, job.assignment, run)
+        yield UnderWay(services, caller, job, run)
     finally:
         run.answer.cancel()  # unless it has begun
 
@@ -196,7 +196,9 @@ def _job(services: Services, caller: Caller, assignment_id: str, file_name: str,
     return GradingJob(file_name=name, source=source, assignment=for_practice(as_graded))
 
 
-def _shown_practice(services: Services, caller: Caller, ran: Assignment, result: GradingResult) -> Practice:
+def _shown_practice(services: Services, caller: Caller, job: GradingJob, result: GradingResult) -> Practice:
+    ran: Assignment = job.assignment
+    starter = services.assignments.of(caller.course).starter(ran.id)
     report = shown_report(services, caller, result.report)
     task = practisable(services, caller, ran.id)
     visible = {item.id for item in task.items}
@@ -215,4 +217,5 @@ def _shown_practice(services: Services, caller: Caller, ran: Assignment, result:
         figure=figure,
         cases=len(task.cases),
         cut_output=cut,
+        untouched=bool(starter) and same_program(job.source, starter),
     )

@@ -5,13 +5,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from datetime import datetime
 
+from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
 from grader.contracts.submission import StoredReport, Submission, SubmissionFilter, SubmissionState
+from grader.contracts.upload import same_program
 from grader.store.intake import as_attempts
 from grader.store.rules import CourseRules
 from grader.use_cases import explaining
-from grader.use_cases.assignments import require_published
+from grader.use_cases.assignments import all_terms, checklist, require_published
 from grader.use_cases.callers import require_staff
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import found_by_rules, shown_list, visible_submission
@@ -165,6 +167,40 @@ def read_source(services: Services, caller: Caller, submission_id: str) -> tuple
     """
     submission = visible_submission(services, caller, submission_id)
     return submission, services.submissions.source(submission_id) or b""
+
+
+def is_untouched(services: Services, submission: Submission) -> bool:
+    """Return whether a submission is its published assignment's starter as it was given."""
+    if not submission.file_name.lower().endswith(".py"):
+        return False
+    starter = services.assignments.of(submission.course).starter(submission.assignment)
+    return bool(starter) and same_program(services.submissions.source(submission.id) or b"", starter)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CourseProgress:
+    """How many exercises have full marks, of how many; and the first that has not and takes files; None: none."""
+
+    done: int
+    count: int
+    next: Assignment | None
+
+
+def course_progress(services: Services, caller: Caller, student: str) -> CourseProgress:
+    """Return how far a student has come with what they see of the course.
+
+    Raises:
+        RefusedError: the student's work is not the caller's to see.
+    """
+    best = best_of(attempts(services, caller, student))
+    every, terms = checklist(services, caller), all_terms(services, caller)
+
+    def is_done(one: Assignment) -> bool:
+        return one.id in best and (best[one.id].score or 0.0) >= one.max_score
+
+    left = [one for one in every if not is_done(one)]
+    waiting = (one for one in left if one.id not in terms or terms[one.id].refusal is None)
+    return CourseProgress(done=len(every) - len(left), count=len(every), next=next(waiting, None))
 
 
 def attempts(

@@ -60,7 +60,7 @@ class Visitor:
         open: the service has no courses, so that a student only says an id.
         course: title of the visitor's course. zone: its IANA time zone, on whose clock every page is. None
             without one.
-        archived: the course can only be read.
+        archived: the course can only be read. name: of the member that the visitor is; else empty.
     """
 
     caller: Caller
@@ -69,6 +69,7 @@ class Visitor:
     course: str | None
     zone: str | None
     archived: bool = False
+    name: str = ""
 
     @property
     def staff(self) -> bool:
@@ -295,6 +296,7 @@ def _visitor(request: Request) -> Visitor:
     if caller.course is None:
         return Visitor(caller=caller, student=student, open=is_open, course=None, zone=None)
     course = services.courses.get(caller.course)
+    member = None if caller.person is None else services.courses.member(caller.course, caller.person)
     return Visitor(
         caller=caller,
         student=student,
@@ -302,6 +304,7 @@ def _visitor(request: Request) -> Visitor:
         course=course.title,
         zone=course.time_zone,
         archived=course.archived_at is not None,
+        name="" if member is None else member.name,
     )
 
 

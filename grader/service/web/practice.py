@@ -138,6 +138,7 @@ def _shown(request: Request, practice: Practice) -> dict[str, Any]:
         replay_words=replay_words(language),
         cut={one.case: (stream_text(one.stdout), stream_text(one.stderr)) for one in practice.cut_output},
         cases=practice.cases,
+        untouched=practice.untouched,
         rough=practice.assignment.world.profile == "rough",
     )
     document: dict[str, Any] = {"html": html, "trajectory": None, "sketch": {}}

@@ -26,7 +26,7 @@ from grader.use_cases.commenting import unread
 from grader.use_cases.handing_in import Upload, hand_in, most_upload_bytes, upload_limit
 from grader.use_cases.practising import may_practise
 from grader.use_cases.regrading import unseen_changes
-from grader.use_cases.submissions import PastAttempt, best_of, history
+from grader.use_cases.submissions import PastAttempt, best_of, course_progress, history
 
 router = APIRouter(include_in_schema=False)
 uploads = APIRouter(include_in_schema=False, route_class=UploadRoute)
@@ -45,6 +45,9 @@ def read_assignments(errand: MemberDep) -> Response:
         best=best_of(own),
         latest={one.assignment: one for one in reversed(own)},
         terms=all_terms(errand.services, errand.caller),
+        course_progress=None
+        if errand.visitor.student is None
+        else course_progress(errand.services, errand.caller, errand.visitor.student),
         now=errand.services.clock(),
         unread=unread(errand.services, errand.caller),
         appeals=pending(errand.services, errand.caller),

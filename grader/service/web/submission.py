@@ -98,6 +98,7 @@ def read(errand: KnownDep, submission_id: SubmissionId, case: Case = None, *, sa
         explained=explaining.is_explained(errand.services, submission, found.grading),
         hiding=hiding(errand.services, submission),
         same=same,
+        untouched=assignment is not None and submissions.is_untouched(errand.services, submission),
         mendable=assignment is not None
         and errand.services.practice.offered
         and may_practise(errand.services, errand.caller, assignment),
@@ -302,6 +303,9 @@ def _beside(errand: PageErrand, submission: Submission) -> dict[str, Any]:
         if errand.visitor.staff
         else None,
         "terms": terms_of(errand.services, caller, submission.assignment) if own else None,
+        "course_progress": submissions.course_progress(errand.services, caller, submission.student)
+        if own
+        else None,
     }
 
 
