@@ -72,7 +72,7 @@ function open(doc) {
           indentWithTab, ...defaultKeymap, ...historyKeymap,
         ]),
         EditorView.domEventHandlers({ beforeinput: typeOver }),
-        EditorView.contentAttributes.of({ "aria-label": words.editor, "aria-multiline": "true" }),
+        EditorView.contentAttributes.of({ "aria-label": words.editor, "aria-multiline": "true", tabindex: "0" }),
         EditorView.updateListener.of((update) => update.docChanged && draft.later()),
       ],
     }),

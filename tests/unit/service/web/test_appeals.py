@@ -36,7 +36,8 @@ def test_a_student_asks_and_is_told_the_answer(
     browser: Browser, driven: str, item: str, tokens: dict[str, str]
 ) -> None:
     browser.enter(token=tokens["li"])
-    assert "Ask for another look" in browser.get(driven).text
+    assert browser.get(driven).text.count(f'action="{driven}/appeals"') == 1  # of all items
+    assert f'<option value="{item}">' in browser.get(driven).text
     assert "You can ask for another look until" in browser.get(driven).text
     assert ask(browser, driven, item) == 303
     assert "It &lt;came&gt; back." in browser.get(driven).text

@@ -62,7 +62,7 @@ def test_too_much_and_too_often_is_refused(li: Browser, services: Services) -> N
 
 def test_an_archived_course_keeps_nothing_new(li: Browser, services: Services) -> None:
     assert keep(li, b"x = 1\n").status_code == 200
-    services.course_life.set_archived(Signature(services.clock(), "ros", "wang"), archived=True)
+    services.course_life.archive(Signature(services.clock(), "ros", "wang"))
     assert keep(li, b"x = 2\n").status_code == 409
     assert opened(li) == {"draft": "x = 1\n"}
 
