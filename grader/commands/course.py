@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from grader.commands import course_life
-from grader.commands.options import add_distro_option, add_language_option, add_way_option, tell
+from grader.commands.options import add_distro_option, add_language_option, add_way_option, tell, whole_number
 from grader.commands.storage import (
     OpenedStore,
     actor,
@@ -17,7 +17,7 @@ from grader.commands.storage import (
 from grader.commands.token import add_days_option, write_tokens
 from grader.contracts.assignment import DEFAULT_DISTRO
 from grader.contracts.errors import CourseError
-from grader.contracts.identity import Role, RosterEntry, checked_id
+from grader.contracts.identity import MOST_SESSION_HOURS, Role, RosterEntry, checked_id
 from grader.contracts.text import Text, trouble
 from grader.formats.sheets.reading import MAX_FILE_BYTES
 from grader.formats.sheets.roster import Roster, read_roster
@@ -87,6 +87,12 @@ def _configure_set(change: argparse.ArgumentParser) -> None:
         help="release of ROS 2 of its scripts; what is graded stays / 脚本用的 ROS 2 版本，已评分的不变",
     )
     add_way_option(change)
+    change.add_argument(
+        "--session-hours",
+        type=whole_number,
+        metavar="N",
+        help=f"how long members stay signed in on a page, 1 to {MOST_SESSION_HOURS} / 网页登录保持几小时",
+    )
     change.add_argument("--title", help="full name / 课程名称")
     change.add_argument("--time-zone", help="on whose clock dates are read / 时区")
     change.add_argument("--reason", default="", help="goes into the audit log / 写进操作记录")
@@ -187,15 +193,22 @@ def _tell_returning(change: RosterChange, arguments: argparse.Namespace) -> None
 
 def _set(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     signed = Signature(utc_now(), chosen_course(storage, arguments.course), actor())
+    if arguments.session_hours is not None and not 1 <= arguments.session_hours <= MOST_SESSION_HOURS:
+        raise CourseError(
+            f"--session-hours: {arguments.session_hours} will not do: write 1 to {MOST_SESSION_HOURS}",
+            f"--session-hours：{arguments.session_hours} 不行，要写 1 到 {MOST_SESSION_HOURS}",
+        )
     course = storage.courses.change(
         signed,
         arguments.reason,
         distro=arguments.distro,
         runs_as=arguments.runs_as,
+        session_hours=arguments.session_hours,
         title=arguments.title,
         time_zone=arguments.time_zone,
     )
     settings = f"{course.title}, {course.time_zone}, ROS 2 {course.distro.capitalize()}, {course.runs_as}"
+    settings += f", {course.session_hours} h"
     tell(
         arguments,
         zh=f"课程 {course.id}：{settings}；已评分的不变，要改就重新评分",

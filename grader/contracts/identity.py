@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Final
 
 from grader.contracts.assignment import DEFAULT_DISTRO, DEFAULT_WAY, Distro, RunsAs
 from grader.contracts.errors import CourseError
@@ -18,6 +19,10 @@ _LONGEST_EMAIL = 254
 _SPACES = re.compile(r"[ \u00a0\u2000-\u200a\u202f\u205f\u3000]+")
 _WIDENING = re.compile(r"(?<=[\u3400-\u9fff])\s+(?=[\u3400-\u9fff])")
 _EMAIL = re.compile(r"[^@\s]+@[^@\s]+")
+
+
+SESSION_HOURS: Final = 12
+MOST_SESSION_HOURS: Final = 24 * 31
 
 
 class Role(StrEnum):
@@ -39,6 +44,7 @@ class Course:
     Attributes:
         distro: release of ROS 2 that its scripts find where an assignment names none.
         runs_as: how they are started where an assignment does not say.
+        session_hours: how long somebody who signed in on a page stays signed in, at most.
         archived_at: since when it can only be read; None: it is taught.
     """
 
@@ -47,6 +53,7 @@ class Course:
     time_zone: str
     created_at: datetime
     distro: Distro = DEFAULT_DISTRO
+    session_hours: int = SESSION_HOURS
     runs_as: RunsAs = DEFAULT_WAY
     archived_at: datetime | None = None
 

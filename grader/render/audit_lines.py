@@ -48,6 +48,7 @@ FIELDS: Mapping[str, str] = {
     "time_zone": "audit.field.time_zone",
     "distro": "audit.field.distro",
     "runs_as": "audit.field.runs_as",
+    "session_hours": "rules.session_hours",
     "name": "people.name",
     "role": "people.role",
     "email": "people.email",

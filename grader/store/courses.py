@@ -96,6 +96,7 @@ class Courses(TimedPart):
         *,
         distro: Distro | None = None,
         runs_as: RunsAs | None = None,
+        session_hours: int | None = None,
         title: str | None = None,
         time_zone: str | None = None,
     ) -> Course:
@@ -115,6 +116,7 @@ class Courses(TimedPart):
             wanted = {
                 "distro": distro,
                 "runs_as": runs_as,
+                "session_hours": session_hours,
                 "title": None if title is None else checked_name(title, "title") or row.id,
                 "time_zone": None if time_zone is None else _checked_zone(time_zone.strip()),
             }
@@ -245,6 +247,7 @@ def add_course(session: Session, new: Course, actor: str, copy_of: str | None = 
         created_at=new.created_at,
         distro=new.distro,
         runs_as=new.runs_as,
+        session_hours=new.session_hours,
     )
     one_at_a_time(session, "course", row.id.casefold())
     for known in session.execute(select(col(CourseRow.id))).scalars():
@@ -252,7 +255,9 @@ def add_course(session: Session, new: Course, actor: str, copy_of: str | None = 
             raise CourseError(f"there is a course {known} already", f"已经有课程 {known}", "id")
     session.add(row)
     session.flush()
-    after = {name: getattr(row, name) for name in ("title", "time_zone", "distro", "runs_as")}
+    after = {
+        name: getattr(row, name) for name in ("title", "time_zone", "distro", "runs_as", "session_hours")
+    }
     if copy_of is not None:
         after["copy_of"] = copy_of
     signed = Signature(new.created_at, row.id, actor)

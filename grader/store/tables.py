@@ -26,7 +26,7 @@ from sqlmodel import Field, SQLModel
 
 from grader.contracts.appeal import AppealState
 from grader.contracts.assignment import DEFAULT_DISTRO, DEFAULT_WAY
-from grader.contracts.identity import Role
+from grader.contracts.identity import SESSION_HOURS, Role
 from grader.contracts.own_assignment import OwnState
 from grader.contracts.python import UTC, StrEnum
 from grader.contracts.regrade import RegradeState
@@ -139,6 +139,7 @@ class CourseRow(_Row, table=True):
         default=DEFAULT_DISTRO, max_length=32, sa_column_kwargs={"server_default": DEFAULT_DISTRO}
     )
     archived_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+    session_hours: int = Field(default=SESSION_HOURS, sa_column_kwargs={"server_default": str(SESSION_HOURS)})
     runs_as: str = Field(default=DEFAULT_WAY, max_length=32, sa_column_kwargs={"server_default": DEFAULT_WAY})
     begun_with: str | None = Field(default=None, sa_column=text_column(nullable=True))
 

@@ -1,8 +1,8 @@
 """Bearer tokens: issued, recognised, revoked. A secret is shown once; the store keeps its SHA-256.
 
-A browser that shows a token gets a session: a secret of its own, good for pages alone and for half a day, which
-ends with the token. So whoever gets hold of a browser's cookie has no token. Who signs in by a provider gets the
-same kind of session (`grader.store.identities`).
+A browser that shows a token gets a session: a secret of its own, good for pages alone and for as long as the
+course says, which ends with the token. So whoever gets hold of a browser's cookie has no token. Who signs in by a
+provider gets the same kind of session (`grader.store.identities`).
 
 People type tokens from a slip of paper, so a token is a code of ten characters: 47 random bits. Its digest is one
 that takes time to make (scrypt, some 10 ms), so whoever steals the database alone tries for some 150 years of a
@@ -28,11 +28,10 @@ from grader.contracts.identity import Caller, Role, TokenInfo, unknown_members
 from grader.store.audit import Signature, record, record_all
 from grader.store.clock import TimedPart
 from grader.store.courses import bound_to
-from grader.store.tables import MemberRow, TokenRow, as_contract
+from grader.store.tables import CourseRow, MemberRow, TokenRow, as_contract
 
 _SECRET_BYTES = 32
 _ID_BYTES = 6
-SESSION_LIFE = timedelta(hours=12)
 MOST_SESSIONS = 20
 """Of one member: whoever opens more ends the oldest. Without a bound one token could fill the database."""
 _ALPHABET = "23456789ACDEFHJKMNPQRTVWXY"
@@ -166,10 +165,11 @@ def new_session(  # noqa: PLR0913, PLR0917
 ) -> str:
     """Add a session of a member, in place of those that are over and of the oldest; return its secret.
 
-    It ends with the token, or the identity, of the id `opened_by`, and at the latest `until`; None: half a day
-    later.
+    It ends with the token, or the identity, of the id `opened_by`, at the latest `until`, and after the
+    course's hours.
     """
-    secret, latest = secrets.token_urlsafe(_SECRET_BYTES), now + SESSION_LIFE
+    secret, taught = secrets.token_urlsafe(_SECRET_BYTES), session.get_one(CourseRow, course)
+    latest = now + timedelta(hours=taught.session_hours)
     of_member = col(TokenRow.course) == course, col(TokenRow.person) == person
     own = *of_member, col(TokenRow.opened_by).is_not(None)
     newest = select(col(TokenRow.id)).where(*own).order_by(col(TokenRow.created_at).desc())

@@ -64,6 +64,7 @@ def change_course(  # noqa: PLR0913
     *,
     distro: Distro | None = None,
     runs_as: RunsAs | None = None,
+    session_hours: int | None = None,
     title: str | None = None,
     time_zone: str | None = None,
 ) -> Course:
@@ -76,7 +77,13 @@ def change_course(  # noqa: PLR0913
     signed = services.signature(caller)
     try:
         return services.courses.change(
-            signed, reason, distro=distro, runs_as=runs_as, title=title, time_zone=time_zone
+            signed,
+            reason,
+            distro=distro,
+            runs_as=runs_as,
+            session_hours=session_hours,
+            title=title,
+            time_zone=time_zone,
         )
     except CourseError as error:
         raise RefusedError("invalid_course", error.text, field=error.field) from None

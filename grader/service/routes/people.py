@@ -7,7 +7,7 @@ from fastapi import APIRouter, Depends, File, Path, Query, Response, UploadFile,
 from pydantic import Field
 
 from grader.contracts.assignment import Distro, RunsAs
-from grader.contracts.identity import Role, RosterEntry
+from grader.contracts.identity import MOST_SESSION_HOURS, Role, RosterEntry
 from grader.service.requests.answers import PRIVATE
 from grader.service.requests.dependencies import ErrandDep, InstructorDep, LanguageDep, QueryWhole, StaffDep
 from grader.service.requests.middleware import MOST_BYTES, known_parts
@@ -34,6 +34,7 @@ class CourseView(View):
         description="Release of ROS 2 that scripts find where an assignment names none.", examples=["humble"]
     )
     runs_as: RunsAs = Field(description="How scripts are started where an assignment does not say.")
+    session_hours: int = Field(description="How long members stay signed in on a page, at most.")
     archived_at: datetime | None = Field(description="Since when it can only be read; null: it is taught.")
 
 
@@ -51,6 +52,9 @@ class CourseBody(Body):
     title: str | None = Field(default=None, max_length=200, examples=["ROS 2 入门"])
     time_zone: str | None = Field(
         default=None, max_length=64, description="Dates stay the instants that they are.", examples=["UTC"]
+    )
+    session_hours: int | None = Field(
+        default=None, ge=1, le=MOST_SESSION_HOURS, description="For sessions that begin from now on."
     )
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
 
@@ -202,6 +206,7 @@ def put_course(errand: InstructorDep, body: CourseBody, response: Response) -> C
         body.reason,
         distro=body.distro,
         runs_as=body.runs_as,
+        session_hours=body.session_hours,
         title=body.title,
         time_zone=body.time_zone,
     )

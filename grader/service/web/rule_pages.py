@@ -8,7 +8,7 @@ from fastapi.responses import RedirectResponse
 
 from grader.contracts.assignment import DISTROS, WAYS_TO_RUN, Assignment, Distro, RunsAs
 from grader.contracts.errors import RefusedError
-from grader.contracts.identity import Seen, sections_of
+from grader.contracts.identity import MOST_SESSION_HOURS, Seen, sections_of
 from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Corrector, Counts, HintRule, Shown
 from grader.render.audit_lines import Teller
 from grader.service.web.access import AssignmentId, InstructorDep, PageErrand, StaffDep, require_staff
@@ -66,6 +66,10 @@ def overview_page(
         distros=DISTROS,
         runs_as=known.runs_as,
         ways_to_run=WAYS_TO_RUN,
+        session_hours=None
+        if errand.caller.course is None
+        else errand.services.courses.get(errand.caller.course).session_hours,
+        most_session_hours=MOST_SESSION_HOURS,
         sections=sections_of(members(errand.services, errand.caller)),
         shown=tuple(Shown),
         correctors=tuple(Corrector),
@@ -81,10 +85,18 @@ def change_course(
     errand: InstructorDep,
     distro: Annotated[Distro, Form()],
     runs_as: Annotated[RunsAs | None, Form()] = None,
+    session_hours: Annotated[int | None, Form(ge=1, le=MOST_SESSION_HOURS)] = None,
     reason: Annotated[str, Form(max_length=1_000)] = "",
 ) -> Response:
-    """Choose the release of ROS 2 of the course, and how its scripts are started."""
-    change_settings(errand.services, errand.caller, reason.strip(), distro=distro, runs_as=runs_as)
+    """Choose the release of ROS 2 of the course, how its scripts are started, and how long its sessions last."""
+    change_settings(
+        errand.services,
+        errand.caller,
+        reason.strip(),
+        distro=distro,
+        runs_as=runs_as,
+        session_hours=session_hours,
+    )
     return RedirectResponse("/class/rules?saved=1", status_code=303)
 
 

@@ -68,7 +68,8 @@ def test_a_course_of_jazzy_is_made_and_changed(grader) -> None:
     assert "\tjazzy\t" in grader("course", "list")[0]
     assert "Humble" in grader("course", "set", "--distro", "humble", "--reason", "the lab's PCs")[1]
     assert "\thumble\t" in grader("course", "list")[0]
-    assert "Humble, ros2_run" in grader("course", "set", "--runs-as", "ros2_run")[1]
+    assert "Humble, ros2_run, 12 h" in grader("course", "set", "--runs-as", "ros2_run")[1]
+    assert "Humble, ros2_run, 168 h" in grader("course", "set", "--session-hours", "168")[1]
     told = grader("course", "set", "--title", "Robots", "--time-zone", "Europe/Berlin")[1]
     assert "Robots, Europe/Berlin, ROS 2 Humble" in told
     assert "no time zone" in grader("course", "set", "--time-zone", "Mars", status=2)[1]

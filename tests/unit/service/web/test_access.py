@@ -284,6 +284,12 @@ def test_a_browser_keeps_no_token_but_a_session_that_ends(
     kept = session()
     services.clock.advance(12 * 3_600)
     assert not opens(kept)
+    services.courses.change(Signature(services.clock(), "ros", "wang"), session_hours=2)
+    kept = session()
+    services.clock.advance(3_600)
+    assert opens(kept)
+    services.clock.advance(3_600)
+    assert not opens(kept)
     kept = session()
     (own,) = (one.id for one in services.tokens.of_course("ros") if one.person == "li")
     assert services.tokens.revoke("ros", "wang", token_id=own) == 1
