@@ -8,7 +8,7 @@ const WORDS = (
 let names = null;
 
 async function known() {
-  names ??= await (await fetch("/static/names.json")).json().catch(() => null);
+  names ??= await (await fetch(new URL("names.json", import.meta.url))).json().catch(() => null);
   return names ?? { modules: {}, node: [], members: [] };
 }
 
