@@ -28,8 +28,8 @@ from grader.store.course_life import CourseLife
 from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
-from grader.store.explanations import Explanations
 from grader.store.drafts import Drafts
+from grader.store.explanations import Explanations
 from grader.store.identities import Identities
 from grader.store.intake import Intake
 from grader.store.judgements import Judgements
