@@ -73,10 +73,7 @@ class SandboxPreflight:
         Raises:
             InfrastructureError, SandboxError: the check itself could not be done.
         """
-        try:
-            sandbox = self._idle.get(timeout=patience_s)
-        except queue.Empty:
-            raise InfrastructureError(f"no syntax check was free for {patience_s:.0f} s") from None
+        sandbox = self._free(patience_s)
         jail: Jail | None = None
         begun_s = time.monotonic()
         try:
@@ -100,6 +97,12 @@ class SandboxPreflight:
             column=_column(ending.detail, line),
             text=line,
         )
+
+    def _free(self, patience_s: float) -> Sandbox:
+        try:
+            return self._idle.get(timeout=patience_s)
+        except queue.Empty:
+            raise InfrastructureError(f"no syntax check was free for {patience_s:.0f} s") from None
 
     def close(self) -> None:
         """Prepare no more processes, and return when those being prepared or ended are done.
