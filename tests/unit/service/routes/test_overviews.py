@@ -251,7 +251,7 @@ def test_nobody_and_no_mistake_of_a_name_are_refused(client: httpx.Client, schoo
     assert asked("/api/v1/submissions?student=lii") == (422, "student")
     # they get their own, whatever they ask
     assert asked("/api/v1/submissions?student=han", who="li") == (200, None)
-    assert asked("/api/v1/assignments/square/students?mistake=no_publish") == (200, None)
+    assert asked("/api/v1/assignments/square/students?mistake=no_publisher") == (200, None)
     assert asked("/api/v1/assignments/square/students?mistake=no_publihs") == (422, "mistake")
 
 
