@@ -22,7 +22,6 @@ from grader.contracts.formula import FormulaError, formula, matches
 from grader.contracts.record import Record
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
-from grader.messages import say
 
 NS_PER_S: Final = 1e9
 _PRECISE: Final = 9  # decimals that count: more of them differ between processors
@@ -252,11 +251,6 @@ def counted(count: tuple[int, int | None] | None) -> str:
     if most is None:
         return f"≥ {least}"
     return str(least) if least == most else f"{least}–{most}"
-
-
-def nothing(why: str, /, **values: object) -> Text:
-    """Return what is said where nothing came."""
-    return say(f"expected.{why}", **values)
 
 
 def named(found: Iterable[str], most: int = 4) -> str:
