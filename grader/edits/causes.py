@@ -12,8 +12,8 @@ from typing import Final
 
 from grader.contracts.outcome import RunStatus
 from grader.edits.received import Motion
-from grader.edits.situation import Driven, Situation
-from grader.edits.slices import assignments, calls_of, dotted
+from grader.edits.situation import HOLD_NS, Driven, Situation
+from grader.edits.slices import assignments, calls_of, dotted, number_of
 from grader.edits.tree import ParsedScript
 
 _Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -46,6 +46,7 @@ def stated_cause(seen: Situation) -> Cause | None:
         _never_ran,
         _endless,
         _contended,
+        _held,
         _wrong_size,
         _both_at_once,
         _no_stop,
@@ -68,6 +69,14 @@ def _never_ran(seen: Situation) -> Iterator[Cause]:
             continue
         if (cause := reached.why_not(statement)) is not None:
             yield cause
+    for field_name, has_moved in (
+        (".linear.x", any(one.motion.v for one in seen.driven)),
+        (".angular.z", any(one.motion.w for one in seen.driven)),
+    ):
+        for one in assignments(seen.script) if seen.driven and not has_moved else ():
+            is_set = one.target.endswith(field_name) and number_of(one.value) != 0.0
+            if is_set and not reached.ran(one.statement) and (cause := reached.why_not(one.statement)):
+                yield cause
 
 
 class _Reached:
@@ -262,6 +271,14 @@ def _contended(seen: Situation) -> Iterator[Cause]:
 
 def _function_of(motion: Motion) -> str:
     return motion.stack[-1][1] if motion.stack else ""
+
+
+def _held(seen: Situation) -> Iterator[Cause]:
+    """Yield the line whose command came once, and that turtlesim dropped before the wait after it was over."""
+    for driven in seen.distinct:
+        motion = driven.motion
+        if driven.is_held and motion.times == 1 and any(ns > HOLD_NS for _, ns in motion.waits.values()):
+            yield Cause("held", motion.line, {"v": f"{motion.v:g}", "w": f"{motion.w:g}"})
 
 
 def _wrong_size(seen: Situation) -> Iterator[Cause]:

@@ -19,6 +19,9 @@ _AXES: Final = {
 _ENDS: Final = ("shutdown", "cancel", "destroy_node", "exit", "destroy_timer", "destroy_publisher")
 _BURST: Final = 3
 _LAST: Final = 3
+_LONG_PAUSE_S: Final = 0.5
+_SHORT_PAUSE: Final = "0.02"
+"""Turtlesim takes a command each 16 ms; of a second's turn this is a degree."""
 _Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
 _Loops: Final = (ast.For, ast.While)
 
@@ -41,6 +44,8 @@ def flow_changes(seen: Situation) -> Iterator[Proposal]:
     yield from _timers(seen, known)
     yield from _unpublished(seen, known)
     yield from _pauses(seen)
+    yield from _long_pauses(seen)
+    yield from _sent_once(seen)
     yield from _removed(seen)
     yield from _objects(seen)
     yield from _guards(seen)
@@ -134,23 +139,41 @@ def _for_assignment(seen: Situation) -> Iterator[Proposal]:
 
 
 def _empty_messages(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
-    """Yield the message that was filled, where another or a new one is published."""
-    filled = {
-        one.target.partition(".linear")[0].partition(".angular")[0]
-        for one in known
-        if ".linear." in one.target or ".angular." in one.target
-    }
+    """Yield the message that was filled, where another or a new one is published: if nothing else sends it."""
+    messages = [(_message_of(one), _function_around(seen.script, one.statement)) for one in known]
+    filled = [one for one in messages if one[0]]
     fresh = [one for one in known if isinstance(one.value, ast.Call) and dotted(one.value.func) == seen.twist]
+    unsent = sorted({name for name, function in filled if not _is_sent(seen.script, name, function)})
     for call in calls_of(seen.script, "publish"):
         if not call.args:
             continue
         given = call.args[0]
         is_new = isinstance(given, ast.Call) and dotted(given.func) == seen.twist and not given.args
-        if is_new or (dotted(given) and dotted(given) not in filled):
-            for name in sorted(filled):
+        if is_new or (dotted(given) and all(dotted(given) != name for name, _ in filled)):
+            for name in unsent:
                 values = {"line": call.lineno, "old": seen.script.source(given), "new": name}
                 yield Proposal("message", 1.5, (seen.script.replaced(given, name),), values)
     yield from _filled_nowhere(seen, fresh)
+
+
+def _message_of(one: NameSet) -> str:
+    """Return the name of the message whose field an assignment sets; empty if it sets none."""
+    message, dot, _ = one.target.replace(".angular.", ".linear.").partition(".linear.")
+    return message if dot else ""
+
+
+def _function_around(script: ParsedScript, node: ast.AST) -> ast.AST | None:
+    return next((one for one in script.around(node) if isinstance(one, _Functions)), None)
+
+
+def _is_sent(script: ParsedScript, name: str, function: ast.AST | None) -> bool:
+    """Whether a message is given to a call or returned: a local one in its function, another one anywhere."""
+    within = script.tree if function is None or "." in name else function
+    for node in ast.walk(within):
+        given = [node.value] if isinstance(node, ast.Return) else getattr(node, "args", ())
+        if isinstance(node, ast.Call | ast.Return) and any(dotted(one) == name for one in given):
+            return True
+    return False
 
 
 def _filled_nowhere(seen: Situation, fresh: list[NameSet]) -> Iterator[Proposal]:
@@ -439,19 +462,50 @@ def _timers(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
 
 
 def _unpublished(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
-    """Yield the publish of a message that is filled and never sent."""
-    publishers = [
-        one.target
+    """Yield the publish of a message that is filled and never sent: in the loop behind it, or at once."""
+    makers = [one for one in known if isinstance(one.value, ast.Call)]
+    publishers = [one.target for one in makers if dotted(one.value.func).endswith("create_publisher")]  # type: ignore[attr-defined]
+    lasts = {
+        (_message_of(one), _function_around(seen.script, one.statement)): one.statement
         for one in known
-        if isinstance(one.value, ast.Call) and dotted(one.value.func).endswith("create_publisher")
-    ]
-    if not publishers or any(True for _ in calls_of(seen.script, "publish")):
-        return
-    filled = [one for one in known if one.target.endswith((".linear.x", ".angular.z"))]
-    for one in filled[-1:]:
-        message = one.target.rpartition(".")[0].rpartition(".")[0]
-        edit = seen.script.inserted_after(one.statement, f"{publishers[0]}.publish({message})")
-        yield Proposal("publish", 1.0, (edit,), {"line": one.statement.lineno, "name": message})
+        if one.target.endswith((".linear.x", ".angular.z"))
+    }
+    for (message, function), last in lasts.items() if publishers else ():
+        if _is_sent(seen.script, message, function):
+            continue
+        line = f"{publishers[0]}.publish({message})"
+        values = {"line": last.lineno, "name": message}
+        block = seen.script.block_of(last)
+        behind = block[next(i for i, one in enumerate(block) if one is last) + 1 :]
+        for loop in (one for one in behind if isinstance(one, _Loops)):
+            edit = seen.script.inserted_before(loop.body[0], line)
+            yield Proposal("publish_in_loop", 0.9, (edit,), {**values, "loop": loop.lineno})
+        wait = next((one for one in behind if _is_wait(one)), None)
+        if wait is not None:
+            edits = (
+                seen.script.inserted_before(wait, *_repeated(seen.script, line, wait)),
+                seen.script.removed(wait),
+            )
+            yield Proposal("publish_in_loop", 0.95, edits, {**values, "loop": wait.lineno})
+        yield Proposal("publish", 1.0, (seen.script.inserted_after(last, line),), values)
+
+
+def _is_wait(statement: ast.stmt) -> bool:
+    return _is_call(statement, ("sleep",)) and bool(statement.value.args)  # type: ignore[attr-defined]
+
+
+def _repeated(script: ParsedScript, line: str, wait: ast.stmt) -> tuple[str, ...]:
+    """Return the loop that sends for as long as a wait lasts."""
+    call = getattr(wait, "value", None)
+    assert isinstance(call, ast.Call)
+    seconds = script.source(call.args[0])
+    if not isinstance(call.args[0], ast.Name | ast.Constant | ast.Attribute):
+        seconds = f"({seconds})"
+    return (
+        f"for _ in range(round({seconds} / {_SHORT_PAUSE})):",
+        f"    {line}",
+        f"    {script.source(call.func)}({_SHORT_PAUSE})",
+    )
 
 
 def _pauses(seen: Situation) -> Iterator[Proposal]:
@@ -465,6 +519,39 @@ def _pauses(seen: Situation) -> Iterator[Proposal]:
                 if not any(isinstance(one, ast.Import) for one in seen.script.tree.body):
                     edits.append(seen.script.inserted_before(seen.script.tree.body[0], "import time"))
                 yield Proposal("pause", 2.0, tuple(edits), {"line": statement.lineno})
+
+
+def _long_pauses(seen: Situation) -> Iterator[Proposal]:
+    """Yield a short pause in a loop that publishes seldom: it ends later than its test says, by up to a pause."""
+    for loop in ast.walk(seen.script.tree):
+        if not isinstance(loop, ast.While):
+            continue
+        lines = range(loop.lineno, (loop.end_lineno or loop.lineno) + 1)
+        if not any(call.lineno in lines for call in calls_of(seen.script, "publish")):
+            continue
+        for call in calls_of(seen.script, "sleep"):
+            value = number_of(call.args[0]) if call.args else None
+            if call.lineno in lines and value is not None and value >= _LONG_PAUSE_S:
+                values = {"line": call.lineno, "old": seen.script.source(call.args[0]), "new": _SHORT_PAUSE}
+                yield Proposal("long_pause", 1.5, (seen.script.replaced(call.args[0], _SHORT_PAUSE),), values)
+
+
+def _sent_once(seen: Situation) -> Iterator[Proposal]:
+    """Yield a loop around a publish and the wait behind it, where turtlesim dropped the command before its end."""
+    for driven in seen.distinct:
+        for statement in seen.script.statements_on(driven.motion.line) if driven.is_held else ():
+            block = seen.script.block_of(statement)
+            place = next((i for i, one in enumerate(block) if one is statement), 0)
+            wait = block[place + 1] if place + 1 < len(block) else statement
+            if not _is_call(statement, ("publish",)) or not _is_wait(wait):
+                continue
+            lines = _repeated(seen.script, seen.script.source(statement), wait)
+            edits = (
+                seen.script.inserted_before(statement, *lines),
+                seen.script.removed(statement),
+                seen.script.removed(wait),
+            )
+            yield Proposal("sent_once", 0.8, edits, {"line": statement.lineno})
 
 
 def _removed(seen: Situation) -> Iterator[Proposal]:

@@ -18,6 +18,7 @@ _PERIODS: Final = ("sleep", "create_timer", "create_rate", "Rate")
 _DEPTHS: Final = ("create_publisher", "create_subscription")
 _LONGEST_PERIOD_S: Final = 0.2
 _MOST_RATIO: Final = 30.0
+_HELD: Final = 4.0  # a number that only fits because turtlesim drops a command after a second
 _NEAR: Final = 0.01  # what turtlesim's updates and a loop's period may add or take away
 _QUANTUM: Final = 0.05  # of a motion's size: an update at 3 rad/s turns by 2.7 degrees
 _COMPARISONS: Final = {
@@ -37,6 +38,9 @@ _OPERATORS: Final = {
     ast.FloorDiv: "/",
     ast.BitXor: "**",
 }
+
+_OPERATOR_COSTS: Final = {ast.BitXor: 0.5, ast.FloorDiv: 0.9}
+"""Taken from mathematics and from a slip for `/`; of the others each is as often meant."""
 
 
 def number_changes(seen: Situation) -> Iterator[Proposal]:
@@ -97,7 +101,7 @@ def _scaled(
             value = use.value * share if value is None else value
             new = written(value, like_float="." in seen.script.source(use.node), whole=whole)
             cost = 1.8 + place * 0.6 + use.steps * 0.2 + 0.05 * len(new) + 1.5 * (share != ratio)
-            cost += _unlikely(seen.script, use, ratio)
+            cost += _unlikely(seen.script, use, ratio) + _HELD * driven.is_held
             yield _replaced(seen, "scaled", cost, (use, new), unit=unit, size=size, wanted=wanted)
     if 1e3 <= abs(use.value) <= 1e12 and math.log10(abs(use.value)).is_integer() and use.value != 1e9:
         yield _replaced(seen, "nanoseconds", 1.5, (use, "1e9"))
@@ -194,12 +198,12 @@ def _comparisons(script: ParsedScript, node: ast.Compare, cost: float) -> Iterat
 
 def _calculations(seen: Situation, node: ast.BinOp, cost: float) -> Iterator[Proposal]:
     new = _OPERATORS.get(type(node.op))
-    caret = 4.5 * isinstance(node.op, ast.BitXor)
-    yield from _between(seen.script, "operator", 5.0 - caret + cost, (node.left, node.right), new)
+    cost += _OPERATOR_COSTS.get(type(node.op), 5.0)
+    yield from _between(seen.script, "operator", cost, (node.left, node.right), new)
     if isinstance(node.op, ast.Sub):
         clock = any(one in seen.script.source(node) for one in ("time()", "now()"))
         endless = clock and seen.outcome.status is RunStatus.INTERRUPTED
-        yield from _exchanged(seen.script, (2.0 if endless else 5.0) + cost, node.left, node.right)
+        yield from _exchanged(seen.script, cost - 3.0 * endless, node.left, node.right)
 
 
 def _conversions(script: ParsedScript, node: ast.Call, cost: float) -> Iterator[Proposal]:

@@ -28,10 +28,15 @@ class WantedSizes:
 
 @dataclass(frozen=True)
 class Driven:
-    """A motion with its size: how far it drove or turned, and for how long it lasted."""
+    """A motion with its size: how far it drove or turned, and for how long it lasted.
+
+    Attributes:
+        is_held: no command ended it, turtlesim did, a second after its last one.
+    """
 
     motion: Motion
     seconds: float
+    is_held: bool = False
 
     @property
     def length_m(self) -> float:
@@ -94,7 +99,7 @@ class Situation:
         motions = self.ledger.motions
         ends = [*(one.t for one in motions[1:]), *([self.outcome.duration_ns] if motions else [])]
         return tuple(
-            Driven(one, max(min(end, one.until + HOLD_NS) - one.t, 0) / 1e9)
+            Driven(one, max(min(end, one.until + HOLD_NS) - one.t, 0) / 1e9, end > one.until + HOLD_NS)
             for one, end in zip(motions, ends, strict=True)
             if not one.is_stop
         )

@@ -39,6 +39,9 @@ _STEP_DEG: Final = 15.0
 _STEP_M: Final = 0.1
 """What is wanted at least is told as the next number of these steps that people use."""
 _PLAUSIBLE: Final = 1.0
+_LEAST_SHARE: Final = 0.1
+_LEAST_POINTS: Final = 3.0
+"""A change explains what it gains: of the missing points this share and so many. Less is a side effect of it."""
 _SPACE: Final = Text(zh="", en=" ")
 _SPOILT: Final = (RunStatus.CPU_LIMIT, RunStatus.STALLED, RunStatus.MEMORY_LIMIT, RunStatus.OUTPUT_LIMIT)
 
@@ -80,6 +83,14 @@ class Graded:
         return self.score > other.score and all(
             item.earned >= earned.get(item.id, 0.0) for item in self.items
         )
+
+    def explains(self, other: "Graded") -> bool:
+        """Whether this has full marks or another item passed, or a sizeable part of what `other` misses."""
+        passed = {item.id for item in other.items if item.status is ItemStatus.PASSED}
+        if any(item.status is ItemStatus.PASSED and item.id not in passed for item in self.items):
+            return True
+        missing = summed(item.points for item in other.items) - other.score
+        return self.score - other.score >= max(_LEAST_POINTS, _LEAST_SHARE * missing)
 
 
 GradeText = Callable[[str, Assignment, bool], Graded]
@@ -149,6 +160,8 @@ class Search:
                     further = candidate
                 continue
             whole = after.is_full or _is_mended(now.outcome, after.outcome, candidate.proposal)
+            if not whole and not after.explains(now):
+                continue
             if whole and self._gains_later(text, candidate.text):
                 return candidate, after
             gaining.append((candidate, after))

@@ -55,6 +55,54 @@ def test_the_first_change_that_is_told_gains_when_obeyed(slot: Slot, old: str, n
     assert len(changed_lines(wrong, after)) == len(change.lines) <= 2
 
 
+LOOP = """        while (self.get_clock().now() - start_time).nanoseconds < duration * 1e9:
+            self.cmd_vel_pub.publish(msg)
+            time.sleep(0.01)
+"""
+SENT_ONCE = "        self.cmd_vel_pub.publish(msg)\n        time.sleep(duration)\n"
+NEVER_SENT = LOOP.replace("            self.cmd_vel_pub.publish(msg)\n", "")
+TURN = SQUARE.index("def turn(")
+FIRST = SQUARE.index(LOOP)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "at", "code"),
+    [
+        ("1.5708 / self", "1.5708 // self", 0, "operator"),
+        ("1.5708 / self", "2 * 3.14159 // 4 / self", 0, "operator"),
+        (LOOP, SENT_ONCE, TURN, "sent_once"),
+        ("self.TURN_SPEED = 1.0 ", "self.TURN_SPEED = 0.5 ", 0, "sent_once"),
+        (LOOP, LOOP.replace("0.01", "1"), TURN, "long_pause"),
+        (LOOP, LOOP.replace("0.01", "0.6"), TURN, "long_pause"),
+        (LOOP, NEVER_SENT, TURN, "publish_in_loop"),
+        (LOOP, NEVER_SENT, FIRST, "publish_in_loop"),
+        (LOOP, "        time.sleep(duration)\n", TURN, "publish_in_loop"),
+    ],
+)
+def test_what_was_meant_is_told_before_a_number_that_also_fits(
+    slot: Slot, old: str, new: str, at: int, code: str
+) -> None:
+    wrong = SQUARE[:at] + SQUARE[at:].replace(old, new, 1)
+    if old.startswith("self.TURN_SPEED"):
+        wrong = wrong[:TURN] + wrong[TURN:].replace(LOOP, SENT_ONCE, 1)
+    assert wrong != SQUARE
+    change = explained(slot, wrong).changes[0]
+    assert (change.code, change.after) == (code, 100)
+
+
+def test_a_stop_is_no_mistake_and_a_side_effect_no_explanation(slot: Slot) -> None:
+    wrong = SQUARE.replace("1.5708 / self", "1.0 / self", 1)
+    assert [one.code for one in explained(slot, wrong).changes] == ["scaled"]
+    for spin in ("math.pi", "1.5"):
+        script = (
+            "import math, time, rclpy\nfrom geometry_msgs.msg import Twist\nrclpy.init()\n"
+            "node = rclpy.create_node('a')\npub = node.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n"
+            "time.sleep(1)\nmsg = Twist()\nmsg.angular.z = 1.0\nend = time.time() + "
+            f"{spin}\nwhile time.time() < end:\n    pub.publish(msg)\n    time.sleep(0.05)\npub.publish(Twist())\n"
+        )
+        assert all(one.code != "message" for one in explained(slot, script, "spin").changes)
+
+
 def test_one_change_is_looked_for_on_top_of_another(slot: Slot) -> None:
     wrong = SQUARE.replace("1.5708", "1.0", 1).replace("import time\n", "", 1)
     explanation = explained(slot, wrong)
