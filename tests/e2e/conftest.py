@@ -69,4 +69,5 @@ def browser(window: Browser, address: str) -> Iterator[Browser]:
     window.command("Network.clearBrowserCookies")
     window.resize(DESKTOP)
     yield window
+    window.driver.get("about:blank")  # what a page still keeps as it is left is kept by whom it was shown to
     assert window.complaints() == []

@@ -28,6 +28,7 @@ from grader.store.comments import Comments
 from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
+from grader.store.drafts import Drafts
 from grader.store.identities import Identities
 from grader.store.judgements import Given, Judgements
 from grader.store.notices import Notices
@@ -121,6 +122,7 @@ def fill(database: Database) -> str:
         claim.submission_id, [(Given(item="timer", points=0.1, comment="好"), None)], signed
     )
     Phrases(database).set({"q": "?"}, signed)
+    Drafts(database).keep(Signature(clock(), "ros", "li"), "square", "import rclpy\n")
     RefusedUploads(database, clock).add("ros", "li", "square", "empty", "a.py", None)
     Comments(database).add(claim.submission_id, "好", 1, signed, by_student=False)
     asked = Asked(item="timer", reason="为什么？", attempt=1, earned=0.1, points=45.0)
