@@ -342,6 +342,8 @@ def answers(
         if operation == "POST /class/gradebook/fill":
             kwargs["files"] = {"file": ("sheet.csv", b"id,points\nli,\n")}
             kwargs["data"] = {**data, "column": "points", "assignment": ""}
-        answer = client.request(method, path, params=query, headers=headers, **kwargs)
+        with client.stream(method, path, params=query, headers=headers, **kwargs) as answer:
+            if not path.endswith("/events"):  # one goes on until there is an explanation
+                answer.read()
         answered.append(answer.status_code)
     return tuple(answered)
