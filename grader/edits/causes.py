@@ -43,9 +43,9 @@ def stated_cause(seen: Situation) -> Cause | None:
         return None  # the exception says it
     explainers = (
         _timers_in_callbacks,
+        _contended,
         _never_ran,
         _endless,
-        _contended,
         _held,
         _wrong_size,
         _both_at_once,
@@ -256,11 +256,13 @@ def _timers_in_callbacks(seen: Situation) -> Iterator[Cause]:
 
 
 def _contended(seen: Situation) -> Iterator[Cause]:
-    """Yield two lines of different callbacks that command by turns, each something else."""
+    """Yield two lines that command by turns, each something else, from two callbacks or one and the main part."""
     motions = seen.ledger.motions
+    handed = _handed_over(seen.script)
     for one, other in itertools.pairwise(motions):
         pair = {one.line, other.line}
-        if len(pair) < 2 or _function_of(one) == _function_of(other) or (one.v, one.w) == (other.v, other.w):
+        alike = (one.v, one.w) == (other.v, other.w) or _source_of(one, handed) == _source_of(other, handed)
+        if len(pair) < 2 or alike:
             continue
         changes = sum({a.line, b.line} == pair for a, b in itertools.pairwise(motions))
         brief = all(each.until - each.t < 500_000_000 for each in motions if each.line in pair)
@@ -269,8 +271,16 @@ def _contended(seen: Situation) -> Iterator[Cause]:
             return
 
 
-def _function_of(motion: Motion) -> str:
-    return motion.stack[-1][1] if motion.stack else ""
+def _handed_over(script: ParsedScript) -> set[str]:
+    """Return the names of the functions that are given to timers, subscriptions and threads."""
+    calls = [call for one in _MAKERS for call in calls_of(script, one)]
+    given = (value for call in calls for value in (*call.args, *(one.value for one in call.keywords)))
+    return {dotted(value).rpartition(".")[2] for value in given} - {""}
+
+
+def _source_of(motion: Motion, handed: set[str]) -> str:
+    """Return the callback that a motion came from; empty for the main program."""
+    return next((function for _, function, _ in reversed(motion.stack) if function in handed), "")
 
 
 def _held(seen: Situation) -> Iterator[Cause]:

@@ -36,6 +36,7 @@ def flow_changes(seen: Situation) -> Iterator[Proposal]:
     yield from _stops(seen)
     yield from _moved(seen)
     yield from _out_of_branches(seen)
+    yield from _into_branches(seen)
     yield from _lambdas(seen)
     yield from _counters(seen, known)
     yield from _without_call(seen)
@@ -304,6 +305,20 @@ def _out_of_branches(seen: Situation) -> Iterator[Proposal]:
                 edits = _out_of(seen.script, outer, branch[-1:])
                 values = {"line": branch[-1].lineno, "loop": outer.lineno}
                 yield Proposal("out_of_branch", 2.4, edits, values)
+
+
+def _into_branches(seen: Situation) -> Iterator[Proposal]:
+    """Yield a count that stands before an `if` moved into it: it counts what the test says, not each round."""
+    for node in ast.walk(seen.script.tree):
+        if not isinstance(node, ast.If) or node.lineno not in seen.ledger.ran:
+            continue
+        block = seen.script.block_of(node)
+        place = next((i for i, one in enumerate(block) if one is node), 0)
+        for one in block[max(place - 2, 0) : place]:
+            if isinstance(one, ast.AugAssign):
+                text = seen.script.source(one)
+                edits = (seen.script.removed(one), seen.script.inserted_before(node.body[0], text))
+                yield Proposal("into_branch", 2.1, edits, {"line": one.lineno, "loop": node.lineno})
 
 
 def _into(script: ParsedScript, last: ast.stmt, moved: list[ast.stmt]) -> tuple[Edit, ...]:

@@ -90,7 +90,18 @@ def _proposal(lines: list[str], changed: dict[int, str], cost: float) -> Proposa
     )
     number, new = next(iter(changed.items()))
     values = {"line": number, "old": lines[number - 1].strip(), "new": new.strip()}
-    return Proposal("syntax", cost, edits, values)
+    return Proposal("syntax", cost, edits, {**values, **_slip(lines[number - 1], new)})
+
+
+def _slip(old: str, new: str) -> dict[str, object]:
+    """Return what names a single slip better than the two texts of its line: `sentence`, and its values."""
+    if new.strip() == f"{old.strip()}:":
+        return {"sentence": "syntax_colon"}
+    wide = {one for one in old if _WIDE.get(ord(one)) and one.isprintable() and one.strip()}
+    if new == old.translate(_WIDE) and len(wide) == 1:
+        (character,) = wide
+        return {"sentence": "syntax_wide", "wide": character, "narrow": character.translate(_WIDE)}
+    return {}
 
 
 def _ways(lines: list[str], number: int, message: str) -> Iterator[str]:

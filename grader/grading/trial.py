@@ -128,6 +128,8 @@ class Search:
             if found is None:
                 break
             candidate, after = found
+            if not changes and not after.is_full and self._is_contended(text, now):
+                break  # what gains beside two lines that overrule each other is not why
             changes.append(_proven(candidate, text, now, after))
             text = candidate.text
             now = after if after.is_full else self._traced(text)
@@ -162,10 +164,11 @@ class Search:
             whole = after.is_full or _is_mended(now.outcome, after.outcome, candidate.proposal)
             if not whole and not after.explains(now):
                 continue
-            if whole and self._gains_later(text, candidate.text):
+            if whole and not _goes_on(now.outcome, after.outcome) and self._gains_later(text, candidate.text):
                 return candidate, after
             gaining.append((candidate, after))
-        gaining.sort(key=lambda one: -one[1].score)  # stable: of equal ones the more plausible
+        # stable: of equal ones the more plausible, and first those that end as the script did
+        gaining.sort(key=lambda one: (-one[1].score, _goes_on(now.outcome, one[1].outcome)))
         best = next((one for one in gaining[:3] if self._gains_later(text, one[0].text)), None)
         if best is None and further is not None and self._has_budget and not is_second:
             return self._with_next(text, now, further)
@@ -200,6 +203,10 @@ class Search:
         return StatedCause(
             code=cause.code, line=cause.line, text=say(f"cause.{cause.code}", line=cause.line, **values)
         )
+
+    def _is_contended(self, text: str, now: Graded) -> bool:
+        cause = self._cause(text, now)
+        return cause is not None and cause.code == "contended"
 
     def _situation(self, text: str, now: Graded) -> Situation | None:
         """Return what the traced run of a text told; None without a tree, and of a script that tells tales."""
@@ -285,6 +292,11 @@ def _is_mended(before: RunOutcome, after: RunOutcome, proposal: Proposal) -> boo
     return before.error is not None and after.error is None and proposal.cost < _PLAUSIBLE
 
 
+def _goes_on(before: RunOutcome, after: RunOutcome) -> bool:
+    """Whether a script that ended by itself does so no more."""
+    return before.status is RunStatus.FINISHED and after.status is RunStatus.INTERRUPTED
+
+
 def _is_further(before: RunOutcome, after: RunOutcome) -> bool:
     """Whether a script that an exception ended comes further: the same one is gone, and none comes sooner."""
     if before.error is None or before.status not in (RunStatus.CRASHED, RunStatus.SYNTAX_ERROR):
@@ -300,7 +312,7 @@ def _cause_of(proposal: Proposal) -> Text:
     """Return what a proposal changes, and after it what one that follows changes."""
     values = dict(proposal.values)
     then = values.pop("then", None)
-    code = proposal.code
+    code = str(values.pop("sentence", proposal.code))
     if code == "scaled" and "size" in values:
         code = "scaled_turn" if values["unit"] == "deg" else "scaled_drive"
         for name in ("size", "wanted"):

@@ -103,6 +103,77 @@ def test_a_stop_is_no_mistake_and_a_side_effect_no_explanation(slot: Slot) -> No
         assert all(one.code != "message" for one in explained(slot, script, "spin").changes)
 
 
+WALKER = """import rclpy, threading, time
+from rclpy.node import Node
+from geometry_msgs.msg import Twist
+class Walker(Node):
+    def __init__(self):
+        super().__init__('walker')
+        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+        self.ticks = 0
+        self.create_timer(0.05, self.step)
+        OTHER
+    def step(self):
+        self.ticks += 1
+        msg = Twist()
+        if self.ticks % 61 < 40:
+            msg.linear.x = 1.0
+        else:
+            msg.angular.z = 1.0
+        self.pub.publish(msg)
+    def forward(self):
+        msg = Twist()
+        msg.linear.x = 1.0
+        self.pub.publish(msg)
+    def always(self):
+        while rclpy.ok():
+            self.forward()
+            time.sleep(0.1)
+rclpy.init()
+rclpy.spin(Walker())
+"""
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        "self.create_timer(0.05, self.forward)",
+        "self.create_timer(0.1, self.forward)",
+        "threading.Thread(target=self.always, daemon=True).start()",
+    ],
+)
+def test_two_sources_that_overrule_each_other_are_stated_first(slot: Slot, other: str) -> None:
+    explanation = explained(slot, WALKER.replace("OTHER", other))
+    assert explanation.changes == ()
+    assert explanation.cause is not None
+    assert (explanation.cause.code, explanation.cause.line) == ("contended", 18)
+    assert "22" in explanation.cause.text.zh
+
+
+@pytest.mark.parametrize("head", ["range(4):", "def main(args=None):"])
+def test_a_missing_colon_is_called_so(slot: Slot, head: str) -> None:
+    assert head in SQUARE
+    change = explained(slot, SQUARE.replace(head, head[:-1], 1)).changes[0]
+    assert change.text.en.startswith("A colon : is missing at the end of line")
+
+
+@pytest.mark.parametrize(("every", "sides"), [(72, 4), (82, 3)])
+def test_a_count_of_each_tick_moves_into_the_test_that_it_counts(slot: Slot, every: int, sides: int) -> None:
+    script = (
+        WALKER.replace("OTHER", "self.sides = 0")
+        .replace("ticks % 61", f"ticks % {every}")
+        .replace(
+            "        msg = Twist()\n",
+            f"        self.sides += 1\n        if self.ticks % {every} == 0:\n"
+            f"            print(self.sides)\n        if self.sides >= {sides}:\n"
+            "            self.pub.publish(Twist())\n            raise SystemExit\n        msg = Twist()\n",
+            1,
+        )
+    )
+    change = explained(slot, script, {4: "square", 3: "triangle"}[sides]).changes[0]
+    assert (change.code, change.after) == ("into_branch", 100)
+
+
 def test_one_change_is_looked_for_on_top_of_another(slot: Slot) -> None:
     wrong = SQUARE.replace("1.5708", "1.0", 1).replace("import time\n", "", 1)
     explanation = explained(slot, wrong)
@@ -125,6 +196,7 @@ def test_a_line_that_is_no_python_is_rewritten(slot: Slot) -> None:
     wrong = SQUARE.replace("range(4):", "range(4)：", 1)
     explanation = explained(slot, wrong)
     assert [one.code for one in explanation.changes] == ["syntax"]
+    assert "English :" in explanation.changes[0].text.en
     assert obeyed(wrong, explanation) == SQUARE
 
 

@@ -53,7 +53,7 @@ def test_one_step_after_the_other(report: GradeReport) -> None:
 
 def test_what_is_added_has_the_line_before_it(report: GradeReport) -> None:
     (step,) = steps(report, Explanation(changes=(ADDED,)), Hints.LINE)
-    assert step.line.en == "Look behind line 44."
+    assert step.line.en == "Look after line 44."
 
 
 def test_changes_keep_the_order_in_which_they_are_to_be_made(report: GradeReport) -> None:
