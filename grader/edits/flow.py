@@ -315,7 +315,10 @@ def _into_branches(seen: Situation) -> Iterator[Proposal]:
         block = seen.script.block_of(node)
         place = next((i for i, one in enumerate(block) if one is node), 0)
         for one in block[max(place - 2, 0) : place]:
-            if isinstance(one, ast.AugAssign):
+            counts = isinstance(one, ast.AugAssign) and dotted(one.target) not in map(
+                dotted, ast.walk(node.test)
+            )
+            if counts:  # of what the test does not ask for
                 text = seen.script.source(one)
                 edits = (seen.script.removed(one), seen.script.inserted_before(node.body[0], text))
                 yield Proposal("into_branch", 2.1, edits, {"line": one.lineno, "loop": node.lineno})
