@@ -39,6 +39,11 @@ def replays(found: Iterable[Grading]) -> set[str]:
     return {grading.id for grading in found if grading.job.assignment.world.kind == "pybullet"}
 
 
+def touching(found: Iterable[Grading]) -> set[str]:
+    """Return the ids of those whose bodies may touch another: Bullet finds contacts with the C library's sines."""
+    return {grading.id for grading in found if grading.job.assignment.world.kind != "turtle"}
+
+
 def _of_assignments() -> Iterator[Grading]:
     for catalog in (Catalog(), *(Catalog(set_root(name)) for name in SETS)):
         for assignment in catalog.all():
