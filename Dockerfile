@@ -51,7 +51,7 @@ COPY pyproject.toml requirements.lock README.md ./
 COPY grader grader
 COPY assignments assignments
 COPY lesson lesson
-COPY docs/student.md docs/student.zh.md docs/
+COPY docs/exercises.md docs/exercises.zh.md docs/instructor.md docs/instructor.zh.md docs/student.md docs/student.zh.md docs/
 # Compiled here, because the root is read-only where it runs; a hash in place of a date spares a look at each source.
 RUN /opt/build/bin/pip wheel --no-cache-dir --no-deps --no-build-isolation --wheel-dir /tmp/dist . \
  && /opt/build/bin/pip --python /opt/grader/bin/python install --no-compile --no-deps /tmp/dist/grader-*.whl \

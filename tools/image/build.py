@@ -27,8 +27,10 @@ _INDEX_SETTINGS: Final = (
 _SOURCES: Final = Path("/etc/apt/sources.list")
 _SOURCES_FOLDER: Final = Path("/etc/apt/sources.list.d")
 _CONTEXT: Final = (
-    "Dockerfile", ".dockerignore", "README.md", "assignments", "docs/student.md", "docs/student.zh.md", "grader",
-    "lesson", "pyproject.toml",
+    "Dockerfile", ".dockerignore", "README.md", "assignments",
+    "docs/exercises.md", "docs/exercises.zh.md", "docs/instructor.md", "docs/instructor.zh.md",
+    "docs/student.md", "docs/student.zh.md",
+    "grader", "lesson", "pyproject.toml",
     "requirements-build.lock", "requirements.lock", "requirements-extras.lock",
 )  # fmt: skip
 
