@@ -29,11 +29,11 @@ from grader.contracts.errors import ProtocolError  # noqa: E402
 from grader.jail import bounds  # noqa: E402
 from grader.jail.jail import FrameReader, pack  # noqa: E402
 from grader.sim import cdr, wire  # noqa: E402
-from grader.sim.interfaces import FIELDS  # noqa: E402
+from grader.sim.interfaces import ros_types  # noqa: E402
 
 Target = Callable[[bytes], bool]
 
-TRUSTED_TYPES: Final = sorted(FIELDS)
+TRUSTED_TYPES: Final = sorted(ros_types().fields)
 for _name in [name for name in INTERFACES if "/msg/" in name]:
     interface_class(_name)
 SHIM_TYPES: Final = sorted(CLASSES)
@@ -79,8 +79,9 @@ def trusted_wire(data: bytes) -> bool:
 
 def trusted_cdr(data: bytes) -> bool:
     """`grader.sim.cdr.decode`: what is read can be written, and then reads the same."""
-    name = TRUSTED_TYPES[data[0] % len(TRUSTED_TYPES)] if data else TRUSTED_TYPES[0]
-    message = cdr.HEADER + data[1:]
+    (index,) = struct.unpack("<H", data[:2].ljust(2, b"\0"))
+    name = TRUSTED_TYPES[index % len(TRUSTED_TYPES)]
+    message = cdr.HEADER + data[2:]
     try:
         values = cdr.decode(name, message)
     except ProtocolError:
@@ -140,7 +141,7 @@ def _stream_seeds() -> Iterator[bytes]:
 
 def _trusted_cdr_seeds() -> Iterator[bytes]:
     for index, name in enumerate(TRUSTED_TYPES):
-        yield bytes([index]) + cdr.encode(name)[4:]
+        yield struct.pack("<H", index) + cdr.encode(name)[4:]
 
 
 def _jail_cdr_seeds() -> Iterator[bytes]:

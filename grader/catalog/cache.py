@@ -23,6 +23,8 @@ _GRADER: Final = Path(contracts.__path__[0]).parent
 _VALIDATORS: Final = (
     *sorted(Path(__file__).parent.glob("*.py")),
     *sorted(Path(contracts.__path__[0]).glob("*.py")),
+    _GRADER / "formats" / "__init__.py",
+    _GRADER / "formats" / "interfaces.py",
     _GRADER / "geometry" / "exact.py",
     _GRADER / "geometry" / "room.py",
     _GRADER / "shim" / "rosidl_data" / "humble.txt",

@@ -15,8 +15,8 @@ from grader.catalog.files import INTERFACES, interface_files
 from grader.catalog.misfits import refusals
 from grader.contracts.assignment import InterfaceDefinition
 from grader.contracts.text import Text, trouble
+from grader.formats.interfaces import standard_entries, structures_of
 
-STANDARD: Final = Path(__file__).resolve().parents[1] / "shim" / "rosidl_data" / "humble.txt"
 MAX_FILES: Final = 64
 MAX_FILE_BYTES: Final = 16_384
 MAX_MESSAGE_BYTES: Final = 60_000
@@ -123,23 +123,20 @@ def _text(path: Path) -> str:
 @cache
 def standard_types() -> Mapping[str, Fields]:
     """Return the structures of ROS's own interfaces by their full names."""
-    entries = STANDARD.read_text("utf-8").split("\n@")[1:]
-    return {name: fields for entry in entries for name, fields in _structures(entry)}
+    return _fields_of(standard_entries())
 
 
 def types_of(interfaces: Iterable[InterfaceDefinition]) -> Mapping[str, Fields]:
     """Return the structures of `interfaces` by their full names."""
-    return {name: fields for each in interfaces for name, fields in _structures(each.lines)}
+    return _fields_of(each.lines for each in interfaces)
 
 
-def _structures(entry: str) -> Iterator[tuple[str, Fields]]:
-    """Yield the structures of one interface: full name, fields."""
-    head, *parts = re.split(r"\n=", entry)
-    namespace = head.partition(" ")[0].rpartition("/")[0]
-    for part in parts:
-        name, *members = part.rstrip().split("\n")
-        fields = (each.split(" ") for each in members if not each.startswith("!"))
-        yield f"{namespace}/{name}", {field[0]: field[1] for field in fields}
+def _fields_of(entries: Iterable[str]) -> Mapping[str, Fields]:
+    return {
+        name: {member[0]: member[1] for member in members}
+        for entry in entries
+        for name, members in structures_of(entry)
+    }
 
 
 def _misfits(found: _Found) -> Iterator[tuple[str, Text]]:
@@ -147,7 +144,7 @@ def _misfits(found: _Found) -> Iterator[tuple[str, Text]]:
     known = {**standard_types(), **types_of(definition for *_, definition in found.values())}
     sizes: dict[str, int] = {}
     for place, text, definition in found.values():
-        for name, fields in _structures(definition.lines):
+        for name, fields in types_of([definition]).items():
             told = _unknown(fields, known) or _recursion(name, known) or _size(name, known, sizes)
             if told is not None:
                 yield f"{place}:{_line(text, told[0])}", told[1]

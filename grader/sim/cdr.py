@@ -15,7 +15,7 @@ from functools import cache
 from typing import Any, Final, NamedTuple, TypeAlias
 
 from grader.contracts.errors import ProtocolError
-from grader.sim.interfaces import FIELDS, WORLD, Types
+from grader.sim.interfaces import Types, ros_types
 
 Values: TypeAlias = dict[str, Any]
 """A message as plain data: nested dicts, lists, str, int, float, bool; ``uint8`` sequences are bytes."""
@@ -49,8 +49,10 @@ _ZEROS: Final[dict[str, Callable[[], Any]]] = {
 }
 
 
-def decode(type_name: str, data: bytes, types: Types = WORLD) -> Values:
-    """Read one message with its encapsulation header, of a type of `types` such as ``geometry_msgs/msg/Twist``.
+def decode(type_name: str, data: bytes, types: Types | None = None) -> Values:
+    """Read one message with its encapsulation header, of a type such as ``geometry_msgs/msg/Twist``.
+
+    `types`: where the type is to be found; ROS's own by default.
 
     Raises:
         ProtocolError: the bytes are not exactly one message of that type.
@@ -60,12 +62,12 @@ def decode(type_name: str, data: bytes, types: Types = WORLD) -> Values:
     if data[:4] != HEADER:
         raise ProtocolError(f"{type_name}: not little-endian CDR")
     body = data[4:]
-    flat = _flat_layout(type_name) if types is WORLD else None
+    flat = _flat_layout(type_name) if types is None else None
     try:
         if flat is not None:
             return _nest(type_name, iter(flat.unpack(body)))
         values: Values
-        values, end = _structure_reader(type_name, types)(body, 0)
+        values, end = _structure_reader(type_name, types or ros_types())(body, 0)
     except (struct.error, UnicodeDecodeError) as error:
         raise ProtocolError(f"{type_name}: malformed CDR: {error}") from None
     if end != len(body):
@@ -73,13 +75,13 @@ def decode(type_name: str, data: bytes, types: Types = WORLD) -> Values:
     return values
 
 
-def encode(type_name: str, values: Mapping[str, Any] | None = None, types: Types = WORLD) -> bytes:
-    """Write one message; fields left out have their ROS default.
+def encode(type_name: str, values: Mapping[str, Any] | None = None, types: Types | None = None) -> bytes:
+    """Write one message; fields left out have their ROS default. `types` as in `decode`.
 
     Raises:
         ProtocolError: an unknown field, or a value that its field cannot hold.
     """
-    writer = _Writer(types)
+    writer = _Writer(types or ros_types())
     try:
         writer.structure(type_name, values or {})
     except (struct.error, UnicodeEncodeError, TypeError, OverflowError, AttributeError) as error:
@@ -287,7 +289,7 @@ class _Writer:
         self.data += scalar.pack(value)
 
 
-def _fields(type_name: str, types: Types = WORLD) -> tuple[tuple[str, str], ...]:
+def _fields(type_name: str, types: Types) -> tuple[tuple[str, str], ...]:
     try:
         return types.fields[type_name]
     except KeyError:
@@ -317,11 +319,12 @@ def _flat_layout(type_name: str) -> struct.Struct | None:
 def _flatten(type_name: str) -> list[str] | None:
     """Return the types of all numbers of a message in order, or None when it holds anything else."""
     flat: list[str] = []
-    for _, text in _fields(type_name):
+    types = ros_types()
+    for _, text in _fields(type_name, types):
         if text in _FORMATS and text != "bool":
             flat.append(text)
             continue
-        inner = _flatten(text) if text in FIELDS else None
+        inner = _flatten(text) if text in types.fields else None
         if inner is None:
             return None
         flat += inner
@@ -330,6 +333,5 @@ def _flatten(type_name: str) -> list[str] | None:
 
 def _nest(type_name: str, values: Iterator[float]) -> Values:
     """Lay the numbers of a flat type out as its nested fields."""
-    return {
-        name: next(values) if text in _FORMATS else _nest(text, values) for name, text in FIELDS[type_name]
-    }
+    fields = ros_types().fields[type_name]
+    return {name: next(values) if text in _FORMATS else _nest(text, values) for name, text in fields}

@@ -12,12 +12,16 @@ from rosbags.typesys import Stores, get_typestore
 
 from grader.contracts.errors import ProtocolError
 from grader.sim.cdr import HEADER, MAX_MESSAGE_BYTES, decode, encode
-from grader.sim.interfaces import DEFAULTS, FIELDS
+from grader.sim.interfaces import ros_types
 
+TYPES = ros_types()
+FIELDS = TYPES.fields
 TWIST = "geometry_msgs/msg/Twist"
 INTEGER_BOUNDS = {
     "int8": (-(2**7), 2**7 - 1),
     "uint8": (0, 2**8 - 1),
+    "int16": (-(2**15), 2**15 - 1),
+    "uint16": (0, 2**16 - 1),
     "int32": (-(2**31), 2**31 - 1),
     "uint32": (0, 2**32 - 1),
     "int64": (-(2**63), 2**63 - 1),
@@ -30,7 +34,7 @@ def values_of(text: str) -> st.SearchStrategy[Any]:
     """Return a strategy for the values of a field type."""
     if text.endswith("]"):
         base, _, count = text[:-1].rpartition("[")
-        low, high = (int(count), int(count)) if count else (0, 3)
+        low, high = (int(count), int(count)) if count.isdigit() else (0, int(count[2:] or 3))
         if base == "uint8":
             return st.binary(min_size=low, max_size=high)
         return st.lists(values_of(base), min_size=low, max_size=high)
@@ -43,7 +47,8 @@ def values_of(text: str) -> st.SearchStrategy[Any]:
         "float32": st.floats(width=32, allow_nan=False),
         "float64": st.floats(allow_nan=False),
         "string": TEXT,
-    }[text]
+        "wstring": TEXT,
+    }[text.partition("<")[0]]
 
 
 MESSAGES = st.sampled_from(sorted(FIELDS)).flatmap(lambda name: st.tuples(st.just(name), values_of(name)))
@@ -123,7 +128,7 @@ def test_defaults_of_left_out_fields() -> None:
 
 
 def test_defaults_name_existing_fields() -> None:
-    for name, defaults in DEFAULTS.items():
+    for name, defaults in TYPES.defaults.items():
         assert defaults.keys() <= {field for field, _ in FIELDS[name]}
 
 
