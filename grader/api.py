@@ -48,6 +48,7 @@ from grader.service.routes import (
     rules,
     similar,
     submissions,
+    teams,
 )
 from grader.service.routes.events import told_to_stop
 from grader.service.web import routing as pages
@@ -72,6 +73,7 @@ _ROUTERS = (
     appeals.router,
     appeals.of_submission,
     comments.router,
+    teams.router,
     dashboard.router,
     dashboard.of_assignment,
     events.dashboard,

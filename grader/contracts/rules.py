@@ -26,6 +26,7 @@ from grader.contracts.fields import (
     kinds_of,
 )
 from grader.contracts.python import StrEnum
+from grader.contracts.team import LARGEST_TEAM
 from grader.contracts.text import Text
 
 LateKind = Literal["none", "linear", "steps"]
@@ -271,6 +272,7 @@ class Rules:
         hints: how much students are told of lost points.
         appeals_until: how long students may ask for another look at an item; None: they may not.
         corrected_by: who may correct what the machine judged.
+        team_size: how many students at most hand in together; 1: everybody alone.
         by_section: what holds for single sections instead of `due`, `late` and `accept_late_s`.
     """
 
@@ -306,6 +308,9 @@ class Rules:
     corrected_by: Annotated[
         Corrector, Choice("Who corrects what the machine judged.", options=tuple(Corrector))
     ] = Corrector.INSTRUCTORS
+    team_size: Annotated[
+        int, Count("Most students who hand in together; 1: each alone.", low=1, high=LARGEST_TEAM)
+    ] = 1
     by_section: Annotated[
         tuple[SectionRule, ...],
         Table("Due date and lateness of single sections.", of=SectionRule, most=MOST_SECTIONS, example=()),

@@ -95,6 +95,7 @@ class Submission:
             score with what people judged.
         graded_attempt: claim number under which that grading was made.
         to_judge: rubric items that still wait for a person; None when none is a person's to judge.
+        team_upload: the same of all submissions that came with one upload of a team; else None.
     """
 
     id: str
@@ -118,6 +119,7 @@ class Submission:
     graded_attempt: int | None
     course: str | None = None
     to_judge: int | None = None
+    team_upload: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -25,6 +25,7 @@ ACTIONS = (
     "webhook.set", "webhook.remove", "mail.set",
     "rules.change", "extension.change", "submission.hand_in",
     "grade.judge", "grade.change", "regrade.applied", "regrade.discarded", "regrade.undone",
+    "team.change", "team.set",
     "appeal.make", "appeal.withdraw", "appeal.pass_on", "appeal.answered", "appeal.corrected", "appeal.refused",
     "assignment.upload", "assignment.remove",
 )  # fmt: skip
@@ -70,6 +71,8 @@ FIELDS: Mapping[str, str] = {
     "copy_of": "audit.field.copy_of",
     "open": "audit.field.open",
     "student": "student",
+    "team": "team.title",
+    "teams": "teams.title",
     "assignment": "assignment",
     "sha256": "audit.field.sha256",
     "version": "audit.field.version",

@@ -10,6 +10,7 @@ from grader.store.audit import Signature, require_open
 from grader.store.courses import in_class
 from grader.store.database import StorePart
 from grader.store.tables import CommentRow, SubmissionRow, as_contract
+from grader.store.teams import locked_upload
 
 
 class Comments(StorePart):
@@ -18,31 +19,22 @@ class Comments(StorePart):
     def add(
         self, submission_id: str, text: str, line: int | None, signed: Signature, *, by_student: bool
     ) -> Comment | None:
-        """Add a comment to a submission, or nothing, and return None, when there are `MOST_COMMENTS`.
+        """Add a comment to a submission, and to those of the student's team.
+
+        Nothing is added, and None returned, when there are `MOST_COMMENTS`.
 
         Raises:
             RefusedError: the course is archived.
         """
         with self._database.writing() as session:
             require_open(session, signed.course)
-            session.get(SubmissionRow, submission_id, with_for_update=True)  # one number after the other
-            last = session.execute(
-                select(func.max(col(CommentRow.number))).where(col(CommentRow.submission_id) == submission_id)
-            ).scalar_one()
-            number = 1 + (last or 0)
-            if number > MOST_COMMENTS:
-                return None
-            row = CommentRow(
-                submission_id=submission_id,
-                number=number,
-                written_by=signed.actor,
-                by_student=by_student,
-                line=line,
-                text=text,
-                written_at=signed.at,
-            )
-            session.add(row)
-            return _comment(row)
+            _, mates = locked_upload(session, submission_id)  # one number after the other
+            comment = _added(session, submission_id, text, line, signed, by_student=by_student)
+            for mate in mates if comment is not None else ():
+                copied = _added(session, mate.id, text, line, signed, by_student=by_student)
+                if copied is not None and by_student:  # staff is told once
+                    copied.seen_at = signed.at
+            return None if comment is None else _comment(comment)
 
     def of(self, submission_id: str) -> tuple[Comment, ...]:
         """Return the comments on a submission, oldest first."""
@@ -84,6 +76,28 @@ class Comments(StorePart):
             .order_by(col(CommentRow.submission_id))
         )
         return {row[0]: row[1] for row in self._rows(statement)}
+
+
+def _added(  # noqa: PLR0913
+    session: Session, submission_id: str, text: str, line: int | None, signed: Signature, *, by_student: bool
+) -> CommentRow | None:
+    last = session.execute(
+        select(func.max(col(CommentRow.number))).where(col(CommentRow.submission_id) == submission_id)
+    ).scalar_one()
+    number = 1 + (last or 0)
+    if number > MOST_COMMENTS:
+        return None
+    row = CommentRow(
+        submission_id=submission_id,
+        number=number,
+        written_by=signed.actor,
+        by_student=by_student,
+        line=line,
+        text=text,
+        written_at=signed.at,
+    )
+    session.add(row)
+    return row
 
 
 def _of(session: Session, submission_id: str) -> tuple[Comment, ...]:

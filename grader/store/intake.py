@@ -7,6 +7,7 @@ a turn in the queue, and store it.
 import hashlib
 import uuid
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from datetime import datetime, timedelta
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -35,6 +36,7 @@ from grader.contracts.python import UTC
 from grader.contracts.report import GradeStatus
 from grader.contracts.rules import Attempt, Extension, Refusal, Rules
 from grader.contracts.submission import NewSubmission, Submission, SubmissionState
+from grader.contracts.text import Text
 from grader.store.audit import Signature, record
 from grader.store.database import StorePart, add_once, one_at_a_time
 from grader.store.own_assignments import still_used
@@ -45,11 +47,13 @@ from grader.store.tables import (
     GradingRow,
     SourceRow,
     SubmissionRow,
+    TeamMemberRow,
     UploadKeyRow,
     UtcDateTime,
     submission_of,
     table_of,
 )
+from grader.store.teams import members_of
 from grader.store.work import tell_workers
 
 LATELY = timedelta(minutes=10)
@@ -66,7 +70,9 @@ _OPEN_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
 _SMALLEST_STEP = timedelta(microseconds=1)
 _UUID_VERSION_7 = 0x7 << 76
 _UUID_VARIANT = 0b10 << 62
-_row, _key, _explanation = (table_of(row).c for row in (SubmissionRow, UploadKeyRow, ExplanationRow))
+_row, _key, _explanation, _team_of = (
+    table_of(row).c for row in (SubmissionRow, UploadKeyRow, ExplanationRow, TeamMemberRow)
+)
 _COLUMNS = tuple(_row.keys())
 _INSERT_SUBMISSION, _INSERT_KEY = (insert(table_of(row)) for row in (SubmissionRow, UploadKeyRow))
 _FORGET_OLD_KEYS = delete(table_of(UploadKeyRow)).where(
@@ -104,6 +110,7 @@ class _Known(NamedTuple):
         latest: the student's last submission to the assignment.
         lately: the student's submissions to any assignment that wait, are graded or were graded lately.
         explained: how long explanations of the latter took.
+        team: the code of the student's team for the assignment; None: the student hands in alone.
     """
 
     archived: bool
@@ -117,6 +124,7 @@ class _Known(NamedTuple):
     latest: _Earlier | None
     lately: Sequence[_Earlier]
     explained: timedelta
+    team: str | None
 
 
 _EARLIER = tuple(_row[name] for name in _Earlier._fields)
@@ -152,7 +160,13 @@ def _question(of_course: ColumnElement[bool]) -> Select[Any]:
         .where(of_course, _row.student == bindparam("student"), _row.finished_at >= since)
         .scalar_subquery()
     )
-    asked = select(*OF_COURSE, explained, _key.digest, _key.submission_id, *ABOUT, *deciding.c)
+    team = select(_team_of.team).where(
+        _team_of.course == bindparam("course"),
+        _team_of.assignment == bindparam("assignment"),
+        _team_of.person == bindparam("student"),
+    )
+    more = (explained, team.scalar_subquery(), _key.digest, _key.submission_id)
+    asked = select(*OF_COURSE, *more, *ABOUT, *deciding.c)
     asked = asked.select_from(tables)
     return asked.order_by(deciding.c.received_at, deciding.c.id)
 
@@ -191,7 +205,7 @@ class Intake(StorePart):
         """
         with self._database.writing() as session:
             row, repeated = take_in(session, upload, received_at)
-            if not repeated:
+            if not repeated or row.team_upload is not None:
                 tell_workers(session.connection())
             if upload.by is not None and not repeated:
                 _record_handed_in(session, upload.by, row)
@@ -202,7 +216,7 @@ class Intake(StorePart):
         if not upload.ruled:
             return None
         with self._database.reading() as session:
-            known = _known(session, upload.student, upload.assignment, upload.course)
+            known = _known(session, upload)
             return _refusal(session, upload, known, received_at)
 
     def attempts(self, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
@@ -222,25 +236,60 @@ class Intake(StorePart):
 
 
 def take_in(session: Session, upload: NewSubmission, now: datetime) -> tuple[SubmissionRow, bool]:
-    """Store and queue `upload`, unless the student sent the same before.
+    """Store and queue `upload`, unless the student sent the same before; with it those of the student's team.
 
     Returns:
-        The row of the submission, and whether it is an earlier one.
+        The row of the student's submission, and whether it is an earlier one.
 
     Raises:
-        RefusedError: the rules of the assignment refuse the upload; the course is archived, the student is not in
-            it, or its own assignment was removed; or ``key_reused``: its key came with another upload before.
+        RefusedError: the rules of the assignment refuse the upload, to the student or to somebody of the team; the
+            course is archived, the student is not in it, or its own assignment was removed; or ``key_reused``: its
+            key came with another upload before.
         InfrastructureError: the database does not answer.
     """
     one_at_a_time(session, "uploads", upload.course, upload.student)  # limits and keys are counted by student
+    known, first = _known(session, upload, (upload.key, now)), new_id(now)
+    if known.team is None or known.keyed is not None:
+        return _take_in(session, upload, known, now, first)
+    one_at_a_time(
+        session, "team", upload.course, upload.assignment, known.team
+    )  # who holds it waits for nobody
+    team = members_of(session, upload.course, upload.assignment, known.team)
+    mates = [one for one in team if one != upload.student]
+    row, repeated = _take_in(session, upload, _known(session, upload), now, first, first if mates else None)
+    if mates:
+        row.team_upload = row.team_upload or row.id  # one from before they came
+    for mate in mates:
+        _take_in_for(session, replace(upload, student=mate, key=None), now, row.team_upload)
+    return row, repeated
+
+
+def _take_in_for(session: Session, upload: NewSubmission, now: datetime, team_upload: str | None) -> None:
+    """Store what somebody of the student's team handed in."""
+    try:
+        _take_in(session, upload, _known(session, upload), now, new_id(now), team_upload)
+    except RefusedError as refused:
+        said = refused.detail or Text(zh="", en="")
+        zh = f"这是队友 {upload.student} 的限制：文件要算作全队每个人的提交。{said.zh}"
+        en = f"That holds for {upload.student} of your team: the file would count for all of you. {said.en}"
+        raise RefusedError(refused.code, Text(zh=zh, en=en.strip()), **refused.members) from None
+
+
+def _take_in(  # noqa: PLR0913, PLR0917
+    session: Session,
+    upload: NewSubmission,
+    known: _Known,
+    now: datetime,
+    id_: str,
+    team_upload: str | None = None,
+) -> tuple[SubmissionRow, bool]:
     digest = hashlib.sha256(upload.source).hexdigest()
-    known = _known(session, upload.student, upload.assignment, upload.course, (upload.key, now))
     same = _under_key(upload, digest, known) or _same_as_latest(session, upload, known, digest)
     if same is not None:
         return session.get_one(SubmissionRow, same), True
     _require_accepted(session, upload, known, now)
     row = SubmissionRow(
-        id=new_id(now),
+        id=id_,
         course=upload.course,
         student=upload.student,
         assignment=upload.assignment,
@@ -252,6 +301,7 @@ def take_in(session: Session, upload: NewSubmission, now: datetime) -> tuple[Sub
         queued_at=now,
         turn_at=_turn(session, upload, known, now),
         not_before=now,
+        team_upload=team_upload,
     )
     _insert(session, upload, row)
     return row, False
@@ -300,26 +350,24 @@ def new_id(now: datetime) -> str:
 
 
 def _known(
-    session: Session,
-    student: str,
-    assignment: str,
-    course: str | None,
-    keyed: tuple[str | None, datetime] = (None, _EPOCH),
+    session: Session, upload: NewSubmission, keyed: tuple[str | None, datetime] = (None, _EPOCH)
 ) -> _Known:
     key, now = keyed
+    assignment, course = upload.assignment, upload.course
     asked = {
-        "student": student,
+        "student": upload.student,
         "assignment": assignment,
         "course": course,
-        "owner": _owner(course, student),
+        "owner": _owner(course, upload.student),
         "key": key,
         "since": now - _KEY_LIFE,
         "lately": now - LATELY,
     }
     rows = session.connection().execute(_WITHOUT_COURSE if course is None else _IN_COURSE, asked).all()
-    archived_at, distro, runs_as, member, explained_s, digest, submission_id, *about = rows[0][
-        : -len(_EARLIER)
-    ]
+    of_course, more, about = rows[0][:4], rows[0][4:8], rows[0][8 : -len(_EARLIER)]
+    archived_at, distro, runs_as, member = of_course
+    explained_s, team, digest, submission_id = more
+    rules, extension, zone = rules_about(*about)
     own = [_Earlier(*values) for row in rows if (values := row[-len(_EARLIER) :])[0] is not None]
     recent = now - LATELY
     return _Known(
@@ -328,10 +376,13 @@ def _known(
         runs_as,
         course is None or member is not None,
         None if digest is None else (digest, submission_id),
-        *rules_about(*about),
+        rules,
+        extension,
+        zone,
         next((one for one in reversed(own) if one.assignment == assignment), None),
         [one for one in own if one.finished_at is None or one.finished_at >= recent],
         timedelta(seconds=explained_s or 0.0),
+        team if rules.team_size > 1 else None,
     )
 
 

@@ -5,7 +5,8 @@ submission's row follow from both; see `settle`.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Any
 
@@ -25,6 +26,7 @@ from grader.store.audit import Signature, record
 from grader.store.courses import in_class
 from grader.store.database import StorePart
 from grader.store.tables import GradedItemRow, GradingRow, JudgementRow, SubmissionRow, as_contract
+from grader.store.teams import locked_upload
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,6 +96,8 @@ class Judgements(StorePart):
     ) -> None:
         """Add judgements, and the submission's score and verdict with them, all in one transaction or none.
 
+        Other submissions of the same upload get the same, as far as they are graded.
+
         Each answers the open appeal about its item, if there is one.
 
         Args:
@@ -106,7 +110,7 @@ class Judgements(StorePart):
             JudgementError: see its codes; nothing is changed.
         """
         with self._database.writing() as session:
-            row = session.get(SubmissionRow, submission_id, with_for_update=True)
+            row, mates = locked_upload(session, submission_id)
             report = None if row is None or row.course != signed.course else report_of(session, row)
             if row is None or report is None or row.regrade is not None:  # a trial is nobody's to judge
                 raise JudgementError("submission", "there is no such grading")
@@ -116,6 +120,8 @@ class Judgements(StorePart):
                 except JudgementError as error:
                     error.item = given.item
                     raise
+            for mate in mates:
+                _judge_too(session, mate, [given for given, _ in wanted], signed)
 
     def waiting(self, course: str | None, which: WaitingFor, offset: int, limit: int) -> tuple[Waiting, ...]:
         """Return what waits for a person, question by question, each in order of arrival."""
@@ -193,6 +199,16 @@ def _judge(  # noqa: PLR0913, PLR0917
     appeals.answer_by_points(session, row.id, item.id, given.comment, signed)
 
 
+def _judge_too(session: Session, row: SubmissionRow, wanted: Sequence[Given], signed: Signature) -> None:
+    """Give a submission of the same upload the same points, as far as it is graded and takes them."""
+    report = report_of(session, row)
+    if report is None:
+        return
+    for given in wanted:
+        with suppress(JudgementError):  # theirs has been judged otherwise
+            _judge(session, row, _item(report, given), replace(given, answers=False), Seen(None), signed)
+
+
 def _item(report: GradeReport, given: Given) -> RubricItem:
     """Return the item that points are given for, once it is sure that they may be."""
     item = next((one for one in report.items if one.id == given.item), None)
@@ -243,25 +259,13 @@ def _row(
 
 def _waiting(columns: Sequence[Any], course: str | None, which: WaitingFor) -> Select[Any]:
     """Select from items that wait: of latest gradings, without a judgement out of as many points."""
-    submission, item, judgement, later = SubmissionRow, GradedItemRow, JudgementRow, aliased(JudgementRow)
-    taken_back = exists().where(
-        col(later.submission_id) == col(judgement.submission_id),
-        col(later.item) == col(judgement.item),
-        col(later.revision) > col(judgement.revision),
-        col(later.out_of) == 0.0,
-        col(judgement.out_of) > 0.0,
-    )
-    done = exists().where(
-        col(judgement.submission_id) == col(item.submission_id),
-        col(judgement.item) == col(item.item),
-        col(judgement.out_of) == col(item.points),
-        ~taken_back,
-    )
+    submission, item = SubmissionRow, GradedItemRow
     conditions: list[ColumnElement[bool]] = [
         in_class(course, which.students),
         col(submission.to_judge) > 0,
         col(item.status) == ItemStatus.NEEDS_MANUAL.value,
-        ~done,
+        ~_done(),
+        ~_with_mates(which),
     ]
     if which.assignment is not None:
         conditions.append(col(submission.assignment) == which.assignment)
@@ -280,6 +284,36 @@ def _waiting(columns: Sequence[Any], course: str | None, which: WaitingFor) -> S
             ),
         )
         .where(*conditions)
+    )
+
+
+def _done() -> ColumnElement[bool]:
+    """Whether an item has a judgement out of as many points, which has not been taken back."""
+    item, judgement, later = GradedItemRow, JudgementRow, aliased(JudgementRow)
+    taken_back = exists().where(
+        col(later.submission_id) == col(judgement.submission_id),
+        col(later.item) == col(judgement.item),
+        col(later.revision) > col(judgement.revision),
+        col(later.out_of) == 0.0,
+        col(judgement.out_of) > 0.0,
+    )
+    return exists().where(
+        col(judgement.submission_id) == col(item.submission_id),
+        col(judgement.item) == col(item.item),
+        col(judgement.out_of) == col(item.points),
+        ~taken_back,
+    )
+
+
+def _with_mates(which: WaitingFor) -> ColumnElement[bool]:
+    """Whether the same upload of a team is listed as another's: points for one are points for all."""
+    first, submission = aliased(SubmissionRow), SubmissionRow
+    theirs = [] if which.students is None else [col(first.student).in_(which.students)]
+    return exists().where(
+        col(first.team_upload) == col(submission.team_upload),
+        col(first.id) < col(submission.id),
+        col(first.to_judge) > 0,
+        *theirs,
     )
 
 

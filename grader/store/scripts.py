@@ -17,12 +17,16 @@ _MOST_OF_STAFF = 100
 
 @dataclass(frozen=True, slots=True)
 class HandedIn:
-    """One file. `graded_attempt`: of the grading that stands; None before the first."""
+    """One file. `graded_attempt`: of the grading that stands; None before the first.
+
+    `team_upload`: the same of the files of one upload of a team; else None.
+    """
 
     submission: str
     student: str
     sha256: str
     graded_attempt: int | None
+    team_upload: str | None = None
 
 
 class Scripts(StorePart):
@@ -77,7 +81,13 @@ class Scripts(StorePart):
     def _handed_in(self, which: ColumnElement[bool]) -> tuple[HandedIn, ...]:
         row = SubmissionRow
         statement = (
-            select(col(row.id), col(row.student), col(row.source_sha256), col(row.graded_attempt))
+            select(
+                col(row.id),
+                col(row.student),
+                col(row.source_sha256),
+                col(row.graded_attempt),
+                col(row.team_upload),
+            )
             .where(which)
             .order_by(col(row.received_at).desc(), col(row.id))
         )

@@ -134,6 +134,12 @@ class Submissions(StorePart):
         newest_first = statement.order_by(col(SubmissionRow.received_at).desc(), col(SubmissionRow.id).desc())
         return tuple(submission_of(row) for row in self._scalars(newest_first))
 
+    def students_of_upload(self, team_upload: str) -> tuple[str, ...]:
+        """Return who has a submission of one upload of a team, in order."""
+        row = SubmissionRow
+        students = select(col(row.student)).where(col(row.team_upload) == team_upload)
+        return tuple(self._scalars(students.order_by(col(row.student))))
+
     def of_class(
         self,
         course: str | None,

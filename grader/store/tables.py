@@ -269,6 +269,7 @@ class SubmissionRow(_Row, table=True):
         Index("submission_finished", "finished_at"),
         Index("submission_lately", "course", "student", "finished_at"),
         Index("submission_original", "original"),
+        Index("submission_team_upload", "team_upload"),
     )
 
     id: str = Field(primary_key=True, max_length=36)
@@ -299,6 +300,8 @@ class SubmissionRow(_Row, table=True):
     regrade: str | None = Field(default=None, foreign_key="regrade.id", max_length=16)
     original: str | None = Field(default=None, foreign_key="submission.id", max_length=36)
     to_judge: int | None = None
+    # the first submission of the upload, which each member of a team has one of; that one may be erased
+    team_upload: str | None = Field(default=None, max_length=36)
 
 
 class RefusedUploadRow(_Row, table=True):
@@ -716,7 +719,20 @@ class DraftRow(_Row, table=True):
     saved_at: datetime = Field(sa_column=instant_column())
 
 
+class TeamMemberRow(_Row, table=True):
+    """Somebody in a team for an assignment. `team`: its code. `by_staff`: staff formed it."""
+
+    __table_args__ = (_of_member(), Index("team_members", "course", "assignment", "team"))
+
+    course: str = Field(primary_key=True, max_length=64)
+    assignment: str = Field(primary_key=True, max_length=64)
+    person: str = Field(primary_key=True, max_length=64)
+    team: str = Field(max_length=16)
+    by_staff: bool
+
+
 OF_MEMBERS: Final = (
+    TeamMemberRow,
     DraftRow,
     NoticeRow,
     ToldRow,

@@ -73,15 +73,18 @@ def extend(  # noqa: PLR0913, PLR0917
     *,
     seen: Seen | None,
 ) -> None:
-    """Put an extension in place of what a student had; an empty one takes it back.
+    """Put an extension in place of what a student and the student's team had; an empty one takes it back.
 
     Raises:
         RefusedError: as `course_rules`; or there is no such student, or somebody else changed what they have.
     """
     course_rules(services, caller, assignment_id)
     signed = services.signature(caller)
+    team = services.teams.of_student(caller.course, assignment_id, student)
     try:
         services.rules.extend(assignment_id, student, extension, signed, reason, seen=seen or ANY_STATE)
+        for mate in () if team is None else team.members:
+            services.rules.extend(assignment_id, mate, extension, signed, reason)
     except ChangedMeanwhileError:
         raise RefusedError("changed_meanwhile") from None
     except CourseError:

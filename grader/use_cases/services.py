@@ -45,6 +45,7 @@ from grader.store.rules import StoredRules
 from grader.store.scripts import Scripts
 from grader.store.standings import Measures, Standings
 from grader.store.submissions import Submissions
+from grader.store.teams import Teams
 from grader.store.tokens import Tokens
 from grader.store.work import Doorbell
 from grader.store.workers import Workers
@@ -115,6 +116,7 @@ class Services:
     comments: Comments
     phrases: Phrases
     drafts: Drafts
+    teams: Teams
     appeals: Appeals
     dashboard: Dashboard
     costs: Costs
@@ -207,6 +209,7 @@ def _stores(database: Database, clock: Clock) -> dict[str, Any]:
         "comments": Comments(database),
         "phrases": Phrases(database),
         "drafts": Drafts(database),
+        "teams": Teams(database),
         "appeals": Appeals(database),
         "dashboard": Dashboard(database, clock),
         "rules": StoredRules(database),

@@ -5,7 +5,7 @@ Nothing of it is stored, and no score depends on it.
 
 import gzip
 import hashlib
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -106,17 +106,30 @@ def _similar(services: Services, caller: Caller, assignment_id: str) -> Similar:
     if not is_compared(assignment):
         raise RefusedError("no_scripts")
     latest = sorted(own, key=lambda one: (one.last_activity_at, one.student), reverse=True)[:MOST_SCRIPTS]
-    scripts = services.comparer.scripts.of(
-        [one.counted_submission or one.latest_submission for one in latest]
-    )
+    every = services.comparer.scripts.of([one.counted_submission or one.latest_submission for one in latest])
+    scripts = tuple({one.team_upload or one.submission: one for one in reversed(every)}.values())[::-1]
+    teams = services.teams.of(caller.course, assignment_id)
+    mates = {person: one.code for one in teams for person in one.members}
     staff = services.comparer.scripts.of_staff(caller.course, assignment_id)
     given = services.assignments.of(caller.course).given_code()
     key = (caller.course, assignment_id, scripts, staff, _digest(given), len(own))
     kept = services.comparer.results.find(key)
-    if kept is not None:
-        return kept
-    compared = _compared(services, assignment_id, scripts, staff, given)
-    return services.comparer.results.keep(key, replace(compared, not_compared=len(own) - len(scripts)))
+    if kept is None:
+        compared = _compared(services, assignment_id, scripts, staff, given)
+        kept = services.comparer.results.keep(key, replace(compared, not_compared=len(own) - len(every)))
+    return _without_mates(kept, mates)
+
+
+def _without_mates(similar: Similar, team_of: Mapping[str, str]) -> Similar:
+    """Leave out the pairs of students who are in one team."""
+    if not team_of:
+        return similar
+
+    def of_two(pairs: Sequence[SimilarPair]) -> tuple[SimilarPair, ...]:
+        teams = ((team_of.get(one.first.student), team_of.get(one.second.student), one) for one in pairs)
+        return tuple(one for first, second, one in teams if first is None or first != second)
+
+    return replace(similar, pairs=of_two(similar.pairs), same_drives=of_two(similar.same_drives))
 
 
 def _compared(

@@ -29,6 +29,7 @@ from grader.service.web import (
     similar_pages,
     student,
     submission,
+    team_pages,
 )
 from grader.service.web.static_files import StaticFiles
 
@@ -59,6 +60,8 @@ ROUTERS = (
     rules_of_section.router,
     rule_pages.course_router,
     rules_at_once.router,
+    team_pages.router,
+    team_pages.own,
     people_pages.router,
     course_pages.router,
     own_pages.router,

@@ -27,6 +27,7 @@ from grader.use_cases.handing_in import Upload, hand_in, most_upload_bytes, uplo
 from grader.use_cases.practising import may_practise
 from grader.use_cases.regrading import unseen_changes
 from grader.use_cases.submissions import PastAttempt, best_of, course_progress, history
+from grader.use_cases.teams import own_team, people_of
 
 router = APIRouter(include_in_schema=False)
 uploads = APIRouter(include_in_schema=False, route_class=UploadRoute)
@@ -129,6 +130,7 @@ def _assignment_page(
     terms = None if caller.course is None else terms_of(services, caller, assignment.id)
     closed = None if terms is None or terms.refusal is None else RefusedError(terms.refusal.code)
     refused = None if problem is None else form_problem(problem, language, field="file")
+    team = own_team(services, caller, assignment.id)
     return page(
         errand.request,
         "assignment.html",
@@ -144,6 +146,8 @@ def _assignment_page(
         refusal=refused,
         given=given,
         text=text,
+        team=team,
+        team_people=[] if team is None else people_of(services, caller, team.members),
         practice=services.practice.offered and may_practise(services, caller, assignment),
     )
 

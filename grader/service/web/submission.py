@@ -59,6 +59,7 @@ from grader.use_cases.judging import judged_items, may_correct
 from grader.use_cases.practising import may_practise
 from grader.use_cases.regrading import look_at_changes
 from grader.use_cases.services import Services
+from grader.use_cases.teams import handed_in_for
 from grader.use_cases.visibility import hiding
 
 router = APIRouter(prefix="/submissions/{submission_id}", include_in_schema=False)
@@ -86,6 +87,7 @@ def read(errand: KnownDep, submission_id: SubmissionId, case: Case = None, *, sa
         errand.request,
         "submission.html",
         submission=submission,
+        team=handed_in_for(errand.services, errand.caller, submission),
         assignment=assignment,
         progress=progress(
             submission.state,

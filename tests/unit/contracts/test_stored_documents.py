@@ -12,10 +12,12 @@ from grader.contracts.own_assignment import Examined
 from grader.contracts.record import Record, canonical, to_plain
 from grader.contracts.regrade import ScoreChange, Wanted
 from grader.contracts.report import GradeReport, Measurements
+from grader.contracts.rules import LateRule, LateStep, Rules, SectionRule
 from grader.grading.examination.reading import Reading
 from tests.unit.checks.shipped import assignment
 
 STORED = (Assignment, Examined, Explanation, GradeReport, Measurements, Reading, ScoreChange, Wanted)
+RULES = (Rules, LateRule, LateStep, SectionRule)  # stored as dataclasses
 GOLDEN = Path(__file__).parents[2] / "golden/stored_fields.json"
 
 
@@ -38,6 +40,7 @@ def reached() -> dict[str, list[str]]:
             names = [one.name for one in fields(record)]
             found[record.__name__] = sorted(names)
             left += [one for name in names for one in records(hints[name])]
+    found |= {one.__name__: sorted(field.name for field in fields(one)) for one in RULES}
     return dict(sorted(found.items()))
 
 

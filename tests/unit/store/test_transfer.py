@@ -41,6 +41,7 @@ from grader.store.refused import RefusedUploads
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
 from grader.store.schema import migrate
+from grader.store.teams import Teams
 from grader.store.tokens import Tokens
 from grader.store.transfer import contents, transfer
 from grader.store.workers import Workers
@@ -122,6 +123,7 @@ def fill(database: Database) -> str:
         claim.submission_id, [(Given(item="timer", points=0.1, comment="好"), None)], signed
     )
     Phrases(database).set({"q": "?"}, signed)
+    Teams(database).set(signed, "square", [["li"]])
     Drafts(database).keep(Signature(clock(), "ros", "li"), "square", "import rclpy\n")
     RefusedUploads(database, clock).add("ros", "li", "square", "empty", "a.py", None)
     Comments(database).add(claim.submission_id, "好", 1, signed, by_student=False)

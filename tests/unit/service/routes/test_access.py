@@ -50,6 +50,12 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/assignments/{assignment_id}": MEMBERS,
     "get /api/v1/assignments/{assignment_id}/rules": MEMBERS,
     "put /api/v1/assignments/{assignment_id}/rules": INSTRUCTORS,
+    "get /api/v1/assignments/{assignment_id}/team": MEMBERS,
+    # the assignment is not for teams, and staff forms none
+    "put /api/v1/assignments/{assignment_id}/team": (401, 401, 409, 409, 409, 409, 409, 409),
+    "delete /api/v1/assignments/{assignment_id}/team": (401, 401, 409, 409, 409, 409, 409, 409),
+    "get /api/v1/assignments/{assignment_id}/teams": STAFF,
+    "put /api/v1/assignments/{assignment_id}/teams": INSTRUCTORS,
     "get /api/v1/assignments/{assignment_id}/extensions": STAFF,
     "get /api/v1/assignments/{assignment_id}/similar": STAFF,
     # the student is of the first course: the other's instructor is told that there is none
@@ -151,6 +157,11 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "get /api/v1/submissions/{submission_id}/recording.mcap": OPEN_TO_ALL,
     "get /api/v1/assignments": OPEN_TO_ALL,
     "get /api/v1/assignments/{assignment_id}": OPEN_TO_ALL,
+    "get /api/v1/assignments/{assignment_id}/team": OPEN_TO_ALL,
+    "put /api/v1/assignments/{assignment_id}/team": (409, 401, 409),
+    "delete /api/v1/assignments/{assignment_id}/team": (409, 401, 409),
+    "get /api/v1/assignments/{assignment_id}/teams": OPERATOR_ONLY,
+    "put /api/v1/assignments/{assignment_id}/teams": (401, 401, 409),
     "get /api/v1/assignments/{assignment_id}/rules": OPEN_TO_ALL,
     "put /api/v1/assignments/{assignment_id}/rules": (401, 401, 409),
     "get /api/v1/assignments/{assignment_id}/extensions": OPERATOR_ONLY,
@@ -239,6 +250,8 @@ def send(
     body: dict[str, Any] = {"json": {"points": 1} if "judgements" in path else {}} if method == "put" else {}
     if path.endswith("/course"):
         body = {"json": {"distro": "humble"}}
+    elif method == "put" and path.endswith("/teams"):
+        body = {"json": {"teams": []}}
     if path.endswith("/webhooks/class") and method == "put":
         body = {"json": {"vendor": "wecom", "address": example_address(Vendor.WECOM).replace("…", "x")}}
     if path.endswith("/course/platforms") and method == "post":

@@ -115,6 +115,8 @@ ROWS: dict[str, Row] = {
     "POST /class/appeals/{submission_id}": Row(
         "enter 404 403 403 404", {"item": "closed", "decision": "refused", "text": "x"}
     ),
+    "POST /class/teams/{assignment_id}": Row("enter 403 403 403 ok", {}, owner=""),
+    "POST /assignments/{assignment_id}/team": Row("enter 409 409 409 409", {"action": "start"}, owner=""),
     "POST /class/judgements/phrases": Row("enter ok 403 403 ok", {"phrases": "k {caller}"}, owner=""),
     "POST /class/judgements/{submission_id}/whole": Row("enter 404 403 403 404", {}, owner=""),
     "POST /class/judgements/{submission_id}": Row(
@@ -200,6 +202,9 @@ ROWS: dict[str, Row] = {
         "401 403 403 403 404", json=REGRADE, first="POST /api/v1/regrades/{regrade_id}/apply"
     ),
     "PUT /api/v1/assignments/{assignment_id}/rules": Row("401 403 403 403 ok", json={"shown": "draft"}),
+    "PUT /api/v1/assignments/{assignment_id}/teams": Row("401 403 403 403 ok", json={"teams": []}, owner=""),
+    "PUT /api/v1/assignments/{assignment_id}/team": Row("401 409 409 409 409", json={}, owner=""),
+    "DELETE /api/v1/assignments/{assignment_id}/team": Row("401 409 409 409 409", owner=""),
     "PUT /api/v1/assignments/{assignment_id}/extensions/{student}": Row(
         "401 403 403 403 422", json={"extra_attempts": 1}
     ),
