@@ -566,6 +566,13 @@ class OwnAssignmentRow(_Row, table=True):
     trouble: str = Field(default="", sa_column=text_column())
 
 
+class ReceiptKeyRow(_Row, table=True):
+    """The one key that signs receipts."""
+
+    id: int = Field(primary_key=True, sa_column_kwargs={"autoincrement": False})
+    secret: bytes = Field(sa_column=bytes_column())
+
+
 class PlatformKeyRow(_Row, table=True):
     """A key by which the service signs what it says to learning platforms; the newest is used."""
 

@@ -39,6 +39,7 @@ from grader.store.phrases import Phrases
 from grader.store.platform_scores import PlatformScores
 from grader.store.platforms import Platforms
 from grader.store.queue import Queue, Retries
+from grader.store.receipts import Receipts
 from grader.store.refused import RefusedUploads
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
@@ -121,6 +122,7 @@ class Services:
     dashboard: Dashboard
     costs: Costs
     refused: RefusedUploads
+    receipts: Receipts
     rules: StoredRules
     own_assignments: OwnAssignments
     courses: Courses
@@ -216,6 +218,7 @@ def _stores(database: Database, clock: Clock) -> dict[str, Any]:
         "audit": AuditLog(database),
         "costs": Costs(database, clock),
         "refused": RefusedUploads(database, clock),
+        "receipts": Receipts(database),
         "own_assignments": OwnAssignments(database, clock),
         "courses": Courses(database, clock),
         "course_life": CourseLife(database, clock),

@@ -141,6 +141,7 @@ _STATUS = {
     "no_course": 409,
     "no_teams": 409,
     "team_not_found": 404,
+    "false_receipt": 422,
     "team_full": 409,
     "team_fixed": 409,
     "only_students": 409,

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 from uuid import UUID
 
 from fastapi import APIRouter, Depends, File, Form, Header, Query, Request, Response, UploadFile, status
+from fastapi.responses import PlainTextResponse
 from pydantic import BeforeValidator, Field
 from pydantic_core import PydanticCustomError
 
@@ -43,6 +44,7 @@ from grader.service.routes.views import View
 from grader.use_cases import submissions
 from grader.use_cases.bodies import Instant
 from grader.use_cases.handing_in import Upload, hand_in, most_upload_bytes
+from grader.use_cases.receipts import receipt_of
 from grader.use_cases.submissions import ShownSubmission
 from grader.use_cases.visibility import graded
 
@@ -501,6 +503,17 @@ def read_source(errand: ErrandDep, submission_id: SubmissionId) -> Response:
     headers = {"ETag": f'"{submission.sha256}"'}
     kind = "application/zip" if is_package(source) else "text/plain; charset=utf-8"
     return Response(source, media_type=kind, headers=headers)
+
+
+@router.get(
+    "/{submission_id}/receipt",
+    summary="A signed receipt",
+    response_class=PlainTextResponse,
+    responses=responses("submission_not_found", "invalid_request"),
+)
+def read_receipt(errand: ErrandDep, submission_id: SubmissionId) -> PlainTextResponse:
+    """Return whose file came when, and its SHA-256, with a signature that staff can check later."""
+    return PlainTextResponse(receipt_of(errand.services, errand.caller, submission_id))
 
 
 def _view(read: ShownSubmission, language: Language) -> SubmissionView:

@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 from fastapi import APIRouter, Depends, Form, Header, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
-from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse
+from fastapi.responses import HTMLResponse, JSONResponse, PlainTextResponse, RedirectResponse
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from grader.contracts.appeal import LONGEST_TEXT
@@ -25,7 +25,7 @@ from grader.contracts.report import report_from
 from grader.contracts.submission import StoredReport, Submission
 from grader.formats.packages.bundle import line_in_text, text_of
 from grader.messages import on_page
-from grader.service.requests.answers import plot, trajectory_answer
+from grader.service.requests.answers import plot, to_save, trajectory_answer
 from grader.service.routes.events import LastEventId, events, owner_of, watched
 from grader.service.web import access
 from grader.service.web.access import (
@@ -57,6 +57,7 @@ from grader.use_cases.assignments import item_title, published, terms_of
 from grader.use_cases.following import Subject, SubjectWatch
 from grader.use_cases.judging import judged_items, may_correct
 from grader.use_cases.practising import may_practise
+from grader.use_cases.receipts import receipt_of
 from grader.use_cases.regrading import look_at_changes
 from grader.use_cases.services import Services
 from grader.use_cases.teams import handed_in_for
@@ -139,6 +140,14 @@ def download_source(errand: KnownDep, submission_id: SubmissionId) -> Response:
     }
     content = errand.services.submissions.source(submission.id) or b""
     return Response(content, media_type="application/octet-stream", headers=headers)
+
+
+@router.get("/receipt.txt")
+def download_receipt(errand: KnownDep, submission_id: SubmissionId) -> Response:
+    """Send the signed receipt, to be kept."""
+    submission = access.require_sight(errand, submission_id)
+    text = receipt_of(errand.services, errand.caller, submission.id)
+    return PlainTextResponse(text, headers=to_save(f"receipt-{submission.id}.txt"))
 
 
 @router.get("/state.json")

@@ -37,6 +37,7 @@ from grader.store.phrases import Phrases
 from grader.store.platform_scores import PlatformScores
 from grader.store.platforms import Platforms
 from grader.store.queue import Queue, Retries
+from grader.store.receipts import Receipts
 from grader.store.refused import RefusedUploads
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
@@ -123,6 +124,7 @@ def fill(database: Database) -> str:
         claim.submission_id, [(Given(item="timer", points=0.1, comment="好"), None)], signed
     )
     Phrases(database).set({"q": "?"}, signed)
+    Receipts(database).key_to_sign()
     Teams(database).set(signed, "square", [["li"]])
     Drafts(database).keep(Signature(clock(), "ros", "li"), "square", "import rclpy\n")
     RefusedUploads(database, clock).add("ros", "li", "square", "empty", "a.py", None)

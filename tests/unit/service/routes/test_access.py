@@ -60,6 +60,7 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/assignments/{assignment_id}/similar": STAFF,
     # the student is of the first course: the other's instructor is told that there is none
     "put /api/v1/assignments/{assignment_id}/extensions/{student}": (401, 401, 403, 403, 403, 200, 403, 422),
+    "get /api/v1/submissions/{submission_id}/receipt": SUBMISSION,
     "get /api/v1/submissions/{submission_id}/gradings": (401, 401, 403, 404, 200, 200, 404, 404),
     "get /api/v1/submissions/{submission_id}/source": SUBMISSION,
     "get /api/v1/submissions/{submission_id}/judgements": (401, 401, 403, 404, 200, 200, 404, 404),
@@ -149,6 +150,7 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "post /api/v1/submissions": (202, 401, 202),
     "get /api/v1/submissions": OPERATOR_ONLY,
     "get /api/v1/submissions/{submission_id}": OPEN_TO_ALL,
+    "get /api/v1/submissions/{submission_id}/receipt": OPEN_TO_ALL,
     "get /api/v1/submissions/{submission_id}/report": OPEN_TO_ALL,
     "get /api/v1/submissions/{submission_id}/events": OPEN_TO_ALL,
     "get /api/v1/submissions/{submission_id}/trajectory": OPEN_TO_ALL,

@@ -115,6 +115,7 @@ ROWS: dict[str, Row] = {
     "POST /class/appeals/{submission_id}": Row(
         "enter 404 403 403 404", {"item": "closed", "decision": "refused", "text": "x"}
     ),
+    "POST /class/receipts": Row("enter 422 403 403 422", {"receipt": "x"}, owner=""),
     "POST /class/teams/{assignment_id}": Row("enter 403 403 403 ok", {}, owner=""),
     "POST /assignments/{assignment_id}/team": Row("enter 409 409 409 409", {"action": "start"}, owner=""),
     "POST /class/judgements/phrases": Row("enter ok 403 403 ok", {"phrases": "k {caller}"}, owner=""),

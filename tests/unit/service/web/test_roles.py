@@ -123,6 +123,9 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /class/rules/{assignment_id}/extensions": (303, 403, 403, 403, 303, 422),
     "GET /class/rules/{assignment_id}/section": INSTRUCTORS,
     "POST /class/rules/{assignment_id}/section": (303, 403, 403, 403, 422, 422),  # without a due date
+    "GET /class/receipts": STAFF,
+    "POST /class/receipts": (303, 403, 403, 422, 422, 422),  # without one
+    "GET /submissions/{submission_id}/receipt.txt": OWN,
     "GET /class/teams/{assignment_id}": STAFF,
     "POST /class/teams/{assignment_id}": (303, 403, 403, 403, 303, 303),
     "POST /assignments/{assignment_id}/team": (303, 422, 422, 422, 422, 422),  # without an action
