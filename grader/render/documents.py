@@ -80,19 +80,24 @@ def _gradescope_test(
     }
 
 
-def to_prairielearn(report: GradeReport, language: Language = "zh") -> dict[str, object]:
+def to_prairielearn(
+    report: GradeReport, language: Language = "zh", *, hidden: frozenset[str] = frozenset()
+) -> dict[str, object]:
     """Return PrairieLearn's ``results.json`` for external grading (PrairieLearn docs/externalGrading.md).
 
-    A file that is not Python is not gradable, which costs no attempt there.
+    A file that is not Python is not gradable, which costs no attempt there. PrairieLearn shows students each test
+    that is listed: rubric items that are `hidden` count, but neither they nor sentences about the whole are in it.
     """
     if report.status is GradeStatus.SYNTAX_ERROR:
         return {"gradable": False, "format_errors": [_overview(report, language)]}
     return {
         "gradable": True,
         "score": _share(report),
-        "message": visible(report.summary.get(language)),
-        "output": _overview(report, language),
-        "tests": [_prairielearn_test(item, language) for item in report.items],
+        "message": "" if hidden else visible(report.summary.get(language)),
+        "output": _overview(report, language, tells_all=not hidden),
+        "tests": [
+            _prairielearn_test(item, language) for item in report.items if not is_hidden(item.id, hidden)
+        ],
     }
 
 

@@ -183,9 +183,9 @@ def exported(
     student = Caller(course=submission.course)  # whoever asks, students read it there
     rules = services.rules.about(submission.course, submission.student, submission.assignment)
     report = told_of(services, student, submission, stored, rules).report
-    if platform == "prairielearn":
-        return to_prairielearn(report, language)
     hidden = hiding(services, submission).items if caller.is_staff else frozenset[str]()
+    if platform == "prairielearn":
+        return to_prairielearn(report, language, hidden=hidden)
     return to_gradescope(report, language, stored.sha256, hidden=hidden)
 
 

@@ -84,6 +84,8 @@ def read(errand: KnownDep, submission_id: SubmissionId, case: Case = None, *, sa
     submission = found.submission
     access.require_own(errand.visitor, submission)
     assignment = published(errand.services, errand.caller, submission.assignment)
+    untouched = assignment is not None and submissions.is_untouched(errand.services, submission)
+    explained = not untouched and explaining.is_explained(errand.services, submission, found.grading)
     return page(
         errand.request,
         "submission.html",
@@ -98,10 +100,13 @@ def read(errand: KnownDep, submission_id: SubmissionId, case: Case = None, *, sa
             is_open=submissions.is_open(submission),
         ),
         late=found.lateness,
-        explained=explaining.is_explained(errand.services, submission, found.grading),
+        explained=explained,
+        steps=explaining.told_steps(errand.services, errand.caller, submission, found.grading)
+        if explained
+        else (),
         hiding=hiding(errand.services, submission),
         same=same,
-        untouched=assignment is not None and submissions.is_untouched(errand.services, submission),
+        untouched=untouched,
         mendable=assignment is not None
         and errand.services.practice.offered
         and may_practise(errand.services, errand.caller, assignment),
@@ -258,10 +263,12 @@ def read_film(errand: KnownDep, submission_id: SubmissionId, case: Case = None) 
 @router.get("/explanation", dependencies=[COSTLY])
 def read_explanation(errand: KnownDep, submission_id: SubmissionId) -> Response:
     """Return the part of the page that says what was tried, nothing where none gains; 202 until then."""
-    steps = explaining.told_steps(errand.services, errand.caller, *access.seen(errand, submission_id))
+    submission, stored = access.seen(errand, submission_id)
+    steps = explaining.told_steps(errand.services, errand.caller, submission, stored)
     if steps is None:
         return Response(status_code=202, headers={"Cache-Control": "no-store"})
-    html = fragment(errand.request, "explanation.html", steps=steps)
+    source = _source(errand.services, submission, stored)
+    html = fragment(errand.request, "explanation.html", steps=steps, source=source)
     return HTMLResponse(html.strip(), headers={"Cache-Control": "no-store"})
 
 

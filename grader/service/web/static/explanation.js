@@ -1,5 +1,7 @@
-// The explanation of a result's marks: changes that were tried. A worker looks for them behind all submissions, so
-// the page says that it is looking, follows the stream that tells when they are there, and puts them in.
+// The explanation of a result's marks: changes that were tried. A worker looks for them behind all submissions: a page
+// that came before they were there follows the stream that tells when they are, and puts them in.
+import { begin } from "./marked.js";
+
 const place = document.getElementById("explanation");
 const PAUSE_MS = 5000;
 let source = null;
@@ -19,13 +21,21 @@ async function load() {
 }
 
 function show(html) {
-  place.querySelector("[role=status]").hidden = true;
+  place.querySelector("[data-looking]").remove();
   if (html.includes('class="change"')) {
     place.innerHTML = html;
-    document.body.classList.add("explained"); // what was tried silences what was guessed
+    place.closest(".result").classList.add("explained");
+    mark([]); // of the guess
   } else {
     place.insertAdjacentHTML("afterbegin", html); // a stated cause, or nothing, beside the hint
   }
+}
+
+/** Mark the lines of the program that `links` lead to, and no others. */
+function mark(links) {
+  document.querySelectorAll(".lines .hinted").forEach((line) => line.classList.remove("hinted"));
+  links.forEach((link) => document.querySelector(link.hash)?.classList.add("hinted"));
+  begin();
 }
 
 // a page nobody looks at holds no connection
@@ -48,4 +58,8 @@ function follow() {
   });
 }
 
-load();
+// a further hint was opened or closed; the event does not bubble
+place.addEventListener("toggle", () => mark([...place.querySelectorAll("details[open] > p a[href^='#L']")]), true);
+if (place.querySelector("[data-looking]")) {
+  follow();
+}
