@@ -31,7 +31,7 @@ _ROOT = Path(__file__).parents[1]
 _ALIVE = pytest.StashKey[int]()
 _GARBAGE = (5_000, 20, 50)
 """How much is allocated between looks for garbage: with Python's usual numbers they take 5 % of a run's time."""
-_BROWSER = ("browser", "browser_course", "browser_practice")
+_BROWSER = ("accessible_pages", "browser", "browser_course", "browser_practice")
 _PREPARED = ("command_line", "practice_beside_workers", "scale_out", "serve", "service", "shutdown")
 _TOGETHER = {f"tests/e2e/test_{one}.py": files[0] for files in (_BROWSER, _PREPARED) for one in files}
 """Files of tests by what they share for as long as a process runs: a browser's window, or `prepared`."""

@@ -76,7 +76,8 @@ def _set_up() -> None:
     _say(f"Setting up {VENV.name} (once) ...")
     _create_venv()
     pip = [str(PYTHON), "-m", "pip", "--disable-pip-version-check", "--no-input", "install", "--quiet"]
-    subprocess.check_call([*pip, "--require-hashes", *(part for lock in LOCKS for part in ("-r", str(lock)))])
+    locks = [part for lock in LOCKS for part in ("-r", str(lock))]
+    subprocess.check_call([*pip, "--no-deps", "--require-hashes", *locks])  # they name all that is needed
     subprocess.check_call([*pip, "--no-deps", "--no-build-isolation", "--editable", str(ROOT)])
     STAMP.write_text(digest)
 

@@ -2,8 +2,11 @@ import os
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import closing
+from importlib.resources import files
+from importlib.util import find_spec
 from pathlib import Path
 from subprocess import CompletedProcess
+from typing import NoReturn
 
 import pytest
 
@@ -19,10 +22,15 @@ def _found(*names: str) -> str:
     for name in names:
         if path := shutil.which(name):
             return path
-    missing = f"{names[0]} is not installed, so the pages were not tried in a browser"
+    return _missing(names[0])
+
+
+def _missing(program: str) -> NoReturn:
+    """Skip a test in a browser for want of a program, or fail where a browser is required."""
+    reason = f"{program} is not installed, so the pages were not tried in a browser"
     if os.environ.get("GRADER_REQUIRE_BROWSER"):
-        pytest.fail(missing)
-    pytest.skip(missing)
+        pytest.fail(reason)
+    pytest.skip(reason)
 
 
 @pytest.fixture
@@ -53,6 +61,14 @@ def prepared() -> Iterator[Prepared]:
 def programs() -> tuple[str, str]:
     """Chromium and its driver."""
     return _found("chromium", "chromium-browser", "google-chrome"), _found("chromedriver")
+
+
+@pytest.fixture(scope="session")
+def axe() -> str:
+    """The text of axe-core."""
+    if find_spec("axe_playwright_python") is None:
+        _missing("axe-playwright-python")
+    return files("axe_playwright_python").joinpath("axe.min.js").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="session")

@@ -7,7 +7,7 @@ import re
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -58,12 +58,13 @@ WORK = (  # who hands in what; the last of the roster hands in nothing
 
 @dataclass(frozen=True)
 class School:
-    """A running course. `tokens` by person; `files` are the course's assignments."""
+    """A running course. `tokens` by person; `files`: its assignments; `submitted`: ids of what was handed in."""
 
     services: Services
     address: str
     tokens: dict[str, str]
     files: Path
+    submitted: tuple[str, ...] = ()
 
     def client(self, person: str) -> httpx.Client:
         """Return a client of the interface that is signed in."""
@@ -89,14 +90,15 @@ def school(
     *,
     websockets: bool = False,
     signin: Path | None = None,
+    more: tuple[str, ...] = (),
 ) -> Iterator[School]:
     """Open a course in the database at `url`, let everybody hand in their `work` and grade it.
 
-    Its assignments are copied to `folder`. `signin`: the file of accounts from elsewhere.
+    Its assignments, and `more`, are copied to `folder`. `signin`: the file of accounts from elsewhere.
     """
     files = folder / "assignments"
-    for name in ASSIGNMENTS:
-        shutil.copytree(default_root() / name, files / name)
+    for name in (*ASSIGNMENTS, *more):
+        shutil.copytree(default_root() / name, files / Path(name).name)
     # 600: one student's in all tests of a module
     settings = Settings(database_url=url, practice_per_minute=600, signin=signin, slots=0)
     grading = Settings(database_url=url, poll_s=0.02)  # here, because another process would not be patched
@@ -109,8 +111,7 @@ def school(
             server.serving(create_app(lambda: nullcontext(services)), websockets=websockets) as client,
         ):
             opened = School(services, str(client.base_url).rstrip("/"), _enrol(services), files)
-            _hand_in(opened, work)
-            yield opened
+            yield replace(opened, submitted=_hand_in(opened, work))
 
 
 def _enrol(services: Services) -> dict[str, str]:
@@ -123,7 +124,7 @@ def _enrol(services: Services) -> dict[str, str]:
     return {one: services.tokens.issue(COURSE, one, timedelta(days=1), "setup")[1] for one in PEOPLE}
 
 
-def _hand_in(opened: School, work: tuple[tuple[str, str, str], ...]) -> None:
+def _hand_in(opened: School, work: tuple[tuple[str, str, str], ...]) -> tuple[str, ...]:
     locations = []
     for student, assignment, file in work:
         source = Catalog(opened.files).scripts(assignment)[file]
@@ -136,3 +137,4 @@ def _hand_in(opened: School, work: tuple[tuple[str, str, str], ...]) -> None:
             locations.append(str(answer.raise_for_status().headers["Location"]))
     with opened.client("wang") as client:
         await_grades(client, locations, console())
+    return tuple(one.rpartition("/")[2] for one in locations)

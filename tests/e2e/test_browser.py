@@ -14,6 +14,7 @@ import pytest
 from grader.catalog import Catalog
 from grader.commands.demo import DemoUpload, await_grades, hand_in, serving
 from grader.render.terminal import console
+from tests.e2e.axe import assert_sound
 from tests.e2e.chromium import PHONE, Browser
 
 pytestmark = pytest.mark.browser
@@ -269,6 +270,13 @@ def test_a_phone_shows_everything(browser: Browser, token: str, service: httpx.C
     assert browser.js(
         "const one = document.querySelector('.scroll'); return one.scrollWidth <= one.clientWidth"
     )
+
+
+def test_nothing_serious_on_what_is_seen_most(browser: Browser, service: httpx.Client, axe: str) -> None:
+    """Every page of a course: `test_accessible_pages`."""
+    of_bo = service.get("/api/v1/dashboard").json()["students"][1]["assignments"]["square"]
+    browser.signed_in("student", "bo")
+    assert_sound(browser, axe, ("/assignments/square", of_bo["latest_submission"].removeprefix("/api/v1")))
 
 
 @pytest.mark.slow

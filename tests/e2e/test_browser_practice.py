@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.catalog import default_root
+from grader.catalog import Catalog, default_root
 from tests.e2e.chromium import PHONE, Browser
 from tests.e2e.school import School, school
 from tests.fakes.postgres import PostgresServer
@@ -122,6 +122,34 @@ def test_an_attempt_is_mended_where_it_failed(student: Browser, course: School, 
     _write(student, "else_ = 1\n")
     student.one("#last").click()
     student.until(lambda: "nobody()" in _content(student).text)
+
+
+@pytest.mark.slow
+def test_what_was_tried_comes_onto_the_result_by_itself(
+    student: Browser, course: School, tmp_path: Path
+) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    wrong = tmp_path / "one_radian.py"
+    wrong.write_bytes(Catalog().scripts("square")["wrong/one_radian.py"])
+    student.hand_in("square", wrong)
+    student.until(lambda: student.all("#explanation details") and not student.all("[data-looking]"))
+    assert not student.one("#explanation details p").is_displayed()
+    more = student.one("#explanation summary")
+    more.send_keys(Keys.ENTER)
+    link = student.one("#explanation details[open] > p a")
+    student.until(lambda: student.all(f".lines {link.get_attribute('hash')}.hinted"))
+    link.send_keys(Keys.ENTER)
+    assert student.js("return location.hash") == link.get_attribute("hash")
+    student.one("#explanation details details summary").send_keys(Keys.ENTER)
+    assert student.one("#explanation .change").is_displayed()
+    student.command("Emulation.setScriptExecutionDisabled", value=True)  # a reload tells as well
+    try:
+        student.driver.refresh()
+        assert student.all("#explanation .change")
+        assert not student.all("[data-looking]")
+    finally:
+        student.command("Emulation.setScriptExecutionDisabled", value=False)
 
 
 def test_names_of_rclpy_are_completed(student: Browser) -> None:

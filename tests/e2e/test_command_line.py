@@ -2,6 +2,7 @@
 
 import json
 import os
+import pty
 import subprocess
 import sys
 from collections.abc import Callable
@@ -64,6 +65,37 @@ def test_less_than_full_marks_ends_with_1_and_the_next_step(at_terminal: Termina
     assert done.returncode == 1
     assert "Next step" in done.stdout
     assert "120°" in done.stdout
+
+
+def test_whoever_sits_at_a_terminal_asks_for_each_further_hint(tmp_path: Path) -> None:
+    """A pseudo-terminal, so that the grader sees a person on both sides."""
+    script = tmp_path / "square.py"
+    script.write_bytes(catalog().scripts("square")["wrong/one_radian.py"])
+    person, terminal = pty.openpty()
+    command = [sys.executable, "-m", "grader", "check", str(script), "--lang", "en"]
+    with subprocess.Popen(command, cwd=tmp_path, stdin=terminal, stdout=terminal, stderr=terminal) as process:
+        os.close(terminal)
+        fact = _read_until(person, b"to stop: ")
+        os.write(person, b"\n")
+        line = _read_until(person, b"to stop: ")
+        os.write(person, b"q\n")
+        change = _read_until(person, b"")
+    os.close(person)
+    assert process.returncode == 1
+    assert b"Next step" in fact
+    assert (b"line " in fact.rpartition(b"Next step")[2], b"line " in line) == (False, True)
+    assert b" + " not in change  # no line that is to be written
+
+
+def _read_until(person: int, words: bytes) -> bytes:
+    """Return what is shown up to `words`, or all of it."""
+    shown = b""
+    while not (words and shown.endswith(words)):
+        try:
+            shown += os.read(person, 1 << 16)
+        except OSError:  # as Linux says that nobody is there any more
+            break
+    return shown
 
 
 def test_the_students_own_traceback_and_nothing_else(tmp_path: Path, at_terminal: Terminal) -> None:
