@@ -41,6 +41,7 @@ NO_PAGE = (
     ".zip",
     ".png",
     ".mcap",
+    ".txt",
     "/source",
     "/events",
     "/explanation",
@@ -81,6 +82,7 @@ OF_STAFF = {
     "/class/people": ("/class/people",),
     "/class/people/{person}": (f"/class/people/{STUDENT}",),
     "/class/platforms": ("/class/platforms",),
+    "/class/receipts": ("/class/receipts",),
     "/class/regrades": ("/class/regrades",),
     "/class/regrades/{regrade_id}": ("/class/regrades/{regrade}",),
     "/class/regrades/{regrade_id}/changes/{submission_id}": ("/class/regrades/{regrade}/changes/{s0}",),
@@ -96,6 +98,7 @@ OF_STAFF = {
     "/class/submissions/{submission_id}/gradings/compare": (
         "/class/submissions/{s0}/gradings/compare?first=1&second=1",
     ),
+    "/class/teams/{assignment_id}": (f"/class/teams/{SQUARE}",),
     "/submissions/{submission_id}": tuple(f"/submissions/{{s{place}}}" for place in range(len(WORK))),
 }  # fmt: skip
 

@@ -84,8 +84,6 @@ def read(errand: KnownDep, submission_id: SubmissionId, case: Case = None, *, sa
     submission = found.submission
     access.require_own(errand.visitor, submission)
     assignment = published(errand.services, errand.caller, submission.assignment)
-    untouched = assignment is not None and submissions.is_untouched(errand.services, submission)
-    explained = not untouched and explaining.is_explained(errand.services, submission, found.grading)
     return page(
         errand.request,
         "submission.html",
@@ -100,19 +98,12 @@ def read(errand: KnownDep, submission_id: SubmissionId, case: Case = None, *, sa
             is_open=submissions.is_open(submission),
         ),
         late=found.lateness,
-        explained=explained,
-        steps=explaining.told_steps(errand.services, errand.caller, submission, found.grading)
-        if explained
-        else (),
         hiding=hiding(errand.services, submission),
         same=same,
-        untouched=untouched,
-        mendable=assignment is not None
-        and errand.services.practice.offered
-        and may_practise(errand.services, errand.caller, assignment),
         corrections=_corrections(errand, submission, found.grading),
         source=_source(errand.services, submission, found.grading),
         line_of=lambda error: _line_of(errand.services, submission, error),
+        **_to_do(errand, submission, assignment, found.grading),
         **_beside(errand, submission),
         **_comments(errand, submission),
         told_changes=look_at_changes(errand.services, errand.caller, submission),
@@ -286,6 +277,23 @@ async def read_plot(errand: KnownDep, submission_id: SubmissionId, case: Case = 
     """Return the picture of one run, for browsers without scripts and for comparing."""
     await run_in_threadpool(access.require_sight, errand, submission_id)
     return await plot(errand, submission_id, case, errand.language, "png")
+
+
+def _to_do(
+    errand: PageErrand, submission: Submission, assignment: Assignment | None, stored: StoredReport | None
+) -> dict[str, Any]:
+    """Return what the page says of the next step. `steps`: what was tried; None while it is looked for."""
+    services, caller = errand.services, errand.caller
+    untouched = assignment is not None and submissions.is_untouched(services, submission)
+    explained = not untouched and explaining.is_explained(services, submission, stored)
+    return {
+        "untouched": untouched,
+        "explained": explained,
+        "steps": explaining.told_steps(services, caller, submission, stored) if explained else (),
+        "mendable": assignment is not None
+        and services.practice.offered
+        and may_practise(services, caller, assignment),
+    }
 
 
 def _corrections(
