@@ -442,6 +442,15 @@ class PhraseRow(_Row, table=True):
     text: str = Field(sa_column=text_column())
 
 
+class PinnedRow(_Row, table=True):
+    """What every student of a course reads who makes a mistake at an assignment."""
+
+    course: str = Field(primary_key=True, foreign_key="course.id", max_length=64)
+    assignment: str = Field(primary_key=True, max_length=64)
+    mistake: str = Field(primary_key=True, max_length=64)
+    text: str = Field(sa_column=text_column())
+
+
 class AppealRow(_Row, table=True):
     """That a student asks for another look at a rubric item, and the answer. `seen_at`: the student saw that.
 

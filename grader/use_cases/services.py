@@ -36,6 +36,7 @@ from grader.store.judgements import Judgements
 from grader.store.notices import Notices
 from grader.store.own_assignments import OwnAssignments
 from grader.store.phrases import Phrases
+from grader.store.pinned import Pinned
 from grader.store.platform_scores import PlatformScores
 from grader.store.platforms import Platforms
 from grader.store.queue import Queue, Retries
@@ -116,6 +117,7 @@ class Services:
     judgements: Judgements
     comments: Comments
     phrases: Phrases
+    pinned: Pinned
     drafts: Drafts
     teams: Teams
     appeals: Appeals
@@ -210,6 +212,7 @@ def _stores(database: Database, clock: Clock) -> dict[str, Any]:
         "judgements": Judgements(database),
         "comments": Comments(database),
         "phrases": Phrases(database),
+        "pinned": Pinned(database),
         "drafts": Drafts(database),
         "teams": Teams(database),
         "appeals": Appeals(database),

@@ -1,8 +1,10 @@
 """The instructor's pages: the class matrix, one assignment, one student, two attempts, the service itself."""
 
 from typing import Annotated
+from urllib.parse import quote
 
-from fastapi import APIRouter, Depends, Query, Response
+from fastapi import APIRouter, Depends, Form, Query, Response
+from fastapi.responses import RedirectResponse
 
 from grader import __version__
 from grader.contracts.errors import RefusedError
@@ -15,9 +17,10 @@ from grader.formats.packages.bundle import text_of
 from grader.messages import outline
 from grader.render.labels import status_word
 from grader.service.web import access
-from grader.service.web.access import PageErrand, StaffDep, require_staff
+from grader.service.web.access import InstructorDep, PageErrand, StaffDep, require_staff
 from grader.service.web.comparison import compare
 from grader.service.web.errors import form_problem
+from grader.service.web.forms import OWN_FORM
 from grader.service.web.matrix import SHOWS, MatrixQuery, matrix
 from grader.service.web.pages import page
 from grader.use_cases.appealing import waiting
@@ -28,6 +31,7 @@ from grader.use_cases.course_life import counted_space
 from grader.use_cases.dashboard import Overview, class_state, costs, overview
 from grader.use_cases.own_assignments import own_troubles
 from grader.use_cases.people import names, person
+from grader.use_cases.pinning import LONGEST_PINNED, pin, pinned
 from grader.use_cases.risk import STUCK_ATTEMPTS
 from grader.use_cases.services import Services
 from grader.use_cases.similar import is_compared
@@ -102,7 +106,25 @@ def read_concerned(
         told=told,
         title=assignment_id if assignment is None else assignment.title.get(language),
         id=assignment_id,
+        pinned=pinned(errand.services, errand.caller, assignment_id).get(mistake, "")
+        if mistake and assignment is not None
+        else None,
+        longest=LONGEST_PINNED,
+        may_change=errand.caller.is_instructor and errand.caller.course is not None,
     )
+
+
+@router.post("/assignments/{assignment_id}/pinned", dependencies=OWN_FORM)
+def change_pinned(
+    errand: InstructorDep,
+    assignment_id: str,
+    mistake: Annotated[str, Form(min_length=1, max_length=64)],
+    text: Annotated[str, Form(max_length=20_000)] = "",
+) -> Response:
+    """Pin a sentence to a mistake, or take it away."""
+    pin(errand.services, errand.caller, assignment_id, mistake, text)
+    here = f"/class/assignments/{assignment_id}/students?mistake={quote(mistake)}"
+    return RedirectResponse(here, status_code=303)
 
 
 @router.get("/students/{student}")

@@ -56,6 +56,7 @@ from grader.use_cases import appealing, commenting, explaining, recordings, subm
 from grader.use_cases.assignments import item_title, published, terms_of
 from grader.use_cases.following import Subject, SubjectWatch
 from grader.use_cases.judging import judged_items, may_correct
+from grader.use_cases.pinning import pinned_to
 from grader.use_cases.practising import may_practise
 from grader.use_cases.receipts import receipt_of
 from grader.use_cases.regrading import look_at_changes
@@ -88,6 +89,7 @@ def read(errand: KnownDep, submission_id: SubmissionId, case: Case = None, *, sa
         errand.request,
         "submission.html",
         submission=submission,
+        pinned=pinned_to(errand.services, found),
         team=handed_in_for(errand.services, errand.caller, submission),
         assignment=assignment,
         progress=progress(

@@ -34,6 +34,7 @@ from grader.store.judgements import Given, Judgements
 from grader.store.notices import Notices
 from grader.store.own_assignments import NewOwnAssignment, OwnAssignments
 from grader.store.phrases import Phrases
+from grader.store.pinned import Pinned
 from grader.store.platform_scores import PlatformScores
 from grader.store.platforms import Platforms
 from grader.store.queue import Queue, Retries
@@ -124,6 +125,7 @@ def fill(database: Database) -> str:
         claim.submission_id, [(Given(item="timer", points=0.1, comment="好"), None)], signed
     )
     Phrases(database).set({"q": "?"}, signed)
+    Pinned(database).pin("square", "no_commands", "?", signed)
     Receipts(database).key_to_sign()
     Teams(database).set(signed, "square", [["li"]])
     Drafts(database).keep(Signature(clock(), "ros", "li"), "square", "import rclpy\n")

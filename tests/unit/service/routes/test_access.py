@@ -50,6 +50,8 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/assignments/{assignment_id}": MEMBERS,
     "get /api/v1/assignments/{assignment_id}/rules": MEMBERS,
     "put /api/v1/assignments/{assignment_id}/rules": INSTRUCTORS,
+    "get /api/v1/assignments/{assignment_id}/pinned": STAFF,
+    "put /api/v1/assignments/{assignment_id}/pinned/{mistake}": (401, 401, 403, 403, 403, 422, 403, 422),
     "get /api/v1/assignments/{assignment_id}/team": MEMBERS,
     # the assignment is not for teams, and staff forms none
     "put /api/v1/assignments/{assignment_id}/team": (401, 401, 409, 409, 409, 409, 409, 409),
@@ -159,6 +161,8 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "get /api/v1/submissions/{submission_id}/recording.mcap": OPEN_TO_ALL,
     "get /api/v1/assignments": OPEN_TO_ALL,
     "get /api/v1/assignments/{assignment_id}": OPEN_TO_ALL,
+    "get /api/v1/assignments/{assignment_id}/pinned": OPERATOR_ONLY,
+    "put /api/v1/assignments/{assignment_id}/pinned/{mistake}": (401, 401, 409),
     "get /api/v1/assignments/{assignment_id}/team": OPEN_TO_ALL,
     "put /api/v1/assignments/{assignment_id}/team": (409, 401, 409),
     "delete /api/v1/assignments/{assignment_id}/team": (409, 401, 409),
@@ -252,6 +256,8 @@ def send(
     body: dict[str, Any] = {"json": {"points": 1} if "judgements" in path else {}} if method == "put" else {}
     if path.endswith("/course"):
         body = {"json": {"distro": "humble"}}
+    elif "/pinned/" in path:
+        body = {"json": {"text": "x"}}
     elif method == "put" and path.endswith("/teams"):
         body = {"json": {"teams": []}}
     if path.endswith("/webhooks/class") and method == "put":

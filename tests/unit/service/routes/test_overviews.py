@@ -411,7 +411,7 @@ def test_openapi_documents_500_everywhere(openapi: dict[str, Any]) -> None:
 def test_openapi_knows_every_kind_of_problem(openapi: dict[str, Any]) -> None:
     text = json.dumps(openapi)
     general = {  # of no operation, or of pages
-        "not_found", "method_not_allowed", "refused", "foreign_form", "not_the_same",
+        "not_found", "method_not_allowed", "refused", "foreign_form", "not_the_same", "false_receipt",
         "signin_refused", "signin_failed", "signin_expired", "signin_somebody_else", "signin_other_course",
         "signin_unreachable",
         "platform_not_found", "platform_unknown", "platform_differs", "platform_exists", "too_many_platforms",

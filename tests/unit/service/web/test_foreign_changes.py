@@ -115,6 +115,12 @@ ROWS: dict[str, Row] = {
     "POST /class/appeals/{submission_id}": Row(
         "enter 404 403 403 404", {"item": "closed", "decision": "refused", "text": "x"}
     ),
+    "POST /class/assignments/{assignment_id}/pinned": Row(
+        "enter 403 403 403 ok", {"mistake": "rate_off", "text": "x"}, owner=""
+    ),
+    "PUT /api/v1/assignments/{assignment_id}/pinned/{mistake}": Row(
+        "401 403 403 403 ok", json={"text": "x"}, ids={"mistake": "rate_off"}, owner=""
+    ),
     "POST /class/receipts": Row("enter 422 403 403 422", {"receipt": "x"}, owner=""),
     "POST /class/teams/{assignment_id}": Row("enter 403 403 403 ok", {}, owner=""),
     "POST /assignments/{assignment_id}/team": Row("enter 409 409 409 409", {"action": "start"}, owner=""),

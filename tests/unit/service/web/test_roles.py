@@ -123,6 +123,7 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /class/rules/{assignment_id}/extensions": (303, 403, 403, 403, 303, 422),
     "GET /class/rules/{assignment_id}/section": INSTRUCTORS,
     "POST /class/rules/{assignment_id}/section": (303, 403, 403, 403, 422, 422),  # without a due date
+    "POST /class/assignments/{assignment_id}/pinned": (303, 403, 403, 403, 422, 422),  # without a mistake
     "GET /class/receipts": STAFF,
     "POST /class/receipts": (303, 403, 403, 422, 422, 422),  # without one
     "GET /submissions/{submission_id}/receipt.txt": OWN,
