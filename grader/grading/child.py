@@ -34,10 +34,10 @@ def main(arguments: list[str]) -> int:
 
 def _main(arguments: list[str]) -> int:
     channel = Channel(*map(int, arguments))
-    told = channel.receive()
-    if told is None:
+    configuration = channel.receive()
+    if configuration is None:
         return 0
-    config = SlotConfig(**told)
+    config = SlotConfig(**configuration)
     if config.niceness:
         _give_way(config.niceness)  # before the zygote is started, which takes after this process
     try:

@@ -290,8 +290,8 @@ class Slot:
                 trajectories=dict(zip(answer["trajectories"], trajectories, strict=True)),
                 measurements=from_plain(Measurements, answer["measurements"]),
                 requests={
-                    case: tuple(from_plain(WorldRequest, one) for one in made)
-                    for case, made in answer["requests"].items()
+                    case: tuple(from_plain(WorldRequest, one) for one in requests)
+                    for case, requests in answer["requests"].items()
                 },
                 unmet=tuple(map(str, answer["unmet"])),
             )
@@ -362,16 +362,16 @@ def result_message(result: GradingResult) -> tuple[dict[str, Any], list[bytes]]:
 
 def _fault(answer: Mapping[str, Any]) -> GraderError:
     """Return the error that the child reports."""
-    told = str(answer.get("message", "the grading process answered nonsense"))
+    message = str(answer.get("message", "the grading process answered nonsense"))
     match answer.get("kind"):
         case "unavailable":
-            return SandboxUnavailableError(told)
+            return SandboxUnavailableError(message)
         case "missing_extra":
-            return MissingExtraError.named(told)
+            return MissingExtraError.named(message)
         case "no_room":
-            return NoRoomError(told)
+            return NoRoomError(message)
         case _:
-            return InfrastructureError(told)
+            return InfrastructureError(message)
 
 
 def _request(job: GradingJob, *, tells: bool = False) -> dict[str, Any]:

@@ -100,8 +100,8 @@ async def _send_all(send: Send, client: LiveClient) -> None:
     with contextlib.suppress(OSError):  # uvicorn's, of a connection that has ended
         try:
             while (text := await client.next()) is not None:
-                told = {"type": "websocket.send", "text": text.decode()}
-                await asyncio.wait_for(send(told), SEND_S)
+                event = {"type": "websocket.send", "text": text.decode()}
+                await asyncio.wait_for(send(event), SEND_S)
         except TimeoutError:
             client.end(TRY_AGAIN, "this client reads too slowly")
         closing = {"type": "websocket.close", "code": client.closed, "reason": client.reason[:100]}

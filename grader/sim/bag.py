@@ -182,11 +182,11 @@ def _robot_poses(trajectory: Trajectory) -> Iterator[_Message]:
     tf_channel = _Channel("/tf", "tf2_msgs/msg/TFMessage", depth=100)
     columns = (trajectory.t_ns, trajectory.x_m, trajectory.y_m, trajectory.heading_rad)
     for t_ns, x, y, heading in zip(*(column.tolist() for column in columns), strict=True):
-        told, turned = header(EPOCH_NS + t_ns, _FRAME), quaternion(heading)
+        head, turned = header(EPOCH_NS + t_ns, _FRAME), quaternion(heading)
         pose = {"position": {"x": x, "y": y}, "orientation": turned}
-        yield _Message(t_ns, pose_channel, {"header": told, "pose": pose})
+        yield _Message(t_ns, pose_channel, {"header": head, "pose": pose})
         transform = {
-            "header": told,
+            "header": head,
             "child_frame_id": "base_footprint",
             "transform": {"translation": {"x": x, "y": y}, "rotation": turned},
         }
@@ -254,12 +254,12 @@ def _rubric(run: BagContents) -> _Message:
 
 
 def _path(t_ns: int, points: Sequence[tuple[float, float, float]]) -> dict[str, Any]:
-    told = header(EPOCH_NS + t_ns, _FRAME)
+    head = header(EPOCH_NS + t_ns, _FRAME)
     poses = [
-        {"header": told, "pose": {"position": {"x": x, "y": y}, "orientation": quaternion(heading)}}
+        {"header": head, "pose": {"position": {"x": x, "y": y}, "orientation": quaternion(heading)}}
         for x, y, heading in points
     ]
-    return {"header": told, "poses": poses}
+    return {"header": head, "poses": poses}
 
 
 def _plain(text: str) -> str:

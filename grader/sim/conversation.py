@@ -330,18 +330,18 @@ class Talk:
 
     def _take_get_parameters(self, asked: _Asked, t_ns: int, values: Values | None) -> None:
         before = self._exchanges[asked.exchange].answer or {}
-        told = None if values is None or not values["values"] else plain_parameter(values["values"][0])
-        found = {
+        value = None if values is None or not values["values"] else plain_parameter(values["values"][0])
+        parameter = {
             **before.get(asked.name, {}),
-            **({} if told is None else {"type": told[0], "value": told[1]}),
+            **({} if value is None else {"type": value[0], "value": value[1]}),
         }
-        self._change(asked.exchange, answered_ns=t_ns, answer={**before, asked.name: found})
+        self._change(asked.exchange, answered_ns=t_ns, answer={**before, asked.name: parameter})
 
     def _take_describe_parameters(self, asked: _Asked, t_ns: int, values: Values | None) -> None:
         before = self._exchanges[asked.exchange].answer or {}
-        told = values["descriptors"][0] if values is not None and values["descriptors"] else {}
-        found = {**before.get(asked.name, {}), **({"descriptor": told} if told else {})}
-        self._change(asked.exchange, answered_ns=t_ns, answer={**before, asked.name: found})
+        descriptor = values["descriptors"][0] if values is not None and values["descriptors"] else {}
+        parameter = {**before.get(asked.name, {}), **({"descriptor": descriptor} if descriptor else {})}
+        self._change(asked.exchange, answered_ns=t_ns, answer={**before, asked.name: parameter})
 
     def _take_goal(self, asked: _Asked, t_ns: int, values: Values | None) -> None:
         accepted = bool(values and values["accepted"])
@@ -474,12 +474,12 @@ class Talk:
         if course.step.kind != "goal":
             return exchange
         uuid = _uuid(exchange.step, exchange.n)
-        found = [
+        feedback = [
             Message(each.t_ns, each.values["feedback"], each.party)
             for each in heard.get(f"{course.step.target}/_action/feedback", ())
             if each.values is not None and each.values["goal_id"]["uuid"] == uuid
         ]
-        return replace(exchange, feedback=tuple(found))
+        return replace(exchange, feedback=tuple(feedback))
 
     def _decoded(self, kind: str, payload: bytes) -> Values | None:
         """Return a message of the script; None if it cannot be read, or is larger than a message may be."""

@@ -145,7 +145,7 @@ def _descriptor(name: str, declared: _Declared) -> Values:
 
 def _listed(names: Iterable[str], prefixes: list[str], depth: int) -> Values:
     """Return the names under any of `prefixes` (all without one), `depth` levels deep at most (0: any)."""
-    found = [
+    listed = [
         name
         for name in names
         if (not prefixes and _within(name, depth))
@@ -154,7 +154,7 @@ def _listed(names: Iterable[str], prefixes: list[str], depth: int) -> Values:
             for prefix in prefixes
         )
     ]
-    return {"names": found, "prefixes": sorted({name.rpartition(".")[0] for name in found if "." in name})}
+    return {"names": listed, "prefixes": sorted({name.rpartition(".")[0] for name in listed if "." in name})}
 
 
 def _within(name: str, depth: int) -> bool:

@@ -130,12 +130,12 @@ class _Reader:
         self._values = 0
 
     def calls(self) -> list[Call]:
-        found = []
+        calls = []
         while self._at < len(self._data):
             self._values = 0
-            found.append(self._call())
+            calls.append(self._call())
             self._number += 1
-        return found
+        return calls
 
     def _call(self) -> Call:
         function = self._byte()
@@ -248,17 +248,17 @@ class RecordedCalls:
         self._bytes += len(data)
         if self._bytes > MOST_BYTES:
             raise ProtocolError(f"CALLS: more than {MOST_BYTES} bytes were recorded")
-        found = read_calls(data, self.count)
-        if self.count + len(found) > MOST_CALLS:
+        calls = read_calls(data, self.count)
+        if self.count + len(calls) > MOST_CALLS:
             raise ProtocolError(f"CALLS: more than {MOST_CALLS} calls were recorded")
         if self.not_finite is not None or self.simulated_s * 1e9 > horizon_ns + _SLACK_NS:
             return
-        finite = (is_finite((*call.args, *call.options.values())) for call in found)
+        finite = (is_finite((*call.args, *call.options.values())) for call in calls)
         bad = next((i for i, fits in enumerate(finite) if not fits), None)
         if bad is not None:
             self.not_finite = self.count + bad
             return
-        for call in found:
+        for call in calls:
             self._note(call)
             self.count += 1
         self.frames.append(data)

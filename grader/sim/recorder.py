@@ -216,8 +216,8 @@ class ReceivedCommands:
         if self.first_ns is None:
             self.first_ns = times_ns[0]
         self.last_ns = times_ns[-1]
-        told = (_recorded(ahead), _recorded(turn)) if finite else (v, w)
-        self._recorder.command(dict(zip(updates, times_ns, strict=True)), *told)
+        command = (_recorded(ahead), _recorded(turn)) if finite else (v, w)
+        self._recorder.command(dict(zip(updates, times_ns, strict=True)), *command)
 
 
 def _recorded(asked: float) -> float:

@@ -72,8 +72,8 @@ class WheelDrive:
         """Come nearer to the command, a thirtieth of a second later; return the wheels' rates in rad/s."""
         most = WHEEL_ACCELERATION_MPS2 * DRIVE_S
         left, right = (
-            now + min(max(wanted - now, -most), most)
-            for now, wanted in zip(self.speeds_mps, self._wanted, strict=True)
+            now + min(max(target - now, -most), most)
+            for now, target in zip(self.speeds_mps, self._wanted, strict=True)
         )
         self.speeds_mps = (left, right)
         return left / WHEEL_RADIUS_M, right / WHEEL_RADIUS_M

@@ -103,17 +103,17 @@ _FIXED: Final = (
 
 def static_transforms(t_ns: int) -> bytes:
     """Return tf2_msgs/msg/TFMessage: what is fixed to the robot, as its URDF has it."""
-    told = []
+    fixed = []
     for parent, child, at in _FIXED:
         turned = {"x": math.sin(-0.785), "w": math.cos(-0.785)} if child == "caster_back_link" else {"w": 1.0}
-        told.append(
+        fixed.append(
             {
                 "header": header(t_ns, parent),
                 "child_frame_id": child,
                 "transform": {"translation": dict(zip("xyz", at, strict=True)), "rotation": turned},
             }
         )
-    return encode("tf2_msgs/msg/TFMessage", {"transforms": told})
+    return encode("tf2_msgs/msg/TFMessage", {"transforms": fixed})
 
 
 IMU_FRAME: Final = "imu_link"

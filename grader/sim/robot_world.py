@@ -210,12 +210,14 @@ class RobotWorld(SimulatedWorld):
             self._camera = None
 
     def _odometry(self, t_ns: int) -> bytes:
-        told = self._body.odometry
-        return messages.odometry(t_ns, (told.x_m, told.y_m, told.heading_rad), told.v_mps, told.w_radps)
+        odometry = self._body.odometry
+        return messages.odometry(
+            t_ns, (odometry.x_m, odometry.y_m, odometry.heading_rad), odometry.v_mps, odometry.w_radps
+        )
 
     def _transforms(self, t_ns: int) -> bytes:
-        told = self._body.odometry
-        return messages.transforms(t_ns, (told.x_m, told.y_m, told.heading_rad))
+        odometry = self._body.odometry
+        return messages.transforms(t_ns, (odometry.x_m, odometry.y_m, odometry.heading_rad))
 
     def _joint_states(self, t_ns: int) -> bytes:
         return messages.joint_states(t_ns, self._body.wheels_rad, self._body.odometry.wheels_radps)

@@ -109,7 +109,7 @@ class ScriptGraph:
         On topics in `carried` each message was counted. On others each count after the first stands for
         `COUNT_EVERY` messages.
         """
-        found = []
+        endpoints = []
         for entry in self._entries.values():
             entity = entry.entity
             if entity.what == NODE or _OF_EVERY_NODE.get(entity.name) == entity.type:
@@ -118,7 +118,7 @@ class ScriptGraph:
             if entity.what == PUBLISHER and count and entity.name not in carried:
                 count = 1 + COUNT_EVERY * (count - 1)
             kind = _KINDS[entity.what]
-            found.append(
+            endpoints.append(
                 Endpoint(kind=kind, node=entity.node, name=entity.name, type=entity.type, count=count)
             )
-        return tuple(found)
+        return tuple(endpoints)

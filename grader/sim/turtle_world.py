@@ -376,8 +376,8 @@ class TurtleWorld(SimulatedWorld):
 
     def _announce(self, changed: Presence, t_ns: int, *, gone: bool) -> None:
         """Send the script a change of the graph, before the answer to the request that caused it."""
-        told = json.dumps({**changed.graph(), "gone": gone}, separators=(",", ":")).encode()
-        self.outbox.add(Event(GRAPH_EVENT, 0, 0, t_ns, told))
+        payload = json.dumps({**changed.graph(), "gone": gone}, separators=(",", ":")).encode()
+        self.outbox.add(Event(GRAPH_EVENT, 0, 0, t_ns, payload))
         self.on_change(frozenset((changed.command_topic, *changed.topics)))
 
     # Services, as TurtleFrame and Turtle of turtlesim 1.4 serve them.

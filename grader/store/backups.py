@@ -143,12 +143,12 @@ def copy_file(source: Path, target: Path) -> None:
 def _folder_beside(file: Path) -> Iterator[Path]:
     """Make a folder where there is room for as much as `file`; in a container there is little in /tmp."""
     try:
-        made = tempfile.TemporaryDirectory(prefix=".grader-backup-", dir=file.parent)
+        temporary = tempfile.TemporaryDirectory(prefix=".grader-backup-", dir=file.parent)
     except OSError as error:
         raise SettingsError(
             f"{file} cannot be written: {error.strerror}", f"无法写入 {file}：{error.strerror}"
         ) from error
-    with made as folder:
+    with temporary as folder:
         yield Path(folder)
 
 
@@ -178,9 +178,9 @@ def _settle(database: Path) -> None:
 
 
 def _check(copy: sqlite3.Connection, source: Path) -> None:
-    found = copy.execute("PRAGMA integrity_check").fetchone()
-    if found != ("ok",):
-        raise SettingsError(f"{source} is damaged: {found[0]}", f"{source} 已损坏：{found[0]}")
+    verdict = copy.execute("PRAGMA integrity_check").fetchone()
+    if verdict != ("ok",):
+        raise SettingsError(f"{source} is damaged: {verdict[0]}", f"{source} 已损坏：{verdict[0]}")
     tables = {row[0] for row in copy.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
     if not {"submission", "alembic_version"} <= tables:
         raise SettingsError(f"{source} is no database of the grader", f"{source} 不是评分系统的数据库")

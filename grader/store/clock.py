@@ -80,9 +80,9 @@ class ServerClock:
         Raises:
             InfrastructureError: the database does not answer.
         """
-        known, took_s = self._asked()
+        answer, took_s = self._asked()
         if took_s <= _SLOWEST_S:
-            self._known = known
+            self._known = answer
 
     def _asked(self) -> tuple[tuple[datetime, float], float]:
         with self._database.reading() as session:

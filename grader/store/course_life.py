@@ -69,8 +69,8 @@ class CourseLife(TimedPart):
             if original is None:
                 raise unknown_course(course_id)
             fresh = replace(as_contract(original, Course), id=new.id, title=new.title, created_at=now)
-            made = add_course(session, fresh, actor, copy_of=course_id)
-            session.get_one(CourseRow, made.id).begun_with = original.begun_with
+            course = add_course(session, fresh, actor, copy_of=course_id)
+            session.get_one(CourseRow, course.id).begun_with = original.begun_with
             zone = ZoneInfo(original.time_zone)
             for assignment, rules in sorted(rules_of(session, course_id).by_assignment.items()):
                 add_rules(session, assignment, rules.moved(new.move_days, zone), signed)
@@ -78,7 +78,7 @@ class CourseLife(TimedPart):
             add_members(session, signed, [instructor])
             subject = f"course {course_id}"
             record(session, Signature(now, course_id, actor), "course.copy", subject, after={"copy": new.id})
-            return made
+            return course
 
     def archive(self, signed: Signature, reason: str = "") -> Course:
         """Make the course of `signed` read-only; one that is archived stays as it is.
@@ -130,7 +130,7 @@ class CourseLife(TimedPart):
         with self._database.writing() as session:  # from here on nothing of theirs is taken in
             _held(session, signed)
             _require_student(session, course, person)
-            known = known_as(session, course, person)
+            names = known_as(session, course, person)
             for table in OF_MEMBERS:
                 theirs = col(table.course) == course, col(table.person) == person
                 session.execute(delete(table).where(*theirs))
@@ -139,7 +139,7 @@ class CourseLife(TimedPart):
             row = SubmissionRow
             own = ids_of(session, col(row.course) == course, col(row.student) == person)
             erase(session, own)
-            scrub = rename_everywhere(session, course, person, pseudonym, known)
+            scrub = rename_everywhere(session, course, person, pseudonym, names)
             after = {"submissions": len(own)}
             record(session, signed, "member.forget", f"member {pseudonym}", after=after, reason=scrub(reason))
         empty_log(self._database)
@@ -155,8 +155,8 @@ class CourseLife(TimedPart):
     def old_work(self, course: str | None, older_than_days: int) -> dict[str, Space]:
         """Return by course what `erase_old_work` would erase."""
         with self._database.reading() as session:
-            found = space_of(session, *finished_before(self._since(older_than_days), course))
-            return {key: one for key, one in found.items() if key is not None}
+            space = space_of(session, *finished_before(self._since(older_than_days), course))
+            return {key: one for key, one in space.items() if key is not None}
 
     def erase_old_work(
         self, course: str | None, older_than_days: int, actor: str, reason: str = ""

@@ -206,16 +206,16 @@ class Courses(TimedPart):
         signed = Signature(self._clock(), course_id, actor)
         with self._database.writing() as session:
             one_at_a_time(session, "course", course_id)
-            known = _members(session, course_id)
-            unknown = [one for one in people if one not in known]
+            members = _members(session, course_id)
+            unknown = [one for one in people if one not in members]
             if unknown:
                 raise unknown_members(course_id, *unknown)
-            _check_instructor(known, {id_: one for id_, one in known.items() if id_ not in people})
+            _check_instructor(members, {id_: one for id_, one in members.items() if id_ not in people})
             for table in OF_MEMBERS:
                 theirs = col(table.course) == course_id, col(table.person).in_(people)
                 session.execute(delete(table).where(*theirs))
             for person in people:
-                before = _audited(known[person])
+                before = _audited(members[person])
                 record(session, signed, "member.remove", f"member {person}", before=before, reason=reason)
 
 
@@ -250,9 +250,9 @@ def add_course(session: Session, new: Course, actor: str, copy_of: str | None = 
         session_hours=new.session_hours,
     )
     one_at_a_time(session, "course", row.id.casefold())
-    for known in session.execute(select(col(CourseRow.id))).scalars():
-        if known.casefold() == row.id.casefold():
-            raise CourseError(f"there is a course {known} already", f"已经有课程 {known}", "id")
+    for other in session.execute(select(col(CourseRow.id))).scalars():
+        if other.casefold() == row.id.casefold():
+            raise CourseError(f"there is a course {other} already", f"已经有课程 {other}", "id")
     session.add(row)
     session.flush()
     after = {
@@ -294,16 +294,16 @@ def bound_to(session: Session, course: str, assistant: str) -> frozenset[str] | 
         .join(member, (col(member.course) == col(theirs.course)) & (col(member.person) == col(theirs.person)))
         .where(col(own.course) == course, col(own.person) == assistant)
     )
-    found = session.execute(statement).all()  # the assistant is in each of the sections, too
-    return frozenset(person for person, role in found if role == Role.STUDENT.value) if found else None
+    rows = session.execute(statement).all()  # the assistant is in each of the sections, too
+    return frozenset(person for person, role in rows if role == Role.STUDENT.value) if rows else None
 
 
 def sections_of(session: Session, course: str) -> dict[str, list[str]]:
     """Return the sections of each person of a course who has any, by id."""
-    found: dict[str, list[str]] = {}
+    sections: dict[str, list[str]] = {}
     for one in session.execute(select(SectionRow).where(col(SectionRow.course) == course)).scalars():
-        found.setdefault(one.person, []).append(one.section)
-    return found
+        sections.setdefault(one.person, []).append(one.section)
+    return sections
 
 
 def in_class(course: str | None, students: frozenset[str] | None = None) -> ColumnElement[bool]:
@@ -346,28 +346,28 @@ def _one_member(session: Session, course: str, person: str) -> Member | None:
 def _roster_change(session: Session, course: str, entries: Sequence[RosterEntry]) -> RosterChange:
     if session.get(CourseRow, course) is None:
         raise unknown_course(course)
-    known = _members(session, course)
-    if alike := _alike(entries, known):
+    members = _members(session, course)
+    if alike := _alike(entries, members):
         en, zh = ("\n".join(why.get(language) for why in alike.values()) for language in ("en", "zh"))
         raise CourseError(f"nobody was added or changed:\n{en}", f"没有添加或修改任何人：\n{zh}", "id")
-    after = [_put_into(known.get(one.id), course, one) for one in entries]
-    _check_instructor(known, known | {one.id: one for one in after})
-    added = tuple(one for one in after if one.id not in known)
+    after = [_put_into(members.get(one.id), course, one) for one in entries]
+    _check_instructor(members, members | {one.id: one for one in after})
+    added = tuple(one for one in after if one.id not in members)
     return RosterChange(
         added=added,
         changed=tuple(
-            MemberChange(before=known[one.id], after=one)
+            MemberChange(before=members[one.id], after=one)
             for one in after
-            if one.id in known and known[one.id] != one
+            if one.id in members and members[one.id] != one
         ),
-        unchanged=sum(known.get(one.id) == one for one in after),
-        gone=_gone(known, after, entries),
+        unchanged=sum(members.get(one.id) == one for one in after),
+        gone=_gone(members, after, entries),
         returning=_removed_before(session, course, [one.id for one in added]),
     )
 
 
 def _gone(
-    known: Mapping[str, Member], after: Sequence[Member], entries: Sequence[RosterEntry]
+    before: Mapping[str, Member], after: Sequence[Member], entries: Sequence[RosterEntry]
 ) -> tuple[Member, ...]:
     listed = {one.id for one in after}
     students = [(one, entry) for one, entry in zip(after, entries, strict=True) if one.role is Role.STUDENT]
@@ -375,7 +375,7 @@ def _gone(
     sections = {name for one, _ in students for name in one.sections}
     return tuple(
         one
-        for one in known.values()
+        for one in before.values()
         if students
         and one.role is Role.STUDENT
         and one.id not in listed
@@ -391,9 +391,9 @@ def _removed_before(session: Session, course: str, people: Sequence[str]) -> tup
     return tuple(one for one in people if f"member {one}" in removed)
 
 
-def _put_into(known: Member | None, course: str, entry: RosterEntry) -> Member:
-    """Return the member that results from `entry`; `known` is the member so far, None if there is none."""
-    before = known or Member(course=course, id=entry.id, name="", role=Role.STUDENT)
+def _put_into(member: Member | None, course: str, entry: RosterEntry) -> Member:
+    """Return the member that results from `entry`; `member` is the member so far, None if there is none."""
+    before = member or Member(course=course, id=entry.id, name="", role=Role.STUDENT)
     return replace(
         before,
         name=entry.name or before.name,
@@ -403,13 +403,13 @@ def _put_into(known: Member | None, course: str, entry: RosterEntry) -> Member:
     )
 
 
-def _alike(entries: Sequence[RosterEntry], known: Mapping[str, Member]) -> dict[str, Text]:
+def _alike(entries: Sequence[RosterEntry], members: Mapping[str, Member]) -> dict[str, Text]:
     """Return what to say of new ids that differ from a member's only in case, or in leading zeros."""
-    folded = {folded_id(one): one for one in known}
+    folded = {folded_id(one): one for one in members}
     clashes = {
         one.id: folded[folded_id(one.id)]
         for one in entries
-        if one.id not in known and folded_id(one.id) in folded
+        if one.id not in members and folded_id(one.id) in folded
     }
     return {
         new: Text(

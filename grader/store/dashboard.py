@@ -137,12 +137,12 @@ class Dashboard:
         whole = self._whole(course)
         if students is None:
             return whole.state
-        known = whole.parts.get(students)
-        if known is None:
+        part = whole.parts.get(students)
+        if part is None:
             cells = {place: cell for place, cell in whole.cells.items() if place[0] in students}
-            known = _state(cells, f"{whole.state.mark} {sorted(students)}", None, set(cells))
-            whole.parts[students] = known
-        return known
+            part = _state(cells, f"{whole.state.mark} {sorted(students)}", None, set(cells))
+            whole.parts[students] = part
+        return part
 
     def cells(self, course: str | None) -> Mapping[Place, CountedCell]:
         """Return what `state` counts, by student and assignment."""
@@ -150,24 +150,24 @@ class Dashboard:
 
     def _whole(self, course: str | None) -> _CountedClass:
         with self._counting, self._database.reading() as session:  # the next caller finds it counted
-            known = self._latest.get(course)
+            before = self._latest.get(course)
             window = _window(session, course, self._clock() - _MARGIN)
-            if known is not None and window.same(known.window):
-                return known
-            places = None if known is None else _changed(known.window, window)
-            made = self._latest[course] = _count(session, course, known, window, places)
-            return made
+            if before is not None and window.same(before.window):
+                return before
+            places = None if before is None else _changed(before.window, window)
+            counted_class = self._latest[course] = _count(session, course, before, window, places)
+            return counted_class
 
 
 def _count(
     session: Session,
     course: str | None,
-    known: _CountedClass | None,
+    earlier: _CountedClass | None,
     window: _Window,
     places: set[Place] | None,
 ) -> _CountedClass:
-    """Count `places` again, or where nobody knows which (None), all that differ from `known`."""
-    before: Mapping[Place, CountedCell] = {} if known is None else known.cells
+    """Count `places` again, or where nobody knows which (None), all that differ from `earlier`."""
+    before: Mapping[Place, CountedCell] = {} if earlier is None else earlier.cells
     rules = rules_of(session, course)
     if places is None:
         cells = counted(session, course, rules, before)
@@ -180,26 +180,26 @@ def _count(
         } | fresh
         if fresh.keys() - before.keys():
             cells = dict(sorted(cells.items()))
-    digest = 0 if known is None else known.digest
+    digest = 0 if earlier is None else earlier.digest
     for place in places:
         digest ^= _digest(place, before.get(place)) ^ _digest(place, cells.get(place))
     mark = f"{digest:x} {window.changes}"
-    state = _state(cells, mark, None if known is None else known.state, places)
+    state = _state(cells, mark, None if earlier is None else earlier.state, places)
     return _CountedClass(window, cells, state, digest)
 
 
 def _digest(place: Place, cell: CountedCell | None) -> int:
     if cell is None:
         return 0
-    told = repr((place, cell.mark)).encode()
-    return int.from_bytes(hashlib.blake2b(told, digest_size=_DIGEST_BYTES).digest(), "big")
+    content = repr((place, cell.mark)).encode()
+    return int.from_bytes(hashlib.blake2b(content, digest_size=_DIGEST_BYTES).digest(), "big")
 
 
 def _window(session: Session, course: str | None, since: datetime) -> _Window:
     row = SubmissionRow
-    told = (row.student, row.assignment, row.attempt, row.graded_attempt, row.state)
+    shown = (row.student, row.assignment, row.attempt, row.graded_attempt, row.state)
     # of all courses: the databases would look for those of one by an index of that, which has all its submissions
-    columns = (col(row.id), col(row.course), col(row.regrade), *(col(one) for one in told))
+    columns = (col(row.id), col(row.course), col(row.regrade), *(col(one) for one in shown))
     open_ = select(*columns).where(col(row.state).in_(_OPEN))
     ended = select(*columns).where(col(row.finished_at) >= since)
     found = session.execute(union_all(open_, ended))
@@ -270,23 +270,23 @@ def _failures(cells: Iterable[CountedCell]) -> tuple[ItemFailures, ...]:
 
 
 def _mistakes(cells: Iterable[CountedCell]) -> tuple[MistakeCount, ...]:
-    made = Counter(code for cell in cells for code in cell.mistakes)
-    counts = (MistakeCount(code=code, students=count) for code, count in made.items())
+    students_of = Counter(code for cell in cells for code in cell.mistakes)
+    counts = (MistakeCount(code=code, students=count) for code, count in students_of.items())
     return tuple(sorted(counts, key=lambda one: (-one.students, one.code)))
 
 
 def counted(
-    session: Session, course: str | None, known: CourseRules, before: Mapping[Place, CountedCell]
+    session: Session, course: str | None, rules: CourseRules, before: Mapping[Place, CountedCell]
 ) -> dict[Place, CountedCell]:
     """Return every cell of a class in order of student and assignment, taking from `before` what still holds."""
-    marks = _marks(session, course, known)
+    marks = _marks(session, course, rules)
     new = {place for place, mark in marks.items() if place not in before or before[place].mark != mark}
-    fresh = _read(session, course, known, marks, new) if new else {}
+    fresh = _read(session, course, rules, marks, new) if new else {}
     return {place: fresh[place] if place in new else before[place] for place in marks}
 
 
 def _marks(
-    session: Session, course: str | None, known: CourseRules, places: Collection[Place] | None = None
+    session: Session, course: str | None, rules: CourseRules, places: Collection[Place] | None = None
 ) -> dict[Place, Mark]:
     """Return the mark of each cell, or of `places` and perhaps of others.
 
@@ -315,8 +315,8 @@ def _marks(
         (student, assignment): (
             *changing,
             judgements.get((student, assignment), 0),
-            known.of(assignment, student),
-            known.extension(assignment, student),
+            rules.of(assignment, student),
+            rules.extension(assignment, student),
         )
         for student, assignment, *changing in session.execute(grouped)
     }
@@ -325,7 +325,7 @@ def _marks(
 def _read(
     session: Session,
     course: str | None,
-    known: CourseRules,
+    rules: CourseRules,
     marks: Mapping[Place, Mark],
     places: Collection[Place],
 ) -> dict[Place, CountedCell]:
@@ -337,7 +337,7 @@ def _read(
         if place not in places:
             continue
         own = list(rows)
-        progress = _progress(own, known)
+        progress = _progress(own, rules)
         cells[place] = CountedCell(
             mark=marks[place],
             progress=progress,
@@ -358,8 +358,8 @@ def _among(places: Collection[Place]) -> ColumnElement[bool]:
 def _submissions(among: ColumnElement[bool]) -> Any:
     row = SubmissionRow
     order = (col(row.student), col(row.assignment), col(row.received_at), col(row.id))
-    told = (col(row.state), col(row.verdict), col(row.score), col(row.max_score), col(row.to_judge))
-    return select(*order, *told).where(among).order_by(*order)
+    columns = (col(row.state), col(row.verdict), col(row.score), col(row.max_score), col(row.to_judge))
+    return select(*order, *columns).where(among).order_by(*order)
 
 
 def _failed_items(among: ColumnElement[bool]) -> Select[str, str]:
@@ -383,8 +383,8 @@ def _failed(session: Session, among: ColumnElement[bool]) -> dict[str, list[str]
     for row in session.execute(given).scalars():
         judgements[row.submission_id].append(judgement(row))
     machine: dict[str, list[ItemScore]] = defaultdict(list)
-    for submission, *told in session.execute(_judged_items(among)) if judgements else ():
-        item, points, earned, status = told
+    for submission, *values in session.execute(_judged_items(among)) if judgements else ():
+        item, points, earned, status = values
         machine[submission].append(ItemScore(item, points, earned, ItemStatus(status)))
     for submission, items in machine.items():
         whole = settled(items, judgements[submission])
@@ -395,9 +395,9 @@ def _failed(session: Session, among: ColumnElement[bool]) -> dict[str, list[str]
 def _judged_items(among: ColumnElement[bool]) -> Any:
     """Select every item of the latest gradings of submissions that people judged."""
     item = GradedItemRow
-    told = (col(item.item), col(item.points), col(item.earned), col(item.status))
+    columns = (col(item.item), col(item.points), col(item.earned), col(item.status))
     return (
-        select(col(SubmissionRow.id), *told)
+        select(col(SubmissionRow.id), *columns)
         .join_from(SubmissionRow, item, _of_latest_grading(item))
         .where(col(SubmissionRow.id).in_(select(col(JudgementRow.submission_id))), among)
     )
@@ -419,25 +419,25 @@ def _of_latest_grading(row: type[SQLModel]) -> ColumnElement[bool]:
 
 
 def _by_submission(session: Session, statement: Select[str, str]) -> dict[str, list[str]]:
-    found: dict[str, list[str]] = defaultdict(list)
+    by_submission: dict[str, list[str]] = defaultdict(list)
     for submission, value in session.execute(statement):
-        found[submission].append(value)
-    return found
+        by_submission[submission].append(value)
+    return by_submission
 
 
 def _union(sets: Iterable[Iterable[str]]) -> frozenset[str]:
     return frozenset().union(*sets)
 
 
-def _progress(own: list[Any], known: CourseRules) -> StudentProgress:
+def _progress(own: list[Any], rules: CourseRules) -> StudentProgress:
     """Sum up one student's submissions to one assignment, given in order of arrival."""
     latest = own[-1]
     scored = [row for row in own if row.score is not None]
     best = max(scored, key=lambda row: row.score, default=None)  # the first of equals
     attempts = as_attempts(own)
-    extension = known.extension(latest.assignment, latest.student)
+    extension = rules.extension(latest.assignment, latest.student)
     manual = next((row for row in reversed(own) if row.to_judge is not None), None)
-    counting = known.of(latest.assignment, latest.student).counting(extension, attempts)
+    counting = rules.of(latest.assignment, latest.student).counting(extension, attempts)
     return StudentProgress(
         student=latest.student,
         assignment=latest.assignment,

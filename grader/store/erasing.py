@@ -58,18 +58,18 @@ def space_of(session: Session, *which: ColumnElement[bool]) -> dict[str | None, 
     counted = select(course, func.count()).where(*which).group_by(course)
     reports = _lengths(GradingRow, col(GradingRow.submission_id), col(GradingRow.report), which)
     paths = _lengths(TrajectoryRow, col(TrajectoryRow.submission_id), col(TrajectoryRow.content), which)
-    found = [
+    rows = [
         {key: int(number or 0) for key, number in session.execute(statement)}
         for statement in (counted, sources, reports, paths)
     ]
     return {
         key: Space(
             submissions=number,
-            sources_bytes=found[1].get(key, 0),
-            reports_bytes=found[2].get(key, 0),
-            trajectories_bytes=found[3].get(key, 0),
+            sources_bytes=rows[1].get(key, 0),
+            reports_bytes=rows[2].get(key, 0),
+            trajectories_bytes=rows[3].get(key, 0),
         )
-        for key, number in found[0].items()
+        for key, number in rows[0].items()
     }
 
 

@@ -53,13 +53,13 @@ def is_known(session: Session, course: str, person: str) -> bool:
 
 
 def rename_everywhere(
-    session: Session, course: str, person: str, pseudonym: str, known: Iterable[str]
+    session: Session, course: str, person: str, pseudonym: str, names: Iterable[str]
 ) -> Callable[[str], str]:
     """Put `pseudonym` where the course's rows name `person`; return what does so with a text.
 
     What the person handed in is erased by then. Entries of the audit log about them lose what they say.
     """
-    scrub = _scrubber(known, pseudonym)
+    scrub = _scrubber(names, pseudonym)
     about = _about(course, person)
     blank = {"before": _NOTHING, "after": _NOTHING, "reason": ""}
     named = [col(AuditRow.subject) == f"member {person}"]
@@ -108,8 +108,8 @@ def naming_columns(table: Table) -> tuple[list[Column[Any]], list[Column[Any]]]:
 def _of_course(table: Table, course: str) -> ColumnElement[bool] | None:
     """Return which rows of a table are of the course; None: no row is of any."""
     if "course" in table.c:
-        found: Column[Any] = table.c.course
-        return found == course
+        column: Column[Any] = table.c.course
+        return column == course
     if "submission_id" in table.c:
         theirs = select(col(SubmissionRow.id)).where(col(SubmissionRow.course) == course)
         return table.c.submission_id.in_(theirs)
@@ -125,15 +125,15 @@ def _about(course: str, person: str) -> ColumnElement[bool]:
 
 def known_as(session: Session, course: str, person: str) -> set[str]:
     """Return the id, and every name and e-mail address that the course knew a person by."""
-    known = {person}
+    names = {person}
     row = session.get(MemberRow, (course, person))
     if row is not None:
-        known |= {row.name, row.email}
+        names |= {row.name, row.email}
     entries = session.execute(select(AuditRow.before, AuditRow.after).where(_about(course, person)))  # type: ignore[call-overload]
     for document in (json.loads(text) for entry in entries for text in entry):
         if isinstance(document, dict):
-            known |= {str(document.get(name) or "") for name in ("name", "email")}
-    return {one for one in known if len(one) >= _LEAST or one == person}
+            names |= {str(document.get(name) or "") for name in ("name", "email")}
+    return {one for one in names if len(one) >= _LEAST or one == person}
 
 
 def _renamed(document: str, renamed: tuple[str, str]) -> str:
@@ -141,8 +141,8 @@ def _renamed(document: str, renamed: tuple[str, str]) -> str:
     return json.dumps(_walked(json.loads(document), lambda one: pseudonym if one == person else one))
 
 
-def _scrubber(known: Iterable[str], pseudonym: str) -> Callable[[str], str]:
-    longest_first = sorted(known, key=len, reverse=True)
+def _scrubber(names: Iterable[str], pseudonym: str) -> Callable[[str], str]:
+    longest_first = sorted(names, key=len, reverse=True)
     pattern = re.compile("|".join(_whole(one) for one in longest_first), re.IGNORECASE)
 
     def scrub(text: str) -> str:

@@ -74,10 +74,10 @@ class AssignmentRows:
     def of(self, assignment: Assignment) -> Values:
         """Return the row of an assignment as it is graded."""
         key = assignment.id, assignment.release
-        known = self._latest.get(key)
-        if known is None or known[0] != assignment:
-            known = self._latest[key] = (assignment, assignment_values(assignment))
-        return known[1]
+        kept = self._latest.get(key)
+        if kept is None or kept[0] != assignment:
+            kept = self._latest[key] = (assignment, assignment_values(assignment))
+        return kept[1]
 
 
 def detail_values(grading: Values, result: GradingResult) -> Details:

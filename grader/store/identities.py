@@ -65,7 +65,7 @@ class Identities(TimedPart):
             return
         named = col(member.person).in_(persons) if persons else func.lower(col(member.email)) == _small(email)
         course = col(member.course).is_not(None) if within is None else col(member.course) == within
-        known = select(col(IdentityRow.course)).where(
+        bound = select(col(IdentityRow.course)).where(
             col(IdentityRow.provider) == provider, col(IdentityRow.subject) == subject
         )
         statement = (
@@ -74,16 +74,16 @@ class Identities(TimedPart):
             .where(
                 named,
                 course,
-                col(member.course).not_in(known),
+                col(member.course).not_in(bound),
                 col(member.role) == Role.STUDENT.value,
                 col(CourseRow.archived_at).is_(None),
             )
             .limit(_MOST_COURSES)
         )
         with self._database.reading() as session:
-            found = [(course, one) for course, one in session.execute(statement)]
-        courses = [course for course, _ in found]
-        for course, one in found:
+            claimed = [(course, one) for course, one in session.execute(statement)]
+        courses = [course for course, _ in claimed]
+        for course, one in claimed:
             if courses.count(course) == 1:
                 self.bind(provider, subject, course, one, by_token=False)
 
@@ -158,8 +158,8 @@ class Identities(TimedPart):
     def held(self, secret: str) -> tuple[str, str] | None:
         """Return provider and subject of who was recognised; None when that is too long ago."""
         row = self._get(RecognisedRow, digest_of(secret))
-        known = row is not None and row.expires_at > self._clock()
-        return (row.provider, row.subject) if row is not None and known else None
+        is_held = row is not None and row.expires_at > self._clock()
+        return (row.provider, row.subject) if row is not None and is_held else None
 
     def let_go(self, secret: str) -> None:
         """Forget who was recognised."""

@@ -100,7 +100,7 @@ class _Earlier(NamedTuple):
     finished_at: datetime | None
 
 
-class _Known(NamedTuple):
+class _State(NamedTuple):
     """What decides about an upload.
 
     Attributes:
@@ -131,7 +131,7 @@ _EARLIER = tuple(_row[name] for name in _Earlier._fields)
 
 
 def _question(of_course: ColumnElement[bool]) -> Select[Any]:
-    """Return the query that reads all of `_Known` at once, because each query is a round trip to PostgreSQL.
+    """Return the query that reads all of `_State` at once, because each query is a round trip to PostgreSQL.
 
     Its rows are those of the student's submissions that decide, however many others there are; what does not
     depend on a submission stands in every row.
@@ -216,8 +216,8 @@ class Intake(StorePart):
         if not upload.ruled:
             return None
         with self._database.reading() as session:
-            known = _known(session, upload)
-            return _refusal(session, upload, known, received_at)
+            state = _state_of(session, upload)
+            return _refusal(session, upload, state, received_at)
 
     def attempts(self, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
         """Return a student's submissions to an assignment as the rules see them, in order of arrival."""
@@ -248,15 +248,17 @@ def take_in(session: Session, upload: NewSubmission, now: datetime) -> tuple[Sub
         InfrastructureError: the database does not answer.
     """
     one_at_a_time(session, "uploads", upload.course, upload.student)  # limits and keys are counted by student
-    known, first = _known(session, upload, (upload.key, now)), new_id(now)
-    if known.team is None or known.keyed is not None:
-        return _take_in(session, upload, known, now, first)
+    state, first = _state_of(session, upload, (upload.key, now)), new_id(now)
+    if state.team is None or state.keyed is not None:
+        return _take_in(session, upload, state, now, first)
     one_at_a_time(
-        session, "team", upload.course, upload.assignment, known.team
+        session, "team", upload.course, upload.assignment, state.team
     )  # who holds it waits for nobody
-    team = members_of(session, upload.course, upload.assignment, known.team)
+    team = members_of(session, upload.course, upload.assignment, state.team)
     mates = [one for one in team if one != upload.student]
-    row, repeated = _take_in(session, upload, _known(session, upload), now, first, first if mates else None)
+    row, repeated = _take_in(
+        session, upload, _state_of(session, upload), now, first, first if mates else None
+    )
     if mates:
         row.team_upload = row.team_upload or row.id  # one from before they came
     for mate in mates:
@@ -267,7 +269,7 @@ def take_in(session: Session, upload: NewSubmission, now: datetime) -> tuple[Sub
 def _take_in_for(session: Session, upload: NewSubmission, now: datetime, team_upload: str | None) -> None:
     """Store what somebody of the student's team handed in."""
     try:
-        _take_in(session, upload, _known(session, upload), now, new_id(now), team_upload)
+        _take_in(session, upload, _state_of(session, upload), now, new_id(now), team_upload)
     except RefusedError as refused:
         said = refused.detail or Text(zh="", en="")
         zh = f"这是队友 {upload.student} 的限制：文件要算作全队每个人的提交。{said.zh}"
@@ -278,16 +280,16 @@ def _take_in_for(session: Session, upload: NewSubmission, now: datetime, team_up
 def _take_in(  # noqa: PLR0913, PLR0917
     session: Session,
     upload: NewSubmission,
-    known: _Known,
+    state: _State,
     now: datetime,
     id_: str,
     team_upload: str | None = None,
 ) -> tuple[SubmissionRow, bool]:
     digest = hashlib.sha256(upload.source).hexdigest()
-    same = _under_key(upload, digest, known) or _same_as_latest(session, upload, known, digest)
+    same = _under_key(upload, digest, state) or _same_as_latest(session, upload, state, digest)
     if same is not None:
         return session.get_one(SubmissionRow, same), True
-    _require_accepted(session, upload, known, now)
+    _require_accepted(session, upload, state, now)
     row = SubmissionRow(
         id=id_,
         course=upload.course,
@@ -299,7 +301,7 @@ def _take_in(  # noqa: PLR0913, PLR0917
         state=SubmissionState.QUEUED.value,
         received_at=now,
         queued_at=now,
-        turn_at=_turn(session, upload, known, now),
+        turn_at=_turn(session, upload, state, now),
         not_before=now,
         team_upload=team_upload,
     )
@@ -307,14 +309,14 @@ def _take_in(  # noqa: PLR0913, PLR0917
     return row, False
 
 
-def _require_accepted(session: Session, upload: NewSubmission, known: _Known, now: datetime) -> None:
-    if not known.member:  # removed since they asked
+def _require_accepted(session: Session, upload: NewSubmission, state: _State, now: datetime) -> None:
+    if not state.member:  # removed since they asked
         raise RefusedError("unknown_student", field="student")
-    if known.archived:
+    if state.archived:
         raise RefusedError("course_archived")
     if upload.own and not still_used(session, upload.course, upload.assignment):
         raise RefusedError("unknown_assignment", field="assignment")
-    if upload.ruled and (refused := _refusal(session, upload, known, now)) is not None:
+    if upload.ruled and (refused := _refusal(session, upload, state, now)) is not None:
         raise refused.error()
 
 
@@ -349,9 +351,9 @@ def new_id(now: datetime) -> str:
     return str(uuid.UUID(int=(milliseconds << 80) | _UUID_VERSION_7 | (high << 64) | _UUID_VARIANT | low))
 
 
-def _known(
+def _state_of(
     session: Session, upload: NewSubmission, keyed: tuple[str | None, datetime] = (None, _EPOCH)
-) -> _Known:
+) -> _State:
     key, now = keyed
     assignment, course = upload.assignment, upload.course
     asked = {
@@ -370,7 +372,7 @@ def _known(
     rules, extension, zone = rules_about(*about)
     own = [_Earlier(*values) for row in rows if (values := row[-len(_EARLIER) :])[0] is not None]
     recent = now - LATELY
-    return _Known(
+    return _State(
         archived_at is not None,
         distro,
         runs_as,
@@ -386,11 +388,11 @@ def _known(
     )
 
 
-def _under_key(upload: NewSubmission, digest: str, known: _Known) -> str | None:
+def _under_key(upload: NewSubmission, digest: str, state: _State) -> str | None:
     """Return the submission that was sent under the upload's key before."""
-    if known.keyed is None:
+    if state.keyed is None:
         return None
-    known_digest, submission_id = known.keyed
+    known_digest, submission_id = state.keyed
     if known_digest != _upload_digest(upload, digest):
         raise RefusedError("key_reused")
     return submission_id
@@ -408,18 +410,18 @@ def _insert(session: Session, upload: NewSubmission, row: SubmissionRow) -> None
         connection.execute(_INSERT_KEY, {**key, "submission_id": row.id, "at": row.received_at})
 
 
-def _refusal(session: Session, upload: NewSubmission, known: _Known, received_at: datetime) -> Refusal | None:
-    if known.archived:
+def _refusal(session: Session, upload: NewSubmission, state: _State, received_at: datetime) -> Refusal | None:
+    if state.archived:
         return Refusal(code="course_archived")
-    counted = _counted(session, known, upload.student, upload.assignment, upload.course)
-    return known.rules.refusal(known.extension, counted, received_at, known.zone)
+    counted = _counted(session, state, upload.student, upload.assignment, upload.course)
+    return state.rules.refusal(state.extension, counted, received_at, state.zone)
 
 
 def _counted(
-    session: Session, known: _Known, student: str, assignment: str, course: str | None
+    session: Session, state: _State, student: str, assignment: str, course: str | None
 ) -> tuple[Attempt, ...]:
     """Return a student's latest attempts, as many as decide whether there may be another one."""
-    rules, extra = known.rules, known.extension.extra_attempts
+    rules, extra = state.rules, state.extension.extra_attempts
     in_all = 0 if rules.attempts is None else rules.attempts + extra
     most = max(in_all, rules.attempts_per_day or 0)
     if not most:
@@ -429,16 +431,16 @@ def _counted(
     return as_attempts(session.connection().execute(costly, asked).all()[::-1])
 
 
-def _same_as_latest(session: Session, upload: NewSubmission, known: _Known, digest: str) -> str | None:
+def _same_as_latest(session: Session, upload: NewSubmission, state: _State, digest: str) -> str | None:
     """Return the student's latest submission if it has the same bytes and would be graded the same."""
-    latest = known.latest
+    latest = state.latest
     if upload.assignment_version is None or latest is None or latest.source_sha256 != digest:
         return None
     if latest.state == SubmissionState.INFRASTRUCTURE_ERROR.value:
         return None
     if latest.graded_attempt is not None:
-        release = upload.distro or known.distro or DEFAULT_DISTRO
-        way = upload.runs_as or known.runs_as or DEFAULT_WAY
+        release = upload.distro or state.distro or DEFAULT_DISTRO
+        way = upload.runs_as or state.runs_as or DEFAULT_WAY
         now = (upload.assignment_version, release, way)
         if _graded_as(session, latest.id, latest.graded_attempt) != now:
             return None
@@ -456,14 +458,14 @@ def _graded_as(session: Session, submission_id: str, attempt: int) -> tuple[int,
     return version, assignment.release, assignment.started_as
 
 
-def _turn(session: Session, upload: NewSubmission, known: _Known, now: datetime) -> datetime:
+def _turn(session: Session, upload: NewSubmission, state: _State, now: datetime) -> datetime:
     """Return the new upload's turn in the queue, and move the student's uploads that wait for the same assignment.
 
     The new upload takes the first turn of those that wait, each of them the turn of the next, and the last one
     the end of the student's own. So the newest upload is graded first, and no other student waits longer for it.
     """
-    last = now + _behind(known, now)
-    of_assignment = (one for one in known.lately if one.assignment == upload.assignment)
+    last = now + _behind(state, now)
+    of_assignment = (one for one in state.lately if one.assignment == upload.assignment)
     if not any(one.state == SubmissionState.QUEUED.value and one.priority == 0 for one in of_assignment):
         return last
     statement = select(_row.id, _row.turn_at).where(
@@ -487,10 +489,10 @@ def _turn(session: Session, upload: NewSubmission, known: _Known, now: datetime)
     return turns[0]
 
 
-def _behind(known: _Known, now: datetime) -> timedelta:
+def _behind(state: _State, now: datetime) -> timedelta:
     """Return how far behind its arrival an upload is placed."""
-    waits, cost = 0, known.explained
-    for one in known.lately:
+    waits, cost = 0, state.explained
+    for one in state.lately:
         if one.priority:
             continue  # a re-grade, which nobody asked of the student
         if one.state == SubmissionState.QUEUED.value:

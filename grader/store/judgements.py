@@ -233,9 +233,9 @@ def _takes_back(item: RubricItem, given: Given) -> bool:
 
 def _counting(item: RubricItem, own: Sequence[Judgement]) -> dict[str, object] | None:
     """Return what counts for an item as the audit log tells it; None while it waits for a person."""
-    found = standing(item.id, item.points, own)
-    if found is not None:
-        return _plain(found.points, found.comment)
+    judgement = standing(item.id, item.points, own)
+    if judgement is not None:
+        return _plain(judgement.points, judgement.comment)
     return None if _is_manual(item) else _plain(item.earned, "")
 
 

@@ -58,9 +58,9 @@ class Notices(TimedPart):
         """Return the courses that want notices and are taught."""
         row = MailWishesRow
         mailing = select(col(row.course)).where(col(row.due) | col(row.graded) | col(row.faults))
-        wanted = select(col(WebhookRow.course)).union(mailing)
+        notified = select(col(WebhookRow.course)).union(mailing)
         taught = select(col(CourseRow.id)).where(
-            col(CourseRow.id).in_(wanted), col(CourseRow.archived_at).is_(None)
+            col(CourseRow.id).in_(notified), col(CourseRow.archived_at).is_(None)
         )
         return tuple(self._scalars(taught.order_by(col(CourseRow.id))))
 
@@ -83,10 +83,10 @@ class Notices(TimedPart):
         course = signed.course or ""
         with self._database.writing() as session:
             one_at_a_time(session, "course", course)
-            known = session.get(WebhookRow, (course, new.outlet.value))
+            kept = session.get(WebhookRow, (course, new.outlet.value))
             values = {"vendor": new.vendor.value, "address": new.address, "secret": new.secret}
             row = WebhookRow(course=course, outlet=new.outlet.value, changed_at=signed.at, **values)
-            before = None if known is None else _audited(known)
+            before = None if kept is None else _audited(kept)
             session.merge(row)
             waiting = _waiting(course, new.outlet)
             session.execute(update(NoticeRow).where(*waiting).values(not_before=signed.at))
@@ -128,7 +128,7 @@ class Notices(TimedPart):
             if before == after:
                 return
             session.merge(MailWishesRow(course=course, changed_at=signed.at, **after))
-            unwanted = [name for name, wanted in after.items() if not wanted]
+            unwanted = [name for name, is_wanted in after.items() if not is_wanted]
             waiting = *_waiting(course, Outlet.MAIL), col(NoticeRow.kind).in_(unwanted)
             session.execute(delete(NoticeRow).where(*waiting))
             record(session, signed, "mail.set", f"course {course}", before=before, after=after)
@@ -143,8 +143,8 @@ class Notices(TimedPart):
         row = NoticeRow
         lately = col(row.made_at) > since, col(row.made_at) <= self._clock()
         mine = select(NoticeRow).where(col(row.course) == course, *lately).order_by(col(row.made_at))
-        found = self._scalars(mine)
-        return {(Outlet(one.outlet), NoticeKind(one.kind), one.person): one.made_at for one in found}
+        rows = self._scalars(mine)
+        return {(Outlet(one.outlet), NoticeKind(one.kind), one.person): one.made_at for one in rows}
 
     def add(self, course: str, drafts: Iterable[Draft]) -> int:
         """Add what is to be sent, in one transaction; return how many notices that are.
@@ -252,8 +252,8 @@ class Notices(TimedPart):
             col(row.finished_at) >= since,
             col(row.finished_at) < until,
         )
-        found = self._rows(statement.group_by(col(row.assignment)))
-        return {assignment: (submissions, people) for assignment, submissions, people in found}
+        rows = self._rows(statement.group_by(col(row.assignment)))
+        return {assignment: (submissions, people) for assignment, submissions, people in rows}
 
     def given_up_since(self, course: str, since: datetime) -> dict[str, tuple[str, int]]:
         """Return by submission its assignment and number of claims, where the service failed to grade it."""

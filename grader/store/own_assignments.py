@@ -78,8 +78,8 @@ class OwnAssignments(TimedPart):
         ready = select(_row.course, _row.assignment, _row.number, _row.uploaded_at).where(  # type: ignore[call-overload]
             col(_row.state) == OwnState.READY.value
         )
-        found = self._rows(ready.order_by(col(_row.number)))
-        return {(course, assignment): (number, at) for course, assignment, number, at in found}
+        rows = self._rows(ready.order_by(col(_row.number)))
+        return {(course, assignment): (number, at) for course, assignment, number, at in rows}
 
     def reading(self, course: str, assignment: str, number: int) -> bytes | None:
         """Return what reading an upload gave; None when it is not there any more."""

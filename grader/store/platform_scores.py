@@ -38,8 +38,8 @@ class PlatformScores(TimedPart):
             .where(col(PlatformLinkRow.line_item) != "", col(PlatformLinkRow.assignment) != "")
             .order_by(col(PlatformRow.id), col(PlatformLinkRow.resource))
         )
-        found = self._rows(statement)
-        return tuple((as_contract(one, Platform), as_contract(link, PlatformLink)) for one, link in found)
+        rows = self._rows(statement)
+        return tuple((as_contract(one, Platform), as_contract(link, PlatformLink)) for one, link in rows)
 
     def people(self, platform: Platform) -> dict[str, str]:
         """Return by member what the platform calls them; of several names the first that was bound."""
@@ -52,8 +52,8 @@ class PlatformScores(TimedPart):
         """Return by member what was sent for an activity."""
         row = PlatformScoreRow
         mine = col(row.platform) == link.platform, col(row.resource) == link.resource
-        found = self._scalars(select(PlatformScoreRow).where(*mine))
-        return {one.person: as_contract(one, PlatformScore) for one in found}
+        rows = self._scalars(select(PlatformScoreRow).where(*mine))
+        return {one.person: as_contract(one, PlatformScore) for one in rows}
 
     def troubles(self, course: str) -> tuple[PlatformScore, ...]:
         """Return what platforms do not take of a course."""
@@ -81,21 +81,21 @@ class PlatformScores(TimedPart):
             )
             if session.execute(bound.limit(1)).first() is None:
                 return None
-            found = session.get(PlatformScoreRow, (link.platform, link.resource, person))
-            if found is None:
-                found = row(
+            score_row = session.get(PlatformScoreRow, (link.platform, link.resource, person))
+            if score_row is None:
+                score_row = row(
                     platform=link.platform,
                     resource=link.resource,
                     course=course,
                     person=person,
                     not_before=now,
                 )
-                session.add(found)
-            if ahead(found.not_before, now) or found.sha256 == sha256:
+                session.add(score_row)
+            if ahead(score_row.not_before, now) or score_row.sha256 == sha256:
                 return None
-            known = as_contract(found, PlatformScore)
-            found.not_before, found.sha256 = now + PATIENCE, ""
-            return known
+            score = as_contract(score_row, PlatformScore)
+            score_row.not_before, score_row.sha256 = now + PATIENCE, ""
+            return score
 
     def sent(self, link: PlatformLink, person: str, sha256: str, at: datetime) -> None:
         """Note that the platform took a score."""

@@ -60,8 +60,10 @@ class Platforms(TimedPart):
         try:
             with self._database.writing() as session:
                 one_at_a_time(session, "platform", course)
-                known = session.execute(select(col(PlatformRow.id)).where(col(PlatformRow.course) == course))
-                if len(known.all()) >= MOST_PLATFORMS:
+                platforms = session.execute(
+                    select(col(PlatformRow.id)).where(col(PlatformRow.course) == course)
+                )
+                if len(platforms.all()) >= MOST_PLATFORMS:
                     raise RefusedError("too_many_platforms")
                 same = (col(PlatformRow.issuer) == new.issuer, col(PlatformRow.client_id) == new.client_id)
                 first = session.scalars(select(PlatformRow).where(*same).limit(1)).first()
@@ -122,13 +124,13 @@ class Platforms(TimedPart):
         One platform may have several deployments, each for a course. Where a login names none of them, the first
         one that was added stands for all: they have the same addresses (`add`), and the message names its own.
         """
-        row, wanted = PlatformRow, [col(PlatformRow.issuer) == issuer]
-        wanted += [col(row.client_id) == client_id] if client_id else []
-        wanted += [col(row.deployment) == deployment] if deployment else []
-        ordered = select(PlatformRow).where(*wanted).order_by(col(row.created_at), col(row.id))
-        found = self._scalars(ordered)
-        is_one = len({one.client_id for one in found}) == 1
-        return as_contract(found[0], Platform) if is_one else None
+        row, conditions = PlatformRow, [col(PlatformRow.issuer) == issuer]
+        conditions += [col(row.client_id) == client_id] if client_id else []
+        conditions += [col(row.deployment) == deployment] if deployment else []
+        ordered = select(PlatformRow).where(*conditions).order_by(col(row.created_at), col(row.id))
+        rows = self._scalars(ordered)
+        is_one = len({one.client_id for one in rows}) == 1
+        return as_contract(rows[0], Platform) if is_one else None
 
     def use(self, message: str, expires_at: datetime) -> bool:
         """Note that a message lets somebody in; False: it has done so before."""
@@ -161,11 +163,11 @@ class Platforms(TimedPart):
                 row.assignment = link.assignment or row.assignment
                 if link.line_item != row.line_item:
                     # another column of the gradebook, which has no scores yet
-                    told = (
+                    values = (
                         col(PlatformScoreRow.platform) == link.platform,
                         col(PlatformScoreRow.resource) == link.resource,
                     )
-                    session.execute(update(PlatformScoreRow).where(*told).values(sha256=""))
+                    session.execute(update(PlatformScoreRow).where(*values).values(sha256=""))
                 row.line_item, row.used_at = link.line_item, link.used_at
             session.flush()
             return as_contract(row, PlatformLink)
@@ -236,44 +238,46 @@ class Platforms(TimedPart):
         )
         return tuple(as_contract(row, PlatformLink) for row in self._scalars(statement))
 
-    def keys(self, made: Callable[[], tuple[str, str]]) -> tuple[str, ...]:
-        """Return the service's keys, the one that signs first; it is `made` when it is needed, as id and secret.
+    def keys(self, new_key: Callable[[], tuple[str, str]]) -> tuple[str, ...]:
+        """Return the secrets of the service's keys, the one that signs first. Without one `new_key` makes it: id, secret.
 
         A newer one is only shown at first, until platforms have read it.
         """
         with self._database.reading() as session:
-            found = self._newest_keys(session)
-        return tuple(row.secret for row in found) or self._add_key(made, at_once=False, anew=False)
+            keys = self._newest_keys(session)
+        return tuple(row.secret for row in keys) or self._add_key(new_key, at_once=False, anew=False)
 
-    def rotate_key(self, made: Callable[[], tuple[str, str]], *, at_once: bool) -> None:
+    def rotate_key(self, new_key: Callable[[], tuple[str, str]], *, at_once: bool) -> None:
         """Add a key that signs once platforms had time to read it, in place of one that nothing was signed by yet.
 
         at_once: it signs from now on, and no key before is good any more.
         """
-        self._add_key(made, at_once=at_once, anew=True)
+        self._add_key(new_key, at_once=at_once, anew=True)
 
-    def _add_key(self, made: Callable[[], tuple[str, str]], *, at_once: bool, anew: bool) -> tuple[str, ...]:
-        id_, secret = made()
+    def _add_key(
+        self, new_key: Callable[[], tuple[str, str]], *, at_once: bool, anew: bool
+    ) -> tuple[str, ...]:
+        id_, secret = new_key()
         now, row = self._clock(), PlatformKeyRow
         with self._database.writing() as session:
             one_at_a_time(session, "platform_key")
-            known = self._newest_keys(session)
-            if known and not anew:
-                return tuple(one.secret for one in known)
+            keys = self._newest_keys(session)
+            if keys and not anew:
+                return tuple(one.secret for one in keys)
             if at_once:
                 session.execute(delete(row))
-            elif known:
-                session.execute(delete(row).where(col(row.id) != known[0].id))
+            elif keys:
+                session.execute(delete(row).where(col(row.id) != keys[0].id))
             session.add(row(id=id_, secret=secret, created_at=now))
             return (secret,)
 
     def _newest_keys(self, session: Session) -> list[PlatformKeyRow]:
         """Return the key that signs, and then the one before it or the one that is to be read first."""
         ordered = select(PlatformKeyRow).order_by(col(PlatformKeyRow.created_at).desc()).limit(2)
-        found = list(session.execute(ordered).scalars())
-        if len(found) > 1 and found[0].created_at > self._clock() - KEY_READ_WITHIN:
-            found.reverse()
-        return found
+        rows = list(session.execute(ordered).scalars())
+        if len(rows) > 1 and rows[0].created_at > self._clock() - KEY_READ_WITHIN:
+            rows.reverse()
+        return rows
 
 
 def _hold(session: Session, platform: str) -> None:

@@ -222,8 +222,8 @@ class Queue:
         now, row = self._clock(), SubmissionRow
         put_off = or_(col(row.tries) == 0, col(row.not_before) > now + LONGEST_PAUSE)
         waits = col(row.state) == SubmissionState.QUEUED.value
-        found = select(col(row.id)).where(waits, col(row.not_before) > now, put_off)
-        ids = found.with_for_update(skip_locked=True)
+        put_off_rows = select(col(row.id)).where(waits, col(row.not_before) > now, put_off)
+        ids = put_off_rows.with_for_update(skip_locked=True)
         with self._database.writing() as session:
             session.execute(
                 update(row).where(col(row.id).in_(ids)).values(not_before=now),
@@ -328,10 +328,10 @@ class Queue:
         # A result that a power cut, or a crash of the server, takes away is graded again and comes out the same.
         with self._database.writing(lasting=False) as session:
             connection = session.connection()
-            known = _stored_assignments(connection)
+            stored_already = _stored_assignments(connection)
             current = change(connection, claim, _outcome(claim, result, grading))
             if current:
-                if graded["sha256"] not in known:
+                if graded["sha256"] not in stored_already:
                     add_once(connection, GradedAssignmentRow, **graded)
                 insert_grading(connection, grading, detail_values(grading, result))
                 if is_worth_trying(assignment, result.report):
@@ -340,7 +340,7 @@ class Queue:
             answer_lost = stored and not current
             following = None if claimant is None else self._claim_next(session, claimant, answer_lost)
         if current:
-            known.add(graded["sha256"])
+            stored_already.add(graded["sha256"])
         return Finished(stored, following)
 
     def _claim_next(self, session: Session, claimant: _Claimant, answer_lost: bool) -> Claim | None:
@@ -376,8 +376,8 @@ def _outcome(claim: Claim, result: GradingResult, grading: Values) -> Values:
 
 def _stored_assignments(connection: Connection) -> set[str]:
     """Return the digests of assignments known to be stored. Add to them only after the commit, which may fail."""
-    known: set[str] = connection.info.setdefault(_STORED_ASSIGNMENTS, set())
-    return known
+    stored: set[str] = connection.info.setdefault(_STORED_ASSIGNMENTS, set())
+    return stored
 
 
 def _stored_already(connection: Connection, grading: Values) -> bool:
@@ -392,8 +392,8 @@ def _void(session: Session, condition: Sequence[ColumnElement[bool]], values: Ma
     Rows that another transaction holds are left out: that transaction takes care of them.
     """
     running = col(SubmissionRow.state) == SubmissionState.RUNNING.value
-    found = select(col(SubmissionRow.id)).where(running, *condition).order_by(col(SubmissionRow.id))
-    ids = found.with_for_update(skip_locked=True)
+    rows = select(col(SubmissionRow.id)).where(running, *condition).order_by(col(SubmissionRow.id))
+    ids = rows.with_for_update(skip_locked=True)
     statement = update(SubmissionRow).where(col(SubmissionRow.id).in_(ids))
     statement = statement.values(**values, lease_until=None).returning(col(SubmissionRow.id))
     return list(session.execute(statement, execution_options={"synchronize_session": False}).scalars())

@@ -125,13 +125,13 @@ class Regrades(StorePart):
         mark: _Mark = (row.state, row.wanted, row.outcome, row.reason, row.undone_reason, row.created_by)
         if row.state == RegradeState.OPEN.value:
             mark += _mark_of(session, row.id)
-        known = self._latest.get(row.id)
-        if known is None or known[0] != mark:
-            known = mark, _regrade(session, row)
-            self._latest[row.id] = known
+        latest = self._latest.get(row.id)
+        if latest is None or latest[0] != mark:
+            latest = mark, _regrade(session, row)
+            self._latest[row.id] = latest
             for oldest in list(self._latest)[:-_REMEMBERED]:
                 self._latest.pop(oldest, None)
-        return known[1]
+        return latest[1]
 
     def apply(self, regrade_id: str, signed: Signature, reason: str) -> Regrade:
         """Make the trial gradings the gradings of their submissions; older ones stay in the history.
@@ -266,8 +266,8 @@ def _chosen(session: Session, wanted: Wanted, course: str | None) -> list[Submis
     if wanted.which == "best":
         best: dict[str, SubmissionRow] = {}
         for row in rows:
-            known = best.get(row.student)
-            if known is None or (row.score or 0.0) > (known.score or 0.0):
+            best_so_far = best.get(row.student)
+            if best_so_far is None or (row.score or 0.0) > (best_so_far.score or 0.0):
                 best[row.student] = row
         return list(best.values())
     return rows
@@ -297,16 +297,16 @@ def _regrade(session: Session, row: RegradeRow, trials: list[_Trial] | None = No
     """Return a re-grade; an open one by its `trials`, which are read when not given."""
     if row.state == RegradeState.OPEN.value:
         trials = _trials_of(session, row.id) if trials is None else trials
-        made = [trial.change for trial in trials if not trial.waits and not trial.failed]
-        changes = tuple(change for change in made if change.items or change.before != change.after)
-        kept = sum(len(change.kept) for change in made)
+        graded = [trial.change for trial in trials if not trial.waits and not trial.failed]
+        changes = tuple(change for change in graded if change.items or change.before != change.after)
+        kept = sum(len(change.kept) for change in graded)
         waiting, failed = sum(trial.waits for trial in trials), sum(trial.failed for trial in trials)
-        same = len(made) - len(changes)
+        same = len(graded) - len(changes)
     else:
-        told = json.loads(row.outcome)
-        changes = tuple(from_plain(ScoreChange, one) for one in told["changes"])
-        waiting, failed, same = 0, told["failed"], told["same"]
-        kept = told["kept"]
+        outcome = json.loads(row.outcome)
+        changes = tuple(from_plain(ScoreChange, one) for one in outcome["changes"])
+        waiting, failed, same = 0, outcome["failed"], outcome["same"]
+        kept = outcome["kept"]
     return as_contract(
         row,
         Regrade,
@@ -479,17 +479,17 @@ def _copy(table: type[SQLModel], regrade_id: str) -> Insert:
     )
 
 
-def _take_over(original: SubmissionRow, made: SubmissionRow) -> None:
+def _take_over(original: SubmissionRow, trial: SubmissionRow) -> None:
     original.state = SubmissionState.GRADED.value
     original.attempt += 1  # a worker that still grades it can no longer store its result
     original.graded_attempt = original.attempt
     # both instants: their difference tells the pace of gradings
-    original.started_at, original.finished_at = made.started_at, made.finished_at
+    original.started_at, original.finished_at = trial.started_at, trial.finished_at
     original.trouble = ""
-    original.verdict = made.verdict
-    original.score, original.max_score = made.score, made.max_score
-    original.report_sha256 = made.report_sha256
-    original.to_judge = made.to_judge
+    original.verdict = trial.verdict
+    original.score, original.max_score = trial.score, trial.max_score
+    original.report_sha256 = trial.report_sha256
+    original.to_judge = trial.to_judge
 
 
 def _delete_trials(session: Session, regrade_id: str) -> None:

@@ -174,10 +174,10 @@ class StoredRules(StorePart):
         course = signed.in_course()
         with self._database.writing() as session:
             one_at_a_time(session, "course", course)
-            known = session.get(CourseRow, course)
-            if known is None:
+            course_row = session.get(CourseRow, course)
+            if course_row is None:
                 raise unknown_course(course)
-            before = _rules_before(session, known, assignment)
+            before = _rules_before(session, course_row, assignment)
             _require(seen, before)
             document = json.dumps(to_document(rules), sort_keys=True)
             session.merge(
@@ -254,8 +254,8 @@ def tag(rules: Rules | Extension) -> str:
 
     The same instants have the same tag, whatever offset they are written with: databases give back UTC.
     """
-    told = _plain(asdict(rules), UTC)
-    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:_TAG_LENGTH]
+    plain = _plain(asdict(rules), UTC)
+    return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()[:_TAG_LENGTH]
 
 
 def rules_of(session: Session, course: str | None) -> CourseRules:

@@ -54,19 +54,19 @@ def up_to_date(
     while True:
         with in_use(database, who):
             if not _outdated(database):
-                found, now = migrate(database)
-                yield before or found, now
+                earlier, now = migrate(database)
+                yield before or earlier, now
                 return
         try:
             with alone(database):
                 before, _ = migrate(database)
         except OccupiedError as error:
-            told = f"the tables are of an older version, but {error}"
+            reason = f"the tables are of an older version, but {error}"
             if time.monotonic() >= until_s:
-                raise OccupiedError(told, f"表结构是旧版本的，但{error.zh}") from error
-            if wait and told != said:
-                _log.warning("waiting: %s", told)
-                said = told
+                raise OccupiedError(reason, f"表结构是旧版本的，但{error.zh}") from error
+            if wait and reason != said:
+                _log.warning("waiting: %s", reason)
+                said = reason
             time.sleep(_LOOK_S)
 
 
@@ -96,8 +96,8 @@ def _await_server(database: Database) -> None:
 def _outdated(database: Database) -> bool:
     """Whether there are tables, and they are of an older version."""
     with database.reading() as session:
-        found = version(session.connection())
-    return found in _versions(_MIGRATIONS)[1:]
+        present = version(session.connection())
+    return present in _versions(_MIGRATIONS)[1:]
 
 
 def migrate(database: Database) -> tuple[str | None, str]:
@@ -140,22 +140,22 @@ def _migrated(database: Database) -> tuple[str | None, str]:
         return before, expected_version()
 
 
-def _check_upgradable(database: Database, found: str) -> None:
+def _check_upgradable(database: Database, present: str) -> None:
     versions = _versions(_MIGRATIONS)
-    if found in versions:
+    if present in versions:
         return
     newest, oldest = versions[0], versions[-1]
-    if found > newest:
+    if present > newest:
         raise SettingsError(
-            f"{database.name} is of a newer grader: its tables are at {found}, this one knows up to {newest}; "
+            f"{database.name} is of a newer grader: its tables are at {present}, this one knows up to {newest}; "
             "install that version again, or restore a backup of before the upgrade",
-            f"{database.name} 是更新版本的评分系统建的：表结构是 {found}，这个版本只认识到 {newest}；"
+            f"{database.name} 是更新版本的评分系统建的：表结构是 {present}，这个版本只认识到 {newest}；"
             "请重新安装那个版本，或恢复升级前的备份",
         )
     raise SettingsError(
-        f"{database.name} is too old: its tables are at {found}, and this version upgrades from {oldest} on; "
+        f"{database.name} is too old: its tables are at {present}, and this version upgrades from {oldest} on; "
         f"start a version of the grader in between once, which brings them to {oldest} or later",
-        f"{database.name} 太旧：表结构是 {found}，这个版本只能从 {oldest} 起升级；"
+        f"{database.name} 太旧：表结构是 {present}，这个版本只能从 {oldest} 起升级；"
         f"请先用一个介于两者之间的版本启动一次，把它更新到 {oldest} 或更新",
     )
 
@@ -190,8 +190,8 @@ def version(connection: Connection) -> str | None:
     """Return the version of a database's schema, or None when it has none."""
     if not connection.dialect.has_table(connection, "alembic_version"):
         return None
-    found: str | None = connection.exec_driver_sql("SELECT version_num FROM alembic_version").scalar()
-    return found
+    present: str | None = connection.exec_driver_sql("SELECT version_num FROM alembic_version").scalar()
+    return present
 
 
 def expected_version() -> str:

@@ -91,7 +91,7 @@ class Scripts(StorePart):
             .where(which)
             .order_by(col(row.received_at).desc(), col(row.id))
         )
-        return tuple(HandedIn(*found) for found in self._rows(statement))
+        return tuple(HandedIn(*values) for values in self._rows(statement))
 
 
 def _grading(one: HandedIn) -> tuple[str, int]:

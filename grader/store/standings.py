@@ -104,10 +104,10 @@ def _counts(
         .where(_among(col(row.course), courses), col(row.regrade).is_(None))
         .group_by(col(row.course), col(row.state))
     )
-    found: dict[str | None, dict[str, tuple[Any, ...]]] = defaultdict(dict)
+    counts: dict[str | None, dict[str, tuple[Any, ...]]] = defaultdict(dict)
     for course, state, *numbers in session.execute(statement):
-        found[course][state] = tuple(int(number) for number in numbers)
-    return found
+        counts[course][state] = tuple(int(number) for number in numbers)
+    return counts
 
 
 def _changes(session: Session, courses: Collection[str | None]) -> dict[str | None, int]:
@@ -126,7 +126,7 @@ def _among(column: Any, courses: Collection[str | None]) -> Any:
 
 
 def _class(states: dict[str, tuple[Any, ...]], changes: int | None) -> ClassStanding:
-    told = repr((sorted(states.items()), changes))
+    content = repr((sorted(states.items()), changes))
 
     def count(state: SubmissionState) -> int:
         return int(states[state.value][0]) if state.value in states else 0
@@ -136,7 +136,7 @@ def _class(states: dict[str, tuple[Any, ...]], changes: int | None) -> ClassStan
         running=count(SubmissionState.RUNNING),
         graded=count(SubmissionState.GRADED),
         infrastructure_errors=count(SubmissionState.INFRASTRUCTURE_ERROR),
-        mark=hashlib.sha256(told.encode()).hexdigest()[:_MARK_CHARACTERS],
+        mark=hashlib.sha256(content.encode()).hexdigest()[:_MARK_CHARACTERS],
     )
 
 

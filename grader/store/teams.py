@@ -87,10 +87,10 @@ class Teams(StorePart):
             one_at_a_time(session, "teams", course, assignment)
             _require_members(session, course, [person for team in wanted for person in team])
             before = _teams(session, course, assignment)
-            known = {one.members: one for one in before}
+            before_by_members = {one.members: one for one in before}
             session.execute(delete(TeamMemberRow).where(*_of(course, assignment)))
             for members in map(tuple, map(sorted, wanted)):
-                team = known.get(members) or Team(code=new_code(), members=members, by_staff=True)
+                team = before_by_members.get(members) or Team(code=new_code(), members=members, by_staff=True)
                 session.add_all(_row(course, assignment, person, team) for person in members)
             after = sorted(sorted(one) for one in wanted)
             if after != (was := [list(one.members) for one in before]):

@@ -52,8 +52,8 @@ class Tokens(TimedPart):
         Raises:
             CourseError: there is no such member.
         """
-        (made,) = self.issue_all(course, [person], valid_for, actor)
-        return made
+        (token,) = self.issue_all(course, [person], valid_for, actor)
+        return token
 
     def issue_all(
         self, course: str, people: Sequence[str], valid_for: timedelta, actor: str
@@ -62,8 +62,8 @@ class Tokens(TimedPart):
         now = self._clock()
         codes = {person: _new_code() for person in people}
         with ThreadPoolExecutor(os.cpu_count()) as pool:  # the digests take what time this takes
-            made = pool.map(lambda one: _row(codes[one], course, one, now, now + valid_for), people)
-            rows = {row.person: row for row in made}
+            token_rows = pool.map(lambda one: _row(codes[one], course, one, now, now + valid_for), people)
+            rows = {row.person: row for row in token_rows}
         with self._database.writing() as session:
             members = select(col(MemberRow.person)).where(col(MemberRow.course) == course)
             if unknown := rows.keys() - set(session.execute(members).scalars()):

@@ -82,16 +82,17 @@ def _tables() -> Sequence[Table]:
 
 
 def _check_schema(database: Database, session: Session) -> None:
-    found = version(session.connection())
-    if found is None:
+    schema = version(session.connection())
+    if schema is None:
         raise SettingsError(
             f"{database.name} holds no tables of the grader: is it the right one?",
             f"{database.name} 里没有评分系统的表：是不是写错了数据库？",
         )
-    if found != expected_version():
+    if schema != expected_version():
         raise SettingsError(
-            f"{database.name} is at schema {found}, not {expected_version()}: run `grader db migrate` on it first",
-            f"{database.name} 的表结构是 {found}，不是 {expected_version()}：先对它运行 `grader db migrate`",
+            f"{database.name} is at schema {schema}, not {expected_version()}: "
+            "run `grader db migrate` on it first",
+            f"{database.name} 的表结构是 {schema}，不是 {expected_version()}：先对它运行 `grader db migrate`",
         )
 
 

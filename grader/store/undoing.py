@@ -21,14 +21,14 @@ def undo(session: Session, regrade_id: str) -> list[ScoreChange]:
     Raises:
         RegradeError: ``superseded``: the grading that stands is not the re-grade's any more.
     """
-    made = _made(session, regrade_id)
+    regraded = _made(session, regrade_id)
     rows = _held(session, regrade_id)
-    if any(row.graded_attempt != made[row.id][0] for row in rows):
+    if any(row.graded_attempt != regraded[row.id][0] for row in rows):
         raise RegradeError("superseded", "a later re-grade has taken the place of some of its gradings")
-    earlier = {id_: attempt for id_, (_, attempt) in made.items() if attempt is not None}
-    now = item_scores(session, {id_: attempt for id_, (attempt, _) in made.items()})
+    earlier = {id_: attempt for id_, (_, attempt) in regraded.items() if attempt is not None}
+    now = item_scores(session, {id_: attempt for id_, (attempt, _) in regraded.items()})
     then, gradings = item_scores(session, earlier), _gradings(session, earlier)
-    judgements = judgements_by(session, made)
+    judgements = judgements_by(session, regraded)
     changes = []
     for row in rows:
         old = StandingScores(items=tuple(now[row.id]), score=row.score)
@@ -46,8 +46,8 @@ def undo(session: Session, regrade_id: str) -> list[ScoreChange]:
 def _made(session: Session, regrade_id: str) -> dict[str, tuple[int, int | None]]:
     """Return by submission the number of a re-grade's grading, and of the one that stood before, if any did."""
     grading = GradingRow
-    told = (col(grading.submission_id), col(grading.attempt), col(grading.replaced))
-    of_regrade = select(*told).where(col(grading.regrade) == regrade_id)
+    columns = (col(grading.submission_id), col(grading.attempt), col(grading.replaced))
+    of_regrade = select(*columns).where(col(grading.regrade) == regrade_id)
     return {row[0]: (row[1], row[2]) for row in session.execute(of_regrade)}
 
 
@@ -62,14 +62,14 @@ def _held(session: Session, regrade_id: str) -> Sequence[SubmissionRow]:
 
 def _gradings(session: Session, attempts: Mapping[str, int]) -> dict[str, GradingRow]:
     """Return one grading of each submission, by number."""
-    found: dict[str, GradingRow] = {}
+    rows: dict[str, GradingRow] = {}
     for part in in_lots(attempts):
         numbers = {attempts[id_] for id_ in part}
         theirs = and_(col(GradingRow.submission_id).in_(part), col(GradingRow.attempt).in_(numbers))
         for row in session.execute(select(GradingRow).where(theirs)).scalars():
             if row.attempt == attempts[row.submission_id]:
-                found[row.submission_id] = row
-    return found
+                rows[row.submission_id] = row
+    return rows
 
 
 def _stand(row: SubmissionRow, grading: GradingRow | None, to_judge: int) -> None:

@@ -156,10 +156,10 @@ def pending(services: Services, caller: Caller) -> Pending | None:
         return None
     rules, now = services.rules.of(caller.course), services.clock()
     shown = [one for one in appeals if not is_hidden(one.item, rules.of(one.assignment).hidden_at(now))]
-    told = Pending(
+    appeal_page = Pending(
         open=[one for one in shown if one.is_open], answered=[one for one in shown if not one.is_open]
     )
-    return told if shown else None
+    return appeal_page if shown else None
 
 
 def queue(

@@ -141,10 +141,10 @@ def overview(services: Services, caller: Caller, state: ClassState, language: La
     require_staff(caller)
     pass_fraction = services.settings.pass_fraction
     students = {student: _done(one, pass_fraction) for student, one in state.students.items()}
-    told = {id_: _statistics(one, pass_fraction) for id_, one in state.assignments.items()}
+    statistics = {id_: _statistics(one, pass_fraction) for id_, one in state.assignments.items()}
     nothing = _statistics(_NOBODY, pass_fraction)
-    known = {assignment.id: assignment for assignment in in_course(services, caller)}
-    ids = [*known, *sorted(set(told) - set(known))]
+    assignments = {assignment.id: assignment for assignment in in_course(services, caller)}
+    ids = [*assignments, *sorted(set(statistics) - set(assignments))]
     roster = {one.id: one for one in members(services, caller, Role.STUDENT)}
     lines = [_student(student, done, roster.get(student)) for student, done in students.items()]
     at_risk = risks(
@@ -152,7 +152,7 @@ def overview(services: Services, caller: Caller, state: ClassState, language: La
         roster,
         services.refused.of(caller.course),
         services.rules.of(caller.course),
-        known,
+        assignments,
         services.clock(),
     )
     return Overview(
@@ -164,8 +164,10 @@ def overview(services: Services, caller: Caller, state: ClassState, language: La
         at_risk=at_risk,
         total_at_risk=len(at_risk),
         next_offset=None,
-        waiting_for_person=sum(one.waiting_for_person for one in told.values()),
-        assignments=[_named(told.get(id_, nothing), id_, known.get(id_), language) for id_ in ids],
+        waiting_for_person=sum(one.waiting_for_person for one in statistics.values()),
+        assignments=[
+            _named(statistics.get(id_, nothing), id_, assignments.get(id_), language) for id_ in ids
+        ],
         health=services.health(),
     )
 
@@ -227,9 +229,9 @@ def _student(student: str, done: _Done, member: Member | None) -> StudentLine:
 
 
 @lru_cache(maxsize=_KEPT_STUDENTS)
-def _done(told: StudentState, pass_fraction: float) -> _Done:
+def _done(student: StudentState, pass_fraction: float) -> _Done:
     """Return what a student has done. Most students are the same at the next look."""
-    cells = [_cell(one, pass_fraction) for one in told.progress]
+    cells = [_cell(one, pass_fraction) for one in student.progress]
     return _Done(
         cells={one.assignment: one for one in cells},
         total_score=summed(one.counted_score for one in cells if one.counted_score is not None),
@@ -237,8 +239,8 @@ def _done(told: StudentState, pass_fraction: float) -> _Done:
 
 
 def _cell(progress: StudentProgress, pass_fraction: float) -> Cell:
-    known = {name: getattr(progress, name) for name in _PROGRESS}
-    return Cell(**known, passed=_passed(progress, pass_fraction))
+    shown = {name: getattr(progress, name) for name in _PROGRESS}
+    return Cell(**shown, passed=_passed(progress, pass_fraction))
 
 
 def _passed(progress: StudentProgress, pass_fraction: float) -> bool:
@@ -247,43 +249,43 @@ def _passed(progress: StudentProgress, pass_fraction: float) -> bool:
 
 
 def _named(
-    told: AssignmentOverview, assignment_id: str, assignment: Assignment | None, language: Language
+    overview: AssignmentOverview, assignment_id: str, assignment: Assignment | None, language: Language
 ) -> AssignmentOverview:
     """Return the statistics of an assignment with its texts."""
     return replace(
-        told,
+        overview,
         id=assignment_id,
         title=assignment_id if assignment is None else assignment.title.get(language),
         max_score=None if assignment is None else assignment.max_score,
         most_failed_items=[
-            replace(one, title=item_title(assignment, one.id, language)) for one in told.most_failed_items
+            replace(one, title=item_title(assignment, one.id, language)) for one in overview.most_failed_items
         ],
     )
 
 
 @lru_cache(maxsize=_KEPT_ASSIGNMENTS)
-def _statistics(told: AssignmentState, pass_fraction: float) -> AssignmentOverview:
+def _statistics(state: AssignmentState, pass_fraction: float) -> AssignmentOverview:
     """Return the statistics of an assignment without its texts. Most assignments are the same at the next look."""
-    students = len(told.progress)
-    passed = sum(_passed(one, pass_fraction) for one in told.progress)
-    scored = sum(one.counted_score is not None for one in told.progress)
-    scores = [one.best_score for one in told.progress if one.best_score is not None]
+    students = len(state.progress)
+    passed = sum(_passed(one, pass_fraction) for one in state.progress)
+    scored = sum(one.counted_score is not None for one in state.progress)
+    scores = [one.best_score for one in state.progress if one.best_score is not None]
     return AssignmentOverview(
         id="",
         title="",
         max_score=None,
         students=students,
-        waiting_for_person=sum(one.waits_for_person for one in told.progress),
-        submissions=sum(one.attempts for one in told.progress),
+        waiting_for_person=sum(one.waits_for_person for one in state.progress),
+        submissions=sum(one.attempts for one in state.progress),
         passed=passed,
         pass_rate=passed / scored if scored else None,
         mean_score=round(fmean(scores), 2) if scores else None,
-        score_distribution=_distribution(told.progress),
-        mean_attempts_to_pass=_mean_attempts_to_pass(told.progress, pass_fraction),
+        score_distribution=_distribution(state.progress),
+        mean_attempts_to_pass=_mean_attempts_to_pass(state.progress, pass_fraction),
         most_failed_items=[
-            FailedItem(id=one.item, title="", count=one.ever, still=one.still) for one in told.failures
+            FailedItem(id=one.item, title="", count=one.ever, still=one.still) for one in state.failures
         ],
-        most_common_mistakes=told.mistakes,
+        most_common_mistakes=state.mistakes,
     )
 
 

@@ -146,7 +146,7 @@ def percentages(
         if one.max_score and ((weight := weights[one.id]) is None or weight)
     }
     whole = sum((weight for _, weight in shares.values()), Decimal(0))
-    found: dict[str, float | None] = {}
+    by_student: dict[str, float | None] = {}
     for member in members:
         reached = {one.id: _counted(scores.get((member.id, one.id))) for one in assignments}
         earned = (
@@ -155,8 +155,8 @@ def percentages(
             if points is not None and id_ in shares
         )
         is_blank = all(points is None for points in reached.values())
-        found[member.id] = None if is_blank else percentage(sum(earned, Decimal(0)), whole)
-    return found
+        by_student[member.id] = None if is_blank else percentage(sum(earned, Decimal(0)), whole)
+    return by_student
 
 
 def percentage(points: Decimal | float, most: Decimal | float) -> float:

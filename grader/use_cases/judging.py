@@ -96,14 +96,14 @@ def set_phrases(services: Services, caller: Caller, text: str) -> None:
     if caller.course is None:
         raise RefusedError("no_course")
     lines = [line.strip().partition(" ") for line in text.splitlines() if line.strip()]
-    found = {key: words.strip() for key, _, words in lines}
-    if len(found) < len(lines) or len(lines) > MOST_PHRASES:
+    phrases = {key: words.strip() for key, _, words in lines}
+    if len(phrases) < len(lines) or len(lines) > MOST_PHRASES:
         raise RefusedError("invalid_request", _PHRASES, field="phrases")
     if any(
-        not words or len(key) > _LONGEST_KEY or len(words) > LONGEST_COMMENT for key, words in found.items()
+        not words or len(key) > _LONGEST_KEY or len(words) > LONGEST_COMMENT for key, words in phrases.items()
     ):
         raise RefusedError("invalid_request", _PHRASES, field="phrases")
-    services.phrases.set(found, services.signature(caller))
+    services.phrases.set(phrases, services.signature(caller))
 
 
 def items_of(
@@ -217,8 +217,8 @@ def _announce(
         if item.machine is not None and not is_hidden(item.id, hidden)
     ]
     if lines and caller.course is not None:
-        told = "\n".join([*lines, given[0][1].comment])[:LONGEST_COMMENT]
-        services.comments.add(submission.id, told, None, services.signature(caller), by_student=False)
+        text = "\n".join([*lines, given[0][1].comment])[:LONGEST_COMMENT]
+        services.comments.add(submission.id, text, None, services.signature(caller), by_student=False)
 
 
 def _counting(item: JudgedItem) -> float:

@@ -139,9 +139,9 @@ def _require_fit(services: Services, caller: Caller, new: Assignment) -> None:
         raise _refused((Misfit(file=SPEC_NAME, field="version", told=error.text),))
 
 
-def _refused(found: tuple[Misfit, ...]) -> RefusedError:
-    detail = _listed([(place_of(one), one.told) for one in found])
-    return RefusedError("invalid_assignment", detail, field="file", misfits=found)
+def _refused(misfits: tuple[Misfit, ...]) -> RefusedError:
+    detail = _listed([(place_of(one), one.told) for one in misfits])
+    return RefusedError("invalid_assignment", detail, field="file", misfits=misfits)
 
 
 def _listed(lines: Sequence[tuple[str, Text]]) -> Text:

@@ -218,8 +218,8 @@ def give_missing_tokens(services: Services, caller: Caller, days: int) -> list[t
     life, actor = timedelta(days=days), caller.signature
     without = without_token(services, caller)
     ids = [one.id for one in without]
-    made = services.tokens.issue_all(taught_course(caller), ids, life, actor)
-    return [(member, token) for member, (_, token) in zip(without, made, strict=True)]
+    tokens = services.tokens.issue_all(taught_course(caller), ids, life, actor)
+    return [(member, token) for member, (_, token) in zip(without, tokens, strict=True)]
 
 
 def member_of(services: Services, caller: Caller, person: str) -> Member:

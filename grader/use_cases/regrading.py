@@ -196,14 +196,14 @@ def _shown_changes(services: Services, caller: Caller, submission: Submission) -
     return tuple(one for one in shown if one is not None)
 
 
-def _without(told: ToldChange, hidden: frozenset[str]) -> ToldChange | None:
+def _without(whole: ToldChange, hidden: frozenset[str]) -> ToldChange | None:
     """Return a change without hidden items, and without scores, which reveal them; None if nothing is left."""
     if not hidden:
-        return told
-    change = told.change
+        return whole
+    change = whole.change
     items = tuple(one for one in change.items if not is_hidden(one.item, hidden))
     kept, void = (
         tuple(one for one in named if not is_hidden(one, hidden)) for named in (change.kept, change.void)
     )
     shown = replace(change, before=None, after=None, items=items, kept=kept, void=void)
-    return replace(told, change=shown) if items else None
+    return replace(whole, change=shown) if items else None

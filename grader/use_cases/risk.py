@@ -78,9 +78,9 @@ def risks(  # noqa: PLR0913, PLR0917
         own, tries = cells.get(student, {}), refusals.get(student, Counter())
         concerned = own.keys() | tries.keys() | (dated if student in roster else set())
         each = (_risk(student, one, own.get(one), tries[one], rules, now) for one in concerned)
-        found = [one for one in each if one is not None]
-        if found:
-            urgent.append(min(found, key=lambda one: one.urgency))
+        at_risk = [one for one in each if one is not None]
+        if at_risk:
+            urgent.append(min(at_risk, key=lambda one: one.urgency))
         elif not own:
             urgent.append(Risk(student=student, reason="not_started"))
     named = (replace(one, name=roster[one.student].name) if one.student in roster else one for one in urgent)

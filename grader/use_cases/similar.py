@@ -170,8 +170,8 @@ def _grams(services: Services, staff: Collection[HandedIn], given: Sequence[byte
         return kept
     theirs = [source for _, source in services.comparer.scripts.sources(handed_in)]
     every = [grams(tokens_of(code_of(one))) for one in (*given, *theirs)]
-    made = np.unique(np.concatenate([np.zeros(0, dtype=np.uint64), *every]))
-    return services.comparer.grams.keep(key, made)
+    common = np.unique(np.concatenate([np.zeros(0, dtype=np.uint64), *every]))
+    return services.comparer.grams.keep(key, common)
 
 
 def _fingerprints(services: Services, scripts: Collection[HandedIn]) -> dict[str, Fingerprints]:

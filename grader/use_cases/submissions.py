@@ -118,15 +118,15 @@ def read(services: Services, caller: Caller, submission_id: str) -> ShownSubmiss
     Raises:
         RefusedError: the caller may not see it.
     """
-    submission, grading, known = found_by_rules(services, caller, submission_id)
+    submission, grading, rules = found_by_rules(services, caller, submission_id)
     position, estimated = place(services, submission)
     return ShownSubmission(
         submission=submission,
         grading=grading,
         position=position,
         estimated_finish_at=estimated,
-        lateness=_lateness(submission, known),
-        told=None if grading is None else explaining.told_of(services, caller, submission, grading, known),
+        lateness=_lateness(submission, rules),
+        told=None if grading is None else explaining.told_of(services, caller, submission, grading, rules),
     )
 
 

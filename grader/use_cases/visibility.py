@@ -81,9 +81,9 @@ def found_by_rules(
     """
     submission, report = services.submissions.with_report(submission_id) or (None, None)
     submission = _seen(caller, submission)
-    known = services.rules.about(submission.course, submission.student, submission.assignment)
-    veil = _veil(services, caller, submission.assignment, known)
-    return *_shown(submission, report, veil), known
+    rules = services.rules.about(submission.course, submission.student, submission.assignment)
+    veil = _veil(services, caller, submission.assignment, rules)
+    return *_shown(submission, report, veil), rules
 
 
 def graded(services: Services, caller: Caller, submission_id: str) -> tuple[Submission, StoredReport]:
@@ -136,8 +136,8 @@ def hint_level(services: Services, caller: Caller, assignment_id: str, rules: Co
     rule = rules.of(assignment_id).hints
     if rule is not HintRule.ASSIGNMENT:
         return Hints(rule.value)
-    known = services.assignments.of(caller.course).all()
-    return next((one.hints for one in known if one.id == assignment_id), Hints.CHANGE)
+    assignments = services.assignments.of(caller.course).all()
+    return next((one.hints for one in assignments if one.id == assignment_id), Hints.CHANGE)
 
 
 def _veil(services: Services, caller: Caller, assignment_id: str, rules: CourseRules) -> _Veil:
@@ -158,7 +158,7 @@ def _shown(
     report = _veiled(json.loads(stored.content), veil)
     content = canonical(report)
     digest = hashlib.sha256(content).hexdigest()
-    told = replace(submission, score=report["score"], max_score=report["max_score"], report_sha256=digest)
+    shown = replace(submission, score=report["score"], max_score=report["max_score"], report_sha256=digest)
     copy = replace(
         stored,
         content=content,
@@ -166,10 +166,10 @@ def _shown(
         judgements=tuple(one for one in stored.judgements if not is_hidden(one.item, hidden)),
     )
     if submission.to_judge is None and not copy.judgements:
-        return told, copy
+        return shown, copy
     whole = judged(copy)
     waiting = None if submission.to_judge is None else to_judge(whole.items)
-    return replace(told, score=whole.score, verdict=whole.status, to_judge=waiting), copy
+    return replace(shown, score=whole.score, verdict=whole.status, to_judge=waiting), copy
 
 
 def shown_report(services: Services, caller: Caller, report: GradeReport) -> GradeReport:
@@ -199,8 +199,8 @@ def _veils(services: Services, caller: Caller, *assignments: str) -> dict[str, _
     """Return what the caller does not see of each assignment; the rules are read once for all."""
     if caller.is_staff:
         return dict.fromkeys(assignments, _Veil())
-    known = services.rules.of(caller.course)
-    return {one: _veil(services, caller, one, known) for one in assignments}
+    rules = services.rules.of(caller.course)
+    return {one: _veil(services, caller, one, rules) for one in assignments}
 
 
 def _without_items(assignment: Assignment, hidden: frozenset[str]) -> Assignment:

@@ -128,8 +128,8 @@ def examine(
         before_each()
         graded = grader.grade(_job(assignment, script))
         idle -= _proven(assignment, attempt, graded.unmet)
-        told = _unexpected(attempt, graded.report)
-        findings.append(_finding(assignment, f"wrong/{attempt.file}", graded.report, told))
+        problem = _unexpected(attempt, graded.report)
+        findings.append(_finding(assignment, f"wrong/{attempt.file}", graded.report, problem))
     return Examination(
         findings=findings,
         margins=margins(assignment, report),
@@ -240,8 +240,8 @@ def _finding(assignment: Assignment, script: str, report: GradeReport, problem: 
 def _lost(report: GradeReport) -> Text:
     """Say what the solution loses points for, and what its author would be told first."""
     items = ", ".join(item.id for item in report.items if item.status is not ItemStatus.PASSED)
-    told = Text(zh=f"误扣：答案在 {items} 上丢分", en=f"false fail: loses credit for {items}")
-    return told if report.hint == EMPTY else join([told, report.hint], _BECAUSE)
+    text = Text(zh=f"误扣：答案在 {items} 上丢分", en=f"false fail: loses credit for {items}")
+    return text if report.hint == EMPTY else join([text, report.hint], _BECAUSE)
 
 
 def _unexpected(attempt: WrongAttempt, report: GradeReport) -> Text:
@@ -258,11 +258,11 @@ def _unexpected(attempt: WrongAttempt, report: GradeReport) -> Text:
     if attempt.fails not in [_plain(item) for item in lost]:
         problems.append(Text(zh=f"评分项 {attempt.fails} 没有丢分", en=f"item {attempt.fails} loses nothing"))
     if attempt.mistake and attempt.mistake not in report.mistakes[:1]:
-        seen = ", ".join(report.mistakes)
+        codes = ", ".join(report.mistakes)
         problems.append(
             Text(
-                zh=f"认出的错误是 {seen or '（无）'}，应当是 {attempt.mistake}",
-                en=f"recognised {seen or 'nothing'} instead of {attempt.mistake}",
+                zh=f"认出的错误是 {codes or '（无）'}，应当是 {attempt.mistake}",
+                en=f"recognised {codes or 'nothing'} instead of {attempt.mistake}",
             )
         )
     return join(problems, _AND)

@@ -70,11 +70,11 @@ def audited(assignment: Assignment, solution: OwnScript, grader: Grader, most: i
         return grader.grade(GradingJob(file_name=solution.name, source=source, assignment=assignment))
 
     right = graded(solution.source)
-    found = list(mutants(ParsedScript.parsed(solution.source.decode())))
-    if len(found) > most:
-        found = [found[number * len(found) // most] for number in range(most)]
+    mutated = list(mutants(ParsedScript.parsed(solution.source.decode())))
+    if len(mutated) > most:
+        mutated = [mutated[number * len(mutated) // most] for number in range(most)]
     results = []
-    for mutant in found:
+    for mutant in mutated:
         result = graded(mutant.text.encode())
         pct = 100.0 * (result.report.score or 0.0) / result.report.max_score
         alike = result.trajectories == right.trajectories

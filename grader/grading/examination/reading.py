@@ -78,8 +78,8 @@ def read_folder(files: Mapping[str, bytes]) -> Reading:
 
 def declared_id(files: Mapping[str, bytes]) -> str:
     """Return the id that the specification says, by which its folder is called; some name where it says none."""
-    found = _ID.search(files.get(SPEC_NAME, b""))
-    return found[1].decode() if found else _UNNAMED
+    match = _ID.search(files.get(SPEC_NAME, b""))
+    return match[1].decode() if match else _UNNAMED
 
 
 def misfits_of(error: AssignmentError, root: str = "") -> tuple[Misfit, ...]:
@@ -92,10 +92,10 @@ def misfits_of(error: AssignmentError, root: str = "") -> tuple[Misfit, ...]:
 
 def _misfit(place: str, told: Text, root: str) -> Misfit:
     told = replace(told, zh=told.zh.replace(root, ""), en=told.en.replace(root, "")) if root else told
-    found = _PLACE.fullmatch(place.removeprefix(root))
-    assert found is not None
-    line = None if found["line"] is None else int(found["line"])
-    return Misfit(file=found["file"], line=line, field=found["field"] or "", told=told)
+    match = _PLACE.fullmatch(place.removeprefix(root))
+    assert match is not None
+    line = None if match["line"] is None else int(match["line"])
+    return Misfit(file=match["file"], line=line, field=match["field"] or "", told=told)
 
 
 def _answer(folder: Path) -> Reading:

@@ -55,5 +55,5 @@ def _trace_of(run: Run) -> Trace:
         return ()
     points = drive.path.x_m + 1j * drive.path.y_m
     ahead = cmath.rect(1.0, -float(drive.path.heading_rad[0]))
-    seen = (resampled(points, along, np.linspace(0.0, float(along[-1]), POINTS)) - points[0]) * ahead
-    return tuple((round(z.real, _DECIMALS) + 0.0, round(z.imag, _DECIMALS) + 0.0) for z in seen.tolist())
+    trace = (resampled(points, along, np.linspace(0.0, float(along[-1]), POINTS)) - points[0]) * ahead
+    return tuple((round(z.real, _DECIMALS) + 0.0, round(z.imag, _DECIMALS) + 0.0) for z in trace.tolist())

@@ -65,11 +65,11 @@ class Sensitivity:
 
 def sensitivities(assignment: Assignment, run: Run) -> list[Sensitivity]:
     """Return what each perturbation of the solution's `run` costs each item, in both directions."""
-    found: list[Sensitivity] = []
+    results: list[Sensitivity] = []
     for perturbation in _applicable(run.trajectory):
         for sign in (1.0, -1.0):
-            found += _along(assignment, run, perturbation, sign)
-    return found
+            results += _along(assignment, run, perturbation, sign)
+    return results
 
 
 def lax(assignment: Assignment, run: Run) -> list[Text]:
@@ -169,10 +169,10 @@ class _Losses:
 
 def _informative_steps(steps: Sequence[int], lost: _Losses) -> list[int]:
     """Return the steps that show where losses change: every `_COARSE`-th, and the changes between those."""
-    found = [steps[0]]
+    informative = [steps[0]]
     for at in range(0, len(steps) - 1, _COARSE):
-        found += _changes(steps[at : at + _COARSE + 1], lost)
-    return found
+        informative += _changes(steps[at : at + _COARSE + 1], lost)
+    return informative
 
 
 def _changes(steps: Sequence[int], lost: _Losses) -> list[int]:

@@ -128,13 +128,13 @@ def unpacked(content: bytes) -> dict[str, bytes]:
     if len(content) > MAX_ZIP_BYTES:
         raise refusals([("zip", _TOO_LARGE)])
     try:
-        found = read_archive(content, _wanted, _BOUNDS)
+        files = read_archive(content, _wanted, _BOUNDS)
     except ArchiveError as error:
         whole = not error.path or error.fault is Fault.LARGE
         raise refusals(
             [("zip" if whole else _safe(error.path), _FAULT_TEXTS.get(error.fault, _NO_ZIP))]
         ) from None
-    return _with_packages(_without_folder(found))
+    return _with_packages(_without_folder(files))
 
 
 def packed(folder: str, files: Mapping[str, bytes]) -> bytes:
@@ -147,9 +147,9 @@ def _wanted(entries: Sequence[ZipEntry]) -> Collection[str]:
     return [entry.path for entry in entries if not _PASSED_OVER.search(entry.path)]
 
 
-def _without_folder(found: dict[str, bytes]) -> dict[str, bytes]:
+def _without_folder(files: dict[str, bytes]) -> dict[str, bytes]:
     """Return the files seen from the folder that has the specification."""
-    specs = {name: name.count("/") for name in found if PurePosixPath(name).name == SPEC_NAME}
+    specs = {name: name.count("/") for name in files if PurePosixPath(name).name == SPEC_NAME}
     depth = min(specs.values(), default=None)
     highest = [name for name in specs if specs[name] == depth]
     if depth is None or depth > 1:
@@ -159,12 +159,12 @@ def _without_folder(found: dict[str, bytes]) -> dict[str, bytes]:
     root = highest[0].removesuffix(SPEC_NAME)
     strange = [
         (_safe(name), _STRANGE)
-        for name in sorted(found)
+        for name in sorted(files)
         if not name.startswith(root) or not _is_own(name.removeprefix(root))
     ]
     if strange:
         raise refusals(strange[:MAX_FILES])
-    return {name.removeprefix(root): content for name, content in found.items()}
+    return {name.removeprefix(root): content for name, content in files.items()}
 
 
 def _is_own(name: str) -> bool:
@@ -174,7 +174,7 @@ def _is_own(name: str) -> bool:
 def _with_packages(files: Mapping[str, bytes]) -> dict[str, bytes]:
     """Return the files with each package as a zip of its kept form."""
     packages: dict[str, bytes | dict[str, bytes]] = {}
-    found: dict[str, bytes] = {}
+    packed: dict[str, bytes] = {}
     for name, content in sorted(files.items()):
         if inside := _IN_PACKAGE.fullmatch(name):
             below = packages.setdefault(f"{inside[1]}.zip", {})
@@ -184,14 +184,14 @@ def _with_packages(files: Mapping[str, bytes]) -> dict[str, bytes]:
         elif name.endswith(".zip"):
             packages[name] = content
         else:
-            found[name] = content
-    left = MAX_BYTES - sum(map(len, found.values()))
+            packed[name] = content
+    left = MAX_BYTES - sum(map(len, packed.values()))
     for name, package in packages.items():
-        found[name] = _kept(name, package)
-        left -= len(found[name])
+        packed[name] = _kept(name, package)
+        left -= len(packed[name])
         if left < 0:
             raise refusals([("zip", _LARGE)])
-    return dict(sorted(found.items()))
+    return dict(sorted(packed.items()))
 
 
 def _kept(name: str, content: bytes | Mapping[str, bytes]) -> bytes:

@@ -122,22 +122,22 @@ class Goals:
         )
 
     def _succeeded(self, goal: _Goal, values: Values) -> None:
-        told = {"op": "action_result", "action": goal.action, "values": values["result"]}
+        message = {"op": "action_result", "action": goal.action, "values": values["result"]}
         self._drop(goal)
-        self._bridge.send(goal.client, {**told, "status": values["status"], "result": True}, goal.id)
+        self._bridge.send(goal.client, {**message, "status": values["status"], "result": True}, goal.id)
 
     def _fed_back(self, goal: _Goal, values: Values) -> None:
         if values["goal_id"]["uuid"] == goal.uuid:
-            told = {"op": "action_feedback", "action": goal.action, "values": values["feedback"]}
-            self._bridge.send(goal.client, told, goal.id)
+            message = {"op": "action_feedback", "action": goal.action, "values": values["feedback"]}
+            self._bridge.send(goal.client, message, goal.id)
 
     def _end(self, goal: _Goal, reason: str) -> None:
         self._drop(goal)
         self._failed(goal.client, goal.id, goal.action, reason)
 
     def _failed(self, client: int, identity: Identity, action: str, reason: str) -> None:
-        told = {"op": "action_result", "action": action, "values": reason}
-        self._bridge.send(client, {**told, "status": _UNKNOWN, "result": False}, identity)
+        message = {"op": "action_result", "action": action, "values": reason}
+        self._bridge.send(client, {**message, "status": _UNKNOWN, "result": False}, identity)
 
     def _drop(self, goal: _Goal) -> None:
         if goal in self._under_way:

@@ -225,11 +225,11 @@ class Bridge:
             raise FrameError(str(error), frame.id if error.id is None else error.id) from None
 
     def _complain(self, client: int, error: FrameError) -> None:
-        told = self._clients[client]
-        passed_s = (self._now_ns - told.erred_ns) / 1e9
-        told.errors = max(told.errors - passed_s * _ERRORS_PER_S, 0.0) + 1.0
-        told.erred_ns = self._now_ns
-        if told.errors > _MOST_ERRORS:
+        session = self._clients[client]
+        passed_s = (self._now_ns - session.erred_ns) / 1e9
+        session.errors = max(session.errors - passed_s * _ERRORS_PER_S, 0.0) + 1.0
+        session.erred_ns = self._now_ns
+        if session.errors > _MOST_ERRORS:
             self._out.append(Out(client, b"too many frames that cannot be used", close=BAD_CLIENT))
             self.close(client)
             return
@@ -264,19 +264,19 @@ class Bridge:
         Raises:
             FrameError: there is none, it is another one, or there are too many topics.
         """
-        known = self._type_of(topic)
-        wanted = full_type(asked) if asked else known
-        if wanted is None:
+        established = self._type_of(topic)
+        kind = full_type(asked) if asked else established
+        if kind is None:
             raise FrameError(f"Cannot infer type of topic {topic} as it is not yet advertised")
-        if known is None:
-            if wanted not in self._graph.types.fields:
-                raise FrameError(f"Unable to find the type {wanted}")
+        if established is None:
+            if kind not in self._graph.types.fields:
+                raise FrameError(f"Unable to find the type {kind}")
             if len(self._relays) >= MOST_RELAYS:
                 raise FrameError(f"at most {MOST_RELAYS} topics besides those of the car")
-            known = self._relays[topic] = wanted
-        if wanted != known:
-            raise FrameError(f"Topic {topic} is established with type {known}, not {wanted}")
-        return known
+            established = self._relays[topic] = kind
+        if kind != established:
+            raise FrameError(f"Topic {topic} is established with type {established}, not {kind}")
+        return established
 
     def _advertise(self, client: int, frame: Advertise) -> None:
         topic, own = _full_name(frame.topic), self._clients[client].advertised
@@ -310,8 +310,8 @@ class Bridge:
             self._release(topic)
             self._drop_relays()
         if frame.compression not in (None, "none"):
-            told = f"compression {frame.compression} is not offered: {topic} is sent as JSON"
-            self.send(client, {"op": "status", "level": "warning", "msg": told}, frame.id)
+            remark = f"compression {frame.compression} is not offered: {topic} is sent as JSON"
+            self.send(client, {"op": "status", "level": "warning", "msg": remark}, frame.id)
 
     def _unsubscribe(self, client: int, frame: Unsubscribe) -> None:
         topic, own = _full_name(frame.topic), self._clients[client].subscriptions
@@ -331,8 +331,8 @@ class Bridge:
     def _release(self, topic: str) -> None:
         """Hear a topic no longer unless somebody else does."""
         heard = self._heard.get(topic)
-        wanted = any(topic in one.subscriptions for one in self._clients.values())
-        if heard is not None and not wanted and not heard.watchers:
+        is_subscribed = any(topic in one.subscriptions for one in self._clients.values())
+        if heard is not None and not is_subscribed and not heard.watchers:
             self._graph.unlisten(heard.id)
             del self._heard[topic], self._by_id[heard.id]
 
@@ -394,10 +394,10 @@ class Bridge:
             now_ns=self._graph.epoch_ns + self._now_ns,
             node_of=self._node_of,
         )
-        found = rosapi.answer(service.removeprefix(rosapi.PREFIX), args, graph)
-        if found is None:
+        answer = rosapi.answer(service.removeprefix(rosapi.PREFIX), args, graph)
+        if answer is None:
             raise FrameError(f"Service {service} does not exist")
-        return found
+        return answer
 
     def _node_of(self, name: str) -> str:
         """Return the node that has a topic or service: the car's, unless clients or rosapi brought it."""
@@ -427,14 +427,14 @@ class Bridge:
 
     def _advertise_service(self, client: int, frame: AdvertiseService) -> None:
         service = _full_name(frame.service)
-        known = self._offered.get(service)
+        offer = self._offered.get(service)
         if (
             service.startswith(rosapi.PREFIX)
             or service in self._graph.services
-            or (known and known[0] != client)
+            or (offer and offer[0] != client)
         ):
             raise FrameError(f"Service {service} exists already")
-        if known is None and len(self._offered) >= MOST_SERVICES:
+        if offer is None and len(self._offered) >= MOST_SERVICES:
             raise FrameError(f"at most {MOST_SERVICES} services offered by clients")
         self._offered[service] = client, full_type(frame.type or "", "srv")
 
@@ -507,13 +507,15 @@ class Bridge:
     def send(self, client: int, frame: Mapping[str, Any], identity: Identity) -> None:
         """Send a frame to a client, if it is still there; it has an id where its cause had one."""
         if client in self._clients:
-            told = {**frame, "id": identity} if identity is not None else frame
+            message = {**frame, "id": identity} if identity is not None else frame
             try:
-                text = to_json(told)
+                text = to_json(message)
             except RecursionError:
                 text = to_json({"op": "status", "level": "error", "msg": "too deep"})
             if len(text) > _LARGE_BYTES and not self._may_be_large(self._clients[client], len(text)):
-                text = to_json({**told, "values": "too many large answers: wait a moment", "result": False})
+                text = to_json(
+                    {**message, "values": "too many large answers: wait a moment", "result": False}
+                )
             self._out.append(Out(client, text))
 
     def _may_be_large(self, client: _Client, size: int) -> bool:

@@ -31,18 +31,21 @@ class TopView:
 
     def png(self, pose: PlanarPose) -> bytes:
         """Return the picture with the turtle in `pose`."""
-        seen = bytearray(self._ground)
+        picture = bytearray(self._ground)
         x, y, heading = pose
         reach = round(_BODY_M / _PIXEL_M)
         for dx in range(-reach, reach + 1):
             for dy in range(-reach, reach + 1):
                 if math.hypot(dx, dy) <= reach:
-                    _dot(seen, x + dx * _PIXEL_M, y + dy * _PIXEL_M, _BODY)
+                    _dot(picture, x + dx * _PIXEL_M, y + dy * _PIXEL_M, _BODY)
         for step in range(round(_NOSE_M / _PIXEL_M)):
             _dot(
-                seen, x + step * _PIXEL_M * math.cos(heading), y + step * _PIXEL_M * math.sin(heading), _NOSE
+                picture,
+                x + step * _PIXEL_M * math.cos(heading),
+                y + step * _PIXEL_M * math.sin(heading),
+                _NOSE,
             )
-        return png_of(SIZE, SIZE, bytes(seen), _PALETTE)
+        return png_of(SIZE, SIZE, bytes(picture), _PALETTE)
 
 
 def _pixel(x_m: float, y_m: float) -> int | None:

@@ -108,8 +108,8 @@ class LiveWorld:
             return self._world.request(service, request)
         engage = decode(f"{_SET_BOOL}_Request", request.payload)["data"]
         self.stop(request.t_ns, engage=engage)
-        told = {"success": True, "message": "the car is held" if engage else "the car obeys again"}
-        payload = encode(f"{_SET_BOOL}_Response", told)
+        answer = {"success": True, "message": "the car is held" if engage else "the car obeys again"}
+        payload = encode(f"{_SET_BOOL}_Response", answer)
         self._answers.append(Event(RESPONSE_EVENT, request.id, request.sequence, request.t_ns, payload))
         return True
 
@@ -140,6 +140,6 @@ class LiveWorld:
         return events
 
     def _pictures(self, t_ns: int) -> list[Event]:
-        told = {"header": header(self.epoch_ns + t_ns, "camera"), "format": "png"}
-        payload = encode(_IMAGE, {**told, "data": self._view.png(self._turtle.pose)}, self.types)
+        head = {"header": header(self.epoch_ns + t_ns, "camera"), "format": "png"}
+        payload = encode(_IMAGE, {**head, "data": self._view.png(self._turtle.pose)}, self.types)
         return [Event(MESSAGE_EVENT, each, 0, t_ns, payload) for each in self._camera]

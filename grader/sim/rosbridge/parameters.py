@@ -79,22 +79,22 @@ class RosapiParameters:
             reply.done({})
             return
         parameter = {"name": name, "value": {"type": kind, _FIELDS[kind]: value}}
-        told = Reply(lambda _: reply.done({}), lambda _: reply.done({}))
-        self._bridge.call(client, service, {"parameters": [parameter]}, told, waits=False)
+        answers = Reply(lambda _: reply.done({}), lambda _: reply.done({}))
+        self._bridge.call(client, service, {"parameters": [parameter]}, answers, waits=False)
 
     def _names(self, client: int, args: Mapping[str, Any], reply: Reply) -> None:
         """Ask one node after the other."""
         nodes = [name.removesuffix(_LIST) for name in self._services() if name.endswith(_LIST)][:_MOST_NODES]
-        found: list[str] = []
+        names: list[str] = []
 
         def ask_next() -> None:
             if not nodes:
-                reply.done({"names": found})
+                reply.done({"names": names})
                 return
             node = nodes.pop(0)
 
             def done(answer: Mapping[str, Any]) -> None:
-                found.extend(f"{node}:{name}" for name in answer["result"]["names"])
+                names.extend(f"{node}:{name}" for name in answer["result"]["names"])
                 ask_next()
 
             self._bridge.call(client, f"{node}{_LIST}", {}, Reply(done, lambda _: ask_next()), waits=False)

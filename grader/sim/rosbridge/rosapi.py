@@ -69,8 +69,8 @@ def _asked(args: Mapping[str, Any], field: str) -> str:
     return value
 
 
-def _of_type(known: Mapping[str, str], wanted: str) -> list[str]:
-    return [name for name, kind in known.items() if kind == wanted]
+def _of_type(types: Mapping[str, str], type_name: str) -> list[str]:
+    return [name for name, kind in types.items() if kind == type_name]
 
 
 def _topics(_: Mapping[str, Any], graph: KnownGraph) -> dict[str, Any]:
@@ -124,13 +124,13 @@ def _typedefs(name: str, types: Types) -> list[dict[str, Any]]:
     """Return the definition of a type, then those of the types in it."""
     if name not in types.fields:
         raise FrameError(f"unknown type {name}")
-    wanted = [name]
-    for each in wanted:  # grows on the way
+    names = [name]
+    for each in names:  # grows on the way
         for _, text in types.fields[each]:
             inner = _base(text)
-            if inner in types.fields and inner not in wanted and len(wanted) < _MOST_TYPES:
-                wanted.append(inner)
-    return [_typedef(each, types) for each in wanted]
+            if inner in types.fields and inner not in names and len(names) < _MOST_TYPES:
+                names.append(inner)
+    return [_typedef(each, types) for each in names]
 
 
 def _typedef(name: str, types: Types) -> dict[str, Any]:

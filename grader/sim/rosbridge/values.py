@@ -163,12 +163,12 @@ def _bytes(text: str, path: str) -> list[int]:
 
 def _taken_apart(text: str) -> tuple[str, int | None, bool, str | None]:
     """Return a field's base type, the bound of its text, whether its size is an upper one, and its size."""
-    found = _FIELD.fullmatch(text)
-    if found is None:
+    match = _FIELD.fullmatch(text)
+    if match is None:
         raise FrameError(f"unknown type {text}")
-    base, bound, upper, count = found.groups()
+    base, bound, upper, count = match.groups()
     return base, None if bound is None else int(bound), upper is not None, count
 
 
-def _refuse(path: str, wanted: str, value: Any) -> NoReturn:
-    raise FrameError(f"{path}: {wanted} expected, not {str(value)[:60]!r}")
+def _refuse(path: str, form: str, value: Any) -> NoReturn:
+    raise FrameError(f"{path}: {form} expected, not {str(value)[:60]!r}")

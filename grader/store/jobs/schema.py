@@ -57,17 +57,17 @@ def install(connection: Connection) -> None:
     statements = SchemaManager.get_schema()
     schema = hashlib.sha256(statements.encode()).hexdigest()[:16]
     if connection.execute(_PRESENT).scalar_one():
-        found = _installed(connection.execute(_COMMENT).scalar_one())
-        if found.schema == schema:
+        installed = _installed(connection.execute(_COMMENT).scalar_one())
+        if installed.schema == schema:
             return
-        _check_not_newer(found.version)
-        for kind, name in found.objects:
+        _check_not_newer(installed.version)
+        for kind, name in installed.objects:
             # CASCADE: tables have triggers that call functions that return rows of the tables
             connection.exec_driver_sql(f"DROP {kind} IF EXISTS {name} CASCADE")
     before = _objects(connection)
     _execute_all(connection, statements)
-    made = [list(one) for one in sorted(_objects(connection) - before)]
-    comment = json.dumps(asdict(_Installed(maker=_MAKER, version=__version__, schema=schema, objects=made)))
+    added = [list(one) for one in sorted(_objects(connection) - before)]
+    comment = json.dumps(asdict(_Installed(maker=_MAKER, version=__version__, schema=schema, objects=added)))
     quoted = comment.replace("'", "''")
     _execute_all(connection, f"COMMENT ON TABLE procrastinate_jobs IS '{quoted}'")
 
@@ -79,15 +79,15 @@ def _objects(connection: Connection) -> set[tuple[str, str]]:
 
 def _installed(comment: str | None) -> _Installed:
     try:
-        found = _Installed(**json.loads(comment or ""))
+        installed = _Installed(**json.loads(comment or ""))
     except (ValueError, TypeError):
-        found = None
-    if found is None or found.maker != _MAKER:
+        installed = None
+    if installed is None or installed.maker != _MAKER:
         raise SettingsError(
             "the database holds tables of Procrastinate that the grader did not make: give it its own database",
             "数据库里有别的程序建的 Procrastinate 表：请给评分系统单独一个数据库",
         )
-    return found
+    return installed
 
 
 def _check_not_newer(version: str) -> None:
