@@ -239,7 +239,7 @@ class Platforms(TimedPart):
         return tuple(as_contract(row, PlatformLink) for row in self._scalars(statement))
 
     def keys(self, new_key: Callable[[], tuple[str, str]]) -> tuple[str, ...]:
-        """Return the secrets of the service's keys, the one that signs first. Without one `new_key` makes it: id, secret.
+        """Return the secrets of the service's keys, the one that signs first; `new_key` makes the first one.
 
         A newer one is only shown at first, until platforms have read it.
         """
