@@ -45,10 +45,16 @@ class ScriptVerdict(Record):
 
 
 class Examined(Record):
-    """What running an upload's scripts showed; `misfits` only where the scripts could not be run."""
+    """What running an upload's scripts showed; `misfits` only where the scripts could not be run.
+
+    Attributes:
+        begun, scripts: how many were begun, of how many, while they are run; then 0.
+    """
 
     verdicts: tuple[ScriptVerdict, ...] = ()
     misfits: tuple[Misfit, ...] = ()
+    begun: int = 0
+    scripts: int = 0
 
 
 class OwnAssignment(Record):

@@ -186,9 +186,13 @@ class OwnAssignments(TimedPart):
             row.tries += 1
             return as_contract(row, OwnClaim)
 
-    def renew(self, claim: OwnClaim) -> bool:
-        """Begin the lease anew; False when the claim is not the latest, or the upload is gone."""
-        return self._write(claim, {"lease_until": self._clock() + timedelta(seconds=LEASE_S)})
+    def renew(self, claim: OwnClaim, examined: bytes = b"{}") -> bool:
+        """Begin the lease anew; False when the claim is not the latest, or the upload is gone.
+
+        `examined`: how far its scripts are, as JSON.
+        """
+        until = self._clock() + timedelta(seconds=LEASE_S)
+        return self._write(claim, {"lease_until": until, "examined": examined})
 
     def finish(self, claim: OwnClaim, examined: bytes, *, ready: bool, reading: bytes | None = None) -> bool:
         """Take an upload, or refuse it; False when the claim is void.

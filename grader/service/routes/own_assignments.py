@@ -52,6 +52,8 @@ class OwnAssignmentView(View):
     uploaded_by: str = Field(examples=["wang"])
     size_bytes: int = Field(description="Of the zip that is stored.", examples=[8192])
     scripts: list[VerdictView] = Field(description="What running the scripts showed.")
+    begun: int = Field(description="How many scripts were begun, while they are run; then 0.", examples=[0])
+    in_all: int = Field(description="Of how many; 0: they are not run now.", examples=[0])
     misfits: list[MisfitView] = Field(description="Why they could not be run.")
     trouble: str = Field(description="What the service failed at; it tries again. Empty: nothing.")
 
@@ -133,5 +135,7 @@ def _view(one: OwnAssignment, language: Language) -> OwnAssignmentView:
             VerdictView.of(each, problem="" if each.problem == EMPTY else each.problem.get(language))
             for each in examined.verdicts
         ],
+        begun=examined.begun,
+        in_all=examined.scripts,
         misfits=[MisfitView.of(each, detail=each.told.get(language)) for each in examined.misfits],
     )

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass, replace
+from itertools import count
 
 from grader.catalog.refreshed import same_version
 from grader.contracts.assignment import Assignment
@@ -136,7 +137,10 @@ class Examiner:
             self._finish(claim, Examined(misfits=misfits_of(error)), ready=False)
             return
         own = own_scripts(assignment, reading.wrong, reading.scripts(files))
-        examination = examine(own, grader, before_each=lambda: self._give_way(claim))
+        steps = (
+            Examined(begun=number, scripts=2 + len(own.wrong)) for number in count(1)
+        )  # the solution and the starter come first
+        examination = examine(own, grader, before_each=lambda: self._give_way(claim, next(steps)))
         verdicts = _verdicts(examination)
         fine = all(one.problem == EMPTY for one in verdicts)
         changed = None if assignment is reading.assignment else replace(reading, assignment=assignment)
@@ -169,8 +173,8 @@ class Examiner:
         if error is not None:
             raise error
 
-    def _give_way(self, claim: OwnClaim) -> None:
-        """Wait for a while until no student waits, then renew the claim.
+    def _give_way(self, claim: OwnClaim, progress: Examined = Examined()) -> None:  # noqa: B008 - frozen
+        """Wait for a while until no student waits, then renew the claim and say how far it is.
 
         Raises:
             _LostError: the claim is lost, or the worker stops.
@@ -178,7 +182,7 @@ class Examiner:
         until_s = time.monotonic() + self._uploads.patience_s
         while not self._stopping.is_set() and time.monotonic() < until_s and self._students_wait():
             self._stopping.wait(_GLANCE_S)
-        if self._stopping.is_set() or not self._uploads.own.renew(claim):
+        if self._stopping.is_set() or not self._uploads.own.renew(claim, _json(progress)):
             raise _LostError
 
     def _finish(

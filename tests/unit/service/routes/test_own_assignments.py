@@ -253,6 +253,24 @@ def test_a_script_that_does_not_get_what_it_must_keeps_the_assignment_away(
     assert [one["state"] for one in desk.listed()] == ["ready"]  # the refused one is not kept
 
 
+def test_how_far_an_examination_is_can_be_seen(
+    desk: Desk, grader: TextGrader, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    progress: list[tuple[int, int]] = []
+
+    def graded(job: GradingJob, on_run: Callable[[], None] = lambda: None) -> GradingResult:
+        [one] = desk.listed()
+        progress.append((one["begun"], one["in_all"]))
+        return grade(job)
+
+    monkeypatch.setattr(grader, "grade", graded)
+    desk.upload(folder())
+    assert desk.examiner.step()
+    scripts = len(progress)
+    assert progress == [(number, scripts) for number in range(1, scripts + 1)]
+    assert [(one["begun"], one["in_all"], len(one["scripts"])) for one in desk.listed()] == [(0, 0, scripts)]
+
+
 def test_a_rubric_changes_with_its_version_only(desk: Desk, clock: FakeClock) -> None:
     desk.upload(folder())
     desk.examiner.step()
