@@ -119,8 +119,8 @@ PARAMETER_SOURCE = Text(
     en="give of (the id of a get step), or node (its name; then only type and value can be looked at)",
 )
 NO_COUNT = Text(
-    zh="写成一个整数 3（正好）、[2, 4]（2 到 4）或 [2, null]（至少 2）",
-    en="write a whole number such as 3 (exactly), [2, 4], or [2, null] (two at least)",
+    zh="写成一个整数 3（正好）、[2, 4]（2 到 4）或 [2, null]（至少 2）；这里不能写公式",
+    en="write a whole number such as 3 (exactly), [2, 4], or [2, null] (two at least); no formula can stand here",
 )
 NO_MOTION = Text(
     zh="缺少：写 ahead_m（向前多少米）、turned_deg（左转多少度）或两者都写",

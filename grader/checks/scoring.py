@@ -377,7 +377,7 @@ def _hint(check: Kind, spec: ItemSpec, measure: Measure, mistakes: Sequence[Mist
             return each.text
     if "why" in measure.details:  # unmeasured because of what other items report
         return EMPTY
-    return say(f"{text_id(check, spec.measure)}.hint")
+    return say(f"{text_id(check, spec.measure)}.hint", **measure.details)
 
 
 def together_scored(

@@ -63,8 +63,9 @@ def expected_measures(assignment: Assignment, run: Run) -> Measures:
     from grader.checks.expectations.verdict import Evidence
 
     evidence = Evidence(assignment, run)
+    targets = {step.id: step.target for step in assignment.steps}
     return {
-        item.measure: _measure(item, [_judges()[one.kind](one, evidence) for one in item.expect])
+        item.measure: _measure(item, [_judges()[one.kind](one, evidence) for one in item.expect], targets)
         for item in items
     }
 
@@ -112,21 +113,26 @@ def unmet(assignment: Assignment, measures: Measures) -> Iterator[str]:
                 yield f"items.{assignment.items.index(item)}.expect.{k}"
 
 
-def _measure(item: ItemSpec, verdicts: "Sequence[Verdict]") -> Measure:
+def _measure(item: ItemSpec, verdicts: "Sequence[Verdict]", targets: Mapping[str, str]) -> Measure:
     share = sum(each.share for each in verdicts) / len(verdicts)
     met = sum(each.share >= 1.0 for each in verdicts)
-    rows = [_row(one, each) for one, each in zip(item.expect, verdicts, strict=True) if each.share < 1.0]
+    short = [(one, each) for one, each in zip(item.expect, verdicts, strict=True) if each.share < 1.0]
+    told = [(_told(one, each, targets), each) for one, each in short]
+    rows = [say("expected.row_share", row=row, share=number(100.0 * each.share, "%")) for row, each in told]
     more = [say("expected.more", count=len(rows) - _MOST_ROWS)] if len(rows) > _MOST_ROWS else []
-    told = join([*rows[:_MOST_ROWS], *more], _ROWS) if rows else EMPTY
+    listed = join([*rows[:_MOST_ROWS], *more], _ROWS) if rows else EMPTY
+    first = told[0][0] if told else EMPTY
     percent = min(100.0, round(100.0 * share, 2))
-    return Measure(percent, {"met": met, "count": len(verdicts), "rows": told, "verdicts": verdicts})
+    details = {"met": met, "count": len(verdicts), "rows": listed, "first": first, "verdicts": verdicts}
+    return Measure(percent, details)
 
 
-def _row(one: Expectation, verdict: "Verdict") -> Text:
-    """Say what was sent, what was wanted and what came."""
-    what = f"{one.kind} {one.target if len(one.target) <= 40 else one.target[:39] + '…'}"
+def _told(one: Expectation, verdict: "Verdict", targets: Mapping[str, str]) -> Text:
+    """Say what was sent, what was wanted and what came, of a step by what it speaks to, not by its id."""
     if one.secret:
         return say("expected.row_secret")
+    name = one.target if len(one.target) <= 40 else one.target[:39] + "…"
+    is_text = one.kind == "log"  # then `wanted` has it, as it should read
+    what = one.kind if is_text else targets.get(one.target) or f"{one.kind} {name}"
     code = "expected.row_sent" if verdict.sent else "expected.row"
-    share = number(100.0 * verdict.share, "%")
-    return say(code, what=what, sent=verdict.sent, wanted=verdict.wanted, came=verdict.came, share=share)
+    return say(code, what=what, sent=verdict.sent, wanted=verdict.wanted, came=verdict.came)

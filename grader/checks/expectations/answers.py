@@ -19,6 +19,7 @@ from grader.checks.expectations.verdict import (
     named,
     only,
     plain,
+    readable,
     unknown,
     wanted_of,
 )
@@ -53,7 +54,7 @@ def answer(one: Expectation, evidence: Evidence) -> Verdict:
     if row is None:
         return Verdict(share=share)
     exchange, wanted = row
-    parts = [plain(shown(wanted))] if wanted is not None else []
+    parts = [plain(readable(wanted))] if wanted is not None else []
     parts += [plain(clip(one.that))] if one.that else []
     parts += [say("expected.within", time=number(one.within_s, "s"))] if one.within_s is not None else []
     told = join(parts, _AND) if parts else say("expected.an_answer")
@@ -139,6 +140,11 @@ def not_offered(name: str, kind: str, evidence: Evidence) -> Mistake:
     ended = number(evidence.run.outcome.duration_ns / 1e9, "s")
     if same:
         return mistake("not_spinning", ended=ended)
+    if kind.startswith("lifecycle_msgs/"):  # rclpy offers it, under the node's name
+        nodes, own_node = evidence.run.outcome.nodes, name.rpartition("/")[0]
+        if nodes and own_node not in nodes:
+            return mistake("node_name", node=own_node, used=named(nodes))
+        return mistake("not_lifecycle", node=own_node)
     others = {step.target for step in evidence.assignment.steps}  # which the script is to offer as well
     own = [
         f"{each.name} ({each.type})"
@@ -234,7 +240,8 @@ def _unset(one: Expectation, name: str, sent: Sent, values: Values | None) -> Mi
     """Return that an answer, of which something must be true, has only what it has from the start."""
     if not values or one.that is None or not _is_default(values):
         return None
-    told = {"sent": shown(sent.values), "came": shown(values), "wanted": clip(one.that)}
+    came = ", ".join(shown(each) for each in values.values())
+    told = {"sent": shown(sent.values), "came": came, "wanted": clip(one.that)}
     return mistake("slip_unset", name=name, field=", ".join(values), formula="", **told)
 
 
@@ -266,12 +273,10 @@ def _feedback_values(one: Expectation, evidence: Evidence, goal: Sent) -> tuple[
             (before is None and "before" in (one.feedback_that or "")) or holds(one.feedback_that, names)
         )
         good += fits
-        bad = each if not fits and bad is None else bad
+        bad = (wanted, each.values) if not fits and bad is None else bad
         before = each.values
-    wanted_text = clip(one.feedback_that or shown(one.feedback))
-    came = (
-        say("expected.no_feedback") if not goal.feedback else plain("" if bad is None else shown(bad.values))
-    )
+    wanted_text = clip(one.feedback_that or "") or readable(one.feedback if bad is None else bad[0])
+    came = say("expected.no_feedback") if not goal.feedback else plain("" if bad is None else shown(bad[1]))
     why = unknown if goal.feedback else because("no_feedback", name=evidence.step(one.target).target)
     return good / max(len(goal.feedback), 1), plain(wanted_text), came, why
 
@@ -329,7 +334,7 @@ def settings(one: Expectation, evidence: Evidence) -> Verdict:
         why = because("setting_refused", sent=shown(row.values), reason=clip(results[0]["reason"]))
     came = plain(shown(results[0])) if results else _came(one, row, row.answer, None)
     told = {"successful": one.successful, "reason": one.reason}
-    wanted = plain(shown({name: each for name, each in told.items() if each is not None}))
+    wanted = plain(readable({name: each for name, each in told.items() if each is not None}))
     share = good / max(len(exchanges), 1)
     return Verdict(share=share, sent=shown(row.values), wanted=wanted, came=came, why=why)
 
@@ -445,7 +450,7 @@ def served(one: Expectation, evidence: Evidence) -> Verdict:
         return Verdict(share=1.0)
     wanted_text = say("expected.requests", count=counted(one.count))
     if one.values is not None or one.that is not None:
-        wanted_text = join([wanted_text, plain(clip(one.that or shown(one.values)))], _AND)
+        wanted_text = join([wanted_text, plain(clip(one.that or "") or readable(one.values))], _AND)
     came = say("expected.came", count=len(requests)) if bad is None else plain(shown(bad.values))
     why = unknown if requests else partial(_never_asked, step, evidence)
     return Verdict(share=share, wanted=wanted_text, came=came, why=why)

@@ -59,11 +59,12 @@ def frame(one: Expectation, evidence: Evidence) -> Verdict:
         code = "frame_not_static" if one.static else "frame_static"
         topic = "/tf_static" if direct[0].static else "/tf"
         return Verdict(share=0.0, wanted=wanted, came=plain(topic), why=because(code, frame=one.target))
-    share, came, why = _where(one, evidence, poses)
+    share, came, why, there = _where(one, evidence, poses)
     if one.rate_hz is not None or one.count is not None:
         often = _quantity(one, evidence, [each.t_ns for each in direct], 0)
-        share, came, why = min((share, came, why), often, key=lambda each: each[0])
-    return Verdict(share=share, wanted=wanted, came=came, why=why)
+        parts = ((share, came, why, there), (*often, wanted))
+        share, came, why, there = min(parts, key=lambda each: each[0])
+    return Verdict(share=share, wanted=there, came=came, why=why)
 
 
 def _links(evidence: Evidence) -> list[_Link]:
@@ -131,9 +132,9 @@ def _turned(vector: Vector, by: Quaternion) -> Vector:
 
 def _where(
     one: Expectation, evidence: Evidence, poses: Sequence[tuple[int, Vector, Quaternion]]
-) -> tuple[float, Text, Reason]:
-    """Return at which share of the times the frame is where it should be, and where it first is not."""
-    good, first = 0, EMPTY
+) -> tuple[float, Text, Reason, Text]:
+    """Return at which share of the times the frame is where it should be, where it first is not, and should be."""
+    good, first, should = 0, EMPTY, EMPTY
     worst = -1.0
     why: Reason = unknown
     for n, (t_ns, translation, rotation) in enumerate(poses):
@@ -150,7 +151,18 @@ def _where(
             told = f"({', '.join(f'{each:.2f}' for each in translation)}), yaw {_yaw_deg(rotation):.1f}°"
             time = f"{t_ns / NS_PER_S:.1f}"
             first = say("expected.frame", time=time, place=told)
-    return good / len(poses), first, why
+            should = _should(one, place, turn)
+    return good / len(poses), first, why, should
+
+
+def _should(one: Expectation, place: Any, turn: Quaternion | None) -> Text:
+    """Say where a frame should be at one time."""
+    parts = [f"{one.parent} → {one.target}"]
+    if isinstance(place, list) and all(isinstance(each, int | float) for each in place):
+        parts.append(f"({', '.join(f'{each:.2f}' for each in place)})")
+    if turn is not None and math.isfinite(turn[3]):
+        parts.append(f"yaw {_yaw_deg(turn):.1f}°")
+    return plain("; ".join(parts))
 
 
 def _near(place: Any, translation: Vector, within: float) -> bool:

@@ -5,7 +5,7 @@ from functools import partial
 from typing import Final
 
 from grader.checks.expectations.answers import no_action, not_offered
-from grader.checks.expectations.topics import fits_quality, not_heard, quality_of
+from grader.checks.expectations.topics import fits_quality, not_heard, quality_of, wanted_quality
 from grader.checks.expectations.verdict import (
     NS_PER_S,
     Evidence,
@@ -58,8 +58,8 @@ def endpoint(one: Expectation, evidence: Evidence) -> Verdict:
     if same and one.node is not None and all(each.node != one.node for each in same):
         why = because("endpoint_node", name=one.target, node=same[0].node, wanted=one.node)
     elif same:
-        why = because("quality_off", name=one.target, quality=quality_of(same[0]))
-        came = plain(quality_of(same[0]))
+        wanted, came = plain(wanted_quality(one)), plain(quality_of(same[0]))
+        why = because("quality_off", name=one.target, quality=quality_of(same[0]), wanted=wanted_quality(one))
     return Verdict(share=0.0, wanted=wanted, came=came, why=why)
 
 

@@ -20,6 +20,7 @@ from grader.checks.expectations.verdict import (
     named,
     only,
     plain,
+    readable,
     unknown,
     wanted_of,
 )
@@ -31,23 +32,25 @@ from grader.messages import join, say
 from grader.messages.quantity import number
 
 _AND = Text(zh="；", en="; ")
-_HIDDEN = ("/rosout", "/parameter_events")
+_HIDDEN = ("/rosout", "/parameter_events", "/transition_event")  # which nodes publish by themselves
 
 
 def topic(one: Expectation, evidence: Evidence) -> Verdict:
     """Judge what came on a topic."""
     messages = evidence.messages(one)
     lost = evidence.talk.lost.get(one.target, 0)
-    wanted = _wanted(one)
     if one.step:
         return _answers(one, evidence, messages)
     if not messages and (one.count is None or one.count[0] > 0):
-        came = say("expected.no_messages")
+        wanted, came = _wanted(one), say("expected.no_messages")
         return Verdict(share=0.0, wanted=wanted, came=came, why=lambda: _silence(one, evidence))
-    shares: list[tuple[float, Text, Reason]] = [_quantity(one, evidence, [m.t_ns for m in messages], lost)]
-    shares.append(_quality(one, evidence, messages))
-    shares.append(_values(one, evidence, messages))
-    share, came, why = min(shares, key=lambda each: each[0])
+    quantity = _quantity(one, evidence, [m.t_ns for m in messages], lost)
+    parts = [
+        (*quantity, join(_wanted_quantity(one), _AND)),
+        (*_quality(one, evidence, messages), plain(wanted_quality(one))),
+        _values(one, evidence, messages),
+    ]
+    share, came, why, wanted = min(parts, key=lambda each: each[0])
     return Verdict(share=share, wanted=wanted, came=came, why=why)
 
 
@@ -71,7 +74,7 @@ def log(one: Expectation, evidence: Evidence) -> Verdict:
         )
     ]
     share, came, why = _quantity(one, evidence, fitting, 0)
-    wanted = join([say("expected.log", text=clip(one.target)), _wanted(one)], _AND)
+    wanted = join([say("expected.log", text=readable(one.target)), _wanted(one)], _AND)
     if fitting or share >= 1.0:
         return Verdict(share=share, wanted=wanted, came=came, why=why)
     heard = say("expected.logged", texts=named(clip(each.message) for each in records[:2]))
@@ -99,21 +102,42 @@ def _unlogged(one: Expectation, evidence: Evidence, text: object) -> Mistake | N
 def _wanted(one: Expectation) -> Text:
     """Say what is wanted of each message and of all of them."""
     parts = [plain(one.type)] if one.type and one.kind == "topic" else []
+    parts += _wanted_quantity(one)
+    parts += [plain(quality)] if (quality := wanted_quality(one)) else []
+    parts += [] if one.values is None else [plain(readable(one.values))]
+    parts += _wanted_besides(one)
+    if one.within_s is not None:
+        parts.append(say("expected.within", time=number(one.within_s, "s")))
+    return join(parts, _AND)
+
+
+def _wanted_quantity(one: Expectation) -> list[Text]:
+    """Say how many messages are wanted, how often."""
+    parts = []
     if one.count is not None or one.rate_hz is None:
         parts.append(say("expected.messages", count=counted(one.count)))
     if one.rate_hz is not None:
         parts.append(plain(f"{number(one.rate_hz, 'Hz')} ± {number(one.tolerance_pct, '%')}"))
-    quality = [one.reliability, one.durability, f"depth {one.depth}" if one.depth else None]
-    parts += [plain(each.upper().replace("DEPTH", "depth")) for each in quality if each]
-    if one.values is not None:
-        parts.append(plain(shown(one.values)))
-    if one.that is not None:
-        parts.append(plain(clip(one.that)))
-    if one.increasing is not None:
-        parts.append(say("expected.increasing", field=one.increasing))
-    if one.within_s is not None:
-        parts.append(say("expected.within", time=number(one.within_s, "s")))
-    return join(parts, _AND)
+    if one.least_s is not None:
+        parts.append(say("expected.apart", time=number(one.least_s, "s")))
+    if one.from_s or one.until_s is not None:
+        until = "…" if one.until_s is None else number(one.until_s, "s")
+        parts.append(plain(f"{number(one.from_s, 's')} – {until}"))
+    if one.joins_s is not None:
+        parts.append(say("expected.joins", time=number(one.joins_s, "s")))
+    return parts
+
+
+def wanted_quality(one: Expectation) -> str:
+    """Return the quality that is wanted as ROS writes it, empty where any will do."""
+    named_ones = [each.upper() for each in (one.reliability, one.durability) if each]
+    return ", ".join([*named_ones, *([f"depth {one.depth}"] if one.depth else [])])
+
+
+def _wanted_besides(one: Expectation) -> list[Text]:
+    """Say what is wanted of each message besides its values."""
+    parts = [] if one.that is None else [plain(clip(one.that))]
+    return parts if one.increasing is None else [*parts, say("expected.increasing", field=one.increasing)]
 
 
 def _quantity(
@@ -178,28 +202,32 @@ def _quality(one: Expectation, evidence: Evidence, messages: Sequence[Message]) 
     if not wrong:
         return 1.0, EMPTY, unknown
     told = quality_of(wrong[0])
-    return 0.0, plain(told), because("quality_off", name=one.target, quality=told)
+    why = because("quality_off", name=one.target, quality=told, wanted=wanted_quality(one))
+    return 0.0, plain(told), why
 
 
-def _values(one: Expectation, evidence: Evidence, messages: Sequence[Message]) -> tuple[float, Text, Reason]:
-    """Return which share of the messages has what is wanted in it, and the first that has not."""
+def _values(
+    one: Expectation, evidence: Evidence, messages: Sequence[Message]
+) -> tuple[float, Text, Reason, Text]:
+    """Return which share of the messages has what is wanted in it, the first that has not, and what it lacks."""
     if one.values is None and one.that is None and one.increasing is None:
-        return 1.0, EMPTY, unknown
-    good, first, before = 0, EMPTY, None
+        return 1.0, EMPTY, unknown, EMPTY
+    good, first, before, lacks = 0, EMPTY, None, EMPTY
     pairs = []
     for n, each in enumerate(messages):
         names = evidence.names(each.t_ns, n=n, out=each.values, before=before)
         wanted = None if one.values is None else wanted_of(one.values, names)
-        fits = each.values is not None and (one.values is None or equals(wanted, each.values, one.within))
-        fits = fits and ((before is None and "before" in (one.that or "")) or holds(one.that, names))
+        alike = each.values is not None and (one.values is None or equals(wanted, each.values, one.within))
+        fits = alike and ((before is None and "before" in (one.that or "")) or holds(one.that, names))
         fits = fits and _grows(one.increasing, before, each.values)
         good += fits
         if not fits and first == EMPTY:
             told = shown(only(one.values, each.values) if one.values else each.values)
             first = say("expected.message", n=n + 1, time=number(each.t_ns / NS_PER_S, "s"), values=told)
+            lacks = join(_wanted_besides(one), _AND) if alike else plain(readable(wanted or one.values))
         pairs.append(({"n": n, "t": each.t_ns / NS_PER_S}, wanted, each.values))
         before = each.values
-    return good / max(len(messages), 1), first, lambda: of_messages(one.target, pairs)
+    return good / max(len(messages), 1), first, lambda: of_messages(one.target, pairs), lacks
 
 
 def _grows(field: str | None, before: Mapping[str, Any] | None, after: Mapping[str, Any] | None) -> bool:
@@ -243,7 +271,7 @@ def _answers(one: Expectation, evidence: Evidence, messages: list[Message]) -> V
             else of_values(one.target, pairs)
         )
 
-    told = _wanted(one) if wanted is None else plain(shown(wanted))
+    told = _wanted(one) if wanted is None else plain(readable(wanted))
     return Verdict(share=share, sent=shown(exchange.values), wanted=told, came=came, why=why)
 
 
@@ -284,7 +312,7 @@ def _logged_for(one: Expectation, evidence: Evidence, messages: list[Message]) -
             row = Verdict(
                 share=0.0,
                 sent=shown(exchange.values),
-                wanted=say("expected.log", text=clip(str(text))),
+                wanted=say("expected.log", text=readable(text)),
                 came=plain(shown((reached[0].values or {})["text"])) if reached else say("expected.no_logs"),
                 why=partial(_why_not_logged, one, evidence, exchanges, text),
             )
@@ -319,7 +347,7 @@ def not_heard(name: str, kind: str, evidence: Evidence) -> Mistake:
         return mistake("listens_other_type", topic=name, type=same[0].type, wanted=kind)
     if same:
         return mistake("listens_other_quality", topic=name, quality=quality_of(same[0]))
-    others = [each.name for each in evidence.parties("subscription") if each.name not in _HIDDEN]
+    others = [each.name for each in evidence.parties("subscription") if not each.name.endswith(_HIDDEN)]
     if others:
         return mistake("listens_elsewhere", topic=name, used=named(others))
     return mistake("listens_nowhere", topic=name, type=kind)
@@ -334,9 +362,15 @@ def _silence(one: Expectation, evidence: Evidence) -> Mistake | None:
         return mistake("publishes_as_other", topic=one.target, node=same[0].node, wanted=one.node)
     if same and one.joins_s is not None and evidence.talk.heard.get(one.target):
         return mistake("publishes_volatile", topic=one.target)
+    own = {each.id for each in same if one.node in (None, each.node)}
+    if times_ns := [each.t_ns for each in evidence.talk.heard.get(one.target, ()) if each.party in own]:
+        times = {"first": times_ns[0], "last": times_ns[-1]}
+        told = {name: number(t_ns / NS_PER_S, "s") for name, t_ns in times.items()}
+        start, end = number(one.from_s, "s"), number(evidence.until_s(one), "s")
+        return mistake("publishes_at_other_times", topic=one.target, start=start, end=end, **told)
     if same:
         return mistake("publishes_nothing", topic=one.target)
-    others = [each.name for each in evidence.parties("publisher") if each.name not in _HIDDEN]
+    others = [each.name for each in evidence.parties("publisher") if not each.name.endswith(_HIDDEN)]
     if others:
         return mistake("publishes_elsewhere", topic=one.target, used=named(others))
     return mistake("publishes_nowhere", topic=one.target, type=one.type)

@@ -17,6 +17,7 @@ from grader.contracts.conversation import (
     Sent,
     Step,
     TurtleSample,
+    shown,
 )
 from grader.contracts.formula import FormulaError, formula, matches
 from grader.contracts.record import Record
@@ -238,6 +239,21 @@ def only(wanted: Any, came: Any) -> Any:
     if isinstance(wanted, Mapping) and isinstance(came, Mapping):
         return {name: only(each, came.get(name)) for name, each in wanted.items()}
     return came
+
+
+def readable(wanted: Any) -> str:
+    """Return what is wanted as a row shows it: of a pattern ``<n>`` for a number and ``…`` for any text."""
+    return shown(_without_marks(wanted))
+
+
+def _without_marks(wanted: Any) -> Any:
+    if isinstance(wanted, Mapping):
+        return {name: _without_marks(each) for name, each in wanted.items()}
+    if isinstance(wanted, list | tuple):
+        return [_without_marks(each) for each in wanted]
+    if isinstance(wanted, str) and wanted.startswith(PATTERN_MARK):
+        return wanted[1:].replace("#", "<n>").replace("*", "…")
+    return wanted
 
 
 def plain(text: str) -> Text:

@@ -244,6 +244,11 @@ def _lost(report: GradeReport) -> Text:
     return text if report.hint == EMPTY else join([text, report.hint], _BECAUSE)
 
 
+def _earned(report: GradeReport) -> str:
+    """Return what each item earned, by its id."""
+    return ", ".join(f"{item.id} {written(item.earned)}/{written(item.points)}" for item in report.items)
+
+
 def _unexpected(attempt: WrongAttempt, report: GradeReport) -> Text:
     score = report.score or 0.0
     problems = []
@@ -252,10 +257,19 @@ def _unexpected(attempt: WrongAttempt, report: GradeReport) -> Text:
     elif not attempt.low <= score <= attempt.high:
         band = f"[{written(attempt.low)}, {written(attempt.high)}]"
         problems.append(
-            Text(zh=f"得分 {written(score)} 不在 {band} 内", en=f"score {written(score)} is outside {band}")
+            Text(
+                zh=f"得分 {written(score)} 不在 {band} 内（{_earned(report)}）",
+                en=f"score {written(score)} is outside {band} ({_earned(report)})",
+            )
         )
-    lost = (item for item in report.items if item.status in (ItemStatus.FAILED, ItemStatus.PARTIAL))
-    if attempt.fails not in [_plain(item) for item in lost]:
+    lost = [_plain(item) for item in report.items if item.status in (ItemStatus.FAILED, ItemStatus.PARTIAL)]
+    unchecked = [_plain(item) for item in report.items if item.status is ItemStatus.NOT_CHECKED]
+    if attempt.fails in unchecked and attempt.fails not in lost:
+        ids = ", ".join(lost)
+        zh = f"评分项 {attempt.fails} 没有检查，因为它需要的评分项先丢了分：fails 写 {ids} 中的一个"
+        en = f"item {attempt.fails} is not checked, as one that it needs failed: name that in fails ({ids})"
+        problems.append(Text(zh=zh, en=en))
+    elif attempt.fails not in lost:
         problems.append(Text(zh=f"评分项 {attempt.fails} 没有丢分", en=f"item {attempt.fails} loses nothing"))
     if attempt.mistake and attempt.mistake not in report.mistakes[:1]:
         codes = ", ".join(report.mistakes)

@@ -26,6 +26,7 @@ DISCOVERY_NS = 16_000_000
 
 What is published sooner after its publisher was created may be lost, as the student is told."""
 
+_BY_ITSELF = ("/rosout", "/parameter_events")  # what rclpy publishes; no student can wait before it
 _PRIVATE_TYPES = ("rcl_interfaces/srv/", "rcl_interfaces/msg/ParameterEvent")
 """Types of the endpoints that every node has by itself; the episode is not told of them."""
 
@@ -188,7 +189,7 @@ class PublisherHandle(EndpointHandle):
         if self._carried:
             if self._fresh:
                 self._fresh = False
-                if kernel.now_ns - self._created_ns < DISCOVERY_NS and self.name != "/rosout":
+                if kernel.now_ns - self._created_ns < DISCOVERY_NS and self.name not in _BY_ITSELF:
                     link.note("discovery", self.name)
             link.publish(self.link_id, data)
         elif self._counted:
