@@ -13,7 +13,7 @@ from typing import Final
 from grader.contracts.outcome import RunStatus
 from grader.edits.received import Motion
 from grader.edits.situation import HOLD_NS, Driven, Situation
-from grader.edits.slices import assignments, calls_of, dotted, number_of
+from grader.edits.slices import NameSet, assignments, calls_of, dotted, number_of
 from grader.edits.tree import ParsedScript
 
 _Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -44,6 +44,7 @@ def stated_cause(seen: Situation) -> Cause | None:
     explainers = (
         _timers_in_callbacks,
         _contended,
+        _forgets,
         _never_ran,
         _endless,
         _held,
@@ -136,6 +137,10 @@ class _Reached:
             return Cause("empty_loop", line, {"before": above.lineno})
         is_else = any(one is inner for one in above.orelse)
         test = self._script.source(above.test)
+        if self._seen.outcome.hears and not _is_exact(above.test):
+            return (
+                None  # what it has heard of the drive decides: that it never came so far is the drive's fault
+            )
         return Cause("always_true" if is_else else "never_true", line, {"before": above.lineno, "test": test})
 
     def _function(self, function: ast.FunctionDef | ast.AsyncFunctionDef, line: int) -> Cause | None:
@@ -185,6 +190,11 @@ class _Reached:
 
     def _inside(self, node: ast.AST, function: ast.AST) -> bool:
         return any(one is function for one in self._script.around(node))
+
+
+def _is_exact(test: ast.expr) -> bool:
+    """Whether a test asks for one value only, or for a name."""
+    return not isinstance(test, ast.Compare) or isinstance(test.ops[0], ast.Eq | ast.NotEq | ast.Is)
 
 
 def _names(node: ast.AST, name: str) -> bool:
@@ -255,6 +265,23 @@ def _timers_in_callbacks(seen: Situation) -> Iterator[Cause]:
             yield Cause("timer_in_callback", call.lineno, {"name": inside[0]})
 
 
+def _forgets(seen: Situation) -> Iterator[Cause]:
+    """Yield a local name that a callback sets anew each time before it counts it."""
+    for call in calls_of(seen.script, "create_timer"):
+        names = {dotted(one).rpartition(".")[2] for one in call.args}
+        for node in ast.walk(seen.script.tree):
+            if not isinstance(node, ast.FunctionDef) or node.name not in names:
+                continue
+            begun = [
+                one for one in assignments(seen.script) if any(one.statement is each for each in node.body)
+            ]
+            for one in begun:
+                counts = [each for each in begun if each.target == one.target and _grows(each)]
+                is_begin = "." not in one.target and number_of(one.value) is not None and not _grows(one)
+                if is_begin and counts and one.statement.lineno < counts[0].statement.lineno:
+                    yield Cause("forgets", one.statement.lineno, {"name": one.target, "function": node.name})
+
+
 def _contended(seen: Situation) -> Iterator[Cause]:
     """Yield two lines that command by turns, each something else, from two callbacks or one and the main part."""
     motions = seen.ledger.motions
@@ -269,6 +296,16 @@ def _contended(seen: Situation) -> Iterator[Cause]:
         if changes >= _CHANGES and brief:
             yield Cause("contended", min(pair), {"other": max(pair)})
             return
+
+
+def _grows(one: NameSet) -> bool:
+    """Whether an assignment adds to what its name stands for."""
+    if isinstance(one.statement, ast.AugAssign):
+        return True
+    return isinstance(one.value, ast.BinOp) and one.target in (
+        dotted(one.value.left),
+        dotted(one.value.right),
+    )
 
 
 def _handed_over(script: ParsedScript) -> set[str]:

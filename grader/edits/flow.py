@@ -133,6 +133,13 @@ def _for_assignment(seen: Situation) -> Iterator[Proposal]:
         ):
             start, end = seen.script.span(node.target)[1], seen.script.span(node.annotation)[0]
             yield Proposal("assign", 0.5, (Edit(start, end, " = "),), {"line": node.lineno})
+        elif isinstance(node, ast.Expr) and isinstance(node.value, ast.BinOp) and dotted(node.value.left):
+            start, end = seen.script.span(node.value.left)[1], seen.script.span(node.value.right)[0]
+            sign = seen.script.text[start:end].strip()
+            if sign in ("+", "-", "*", "/"):
+                name, by = seen.script.source(node.value.left), seen.script.source(node.value.right)
+                values = {"line": node.lineno, "new": f"{name} {sign}= {by}"}
+                yield Proposal("kept", 0.5, (Edit(start, end, f" {sign}= "),), values)
         elif isinstance(node, ast.Assign) and isinstance(node.value, ast.UnaryOp):
             start, end = seen.script.span(node.targets[0])[1], seen.script.span(node.value.operand)[0]
             if isinstance(node.value.op, ast.UAdd):
@@ -212,11 +219,19 @@ def _left_over(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal
         statement = next(iter(seen.script.statements_on(driven.motion.line)), None)
         if statement is None:
             continue
-        for field, value in (("linear.x", driven.motion.v), ("angular.z", driven.motion.w)):
+        for field, other, value in (
+            ("linear.x", "angular.z", driven.motion.v),
+            ("angular.z", "linear.x", driven.motion.w),
+        ):
             for one in known:
                 if one.target.endswith(field) and number_of(one.value) == value:
                     values = {"line": one.statement.lineno, "field": field}
                     yield Proposal("left_over", 2.0, (seen.script.replaced(one.value, "0.0"),), values)
+                elif one.target.endswith(other) and number_of(one.value) != 0.0:
+                    line = f"{one.target.removesuffix(other)}{field} = 0.0"
+                    values = {"line": one.statement.lineno, "field": field}
+                    edit = seen.script.inserted_after(one.statement, line)
+                    yield Proposal("left_over", 2.2, (edit,), values)
             if message:
                 values = {"line": driven.motion.line, "field": field}
                 line = f"{message}.{field} = 0.0"
@@ -413,7 +428,7 @@ def _spins(seen: Situation) -> Iterator[Proposal]:
         if not any(isinstance(one, _Loops) for one in seen.script.around(call)) and call.args:
             name = seen.script.source(call.args[0])
             edit = seen.script.replaced(call, f"rclpy.spin({name})")
-            yield Proposal("spin", 1.0, (edit,), {"line": call.lineno, "name": name})
+            yield Proposal("spun_once", 1.0, (edit,), {"line": call.lineno, "name": name})
     if any(True for _ in calls_of(seen.script, "spin")):
         return
     for loop in ast.walk(seen.script.tree) if seen.outcome.hears else ():
@@ -488,6 +503,10 @@ def _unpublished(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Propos
         for one in known
         if one.target.endswith((".linear.x", ".angular.z"))
     }
+    for one in makers:
+        key = (one.target, _function_around(seen.script, one.statement))
+        if publishers and key not in lasts and dotted(one.value.func) == seen.twist:  # type: ignore[attr-defined]
+            yield from _unsent_stop(seen, publishers[0], one.target, one.statement)
     for (message, function), last in lasts.items() if publishers else ():
         if _is_sent(seen.script, message, function):
             continue
@@ -506,6 +525,13 @@ def _unpublished(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Propos
             )
             yield Proposal("publish_in_loop", 0.95, edits, {**values, "loop": wait.lineno})
         yield Proposal("publish", 1.0, (seen.script.inserted_after(last, line),), values)
+
+
+def _unsent_stop(seen: Situation, publisher: str, message: str, made: ast.stmt) -> Iterator[Proposal]:
+    """Yield the publish of a message that is made, left as it is and never sent."""
+    if not _is_sent(seen.script, message, _function_around(seen.script, made)):
+        edit = seen.script.inserted_after(made, f"{publisher}.publish({message})")
+        yield Proposal("publish", 0.9, (edit,), {"line": made.lineno, "name": message})
 
 
 def _is_wait(statement: ast.stmt) -> bool:

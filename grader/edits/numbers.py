@@ -2,12 +2,13 @@
 
 import ast
 import math
+import re
 from collections.abc import Iterator
 from typing import Final
 
 from grader.contracts.outcome import RunStatus
 from grader.edits.situation import Driven, Proposal, Situation
-from grader.edits.slices import NumberUse, dotted, expressions_behind, numbers_behind
+from grader.edits.slices import NumberUse, assignments, dotted, expressions_behind, number_of, numbers_behind
 from grader.edits.tree import Edit, ParsedScript
 
 _DEGREES: Final = frozenset((30, 36, 40, 45, 51.43, 60, 72, 90, 108, 120, 135, 144, 180, 270, 360))
@@ -39,6 +40,12 @@ _OPERATORS: Final = {
     ast.BitXor: "**",
 }
 
+_CONVERTED: Final = re.compile(r"\bradians\b|\bdeg2rad\b|/\s*180")
+_NOW: Final = re.compile(r"theta|yaw|heading|position|pose\.|odom|actual|current")
+"""What a script calls the angle or the place that it has; the wanted one is what it goes to."""
+_TOLERANCE: Final = "0.05"
+_SIZE_COST: Final = 1.7
+_DIRECTIONS: Final = (0, 90, 270)
 _OPERATOR_COSTS: Final = {ast.BitXor: 0.5, ast.FloorDiv: 0.9}
 """Taken from mathematics and from a slip for `/`; of the others each is as often meant."""
 
@@ -46,13 +53,18 @@ _OPERATOR_COSTS: Final = {ast.BitXor: 0.5, ast.FloorDiv: 0.9}
 def number_changes(seen: Situation) -> Iterator[Proposal]:
     """Yield changes of the numbers that decide about a motion of the wrong size or direction."""
     for driven in seen.distinct:
-        numbers = numbers_behind(seen.script, _lines(seen, driven))
+        lines = _lines(seen, driven)
         targets = _targets(seen, driven)
-        for use in numbers:
+        for use in numbers_behind(seen.script, lines):
+            yield from _in_radians(seen, driven, use)
             yield from _scaled(seen, driven, use, targets)
             yield from _turned_round(seen, driven, use)
+        if driven.is_turn:
+            yield from _angles(seen, lines, targets)
     yield from _counts(seen)
     yield from _operators(seen)
+    yield from _rays(seen)
+    yield from _opposed(seen)
 
 
 def _lines(seen: Situation, driven: Driven) -> tuple[int, ...]:
@@ -82,21 +94,55 @@ def _targets(seen: Situation, driven: Driven) -> list[tuple[float, float]]:
     return [(size, one) for one in nearest[:_MOST_WANTED]]
 
 
+def _in_radians(seen: Situation, driven: Driven, use: NumberUse) -> Iterator[Proposal]:
+    """Yield a number of degrees in radians, where nothing between it and the motion converts it."""
+    degrees = abs(use.value)
+    is_plain = degrees in _DEGREES or degrees >= _LEAST_DEGREES
+    if driven.motion.w and is_plain and degrees <= 720.0 and not _is_converted(seen.script, use.node):
+        new = written(math.radians(use.value), like_float=True)
+        yield _replaced(seen, "degrees", 1.0 + use.steps * 0.1, (use, new))
+
+
+def _is_converted(script: ParsedScript, number: ast.expr) -> bool:
+    """Whether a number is converted where it stands or in the function that it is given to, or is an index."""
+    node: ast.AST = number
+    for above in script.around(number):
+        if isinstance(above, ast.Subscript) and above.slice is node:
+            return True
+        if isinstance(above, ast.Call) and _converts(script, above):
+            return True
+        if isinstance(above, ast.comprehension | ast.For) and above.iter is node:
+            inside = script.parent(above) if isinstance(above, ast.comprehension) else above
+            calls = (one for one in ast.walk(inside or above) if isinstance(one, ast.Call))
+            return any(_converts(script, one) for one in calls)
+        if isinstance(above, ast.BinOp) and _CONVERTED.search(script.source(above)):
+            return True
+        if isinstance(above, ast.stmt):
+            return False
+        node = above
+    return False
+
+
+def _converts(script: ParsedScript, call: ast.Call) -> bool:
+    """Whether a call makes radians of degrees, or calls a function of the script's own that does."""
+    name = dotted(call.func).rpartition(".")[2]
+    if name in ("radians", "deg2rad"):
+        return True
+    own = (node for node in ast.walk(script.tree) if isinstance(node, ast.FunctionDef) and node.name == name)
+    return any(_CONVERTED.search(script.source(one)) for one in own)
+
+
 def _scaled(
     seen: Situation, driven: Driven, use: NumberUse, targets: list[tuple[float, float]]
 ) -> Iterator[Proposal]:
-    """Yield a number in radians, by the measured ratio or its inverse, or in nanoseconds."""
+    """Yield a number by the measured ratio or its inverse, or in nanoseconds; not one that is the wanted size."""
     unit = "deg" if driven.is_turn else "m"
-    degrees = abs(use.value)
-    if driven.motion.w and (degrees in _DEGREES or degrees >= _LEAST_DEGREES) and degrees <= 720.0:
-        new = written(math.radians(use.value), like_float=True)
-        yield _replaced(seen, "degrees", 1.0 + use.steps * 0.1, (use, new))
     whole = _is_whole(seen.script, use.node)
     for place, (size, wanted) in enumerate(targets):
         ratio = wanted / size
-        for share in (ratio, 1.0 / ratio):
-            if not 1.0 / _MOST_RATIO <= ratio <= _MOST_RATIO or use.value == 0.0:
-                continue
+        if _is_size(abs(use.value), wanted, unit) or not 1.0 / _MOST_RATIO <= ratio <= _MOST_RATIO:
+            continue
+        for share in (ratio, 1.0 / ratio) if use.value else ():
             value = _named(use.value, size, wanted, unit) if share == ratio else None
             value = use.value * share if value is None else value
             new = written(value, like_float="." in seen.script.source(use.node), whole=whole)
@@ -105,6 +151,65 @@ def _scaled(
             yield _replaced(seen, "scaled", cost, (use, new), unit=unit, size=size, wanted=wanted)
     if 1e3 <= abs(use.value) <= 1e12 and math.log10(abs(use.value)).is_integer() and use.value != 1e9:
         yield _replaced(seen, "nanoseconds", 1.5, (use, "1e9"))
+
+
+def _is_size(value: float, size: float, unit: str) -> bool:
+    """Whether a number is a size in metres, or in degrees or radians."""
+    factors = (1.0, math.radians(1.0)) if unit == "deg" else (1.0,)
+    return any(abs(value - size * factor) <= _NEAR * size * factor for factor in factors)
+
+
+def _angles(
+    seen: Situation, lines: tuple[int, ...], targets: list[tuple[float, float]]
+) -> Iterator[Proposal]:
+    """Yield the wanted angle for one that is written with pi and that the motion came to."""
+    script = seen.script
+    for node, steps in expressions_behind(script, lines):
+        above, value = script.parent(node), _with_pi(node)
+        if value is None or isinstance(node, ast.Constant) or _with_pi(above) is not None:
+            continue
+        for place, (size, wanted) in enumerate(targets):
+            if abs(abs(math.degrees(value)) - size) > _QUANTUM * size:
+                continue
+            new = _angle_in(wanted, next(dotted(one) for one in ast.walk(node) if dotted(one)))
+            behind = isinstance(above, ast.BinOp) and above.right is node
+            edit = script.replaced(node, f"({new})" if behind else new)
+            values = {"line": node.lineno, "old": script.source(node), "new": new}
+            values |= {"unit": "deg", "size": size, "wanted": wanted}
+            yield Proposal("scaled", 1.6 + place * 0.6 + steps * 0.1, (edit,), values)
+
+
+def _with_pi(node: ast.AST | None) -> float | None:
+    """Return the value of an expression of numbers and pi; None for anything else, and for a lone number."""
+    value = None if node is None else _calculated(node)
+    has_pi = node is not None and any(dotted(one).rpartition(".")[2] == "pi" for one in ast.walk(node))
+    return value if has_pi else None
+
+
+def _calculated(node: ast.AST) -> float | None:
+    if dotted(node).rpartition(".")[2] == "pi":
+        return math.pi
+    if not isinstance(node, ast.BinOp) or type(node.op) not in (ast.Mult, ast.Div):
+        return number_of(node)
+    left, right = _calculated(node.left), _calculated(node.right)
+    if left is None or not right:
+        return None
+    return left * right if isinstance(node.op, ast.Mult) else left / right
+
+
+def _angle_in(degrees: float, pi: str) -> str:
+    """Return an angle as a part of a turn."""
+    parts = 360.0 / degrees
+    if math.isclose(degrees, 180.0):
+        return pi
+    if math.isclose(parts, round(parts), rel_tol=1e-4):
+        whole = round(parts)
+        return f"2 * {pi} / {whole}" if whole % 2 and whole > 1 else _half_turn_in(whole, pi)
+    return f"{degrees:g} / 180 * {pi}"
+
+
+def _half_turn_in(parts: int, pi: str) -> str:
+    return f"2 * {pi}" if parts == 1 else f"{pi} / {parts // 2}"
 
 
 def _named(value: float, size: float, wanted: float, unit: str) -> float | None:
@@ -173,7 +278,7 @@ def _operators(seen: Situation) -> Iterator[Proposal]:
     """Yield the other comparison, operator, order or unit, where it decides about a motion."""
     behind = expressions_behind(seen.script, seen.lines)
     reached = {id(node) for node, _ in behind}
-    tests = [node.test for node in ast.walk(seen.script.tree) if isinstance(node, ast.While)]
+    tests = [node.test for node in ast.walk(seen.script.tree) if isinstance(node, ast.While | ast.If)]
     behind += [
         (test, 1) for test in tests if id(test) not in reached
     ]  # the same mistake, where it never came
@@ -192,24 +297,44 @@ def _comparisons(script: ParsedScript, node: ast.Compare, cost: float) -> Iterat
     if any(isinstance(getattr(one, "value", None), str) for one in operands):
         return
     exact = isinstance(node.ops[0], ast.Eq | ast.NotEq)
+    if exact and number_of(operands[1]) == 0.0:
+        start, end = script.span(operands[0])[1], script.span(node)[1]
+        new = f"{'<' if isinstance(node.ops[0], ast.Eq) else '>'} {_TOLERANCE}"
+        values = {"line": node.lineno, "old": script.text[start:end].strip(), "new": new}
+        yield Proposal("comparison", 1.4 + cost, (Edit(start, end, f" {new}"),), values)
     for new in _COMPARISONS.get(type(node.ops[0]), ()):
         yield from _between(script, "comparison", (1.5 if exact else 5.5) + cost, operands, new)
 
 
 def _calculations(seen: Situation, node: ast.BinOp, cost: float) -> Iterator[Proposal]:
     new = _OPERATORS.get(type(node.op))
-    cost += _OPERATOR_COSTS.get(type(node.op), 5.0)
-    yield from _between(seen.script, "operator", cost, (node.left, node.right), new)
+    likely = isinstance(node.op, ast.Mult | ast.Div) and any(
+        _stands_for_size(seen, one) for one in (node.left, node.right)
+    )
+    operator_cost = _SIZE_COST if likely else _OPERATOR_COSTS.get(type(node.op), 5.0)
+    yield from _between(seen.script, "operator", cost + operator_cost, (node.left, node.right), new)
     if isinstance(node.op, ast.Sub):
         clock = any(one in seen.script.source(node) for one in ("time()", "now()"))
         endless = clock and seen.outcome.status is RunStatus.INTERRUPTED
-        yield from _exchanged(seen.script, cost - 3.0 * endless, node.left, node.right)
+        yield from _exchanged(seen.script, cost + 5.0 - 3.0 * endless, node.left, node.right)
+
+
+def _stands_for_size(seen: Situation, node: ast.expr) -> bool:
+    """Whether an operand is a wanted size, or a name that is set to one: then not the size is wrong."""
+    written_as = [one.value for one in assignments(seen.script) if one.target == dotted(node)] or [node]
+    wanted = [(size, "deg") for size in seen.wanted.turns_deg] + [
+        (size, "m") for size in seen.wanted.lengths_m
+    ]
+    numbers = [abs(value) for one in written_as if (value := number_of(one))]
+    return any(_is_size(value, size, unit) for value in numbers for size, unit in wanted)
 
 
 def _conversions(script: ParsedScript, node: ast.Call, cost: float) -> Iterator[Proposal]:
     called = dotted(node.func)
     if len(node.args) == 2 and called.endswith("atan2"):
-        yield from _exchanged(script, 3.0 + cost, *node.args)
+        axes = [_axis(script.source(one)) for one in node.args]
+        if axes != ["y", "x"]:
+            yield from _exchanged(script, (0.9 if axes == ["x", "y"] else 3.0) + cost, *node.args)
     if len(node.args) != 1 or not called.endswith(_CONVERSIONS):
         return
     new = script.source(node.args[0])
@@ -222,9 +347,67 @@ def _conversions(script: ParsedScript, node: ast.Call, cost: float) -> Iterator[
             yield Proposal("name", 1.2 + cost, (script.replaced(node.func, right),), values)
 
 
+def _axis(text: str) -> str:
+    """Return which leg of a triangle an argument of `atan2` is by its letters: ``y`` goes first, ``x`` second."""
+    names = re.findall(r"[A-Za-z_]\w*", text.lower())
+    ends = {re.sub(r"[\d_]|^d", "", name)[-1:] if name not in ("sin", "cos") else name for name in names}
+    first, second = {"y", "z", "sin"} & ends, {"x", "w", "cos"} & ends
+    return "" if bool(first) == bool(second) else "y" if first else "x"
+
+
+def _opposed(seen: Situation) -> Iterator[Proposal]:
+    """Yield the difference of a controller the other way round, and its speed with the other sign."""
+    if not seen.outcome.hears:
+        return
+    script = seen.script
+    for one in assignments(script):
+        if not one.target.endswith((".linear.x", ".angular.z")) or number_of(one.value) is not None:
+            continue
+        names = {dotted(node) for node in ast.walk(one.value)} - {""}
+        for node in ast.walk(script.tree):
+            if (
+                isinstance(node, ast.BinOp)
+                and isinstance(node.op, ast.Sub)
+                and _goes_into(script, node, names)
+            ):
+                left, right = (bool(_NOW.search(script.source(side))) for side in (node.left, node.right))
+                if left >= right:  # wanted less present is as it should be
+                    yield from _exchanged(script, 1.2 if left > right else 2.0, node.left, node.right)
+        old = script.source(one.value)
+        new = f"-{old}" if _is_product(one.value) else f"-({old})"
+        new = old[1:] if old.startswith("-") and _is_product(one.value) else new
+        values = {"line": one.statement.lineno, "old": old, "new": new}
+        yield Proposal("sign", 2.1, (script.replaced(one.value, new),), values)
+
+
+def _goes_into(script: ParsedScript, node: ast.expr, names: set[str]) -> bool:
+    """Whether an expression stands in what is assigned to one of `names`."""
+    statement = next((one for one in script.around(node) if isinstance(one, ast.stmt)), None)
+    return isinstance(statement, ast.Assign) and any(dotted(one) in names for one in statement.targets)
+
+
+def _is_product(node: ast.expr) -> bool:
+    while isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div):
+        node = node.left
+    return not isinstance(node, ast.BinOp | ast.IfExp | ast.Compare | ast.BoolOp)
+
+
+def _rays(seen: Situation) -> Iterator[Proposal]:
+    """Yield another direction for the ray of a scan that is read."""
+    for node in ast.walk(seen.script.tree):
+        if isinstance(node, ast.Subscript) and dotted(node.value).endswith(".ranges"):
+            old = number_of(node.slice)
+            for place, new in enumerate(_DIRECTIONS if old is not None else ()):
+                if new != old:
+                    values = {"line": node.lineno, "old": seen.script.source(node.slice), "new": str(new)}
+                    edit = seen.script.replaced(node.slice, str(new))
+                    yield Proposal("ray", 1.3 + 0.2 * place, (edit,), values)
+
+
 def _exchanged(script: ParsedScript, cost: float, left: ast.expr, right: ast.expr) -> Iterator[Proposal]:
-    edits = (script.replaced(left, script.source(right)), script.replaced(right, script.source(left)))
-    yield Proposal("exchanged", cost, edits, {"line": left.lineno})
+    old, new = script.source(left), script.source(right)
+    edits = (script.replaced(left, new), script.replaced(right, old))
+    yield Proposal("exchanged", cost, edits, {"line": left.lineno, "old": old, "new": new})
 
 
 def _between(

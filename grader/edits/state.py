@@ -119,11 +119,14 @@ def _resets(
         if begin is None or number_of(begin.value) is None:
             continue
         line = f"{one.target} = {seen.script.source(begin.value)}"
+        own = seen.script.block_of(one.statement)
         for change in known:
             if (
                 change.target != one.target
                 and isinstance(change.value, ast.Constant)
                 and _in_test(change, tests)
+                and any(_mentions(seen.script, test.test, change.target) for test in tests)  # a state
+                and not any(each is change.statement for each in own)  # it would count no more
             ):
                 values = {"line": change.statement.lineno, "name": one.target, "new": line}
                 yield Proposal("reset", 2.2, (seen.script.inserted_after(change.statement, line),), values)

@@ -5,6 +5,7 @@ in runs and in what they simulated, never in time, so the same script gets the s
 """
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
@@ -34,15 +35,21 @@ _STEP_S: Final = 0.000_005
 _SPOILT_S: Final = 0.5
 """Counted work: of any run, of a command and of a physics step in it, and of a run that reached a limit."""
 _LATER_S: Final = 2.37
-"""A change that is told also gains when Ctrl+C comes this much later: it does not only fit the horizon's phase."""
+_DELAYED_AT: Final = re.compile(r"^(?=import |from (?!__future__))", re.MULTILINE)
+_DELAY: Final = "__import__('time').sleep(0.107)\n"
+"""What is told also ends at full marks when Ctrl+C comes later, and when the script begins later, by so many
+seconds: it does not only fit the phase of the horizon, or of turtlesim's updates and a robot's scans."""
+_MOST_BRANCHES: Final = 2
 _STEP_DEG: Final = 15.0
 _STEP_M: Final = 0.1
 """What is wanted at least is told as the next number of these steps that people use."""
+_SIZES: Final = frozenset(("advance_m", "corner_deg", "distance_m", "turned_deg"))
 _PLAUSIBLE: Final = 1.0
 _LEAST_SHARE: Final = 0.1
 _LEAST_POINTS: Final = 3.0
 """A change explains what it gains: of the missing points this share and so many. Less is a side effect of it."""
 _SPACE: Final = Text(zh="", en=" ")
+_NOTHING_LOST: Final = (ItemStatus.PASSED, ItemStatus.NEEDS_MANUAL)
 _SPOILT: Final = (RunStatus.CPU_LIMIT, RunStatus.STALLED, RunStatus.MEMORY_LIMIT, RunStatus.OUTPUT_LIMIT)
 
 
@@ -69,8 +76,8 @@ class Graded:
 
     @property
     def is_full(self) -> bool:
-        """Whether nothing is lost."""
-        return all(item.status is ItemStatus.PASSED for item in self.items)
+        """Whether nothing is lost that a run can earn."""
+        return all(item.status in _NOTHING_LOST for item in self.items)
 
     def gained_on(self, other: "Graded") -> tuple[str, ...]:
         """Return the ids of the items that have more points than in `other`."""
@@ -95,6 +102,8 @@ class Graded:
 
 GradeText = Callable[[str, Assignment, bool], Graded]
 """Grades a text for an assignment; traced, if the last argument says so."""
+Step = tuple[Candidate, Graded]
+"""A change, and what the script has with it."""
 
 
 def run_work_s(commands: int, steps: int, status: RunStatus) -> float:
@@ -114,74 +123,100 @@ class Search:
 
     def __init__(self, assignment: Assignment, grade: GradeText) -> None:
         self._assignment = assignment
-        self._later = replace(assignment, horizon_s=assignment.horizon_s + _LATER_S)
+        is_asked = any(item.expect for item in assignment.items)  # what is expected is so until the horizon
+        self._later = replace(assignment, horizon_s=assignment.horizon_s + _LATER_S * (not is_asked))
         self._grade = grade
         self._tried = 0
         self._work_s = 0.0
 
     def explanation(self, text: str) -> Explanation:
-        """Return the proven changes of a script."""
+        """Return the changes with which a script has full marks; where none are found, what its run shows."""
+        begin = self._traced(text)
+        if begin.is_full:
+            return Explanation()
         changes: list[ProvenChange] = []
-        now = self._traced(text)
-        while len(changes) < MOST_CHANGES and not now.is_full and self._has_budget:
-            found = self._next_change(text, now)
-            if found is None:
-                break
-            candidate, after = found
-            if not changes and not after.is_full and self._is_contended(text, now):
-                break  # what gains beside two lines that overrule each other is not why
-            changes.append(_proven(candidate, text, now, after))
-            text = candidate.text
-            now = after if after.is_full else self._traced(text)
-        cause = None if changes or now.is_full else self._cause(text, now)
+        now, at = begin, text
+        for candidate, after in self._chain(text, begin, MOST_CHANGES):
+            changes.append(_proven(candidate, at, now, after))
+            now, at = after, candidate.text
+        cause = None if changes else self._cause(text, begin)
         return Explanation(changes=tuple(changes), tried=self._tried, cause=cause)
 
     @property
     def _has_budget(self) -> bool:
         return self._tried < MOST_TRIALS and self._work_s < MOST_WORK_S
 
-    def _traced(self, text: str) -> Graded:
-        graded = self._grade(text, self._assignment, True)
+    def _graded(self, text: str, assignment: Assignment, *, traced: bool = False) -> Graded:
+        graded = self._grade(text, assignment, traced)
         self._work_s += graded.work_s
         return graded
 
-    def _next_change(
-        self, text: str, now: Graded, *, is_second: bool = False
-    ) -> tuple[Candidate, Graded] | None:
-        """Return the first proposal that gains all, or mends an error; else of those that gain the best one."""
-        gaining: list[tuple[Candidate, Graded]] = []
+    def _traced(self, text: str) -> Graded:
+        return self._graded(text, self._assignment, traced=True)
+
+    def _chain(self, text: str, now: Graded, left: int) -> list[Step]:
+        """Return up to `left` changes, each on top of those before, with the last of which nothing is lost.
+
+        The first proposal that suffices alone is taken. Else the search goes on from one that mends an error, or
+        from those that gain most.
+        """
+        gaining: list[Step] = []
         further: Candidate | None = None
-        for candidate in self._candidates(text, now):
-            if not self._has_budget:
-                break
-            self._tried += 1
-            after = self._grade(candidate.text, self._assignment, False)
-            self._work_s += after.work_s
+        for step in self._trials(text, now):
+            candidate, after = step
+            goes_on = _goes_on(now.outcome, after.outcome)
             if not after.gains_on(now):
                 if further is None and _is_further(now.outcome, after.outcome):
                     further = candidate
-                continue
-            whole = after.is_full or _is_mended(now.outcome, after.outcome, candidate.proposal)
-            if not whole and not after.explains(now):
-                continue
-            if whole and not _goes_on(now.outcome, after.outcome) and self._gains_later(text, candidate.text):
-                return candidate, after
-            gaining.append((candidate, after))
+            elif (after.is_full and not goes_on) or _is_mended(
+                now.outcome, after.outcome, candidate.proposal
+            ):
+                if steps := self._continued(step, left):
+                    return steps
+            elif after.is_full or after.explains(now):
+                gaining.append(step)
         # stable: of equal ones the more plausible, and first those that end as the script did
-        gaining.sort(key=lambda one: (-one[1].score, _goes_on(now.outcome, one[1].outcome)))
-        best = next((one for one in gaining[:3] if self._gains_later(text, one[0].text)), None)
-        if best is None and further is not None and self._has_budget and not is_second:
-            return self._with_next(text, now, further)
-        return best
+        gaining.sort(key=lambda step: (-step[1].score, _goes_on(now.outcome, step[1].outcome)))
+        for step in gaining[:_MOST_BRANCHES]:
+            if steps := self._continued(step, left):
+                return steps
+        return [] if further is None or left < MOST_CHANGES else self._with_next(now, further, left)
 
-    def _with_next(self, text: str, now: Graded, first: Candidate) -> tuple[Candidate, Graded] | None:
-        """Return a change that gains nothing alone together with the next one, if both gain."""
-        second = self._next_change(first.text, self._traced(first.text), is_second=True)
-        if second is None or not second[1].gains_on(now):
-            return None
-        (candidate, after), proposal = second, first.proposal
+    def _trials(self, text: str, now: Graded) -> Iterator[Step]:
+        """Yield the proposals for a text with what each came to, the most plausible first, within the budget."""
+        for candidate in self._candidates(text, now):
+            if not self._has_budget:
+                return
+            self._tried += 1
+            yield candidate, self._graded(candidate.text, self._assignment)
+
+    def _continued(self, step: Step, left: int) -> list[Step]:
+        """Return a step with those that are needed on top of it; nothing where these do not end at full marks."""
+        candidate, after = step
+        if after.is_full:
+            return [step] if self._holds(candidate.text) else []
+        if left == 1 or not self._has_budget:
+            return []
+        rest = self._chain(candidate.text, self._traced(candidate.text), left - 1)
+        return [step, *rest] if rest else []
+
+    def _with_next(self, now: Graded, first: Candidate, left: int) -> list[Step]:
+        """Return a change that gains nothing alone as one step with the next one, if both gain."""
+        if not self._has_budget:
+            return []
+        rest = self._chain(first.text, self._traced(first.text), left - 1)
+        if not rest or not rest[0][1].gains_on(now):
+            return []
+        (candidate, after), proposal = rest[0], first.proposal
         both = Proposal(proposal.code, proposal.cost, (), {**proposal.values, "then": candidate.proposal})
-        return Candidate(both, candidate.text), after
+        return [(Candidate(both, candidate.text), after), *rest[1:]]
+
+    def _holds(self, text: str) -> bool:
+        """Whether a text has full marks also when Ctrl+C comes later, and when it begins between two updates."""
+        if not self._graded(text, self._later).is_full:
+            return False
+        delayed = _DELAYED_AT.sub(_DELAY, text, count=1)
+        return delayed == text or self._graded(delayed, self._assignment).is_full
 
     def _candidates(self, text: str, now: Graded) -> Iterator[Candidate]:
         error = now.outcome.error
@@ -204,10 +239,6 @@ class Search:
             code=cause.code, line=cause.line, text=say(f"cause.{cause.code}", line=cause.line, **values)
         )
 
-    def _is_contended(self, text: str, now: Graded) -> bool:
-        cause = self._cause(text, now)
-        return cause is not None and cause.code == "contended"
-
     def _situation(self, text: str, now: Graded) -> Situation | None:
         """Return what the traced run of a text told; None without a tree, and of a script that tells tales."""
         try:
@@ -221,7 +252,7 @@ class Search:
             spec.measure
             for spec in self._assignment.items
             for item in now.items
-            if item.id.rpartition("/")[2] == spec.id and item.status is not ItemStatus.PASSED
+            if item.id.rpartition("/")[2] == spec.id and item.status not in _NOTHING_LOST
         )
         return Situation(
             script=script,
@@ -231,12 +262,6 @@ class Search:
             topic=self._assignment.world.cmd_vel_topic,
             lost=lost,
         )
-
-    def _gains_later(self, before: str, after: str) -> bool:
-        """Whether a change also gains at another horizon."""
-        old, new = (self._grade(text, self._later, False) for text in (before, after))
-        self._work_s += old.work_s + new.work_s
-        return new.gains_on(old)
 
 
 def wanted_of(assignment: Assignment, lost: frozenset[str]) -> WantedSizes:
@@ -259,6 +284,8 @@ def wanted_of(assignment: Assignment, lost: frozenset[str]) -> WantedSizes:
         kind, low, high = measures.get(item.measure), item.low, item.high
         if kind is None or item.measure not in lost or not low or low < 0.0:
             continue
+        if kind.form != "count" and (item.measure not in _SIZES or assignment.world.kind == "robot"):
+            continue  # a distance to a wall, say, is no way that one motion goes
         middle = None if high is None else (low + high) / 2.0
         if kind.unit == "deg":
             turns.append(middle or _STEP_DEG * math.ceil(low / _STEP_DEG))

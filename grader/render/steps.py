@@ -42,14 +42,20 @@ def steps(report: GradeReport, explanation: Explanation, level: Hints) -> tuple[
 
 def _step(change: ProvenChange, items: Mapping[str, RubricItem], level: Hints) -> HintStep:
     gaining = [items[id_] for id_ in change.gains if id_ in items]
-    seen = [item for item in gaining if item.status is not ItemStatus.NOT_CHECKED] or gaining
-    step = HintStep(
-        fact=_fact(seen[0]) if seen else EMPTY
-    )  # the first one: what comes later may follow from it
+    # the first one that failed by itself: what comes later may follow from it
+    gaining.sort(key=lambda item: (item.status is ItemStatus.NOT_CHECKED, _is_in_band(item)))
+    step = HintStep(fact=_fact(gaining[0]) if gaining else EMPTY)
     if level is Hints.FACT:
         return step
     step = replace(step, line=_line(change))
     return step if level is Hints.LINE else replace(step, change=change.text, lines=change.lines)
+
+
+def _is_in_band(item: RubricItem) -> bool:
+    """Whether an item's own measurement earns all: it lost points only because others did."""
+    if item.measured is None or item.target is None:
+        return False
+    return abs(item.measured - item.target) <= (item.tolerance or 0.0)
 
 
 def _fact(item: RubricItem) -> Text:

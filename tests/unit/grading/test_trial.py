@@ -1,4 +1,4 @@
-"""Changes are told only where grading them gains, at another horizon too; what a script forges gains nothing."""
+"""Changes are told only where they end at full marks, at another horizon too; forged facts gain nothing."""
 
 from dataclasses import replace
 
@@ -236,6 +236,7 @@ def test_a_script_that_writes_facts_itself_gains_nothing(slot: Slot, frame: byte
 
 def test_an_assignment_that_names_its_check_by_an_older_name_is_explained(slot: Slot) -> None:
     task = replace(catalog().get("hello"), check="node")
-    source = "import rclpy\nrclpy.init()\nnode = rclpy.create_node('hello node')\nrclpy.spin(node)\n"
+    source = "import rclpy\nrclpy.init()\nnode = rclpy.create_node('hello node')\n"
+    source += "node.get_logger().info('hello')\nrclpy.spin(node)\n"
     job = GradingJob(file_name="script.py", source=source.encode(), assignment=task)
     assert [one.code for one in slot.explain(job).changes] == ["node_name"]
