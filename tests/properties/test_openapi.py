@@ -209,6 +209,7 @@ def _known(
         "identity": ["none"],
         "platform": ["none"],
         "outlet": ["class", "staff"],
+        "mistake": ["rate_off", "none"],
         "person": ["zhou", "zhu"],  # nobody whom other requests need: they are removed, too
         "item": ["sides", "closed"],
         "code": ["empty", "syntax_error"],
