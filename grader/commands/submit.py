@@ -2,12 +2,10 @@
 
 import argparse
 import codecs
-import json
 import os
 import sys
 import time
 import uuid
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -30,8 +28,7 @@ from grader.render.terminal import console, render_report
 _OPEN_STATES = ("queued", "running")
 _TRIES = 4
 _PAUSE_S = 0.25
-_LONGEST_PAUSE_S = 2.0
-_REOPEN_S = 1.0
+_LONGEST_PAUSE_S = 1.0
 _TIMEOUT_S = 30.0
 _NO_TOKEN = Text(
     zh="这不是令牌：令牌是一串英文字母、数字、- 和 _",
@@ -69,10 +66,10 @@ def run(arguments: argparse.Namespace) -> int:
     """Hand in and wait; 0 full marks, 1 not, 2 could not be handed in or graded (raised as GraderError)."""
     _check_address(arguments.server)
     source = read_handed_in(arguments.file)
-    wanted = arguments.assignment or _guess(arguments.file.name)
+    assignment_id = arguments.assignment or _guess(arguments.file.name)
     headers = {"Accept-Language": arguments.lang, **_authorization(arguments)}
     with httpx.Client(base_url=arguments.server, headers=headers, timeout=_TIMEOUT_S) as client:
-        url = _upload(client, arguments, source, wanted)
+        url = _upload(client, arguments, source, assignment_id)
         page = _page(arguments.server, url)
         try:
             document = _await(client, url, arguments)
@@ -162,8 +159,6 @@ def _await(client: httpx.Client, url: str, arguments: argparse.Namespace) -> dic
     pause_s = _PAUSE_S
     progress = Console(stderr=True, markup=False, emoji=False, highlight=False)
     with progress.status("") as display:
-        for latest in _announced_standings(client, url):
-            display.update(_standing(latest, arguments))
         while True:
             document: dict[str, Any] = _asked(client, "GET", url).json()
             if document["status"] not in _OPEN_STATES:
@@ -174,27 +169,6 @@ def _await(client: httpx.Client, url: str, arguments: argparse.Namespace) -> dic
     if document["status"] != "graded":
         raise InfrastructureError(*(status_word(document["status"], language) for language in ("en", "zh")))
     return document
-
-
-def _announced_standings(client: httpx.Client, url: str) -> Iterator[dict[str, Any]]:
-    """Yield where the submission stands, as the service's events say, until it is graded.
-
-    Ends early if events do not get through; then the caller has to poll.
-    """
-    while True:
-        latest: dict[str, Any] | None = None
-        try:
-            with client.stream("GET", url + "/events") as response:
-                if response.headers.get("Content-Type", "").startswith("text/event-stream"):
-                    for line in response.iter_lines():
-                        if line.startswith("data:"):  # the service writes an event's data on one line
-                            latest = json.loads(line.removeprefix("data:"))
-                            yield latest
-        except (httpx.TransportError, ValueError):
-            return
-        if latest is None or not latest["open"]:
-            return
-        time.sleep(_REOPEN_S)
 
 
 def _standing(document: dict[str, Any], arguments: argparse.Namespace) -> str:

@@ -19,11 +19,12 @@ from grader.jail import readers
 
 MAX_FILE_BYTES = 4 * 1024 * 1024
 HEADER_ROWS = 12
+"""Titles stand above the header; registries put up to four rows there."""
+
 MAX_ROWS = 20_000
 MAX_COLUMNS = 300
 MAX_CELLS = 400_000
 """Of a table, whatever file it comes in: more than any class list or gradebook needs."""
-"""Titles stand above the header; registries put up to four rows there."""
 
 DAMAGED, LOCKED, LARGE = 3, 4, 5
 """Exit codes of the reader of workbooks: nobody can read it, it has a password, it is too large."""

@@ -71,41 +71,6 @@ def test_full_marks_and_where_the_replay_is(submit, services: Services) -> None:
     assert "10" in output
 
 
-def streams(services: Services) -> dict[str, float]:
-    """Return how often streams of events were asked for, by status."""
-    (requests,) = (
-        one for one in services.metrics.registry.collect() if one.name == "grader_http_request_seconds"
-    )
-    return {
-        one.labels["status"]: one.value
-        for one in requests.samples
-        if one.name.endswith("_count") and one.labels["route"].endswith("/events")
-    }
-
-
-def test_the_service_tells_how_it_goes(submit, services: Services) -> None:
-    assert submit("good good", "--student", "s1")[0] == 0
-    assert streams(services) == {"200": 1}
-
-
-def test_where_events_do_not_get_through_the_service_is_asked(submit, services: Services) -> None:
-    services.watching.limits = replace(services.watching.limits, most=0)
-    assert submit("good good", "--student", "s1")[0] == 0
-    assert streams(services) == {"503": 1}
-
-
-def test_a_stream_that_ends_early_is_opened_again(
-    submit, services: Services, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("grader.commands.submit._REOPEN_S", 0.0)
-    services.watching.limits = replace(services.watching.limits, life_s=0.05)
-    claim = services.queue.claim
-    late = lambda worker: claim(worker) if streams(services).get("200", 0) >= 2 else None  # noqa: E731
-    monkeypatch.setattr(services.queue, "claim", late)
-    assert submit("good good", "--student", "s1")[0] == 0
-    assert set(streams(services)) == {"200"}
-
-
 def test_less_than_that_shows_the_next_step(submit, services: Services) -> None:
     status, output, _ = submit("good", "--student", "s1", "--lang", "en")
     assert status == 1
