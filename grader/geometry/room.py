@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable
-from typing import Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from grader.geometry import exact
 
 Points = NDArray[np.float64]
 """(n, 2) in metres."""
+_Each = TypeVar("_Each", float, Points)
 
 _CIRCLE_POINTS: Final = 24
 _OUTLINE: Final = np.array(
@@ -49,25 +50,16 @@ def clearance_m(solid: Solid, x_m: Points, y_m: Points, heading_rad: Points) -> 
 
     def seen(at: Points) -> tuple[Points, Points]:
         """Return points of the room in the frame of each pose: (n, k) ahead and to the left."""
-        dx, dy = at[:, 0] - x_m[:, None], at[:, 1] - y_m[:, None]
-        return dx * c[:, None] + dy * s[:, None], dy * c[:, None] - dx * s[:, None]
+        return _along(at[:, 0] - x_m[:, None], at[:, 1] - y_m[:, None], c[:, None], s[:, None])
 
     if solid.kind == "cylinder":
         ahead, left = seen(np.array([(solid.x_m, solid.y_m)]))
         return np.asarray(np.maximum(_from_outline(ahead, left)[:, 0] - solid.length_m / 2.0, 0.0))
     ahead, left = seen(corners(solid))
     near = np.min(_from_outline(ahead, left), axis=1)
-    turn = math.radians(solid.heading_deg)
-    own_x, own_y = x_m[:, None], y_m[:, None]
-    at_x = own_x + _OUTLINE[:, 0] * c[:, None] - _OUTLINE[:, 1] * s[:, None] - solid.x_m
-    at_y = own_y + _OUTLINE[:, 0] * s[:, None] + _OUTLINE[:, 1] * c[:, None] - solid.y_m
-    along, across = exact.cos_sin(turn)
-    in_x, in_y = at_x * along + at_y * across, at_y * along - at_x * across
-    beyond = exact.hypot(
-        np.maximum(np.abs(in_x) - solid.length_m / 2.0, 0.0),
-        np.maximum(np.abs(in_y) - solid.width_m / 2.0, 0.0),
-    )
-    apart = np.minimum(near, np.min(beyond, axis=1))
+    at_x = x_m[:, None] + _OUTLINE[:, 0] * c[:, None] - _OUTLINE[:, 1] * s[:, None]
+    at_y = y_m[:, None] + _OUTLINE[:, 0] * s[:, None] + _OUTLINE[:, 1] * c[:, None]
+    apart = np.minimum(near, np.min(from_point_m(solid, at_x, at_y), axis=1))
     return np.asarray(np.where(_cross(ahead, left), 0.0, apart))
 
 
@@ -84,13 +76,10 @@ def _first_m(solid: Solid, origin: tuple[float, float], along: tuple[float, floa
         rest = solid.length_m * solid.length_m / 4.0 - (dx * dx + dy * dy - middle * middle)
         reach = middle - math.sqrt(rest) if rest >= 0.0 else -1.0
         return reach if reach >= 0.0 else math.inf
-    turn = math.radians(solid.heading_deg)
-    c, s = exact.cos_sin(turn)
+    axes = exact.cos_sin(math.radians(solid.heading_deg))
     enter, leave = 0.0, math.inf
-    for at, step, half in (
-        (dx * c + dy * s, along[0] * c + along[1] * s, solid.length_m / 2.0),
-        (dy * c - dx * s, along[1] * c - along[0] * s, solid.width_m / 2.0),
-    ):
+    halves = solid.length_m / 2.0, solid.width_m / 2.0
+    for at, step, half in zip(_along(dx, dy, *axes), _along(*along, *axes), halves, strict=True):
         if step == 0.0:
             if abs(at) > half:
                 return math.inf
@@ -105,26 +94,24 @@ def from_point_m(solid: Solid, x_m: Points, y_m: Points) -> Points:
     dx, dy = x_m - solid.x_m, y_m - solid.y_m
     if solid.kind == "cylinder":
         return np.asarray(np.maximum(exact.hypot(dx, dy) - solid.length_m / 2.0, 0.0))
-    turn = math.radians(solid.heading_deg)
-    c, s = exact.cos_sin(turn)
-    x, y = dx * c + dy * s, dy * c - dx * s
-    return np.asarray(
-        exact.hypot(
-            np.maximum(np.abs(x) - solid.length_m / 2.0, 0.0),
-            np.maximum(np.abs(y) - solid.width_m / 2.0, 0.0),
-        )
-    )
+    x, y = _along(dx, dy, *exact.cos_sin(math.radians(solid.heading_deg)))
+    return _beyond(x, y, solid.length_m / 2.0, solid.width_m / 2.0)
+
+
+def _along(dx: _Each, dy: _Each, c: Any, s: Any) -> tuple[_Each, _Each]:
+    """Return a vector in a frame whose heading has this cosine and sine: ahead and to the left."""
+    return dx * c + dy * s, dy * c - dx * s
+
+
+def _beyond(x: Points, y: Points, half_length_m: float, half_width_m: float) -> Points:
+    """Return how far points are outside of a rectangle around the origin."""
+    across = np.maximum(np.abs(y) - half_width_m, 0.0)
+    return np.asarray(exact.hypot(np.maximum(np.abs(x) - half_length_m, 0.0), across))
 
 
 def _from_outline(ahead: Points, left: Points) -> Points:
     """Return how far points in the robot's frame are outside of its outline."""
-    middle = 0.5 * (FRONT_M + BACK_M)
-    half = 0.5 * (FRONT_M - BACK_M)
-    return np.asarray(
-        exact.hypot(
-            np.maximum(np.abs(ahead - middle) - half, 0.0), np.maximum(np.abs(left) - HALF_WIDTH_M, 0.0)
-        )
-    )
+    return _beyond(ahead - 0.5 * (FRONT_M + BACK_M), left, 0.5 * (FRONT_M - BACK_M), HALF_WIDTH_M)
 
 
 def _cross(ahead: Points, left: Points) -> NDArray[np.bool_]:

@@ -9,3 +9,13 @@ from tf2_py._exceptions import (
     TimeoutException,
     TransformException,
 )
+
+__all__ = [
+    "BufferCore",
+    "ConnectivityException",
+    "ExtrapolationException",
+    "InvalidArgumentException",
+    "LookupException",
+    "TimeoutException",
+    "TransformException",
+]
