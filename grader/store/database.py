@@ -327,7 +327,8 @@ def one_at_a_time(session: Session, *what: str | None) -> None:
 
     SQLite has one writer at a time anyway. On PostgreSQL this takes an advisory lock that ends with the
     transaction. Call it first and once: what the transaction reads afterwards is what the one before it left,
-    and two transactions with one lock each cannot wait for each other in a circle.
+    and two transactions with one lock each cannot wait for each other in a circle. Only an upload of a team takes
+    a second one, the team's, and nobody asks for another while holding that.
     """
     if session.get_bind().dialect.name == "sqlite":
         return

@@ -35,6 +35,7 @@ from grader.store.platforms import Platforms
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
+from grader.store.teams import Teams
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import assignment, grade
 from tests.fakes.submissions import Submissions
@@ -410,6 +411,25 @@ def test_a_removal_waits_for_an_upload_that_is_under_way(
         with pytest.raises(RefusedError, match="assignment_in_use"):
             removal.result()
     assert count(postgres_database, "submission") == 1
+
+
+def test_uploads_of_a_team_are_counted_for_each_of_it(database: Database, clock: FakeClock) -> None:
+    """They wait for each other, and never in a circle."""
+    courses, team = Courses(database, clock), ["han", "li", "qian", "zhou"]
+    courses.create("teams", "Teams", "UTC", "test")
+    courses.import_roster("teams", [RosterEntry(id=one, name=one) for one in team], "test")
+    signed = Signature(clock(), "teams", "test")
+    StoredRules(database).set("square", Rules(team_size=4, attempts=5), signed)
+    Teams(database).set(signed, "square", [team])
+    submissions = Submissions(database, clock)
+
+    def upload(number: int) -> Submission:
+        source = b"good %d" % number
+        return submissions.add(new(team[number % 4], source, course="teams", ruled=True))
+
+    answers = at_once(upload)
+    assert [type(one) for one in answers if not isinstance(one, Submission)] == [RefusedError] * 3
+    assert [len(submissions.of_student(one, course="teams")) for one in team] == [5] * 4
 
 
 def test_a_platform_is_removed_while_its_scores_are_sent(
