@@ -135,20 +135,25 @@ def _converts(script: ParsedScript, call: ast.Call) -> bool:
 def _scaled(
     seen: Situation, driven: Driven, use: NumberUse, targets: list[tuple[float, float]]
 ) -> Iterator[Proposal]:
-    """Yield a number by the measured ratio or its inverse, or in nanoseconds; not one that is the wanted size."""
+    """Yield the wanted amount for a number that is the measured one, or that alone counts or waits.
+
+    A factor within a larger expression, or a speed, would only make up for what is wrong elsewhere.
+    """
     unit = "deg" if driven.is_turn else "m"
     whole = _is_whole(seen.script, use.node)
     for place, (size, wanted) in enumerate(targets):
         ratio = wanted / size
         if _is_size(abs(use.value), wanted, unit) or not 1.0 / _MOST_RATIO <= ratio <= _MOST_RATIO:
             continue
-        for share in (ratio, 1.0 / ratio) if use.value else ():
-            value = _named(use.value, size, wanted, unit) if share == ratio else None
-            value = use.value * share if value is None else value
-            new = written(value, like_float="." in seen.script.source(use.node), whole=whole)
-            cost = 1.8 + place * 0.6 + use.steps * 0.2 + 0.05 * len(new) + 1.5 * (share != ratio)
-            cost += _unlikely(seen.script, use, ratio) + _HELD * driven.is_held
-            yield _replaced(seen, "scaled", cost, (use, new), unit=unit, size=size, wanted=wanted)
+        value = _named(use.value, size, wanted, unit, driven.seconds)
+        if value is None and _is_wait_or_count(seen.script, use, driven):
+            value = float(f"{use.value * ratio:.2g}")
+        if value is None or value == use.value:
+            continue
+        new = written(value, like_float="." in seen.script.source(use.node), whole=whole)
+        cost = 1.8 + place * 0.6 + use.steps * 0.2 + 0.05 * len(new)
+        cost += _unlikely(seen.script, use, ratio) + _HELD * driven.is_held
+        yield _replaced(seen, "scaled", cost, (use, new), unit=unit, size=size, wanted=wanted)
     if 1e3 <= abs(use.value) <= 1e12 and math.log10(abs(use.value)).is_integer() and use.value != 1e9:
         yield _replaced(seen, "nanoseconds", 1.5, (use, "1e9"))
 
@@ -212,15 +217,24 @@ def _half_turn_in(parts: int, pi: str) -> str:
     return f"2 * {pi}" if parts == 1 else f"{pi} / {parts // 2}"
 
 
-def _named(value: float, size: float, wanted: float, unit: str) -> float | None:
-    """Return the wanted size where a number is the size of the motion, in degrees, radians or metres.
+def _named(value: float, size: float, wanted: float, unit: str, seconds: float = math.inf) -> float | None:
+    """Return the wanted size where a number is the size of the motion, in degrees, radians, metres or seconds.
 
     Updates make a turn of 60 degrees one of 60.7: by the measured ratio 90 would be written as 89.
     """
     for factor in (1.0, math.radians(1.0)) if unit == "deg" else (1.0,):
         if abs(abs(value) - size * factor) <= _QUANTUM * size * factor:
             return math.copysign(wanted * factor, value)
-    return None
+    return value * wanted / size if value and abs(value - seconds) <= _QUANTUM * value else None
+
+
+def _is_wait_or_count(script: ParsedScript, use: NumberUse, driven: Driven) -> bool:
+    """Whether a number alone is how long a line of the motion waits, or how often its loop runs."""
+    call = script.parent(use.node)
+    if not isinstance(call, ast.Call) or len(call.args) != 1 or use.value <= 0.0:
+        return False
+    is_wait = dotted(call.func).endswith("sleep") and call.lineno in driven.motion.waits
+    return is_wait or dotted(call.func) == "range"
 
 
 def _unlikely(script: ParsedScript, use: NumberUse, ratio: float) -> float:
@@ -302,6 +316,8 @@ def _comparisons(script: ParsedScript, node: ast.Compare, cost: float) -> Iterat
         new = f"{'<' if isinstance(node.ops[0], ast.Eq) else '>'} {_TOLERANCE}"
         values = {"line": node.lineno, "old": script.text[start:end].strip(), "new": new}
         yield Proposal("comparison", 1.4 + cost, (Edit(start, end, f" {new}"),), values)
+    if exact and isinstance(operands[0], ast.BinOp) and isinstance(operands[0].op, ast.Mod):
+        return  # any other comparison with a remainder is nearly always true, or never
     for new in _COMPARISONS.get(type(node.ops[0]), ()):
         yield from _between(script, "comparison", (1.5 if exact else 5.5) + cost, operands, new)
 

@@ -68,7 +68,7 @@ def _fact(item: RubricItem) -> Text:
 def _line(change: ProvenChange) -> Text:
     first = change.lines[0]
     if first.before is None:
-        return say("step.behind_line", line=first.number)
+        return say("step.behind_line", line=first.number) if first.number else say("step.at_top")
     return say("step.line", line=first.number, text=first.before.strip())
 
 
