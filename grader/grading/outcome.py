@@ -45,7 +45,7 @@ THREAD_NOTE = "thread_exception"
 CAUGHT_NOTE = "caught"
 """Names an error of the script's own text that something has caught."""
 
-_KILLED = {
+_STATUS_OF_KILL = {
     RunEnd.CRASHED: RunStatus.CRASHED,
     RunEnd.CPU_LIMIT: RunStatus.CPU_LIMIT,
     RunEnd.MEMORY_LIMIT: RunStatus.MEMORY_LIMIT,
@@ -54,7 +54,7 @@ _KILLED = {
     RunEnd.PROTOCOL: RunStatus.PROTOCOL,
     RunEnd.FORBIDDEN: RunStatus.FORBIDDEN,
 }
-_ENDED = {
+_STATUS_OF_END = {
     STALLED: RunStatus.STALLED,
     SYNTAX_ERROR: RunStatus.SYNTAX_ERROR,
     FINISHED: RunStatus.FINISHED,
@@ -171,7 +171,7 @@ def _own_account(episode: EpisodeResult, exit_frame: Exit) -> RunStatus:
     if exit_frame.after_interrupt:
         return RunStatus.INTERRUPTED
     if exit_frame.reason != EXCEPTION:
-        return _ENDED[exit_frame.reason]
+        return _STATUS_OF_END[exit_frame.reason]
     if exit_frame.exception_type == MemoryError.__name__:
         return RunStatus.MEMORY_LIMIT
     return RunStatus.CRASHED if _refused_call(episode) is None else RunStatus.FORBIDDEN
@@ -180,7 +180,7 @@ def _own_account(episode: EpisodeResult, exit_frame: Exit) -> RunStatus:
 def _seen_from_outside(episode: EpisodeResult, jail: JailReport) -> RunStatus:
     if any(note.code == INTERRUPTED_NOTE for note in episode.notes):
         return RunStatus.INTERRUPTED  # would not end after Ctrl+C; at home a second one would follow
-    return _KILLED.get(jail.end, RunStatus.FINISHED)
+    return _STATUS_OF_KILL.get(jail.end, RunStatus.FINISHED)
 
 
 def _refused_call(episode: EpisodeResult) -> str | None:

@@ -190,7 +190,7 @@ class Talk:
     def _course(self, step: Step, source: Random) -> _Course:
         first, payloads = len(self._exchanges), []
         # A type that the script's package should define, and does not: nothing can be sent.
-        is_known = step.kind not in _SENT or f"{step.type}{_SENT[step.kind]}" in self._types.fields
+        is_known = step.kind not in _SUFFIXES or f"{step.type}{_SUFFIXES[step.kind]}" in self._types.fields
         for n in range(step.sends):
             values = computed(step.each[n] if step.each else step.values, {"n": n}, source, step.id)
             self._exchanges.append(Sent(step=step.id, n=n, values=values))
@@ -496,7 +496,7 @@ class Talk:
 
 
 _OF_TURTLES: Final = re.compile(r"\bturtle\w*\.")  # in a formula
-_SENT: Final = {"publish": "", "call": "_Request", "goal": "_SendGoal_Request"}
+_SUFFIXES: Final = {"publish": "", "call": "_Request", "goal": "_SendGoal_Request"}
 _PATHS: Final = {
     "goal": "_action/send_goal",
     "result": "_action/get_result",

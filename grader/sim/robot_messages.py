@@ -93,7 +93,7 @@ def clock(t_ns: int) -> bytes:
     return HEADER + _stamp(t_ns)
 
 
-_FIXED: Final = (
+_FIXED_FRAMES: Final = (
     ("base_footprint", "base_link", (0.0, 0.0, 0.01)),
     ("base_link", "base_scan", (-0.032, 0.0, 0.172)),
     ("base_link", "imu_link", (-0.032, 0.0, 0.068)),
@@ -104,7 +104,7 @@ _FIXED: Final = (
 def static_transforms(t_ns: int) -> bytes:
     """Return tf2_msgs/msg/TFMessage: what is fixed to the robot, as its URDF has it."""
     fixed = []
-    for parent, child, at in _FIXED:
+    for parent, child, at in _FIXED_FRAMES:
         turned = {"x": math.sin(-0.785), "w": math.cos(-0.785)} if child == "caster_back_link" else {"w": 1.0}
         fixed.append(
             {

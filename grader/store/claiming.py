@@ -48,7 +48,7 @@ _LATELY_OF = select(_row.started_at, _row.finished_at).where(
 )
 """When a student's gradings began and ended: those under way or to be tried again, and those that ended lately."""
 
-_CLAIMED = (
+_CLAIM_COLUMNS = (
     _row.id,
     _row.attempt,
     _row.tries,
@@ -76,7 +76,7 @@ CLAIMING = (
         started_at=bindparam("now", type_=UtcDateTime()),
         lease_until=bindparam("until", type_=UtcDateTime()),
     )
-    .returning(*_CLAIMED)
+    .returning(*_CLAIM_COLUMNS)
 )
 _TAKE = CLAIMING.where(_row.id == DUE.with_for_update(skip_locked=True).scalar_subquery())
 _TAKE_EARLY = CLAIMING.where(_row.id == bindparam("early"), _row.state == SubmissionState.QUEUED.value)
@@ -84,7 +84,7 @@ _RESUME = (
     update(_submission)
     .where(_row.state == SubmissionState.RUNNING.value, _row.worker == bindparam("by"))
     .values(lease_until=bindparam("until", type_=UtcDateTime()))
-    .returning(*_CLAIMED)
+    .returning(*_CLAIM_COLUMNS)
 )
 CHANGE = update(_submission).where(
     _row.id == bindparam("claimed"),

@@ -12,7 +12,7 @@ from grader.store.clock import TimedPart
 from grader.store.tables import SubmissionRow
 
 LATELY: Final = timedelta(hours=1)
-_BUSY = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
+_UNFINISHED_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
 _COLUMNS = ("course", "student", "state", "started_at", "finished_at", "tries")
 
 
@@ -26,7 +26,7 @@ class Costs(TimedPart):
         """
         row, now = SubmissionRow, self._clock()
         statement = select(*(getattr(row, name) for name in _COLUMNS)).where(
-            or_(col(row.state).in_(_BUSY), col(row.finished_at) >= now - LATELY)
+            or_(col(row.state).in_(_UNFINISHED_STATES), col(row.finished_at) >= now - LATELY)
         )
         if not everywhere:
             statement = statement.where(col(row.course) == course)

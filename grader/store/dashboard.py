@@ -56,7 +56,7 @@ Place = tuple[str, str]
 Mark = tuple[Any, ...]
 _PASSING = (SubmissionState.QUEUED, SubmissionState.RUNNING, SubmissionState.INFRASTRUCTURE_ERROR)
 _OPEN = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
-_ENDED = (GradeStatus.GRADED.value, GradeStatus.NEEDS_MANUAL.value)
+_ENDED_STATUSES = (GradeStatus.GRADED.value, GradeStatus.NEEDS_MANUAL.value)
 _MARGIN = timedelta(minutes=1)  # between the instant that a row says and its commit
 _DIGEST_BYTES = 8
 _FEW_STUDENTS = 200  # up to here asked for by name; for more, reading the whole class costs no more
@@ -464,4 +464,4 @@ def _progress(own: list[Any], rules: CourseRules) -> StudentProgress:
 def _crashes(own: list[Any]) -> int:
     """Return how many of the latest graded submissions, one after the other, did not run to their end."""
     ends = [row.verdict for row in reversed(own) if row.verdict is not None]
-    return next((count for count, end in enumerate(ends) if end in _ENDED), len(ends))
+    return next((count for count, end in enumerate(ends) if end in _ENDED_STATUSES), len(ends))

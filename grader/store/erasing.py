@@ -28,7 +28,7 @@ AT_ONCE = 200
 """Submissions erased by one statement, and in one transaction where there are more."""
 
 _NOTHING = "null"
-_ENDED = (SubmissionState.GRADED.value, SubmissionState.INFRASTRUCTURE_ERROR.value)
+_FINAL_STATES = (SubmissionState.GRADED.value, SubmissionState.INFRASTRUCTURE_ERROR.value)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,7 +79,7 @@ def finished_before(instant: datetime, course: str | None) -> tuple[ColumnElemen
     old = (
         col(row.regrade).is_(None),
         col(row.received_at) < instant,
-        col(row.state).in_(_ENDED),
+        col(row.state).in_(_FINAL_STATES),
         col(row.course).is_not(None),
     )
     return old if course is None else (*old, col(row.course) == course)

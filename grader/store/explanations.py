@@ -38,7 +38,7 @@ MOST_BYTES: Final = 64 << 10
 _row, _own = table_of(ExplanationRow).c, table_of(SubmissionRow).alias("own").c
 _other = table_of(SubmissionRow).alias("other").c
 _source, _assignment, _grading = (table_of(row).c for row in (SourceRow, GradedAssignmentRow, GradingRow))
-_LATELY = (
+_LOAD_OF = (
     select(func.count(_row.attempt).filter(_row.finished_at.is_(None)), func.sum(_row.took_s), _own.regrade)
     .select_from(
         _own.id.table.outerjoin(
@@ -54,7 +54,7 @@ _LATELY = (
     .group_by(_own.id)
 )
 """How many of a student's gradings of the last minutes wait to be explained, and what the others took."""
-_GRADED = (
+_FILE_OF = (
     select(_own.course, _own.file_name, _source.content, _assignment.content)
     .join_from(_own.id.table, _source.sha256.table, _source.sha256 == _own.source_sha256)
     .join(_grading.attempt.table, _grading.submission_id == _own.id)
@@ -117,7 +117,7 @@ class Explanations(TimedPart):
                 return None
             taken.lease_until = now + timedelta(seconds=LEASE_S)
             taken.tries += 1
-            graded = session.execute(_GRADED, {"id": taken.submission_id, "of": taken.attempt}).one()
+            graded = session.execute(_FILE_OF, {"id": taken.submission_id, "of": taken.attempt}).one()
             course, file_name, source, assignment = graded
             return ExplanationClaim(
                 submission_id=taken.submission_id,
@@ -170,7 +170,7 @@ class Explanations(TimedPart):
 
 def queue_explanation(connection: Connection, submission_id: str, attempt: int, now: datetime) -> None:
     """Have a grading explained in its student's turn, unless it is a trial; of others nothing is kept."""
-    waits, cost_s, regrade = connection.execute(_LATELY, {"id": submission_id, "since": now - LATELY}).one()
+    waits, cost_s, regrade = connection.execute(_LOAD_OF, {"id": submission_id, "since": now - LATELY}).one()
     if regrade is not None:
         return
     connection.execute(_FORGET, {"of": submission_id})

@@ -22,7 +22,7 @@ from grader.store.own_assignments import Mark, OwnAssignments
 
 _log = logging.getLogger(__name__)
 _FRESH_S = 0.5
-_GIVEN = ("starter.py", "solution.py", "starter.zip", "solution.zip")
+_GIVEN_FILES = ("starter.py", "solution.py", "starter.zip", "solution.zip")
 _OUTDATED = Text(
     zh="服务升级后这个作业的文件要重新上传",
     en="the service was upgraded since this was uploaded; upload the folder again",
@@ -129,5 +129,5 @@ class _OfCourse:
 
     def given_code(self) -> tuple[bytes, ...]:
         folders = [unpacked(one) for one in self.stored.in_use(self.course).values()]
-        own = tuple(files[name] for files in folders for name in _GIVEN if name in files)
+        own = tuple(files[name] for files in folders for name in _GIVEN_FILES if name in files)
         return (*self.shared.given_code(), *own)

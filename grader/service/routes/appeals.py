@@ -32,7 +32,7 @@ from grader.use_cases.bodies import Body, Number
 
 router = APIRouter(prefix="/api/v1/appeals", tags=["appeals"])
 of_submission = APIRouter(prefix="/api/v1/submissions", tags=["appeals"], dependencies=[SIGHT])
-_KNOWN = ("submission_not_found", "invalid_request")
+_ON_READ = ("submission_not_found", "invalid_request")
 _BODY = ("malformed_body", "too_large", "forbidden", "course_archived")
 _MOST_PER_PAGE = 500
 _MOST = 1_000_000
@@ -118,7 +118,7 @@ def read_appeals(  # noqa: PLR0913
 
 
 @of_submission.get(
-    "/{submission_id}/appeals", summary="The appeals about a submission", responses=responses(*_KNOWN)
+    "/{submission_id}/appeals", summary="The appeals about a submission", responses=responses(*_ON_READ)
 )
 def read_own(errand: ErrandDep, language: LanguageDep, submission_id: SubmissionId) -> AppealList:
     """Return what its student asked and what staff answered. Reading it here does not mark answers as seen."""
@@ -131,7 +131,7 @@ def read_own(errand: ErrandDep, language: LanguageDep, submission_id: Submission
     status_code=status.HTTP_201_CREATED,
     summary="Ask for another look at an item",
     responses=responses(
-        *_KNOWN, *_BODY, "not_graded_yet", "no_course", "appeals_closed", "item_not_found", "appeal_exists"
+        *_ON_READ, *_BODY, "not_graded_yet", "no_course", "appeals_closed", "item_not_found", "appeal_exists"
     ),
 )
 def ask(
@@ -149,7 +149,7 @@ def ask(
     "/{submission_id}/appeals/{item:path}",
     status_code=status.HTTP_204_NO_CONTENT,
     summary="Take an open appeal back",
-    responses=responses(*_KNOWN, "forbidden", "appeal_not_found", "appeal_decided", "course_archived"),
+    responses=responses(*_ON_READ, "forbidden", "appeal_not_found", "appeal_decided", "course_archived"),
 )
 def take_back(errand: ErrandDep, submission_id: SubmissionId, item: ItemId) -> None:
     """Withdraw one's own appeal while it is open; one may ask again."""
@@ -160,7 +160,7 @@ def take_back(errand: ErrandDep, submission_id: SubmissionId, item: ItemId) -> N
     "/{submission_id}/appeals/{item:path}",
     summary="Answer an appeal",
     responses=responses(
-        *_KNOWN,
+        *_ON_READ,
         *_BODY,
         "appeal_not_found",
         "appeal_decided",

@@ -21,8 +21,8 @@ async def _keep_private(response: Response) -> None:
 
 
 router = APIRouter(prefix="/api/v1", tags=["course"], dependencies=[Depends(_keep_private)])
-_READING = ("forbidden", "no_course", "invalid_request")
-_CHANGING = (*_READING, "malformed_body", "too_large")
+_ON_READ = ("forbidden", "no_course", "invalid_request")
+_ON_CHANGE = (*_ON_READ, "malformed_body", "too_large")
 
 
 class NewCourseBody(Body):
@@ -86,7 +86,7 @@ class ForgottenView(View):
     submissions: int = Field(examples=[17])
 
 
-@router.get("/course", summary="The caller's course", responses=responses(*_READING))
+@router.get("/course", summary="The caller's course", responses=responses(*_ON_READ))
 def read_course(errand: StaffDep) -> CourseView:
     """Return what the course is, and whether it is archived."""
     return CourseView.of(course_life.own_course(errand.services, errand.caller))
@@ -96,7 +96,7 @@ def read_course(errand: StaffDep) -> CourseView:
     "/courses",
     summary="Copy the course",
     status_code=status.HTTP_201_CREATED,
-    responses=responses(*_CHANGING, "invalid_course"),
+    responses=responses(*_ON_CHANGE, "invalid_course"),
 )
 def copy_course(errand: InstructorDep, body: NewCourseBody) -> NewCourseView:
     """Make a course with the same rules and published assignments, without its people and work."""
@@ -108,7 +108,7 @@ def copy_course(errand: InstructorDep, body: NewCourseBody) -> NewCourseView:
 @router.put(
     "/course/archived",
     summary="Archive or reopen the course",
-    responses=responses(*_CHANGING, "regrade_open"),
+    responses=responses(*_ON_CHANGE, "regrade_open"),
 )
 def archive_course(errand: InstructorDep, body: ArchiveBody) -> CourseView:
     """Let the course only be read (409 `course_archived` for changes and uploads), or be changed again."""
@@ -117,13 +117,13 @@ def archive_course(errand: InstructorDep, body: ArchiveBody) -> CourseView:
     )
 
 
-@router.get("/course/space", summary="What the course takes", responses=responses(*_READING))
+@router.get("/course/space", summary="What the course takes", responses=responses(*_ON_READ))
 def read_space(errand: StaffDep) -> SpaceView:
     """Return what is stored of the course's submissions; rows and indexes come on top."""
     return SpaceView.of(course_life.space(errand.services, errand.caller))
 
 
-@router.post("/course/retention", summary="Erase what is old", responses=responses(*_CHANGING))
+@router.post("/course/retention", summary="Erase what is old", responses=responses(*_ON_CHANGE))
 def erase_old_work(errand: InstructorDep, body: OldWorkBody) -> OldWorkView:
     """Erase submissions of an age, with reports, grades and comments; or tell what that would be."""
     if body.dry_run:
@@ -136,7 +136,7 @@ def erase_old_work(errand: InstructorDep, body: OldWorkBody) -> OldWorkView:
 @router.post(
     "/members/{person}/forget",
     summary="Forget a student",
-    responses=responses(*_CHANGING, "member_not_found", "only_students"),
+    responses=responses(*_ON_CHANGE, "member_not_found", "only_students"),
 )
 def forget_student(errand: InstructorDep, person: PersonId, body: ForgetBody) -> ForgottenView:
     """Erase what a student handed in and every trace of who they are; this cannot be undone."""
@@ -154,7 +154,7 @@ def forget_student(errand: InstructorDep, person: PersonId, body: ForgetBody) ->
             "points by people and comments; a manifest with the SHA-256 of every file.",
             "content": {"application/zip": {"schema": {"type": "string", "format": "binary"}}},
         },
-        **responses(*_READING),
+        **responses(*_ON_READ),
     },
 )
 def export_course(errand: InstructorDep) -> StreamingResponse:

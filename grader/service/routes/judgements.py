@@ -48,8 +48,8 @@ IfMatch = Annotated[
     ),
 ]
 _Id = Annotated[str | None, Query(max_length=128)]
-_KNOWN = ("forbidden", "submission_not_found", "not_graded_yet", "invalid_request")
-_REFUSED = (
+_ON_READ = ("forbidden", "submission_not_found", "not_graded_yet", "invalid_request")
+_ON_JUDGING = (
     "malformed_body",
     "too_large",
     "course_archived",
@@ -217,7 +217,7 @@ def read_waiting(  # noqa: PLR0913
 @of_submission.get(
     "/{submission_id}/judgements",
     summary="What people gave for a submission's items",
-    responses=responses(*_KNOWN),
+    responses=responses(*_ON_READ),
 )
 def read_judgements(errand: StaffDep, language: LanguageDep, submission_id: SubmissionId) -> ManualItemsView:
     """Return every rubric item, whether it is left to people, and what was given by whom and when."""
@@ -227,7 +227,7 @@ def read_judgements(errand: StaffDep, language: LanguageDep, submission_id: Subm
 @of_submission.put(
     "/{submission_id}/judgements",
     summary="Give points for several rubric items",
-    responses=responses(*_KNOWN, *_REFUSED),
+    responses=responses(*_ON_READ, *_ON_JUDGING),
 )
 def judge_several(
     errand: StaffDep, language: LanguageDep, submission_id: SubmissionId, body: JudgementsBody
@@ -248,7 +248,7 @@ def _all_items(errand: Errand, language: Language, submission_id: str) -> Manual
 @of_submission.get(
     "/{submission_id}/judgements/{item:path}",
     summary="What people gave for one rubric item",
-    responses={200: {"headers": _ETAG}, **responses(*_KNOWN, "item_not_found")},
+    responses={200: {"headers": _ETAG}, **responses(*_ON_READ, "item_not_found")},
 )
 def read_judgement(
     errand: StaffDep, language: LanguageDep, response: Response, *, submission_id: SubmissionId, item: ItemId
@@ -262,7 +262,7 @@ def read_judgement(
     summary="Give points for a rubric item",
     responses={
         200: {"headers": _ETAG},
-        **responses(*_KNOWN, *_REFUSED),
+        **responses(*_ON_READ, *_ON_JUDGING),
     },
 )
 def judge(  # noqa: PLR0913

@@ -15,8 +15,8 @@ from grader.use_cases import notices
 from grader.use_cases.bodies import Body
 
 router = APIRouter(prefix="/api/v1/course/notices", tags=["course"])
-_READING = ("forbidden", "no_course", "invalid_request")
-_CHANGING = (*_READING, "course_archived", "malformed_body", "too_large")
+_ON_READ = ("forbidden", "no_course", "invalid_request")
+_ON_CHANGE = (*_ON_READ, "course_archived", "malformed_body", "too_large")
 Group = Annotated[Literal[Outlet.CLASS, Outlet.STAFF], Path(description="Whose group chat it is.")]
 AnyChannel = Annotated[Outlet, Path(description="A group chat, or the caller's own e-mail address.")]
 
@@ -81,7 +81,7 @@ class NoticesView(View):
     latest: list[NoticeView] = Field(description="Newest first.")
 
 
-@router.get("", summary="What the course tells by itself", responses=responses(*_READING))
+@router.get("", summary="What the course tells by itself", responses=responses(*_ON_READ))
 def read_notices(errand: InstructorDep, response: Response) -> NoticesView:
     """Return where notices go and how the latest fared."""
     response.headers.update(PRIVATE)
@@ -94,7 +94,7 @@ def read_notices(errand: InstructorDep, response: Response) -> NoticesView:
     "/webhooks/{outlet}",
     summary="Set a group's bot",
     status_code=status.HTTP_204_NO_CONTENT,
-    responses=responses(*_CHANGING, "invalid_webhook"),
+    responses=responses(*_ON_CHANGE, "invalid_webhook"),
 )
 def put_webhook(errand: InstructorDep, outlet: Group, body: WebhookBody) -> None:
     """Let a bot of Feishu, DingTalk or WeCom speak in a group; in place of the one before."""
@@ -108,7 +108,7 @@ def put_webhook(errand: InstructorDep, outlet: Group, body: WebhookBody) -> None
     "/webhooks/{outlet}",
     summary="Remove a group's bot",
     status_code=status.HTTP_204_NO_CONTENT,
-    responses=responses(*_READING, "webhook_not_found"),
+    responses=responses(*_ON_READ, "webhook_not_found"),
 )
 def delete_webhook(errand: InstructorDep, outlet: Group) -> None:
     """Send nothing there any more."""
@@ -119,7 +119,7 @@ def delete_webhook(errand: InstructorDep, outlet: Group) -> None:
     "/mail",
     summary="Choose what is e-mailed",
     status_code=status.HTTP_204_NO_CONTENT,
-    responses=responses(*_CHANGING, "mail_not_set_up"),
+    responses=responses(*_ON_CHANGE, "mail_not_set_up"),
 )
 def put_mail(errand: InstructorDep, body: MailBody) -> None:
     """Send e-mail to those of the class list who have an address there."""
@@ -131,7 +131,7 @@ def put_mail(errand: InstructorDep, body: MailBody) -> None:
     summary="Send a test message",
     status_code=status.HTTP_204_NO_CONTENT,
     responses=responses(
-        *_READING, "webhook_not_found", "mail_not_set_up", "no_own_address", "notice_not_taken"
+        *_ON_READ, "webhook_not_found", "mail_not_set_up", "no_own_address", "notice_not_taken"
     ),
 )
 def send_test(errand: InstructorDep, outlet: AnyChannel) -> None:

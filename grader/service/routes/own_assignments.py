@@ -16,8 +16,8 @@ from grader.service.routes.views import View
 from grader.use_cases import own_assignments
 
 router = APIRouter(prefix="/api/v1/course/assignments", tags=["course"])
-_READING = ("forbidden", "invalid_request")
-_CHANGING = (*_READING, "no_course", "course_archived")
+_ON_READ = ("forbidden", "invalid_request")
+_ON_CHANGE = (*_ON_READ, "no_course", "course_archived")
 Id = Annotated[str, Path(max_length=64, examples=["heptagon"])]
 
 
@@ -64,7 +64,7 @@ class OwnAssignmentList(View):
     assignments: list[OwnAssignmentView]
 
 
-@router.get("", summary="The course's own assignments", responses=responses(*_READING))
+@router.get("", summary="The course's own assignments", responses=responses(*_ON_READ))
 def read_all(errand: StaffDep, language: LanguageDep, response: Response) -> OwnAssignmentList:
     """Return what was uploaded, whether it can be used, and what its scripts scored."""
     response.headers.update(PRIVATE)
@@ -78,7 +78,7 @@ def read_all(errand: StaffDep, language: LanguageDep, response: Response) -> Own
     summary="Upload an assignment",
     status_code=status.HTTP_202_ACCEPTED,
     responses=responses(
-        *_CHANGING, "invalid_assignment", "too_many_assignments", "malformed_body", "too_large"
+        *_ON_CHANGE, "invalid_assignment", "too_many_assignments", "malformed_body", "too_large"
     ),
 )
 def upload(
@@ -103,7 +103,7 @@ def upload(
     response_class=Response,
     responses={
         200: {"content": {"application/zip": {"schema": {"type": "string", "format": "binary"}}}},
-        **responses(*_READING, "assignment_not_found"),
+        **responses(*_ON_READ, "assignment_not_found"),
     },
 )
 def download(errand: InstructorDep, assignment_id: Id) -> Response:
@@ -116,7 +116,7 @@ def download(errand: InstructorDep, assignment_id: Id) -> Response:
     "/{assignment_id}",
     summary="Remove an uploaded assignment",
     status_code=status.HTTP_204_NO_CONTENT,
-    responses=responses(*_CHANGING, "assignment_not_found", "assignment_in_use"),
+    responses=responses(*_ON_CHANGE, "assignment_not_found", "assignment_in_use"),
 )
 def remove(
     errand: InstructorDep,

@@ -20,7 +20,7 @@ from grader.use_cases.people import changes, members, myself
 router = APIRouter(prefix="/api/v1", tags=["people"])
 _PAGE = 100
 _LARGEST_ID = 2**63 - 1  # of a row in the database
-_CHANGING = ("forbidden", "no_course", "course_archived", "invalid_request")
+_ON_CHANGE = ("forbidden", "no_course", "course_archived", "invalid_request")
 PersonId = Annotated[str, Path(max_length=64, description="Id of a member.", examples=["20260123"])]
 
 
@@ -195,7 +195,7 @@ def read_me(errand: ErrandDep, response: Response) -> MeView:
 @router.put(
     "/course",
     summary="Change the course",
-    responses=responses(*_CHANGING, "invalid_course", "malformed_body", "too_large"),
+    responses=responses(*_ON_CHANGE, "invalid_course", "malformed_body", "too_large"),
 )
 def put_course(errand: InstructorDep, body: CourseBody, response: Response) -> CourseView:
     """Change title, time zone, and, for what is graded from now on, the release of ROS 2 and how scripts start."""
@@ -233,7 +233,7 @@ def read_members(
     "/members/import",
     dependencies=[Depends(known_parts)],
     summary="Import a class list",
-    responses=responses(*_CHANGING, "invalid_roster", "malformed_body", "too_large"),
+    responses=responses(*_ON_CHANGE, "invalid_roster", "malformed_body", "too_large"),
 )
 def import_members(  # noqa: PLR0913, PLR0917
     errand: InstructorDep,
@@ -261,7 +261,7 @@ def import_members(  # noqa: PLR0913, PLR0917
 @router.put(
     "/members/{person}",
     summary="Add or change a member",
-    responses=responses(*_CHANGING, "invalid_roster", "malformed_body", "too_large"),
+    responses=responses(*_ON_CHANGE, "invalid_roster", "malformed_body", "too_large"),
 )
 def put_member(errand: InstructorDep, person: PersonId, body: MemberBody, response: Response) -> MemberView:
     """Put somebody into the course, or change what the body names."""
@@ -275,7 +275,7 @@ def put_member(errand: InstructorDep, person: PersonId, body: MemberBody, respon
     "/members/{person}",
     summary="Remove a member",
     status_code=status.HTTP_204_NO_CONTENT,
-    responses=responses(*_CHANGING, "member_not_found", "invalid_roster"),
+    responses=responses(*_ON_CHANGE, "member_not_found", "invalid_roster"),
 )
 def delete_member(
     errand: InstructorDep,
@@ -290,7 +290,7 @@ def delete_member(
     "/members/{person}/tokens",
     summary="Make a token for a member",
     status_code=status.HTTP_201_CREATED,
-    responses=responses(*_CHANGING, "member_not_found", "malformed_body", "too_large"),
+    responses=responses(*_ON_CHANGE, "member_not_found", "malformed_body", "too_large"),
 )
 def make_token(
     errand: InstructorDep, person: PersonId, response: Response, body: TokenBody | None = None
@@ -318,7 +318,7 @@ def read_identities(errand: InstructorDep, person: PersonId, response: Response)
     "/members/{person}/identities/{identity}",
     summary="Let a member no longer sign in by a name",
     status_code=status.HTTP_204_NO_CONTENT,
-    responses=responses(*_CHANGING, "member_not_found", "identity_not_found"),
+    responses=responses(*_ON_CHANGE, "member_not_found", "identity_not_found"),
 )
 def delete_identity(
     errand: InstructorDep, person: PersonId, identity: Annotated[str, Path(max_length=16)]

@@ -12,7 +12,7 @@ from grader.use_cases.bodies import Body
 from grader.use_cases.pinning import LONGEST_PINNED, pin, pinned
 
 router = APIRouter(prefix="/api/v1/assignments/{assignment_id}/pinned", tags=["dashboard"])
-_KNOWN = ("assignment_not_found", "invalid_request", "forbidden")
+_ON_READ = ("assignment_not_found", "invalid_request", "forbidden")
 
 
 class PinnedBody(Body):
@@ -27,7 +27,7 @@ class PinnedList(View):
     pinned: dict[str, str] = Field(description="By the code of the mistake.")
 
 
-@router.get("", summary="What is pinned to mistakes", responses=responses(*_KNOWN))
+@router.get("", summary="What is pinned to mistakes", responses=responses(*_ON_READ))
 def read(errand: StaffDep, assignment_id: AssignmentId) -> PinnedList:
     """Return what students with certain mistakes read above the hint."""
     return PinnedList(pinned=pinned(errand.services, errand.caller, assignment_id))
@@ -36,7 +36,7 @@ def read(errand: StaffDep, assignment_id: AssignmentId) -> PinnedList:
 @router.put(
     "/{mistake}",
     summary="Pin a sentence to a mistake",
-    responses=responses(*_KNOWN, "malformed_body", "too_large", "no_course", "course_archived"),
+    responses=responses(*_ON_READ, "malformed_body", "too_large", "no_course", "course_archived"),
 )
 def change(
     errand: InstructorDep,

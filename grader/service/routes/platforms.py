@@ -16,8 +16,8 @@ from grader.use_cases import platform_people, platforms
 from grader.use_cases.bodies import Body
 
 router = APIRouter(prefix="/api/v1/course/platforms", tags=["course"])
-_READING = ("forbidden", "no_course", "invalid_request")
-_CHANGING = (*_READING, "course_archived", "malformed_body", "too_large", "platforms_not_set_up")
+_ON_READ = ("forbidden", "no_course", "invalid_request")
+_ON_CHANGE = (*_ON_READ, "course_archived", "malformed_body", "too_large", "platforms_not_set_up")
 PlatformId = Annotated[str, Path(max_length=16, description="Id of a platform.", examples=["1f0c9a7be2d4"])]
 
 
@@ -82,7 +82,7 @@ class PlatformsView(View):
     unsent: list[UnsentView]
 
 
-@router.get("", summary="The course's learning platforms", responses=responses(*_READING))
+@router.get("", summary="The course's learning platforms", responses=responses(*_ON_READ))
 def read_platforms(errand: InstructorDep, response: Response) -> PlatformsView:
     """Return the platforms, which activities there lead here, and which scores they do not take."""
     response.headers.update(PRIVATE)
@@ -101,7 +101,7 @@ def read_platforms(errand: InstructorDep, response: Response) -> PlatformsView:
     summary="Add a learning platform",
     status_code=status.HTTP_201_CREATED,
     responses=responses(
-        *_CHANGING, "invalid_platform", "platform_differs", "platform_exists", "too_many_platforms"
+        *_ON_CHANGE, "invalid_platform", "platform_differs", "platform_exists", "too_many_platforms"
     ),
 )
 def post_platform(errand: InstructorDep, body: PlatformBody) -> PlatformView:
@@ -114,7 +114,7 @@ def post_platform(errand: InstructorDep, body: PlatformBody) -> PlatformView:
     "/{platform}",
     summary="Remove a learning platform",
     status_code=status.HTTP_204_NO_CONTENT,
-    responses=responses(*_READING, "platform_not_found"),
+    responses=responses(*_ON_READ, "platform_not_found"),
 )
 def delete_platform(errand: InstructorDep, platform: PlatformId) -> None:
     """Take nobody in from it any more, and send it no scores. Its people are signed out."""
@@ -142,7 +142,7 @@ class PeopleView(View):
     plan: str = Field(description="Names whom this adds.", examples=["1f0c9a7be2d45a60"])
 
 
-_PEOPLE = (*_READING, "platform_not_found", "platform_tells_nobody", "platform_people_refused")
+_PEOPLE = (*_ON_READ, "platform_not_found", "platform_tells_nobody", "platform_people_refused")
 
 
 @router.get(

@@ -25,7 +25,7 @@ from grader.use_cases.bodies import Body
 router = APIRouter(prefix="/api/v1/regrades", tags=["regrades"])
 of_submission = APIRouter(prefix="/api/v1/submissions", tags=["regrades"], dependencies=[SIGHT])
 _MOST = 100_000
-_KNOWN = ("forbidden", "invalid_request")
+_ON_READ = ("forbidden", "invalid_request")
 
 
 class RegradeOrder(Body):
@@ -165,7 +165,7 @@ class History(View):
     status_code=202,
     summary="Grade again, on trial",
     responses=responses(
-        *_KNOWN,
+        *_ON_READ,
         "malformed_body",
         "too_large",
         "assignment_not_found",
@@ -192,7 +192,7 @@ def read_all(errand: StaffDep) -> RegradeList:
     )
 
 
-@router.get("/{regrade_id}", summary="What changes", responses=responses(*_KNOWN, "regrade_not_found"))
+@router.get("/{regrade_id}", summary="What changes", responses=responses(*_ON_READ, "regrade_not_found"))
 def read(
     errand: StaffDep,
     regrade_id: RegradeId,
@@ -209,7 +209,7 @@ def read(
     "/{regrade_id}/apply",
     summary="Make it count",
     responses=responses(
-        *_KNOWN, "malformed_body", "too_large", "regrade_not_found", "regrade_running", "regrade_decided"
+        *_ON_READ, "malformed_body", "too_large", "regrade_not_found", "regrade_running", "regrade_decided"
     ),
 )
 def apply(errand: InstructorDep, regrade_id: RegradeId, decision: Decision) -> RegradeView:
@@ -220,7 +220,7 @@ def apply(errand: InstructorDep, regrade_id: RegradeId, decision: Decision) -> R
 @router.post(
     "/{regrade_id}/discard",
     summary="Forget it",
-    responses=responses(*_KNOWN, "malformed_body", "too_large", "regrade_not_found", "regrade_decided"),
+    responses=responses(*_ON_READ, "malformed_body", "too_large", "regrade_not_found", "regrade_decided"),
 )
 def discard(errand: InstructorDep, regrade_id: RegradeId, decision: Decision) -> RegradeView:
     """Drop the trial gradings; every submission stays as it is."""
@@ -231,7 +231,7 @@ def discard(errand: InstructorDep, regrade_id: RegradeId, decision: Decision) ->
     "/{regrade_id}/undo",
     summary="Let the earlier gradings count again",
     responses=responses(
-        *_KNOWN,
+        *_ON_READ,
         "malformed_body",
         "too_large",
         "course_archived",

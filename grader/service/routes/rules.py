@@ -29,8 +29,8 @@ from grader.use_cases.bodies import ExtensionBody, RulesBody, rules_from
 from grader.use_cases.rules import course_rules
 
 router = APIRouter(prefix="/api/v1/assignments/{assignment_id}", tags=["rules"])
-_KNOWN = ("assignment_not_found", "invalid_request")
-_CHANGING = ("forbidden", "malformed_body", "too_large", "no_course", "course_archived", "changed_meanwhile")
+_ON_READ = ("assignment_not_found", "invalid_request")
+_ON_CHANGE = ("forbidden", "malformed_body", "too_large", "no_course", "course_archived", "changed_meanwhile")
 _ETAG = {
     "ETag": {"description": "Of the rules; for assistants and instructors.", "schema": {"type": "string"}}
 }
@@ -89,7 +89,7 @@ class StandingView(View):
 @router.get(
     "/rules",
     summary="The rules, and where one stands",
-    responses={200: {"headers": _ETAG}, **responses(*_KNOWN)},
+    responses={200: {"headers": _ETAG}, **responses(*_ON_READ)},
 )
 def read_rules(errand: ErrandDep, response: Response, assignment_id: AssignmentId) -> StandingView:
     """Return dates, limits and what lateness costs; for a member also attempts and what counts so far."""
@@ -106,7 +106,7 @@ def read_rules(errand: ErrandDep, response: Response, assignment_id: AssignmentI
     summary="Change the rules",
     responses={
         200: {"headers": _ETAG},
-        **responses(*_KNOWN, *_CHANGING, "invalid_rules"),
+        **responses(*_ON_READ, *_ON_CHANGE, "invalid_rules"),
     },
 )
 def change_rules(
@@ -125,7 +125,7 @@ def change_rules(
     return RulesBody.of(rules)
 
 
-@router.get("/extensions", summary="Who got more", responses=responses(*_KNOWN, "forbidden"))
+@router.get("/extensions", summary="Who got more", responses=responses(*_ON_READ, "forbidden"))
 def read_extensions(errand: StaffDep, assignment_id: AssignmentId) -> ExtensionList:
     """Return all extensions of an assignment."""
     found = use_case.extensions(errand.services, errand.caller, assignment_id)
@@ -135,7 +135,7 @@ def read_extensions(errand: StaffDep, assignment_id: AssignmentId) -> ExtensionL
 @router.put(
     "/extensions/{student}",
     summary="Give one student more",
-    responses=responses(*_KNOWN, *_CHANGING, "unknown_student"),
+    responses=responses(*_ON_READ, *_ON_CHANGE, "unknown_student"),
 )
 def change_extension(
     errand: InstructorDep,

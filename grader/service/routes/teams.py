@@ -14,8 +14,8 @@ from grader.use_cases import teams as use_case
 from grader.use_cases.bodies import Body
 
 router = APIRouter(prefix="/api/v1/assignments/{assignment_id}", tags=["teams"])
-_KNOWN = ("assignment_not_found", "invalid_request")
-_CHANGING = (*_KNOWN, "malformed_body", "too_large", "course_archived")
+_ON_READ = ("assignment_not_found", "invalid_request")
+_ON_CHANGE = (*_ON_READ, "malformed_body", "too_large", "course_archived")
 _MOST_TEAMS = 2_000
 Person = Annotated[str, Field(max_length=64, examples=["20260123"])]
 
@@ -55,7 +55,7 @@ class TeamsChange(Body):
     )
 
 
-@router.get("/team", summary="One's own team", responses=responses(*_KNOWN))
+@router.get("/team", summary="One's own team", responses=responses(*_ON_READ))
 def read_own(errand: ErrandDep, response: Response, assignment_id: AssignmentId) -> OwnTeam:
     """Return with whom the caller hands in."""
     response.headers.update(PRIVATE)
@@ -67,7 +67,7 @@ def read_own(errand: ErrandDep, response: Response, assignment_id: AssignmentId)
 @router.put(
     "/team",
     summary="Form or join a team",
-    responses=responses(*_CHANGING, "no_teams", "team_not_found", "team_full", "team_fixed"),
+    responses=responses(*_ON_CHANGE, "no_teams", "team_not_found", "team_full", "team_fixed"),
 )
 def join(errand: ErrandDep, assignment_id: AssignmentId, joining: Joining) -> TeamView:
     """Put the caller, a student, into the team with the code, or into a new one."""
@@ -78,14 +78,14 @@ def join(errand: ErrandDep, assignment_id: AssignmentId, joining: Joining) -> Te
     "/team",
     summary="Leave one's team",
     status_code=204,
-    responses=responses(*_KNOWN, "course_archived", "no_teams", "team_fixed"),
+    responses=responses(*_ON_READ, "course_archived", "no_teams", "team_fixed"),
 )
 def leave(errand: ErrandDep, assignment_id: AssignmentId) -> None:
     """Take the caller out of a team that students formed and that has handed in nothing with them."""
     use_case.leave_team(errand.services, errand.caller, assignment_id)
 
 
-@router.get("/teams", summary="All teams", responses=responses(*_KNOWN, "forbidden"))
+@router.get("/teams", summary="All teams", responses=responses(*_ON_READ, "forbidden"))
 def read_all(errand: StaffDep, assignment_id: AssignmentId) -> TeamList:
     """Return the teams; to an assistant those with a student whom they look after."""
     teams = use_case.teams_of(errand.services, errand.caller, assignment_id)
@@ -95,7 +95,7 @@ def read_all(errand: StaffDep, assignment_id: AssignmentId) -> TeamList:
 @router.put(
     "/teams",
     summary="Put teams together",
-    responses=responses(*_CHANGING, "forbidden", "no_course", "unknown_student"),
+    responses=responses(*_ON_CHANGE, "forbidden", "no_course", "unknown_student"),
 )
 def change_all(errand: InstructorDep, assignment_id: AssignmentId, change: TeamsChange) -> TeamList:
     """Put teams in place of all that there were. What was handed in stays with whoever has it."""

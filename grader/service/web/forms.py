@@ -20,7 +20,7 @@ MOST_FILE_BYTES = 1024 * 1024
 """Of a file in a form that is no submission: a request has no more."""
 _TOKEN_BYTES = 24
 _TOKEN = re.compile(r"[A-Za-z0-9_-]{32}")
-_OWN = ("same-origin", "none")
+_OWN_SITES = ("same-origin", "none")
 
 
 def token_of(request: Request) -> str:
@@ -50,7 +50,7 @@ def require_own_form(
         RefusedError: the form was not sent by one of our pages, or the browser was closed in between.
     """
     known = request.cookies.get(COOKIE, "")
-    own_site = request.headers.get("sec-fetch-site", "none") in _OWN
+    own_site = request.headers.get("sec-fetch-site", "none") in _OWN_SITES
     if not (
         own_site and _TOKEN.fullmatch(known) and hmac.compare_digest(known.encode(), form_token.encode())
     ):

@@ -29,7 +29,7 @@ desk = APIRouter(prefix="/class/platforms", include_in_schema=False, dependencie
 COOKIE = "grader_lti"
 _PATIENCE_S = 600
 _LONGEST = 2_000
-_ASKED = ("iss", "login_hint", "lti_message_hint", "client_id", "lti_deployment_id", "target_link_uri")
+_LOGIN_FIELDS = ("iss", "login_hint", "lti_message_hint", "client_id", "lti_deployment_id", "target_link_uri")
 _LONGEST_TOKEN = 64 * 1024
 _OURS = {
     "tool_url": "/",
@@ -157,7 +157,7 @@ def _people(errand: PageErrand, platform: str, *, meanwhile: bool = False) -> Re
 
 
 def _login(request: Request, services: ServicesDep, said: dict[str, str]) -> Response:
-    asked = {name: said[name] for name in _ASKED if name in said and len(said[name]) <= _LONGEST}
+    asked = {name: said[name] for name in _LOGIN_FIELDS if name in said and len(said[name]) <= _LONGEST}
     kept, address = platforms.begin(services, asked)
     framed = request.headers.get("sec-fetch-dest") in FRAMES
     picks = asked.get("target_link_uri") == f"{services.providers.public_url}{PICK}"

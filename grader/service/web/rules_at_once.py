@@ -21,7 +21,7 @@ from grader.use_cases.rules import change_rules, course_rules, extend
 
 router = APIRouter(prefix="/class/rules", include_in_schema=False, dependencies=[Depends(require_staff)])
 _MOST = 200
-_TYPED = ("opens", "due", "accept_late_s", "attempts", "attempts_per_day", "appeals_until")
+_TYPED_FIELDS = ("opens", "due", "accept_late_s", "attempts", "attempts_per_day", "appeals_until")
 _BETWEEN_IDS = re.compile(r"[\s,;，；、]+")
 
 
@@ -71,7 +71,7 @@ def _change(errand: PageErrand, form: SeveralForm) -> dict[str, str]:
     known = {one: course_rules(errand.services, errand.caller, one) for one in form.assignment}
     reader = Reader(next(iter(known.values())).zone)
     values: dict[str, object] = {
-        name: reader.typed(Rules, name, getattr(form, typed_name(name))) for name in _TYPED
+        name: reader.typed(Rules, name, getattr(form, typed_name(name))) for name in _TYPED_FIELDS
     }
     per_day = reader.typed(LateRule, "per_day", form.per_day)
     if form.late == "none":
