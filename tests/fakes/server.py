@@ -29,6 +29,7 @@ from grader.use_cases.callers import Callers
 from grader.use_cases.pictures import PlotCache, Plotter
 from grader.use_cases.services import Services
 from tests.fakes.grading import FakeAssignments, FakeGrader, FakePreflight
+from tests.fakes.waiting import wait_until
 
 TOKEN = "correct-horse-battery-staple"
 GOLDEN_OPENAPI = Path(__file__).parents[1] / "golden" / "openapi.json"
@@ -110,29 +111,40 @@ def operations() -> list[tuple[str, str]]:
 
 
 @contextmanager
+def running_server(config: uvicorn.Config, listener: socket.socket | None = None) -> Iterator[uvicorn.Server]:
+    """Run a server in a thread until the context ends.
+
+    Without a listening socket of the caller's this waits until there is the server's own; with one there is no
+    need: the first request simply waits until the server answers.
+    """
+    server = uvicorn.Server(config)
+    thread = threading.Thread(target=server.run, args=(None if listener is None else [listener],))
+    thread.start()
+    try:
+        if listener is None:
+            wait_until(lambda: server.started)
+        yield server
+    finally:
+        server.should_exit = True
+        thread.join()
+
+
+@contextmanager
 def serving(app: FastAPI, *, websockets: bool = False) -> Iterator[httpx.Client]:
     """Yield a client of a running server; the server has stopped when the context ends."""
-    listener = socket.create_server(("127.0.0.1", 0))
-    listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     # so long that a connection never ends at the moment of the next request
     kinds: dict[str, Any] = {"ws": "none"}
     if websockets:
         kinds = {"http": BoundedConnection, "ws": BoundedWebSocket, **SETTINGS}
     config = uvicorn.Config(app, log_config=None, timeout_keep_alive=3_600, **kinds)
-    server = uvicorn.Server(config)
-    thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
-    thread.start()
-    try:
-        port = listener.getsockname()[1]
-        # the socket listens already: the first request simply waits until the server answers
-        with httpx.Client(
-            base_url=f"http://127.0.0.1:{port}", timeout=30.0, trust_env=False, verify=False
-        ) as client:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        address = f"http://127.0.0.1:{listener.getsockname()[1]}"
+        with (
+            running_server(config, listener),
+            httpx.Client(base_url=address, timeout=30.0, trust_env=False, verify=False) as client,
+        ):
             yield client
-    finally:
-        server.should_exit = True
-        thread.join()
-        listener.close()
 
 
 class FakeLiveCar(LiveCar):

@@ -2,7 +2,6 @@
 
 import resource
 import socket
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -11,6 +10,7 @@ import uvicorn
 
 from grader.commands.serve import BoundedConnection, most_connections
 from grader.contracts.errors import SettingsError
+from tests.fakes.server import running_server
 from tests.fakes.waiting import PATIENCE_S, wait_until
 
 LARGE = 16 << 20  # more than a system takes for a client that does not read
@@ -55,15 +55,8 @@ def server_of(limit: int | None, deadlines: dict[str, float]) -> Iterator[uvicor
         limit_concurrency=limit,
         timeout_keep_alive=PATIENCE_S,
     )
-    server = uvicorn.Server(config)
-    thread = threading.Thread(target=server.run)
-    thread.start()
-    try:
-        wait_until(lambda: server.started)
+    with running_server(config) as server:
         yield server
-    finally:
-        server.should_exit = True
-        thread.join()
 
 
 def is_closed(connection: socket.socket) -> bool:

@@ -76,16 +76,8 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/judgements/waiting": STAFF,
     "get /api/v1/appeals": STAFF,
     "get /api/v1/submissions/{submission_id}/appeals": SUBMISSION,
-    "post /api/v1/submissions/{submission_id}/appeals": (
-        401,
-        401,
-        403,
-        404,
-        403,
-        403,
-        404,
-        404,
-    ),  # none are taken
+    # none are taken
+    "post /api/v1/submissions/{submission_id}/appeals": (401, 401, 403, 404, 403, 403, 404, 404),
     "put /api/v1/submissions/{submission_id}/appeals/{item}": (401, 401, 403, 404, 404, 404, 404, 404),
     "delete /api/v1/submissions/{submission_id}/appeals/{item}": (401, 401, 404, 404, 403, 403, 404, 404),
     "post /api/v1/regrades": (401, 401, 403, 403, 403, 202, 403, 422),  # the other course has nothing

@@ -2,7 +2,6 @@
 
 import asyncio
 import json
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
@@ -20,6 +19,7 @@ from grader.contracts.errors import RefusedError
 from grader.live.cars import LiveCars
 from grader.live.protocol import SETTINGS, BoundedWebSocket
 from grader.use_cases.services import Services
+from tests.fakes.server import running_server
 from tests.fakes.waiting import PATIENCE_S, wait_until
 
 Connect: TypeAlias = Callable[..., WebSocket]
@@ -39,15 +39,8 @@ def server(services: Services, cars: LiveCars) -> Iterator[uvicorn.Server]:
     config = uvicorn.Config(
         create_app(opened), port=0, log_config=None, http=BoundedConnection, ws=BoundedWebSocket, **SETTINGS
     )
-    server = uvicorn.Server(config)
-    thread = threading.Thread(target=server.run)
-    thread.start()
-    try:
-        wait_until(lambda: server.started)
+    with running_server(config) as server:
         yield server
-    finally:
-        server.should_exit = True
-        thread.join()
 
 
 @pytest.fixture

@@ -396,15 +396,6 @@ def test_a_foreign_state_is_refused(
     assert launch(client, token, state).status_code == 403
 
 
-def test_another_browser_is_refused(
-    client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
-) -> None:
-    asked = login(client)
-    client.cookies.clear()
-    token = moodle.sign(message(asked, ready.clock().timestamp()))
-    assert launch(client, token, asked["state"]).status_code == 403
-
-
 def test_a_message_answers_its_own_login_alone(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
 ) -> None:
@@ -416,13 +407,15 @@ def test_a_message_answers_its_own_login_alone(
     assert SESSION_COOKIE not in client.cookies
 
 
-def test_the_cookie_of_another_login_is_refused(
-    client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
+@pytest.mark.parametrize("with_login", [True, False])
+def test_another_browser_is_refused(
+    client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, *, with_login: bool
 ) -> None:
     asked = login(client)
     token = moodle.sign(message(asked, ready.clock().timestamp()))
     client.cookies.clear()
-    login(client)
+    if with_login:
+        login(client)
     assert launch(client, token, asked["state"]).status_code == 403
     assert SESSION_COOKIE not in client.cookies
 
