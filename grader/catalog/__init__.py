@@ -75,8 +75,8 @@ class Catalog:
         Raises:
             AssignmentError: a file is wrong; the message names file, line, field and fix.
         """
-        found = [self._assignment(folder) for folder in self._folders()]
-        return tuple(sorted(found, key=lambda assignment: (assignment.order, assignment.id)))
+        assignments = [self._assignment(folder) for folder in self._folders()]
+        return tuple(sorted(assignments, key=lambda assignment: (assignment.order, assignment.id)))
 
     def each(self) -> Iterator[tuple[str, Assignment | AssignmentError]]:
         """Yield id and content of every assignment; of a wrong one, what is wrong.

@@ -34,8 +34,8 @@ def create(catalog: Catalog, name: str, like: Path | None = None) -> Path:
             f"{folder} exists already; choose another name or edit it",
             f"已经有 {folder}：换一个名字，或者直接改它",
         )
-    known = [each for _, each in catalog.each()]  # a wrong one beside it keeps nobody from beginning
-    order = max((each.order for each in known if isinstance(each, Assignment)), default=0) + 1
+    existing = [each for _, each in catalog.each()]  # a wrong one beside it keeps nobody from beginning
+    order = max((each.order for each in existing if isinstance(each, Assignment)), default=0) + 1
     try:
         _copy(_SKELETON if like is None else like, folder, name, order)
     except OSError as error:

@@ -36,19 +36,19 @@ class _StrictLoader(_Loader):  # type: ignore[misc]
     """Refuses what PyYAML lets pass: a key that is given twice, one that is no text, and broken values."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        seen: set[str] = set()
+        keys_so_far: set[str] = set()
         fields = node.value if isinstance(node, yaml.MappingNode) else ()  # else: `!!map [a]`, refused below
         for key, _ in fields:
             if not isinstance(key, yaml.ScalarNode):
                 told = Text(zh="字段名要写成一个词", en="a field's name is one word; write it so")
                 raise WrongKeyError(told, key.start_mark)
-            if key.value in seen:
+            if key.value in keys_so_far:
                 zh, en = (
                     f"字段 {key.value!r} 写了两次：删掉一个",
                     f"the field {key.value!r} is given twice; remove one",
                 )
                 raise WrongKeyError(Text(zh=zh, en=en), key.start_mark)
-            seen.add(key.value)
+            keys_so_far.add(key.value)
         mapping: dict[Any, Any] = super().construct_mapping(node, deep=deep)
         return mapping
 
@@ -208,9 +208,9 @@ class Document:
     ) -> None:
         """Refuse steps and expectations with a type that is unknown, or with fields that it does not have."""
         if assignment.steps or assignment.expectations:
-            known = {**standard_types(), **types_of(interfaces)}
+            types = {**standard_types(), **types_of(interfaces)}
             own = assignment.package is not None and assignment.package.interfaces
-            misfits = misfits_of_types(assignment, known, may_be_unknown=own)
+            misfits = misfits_of_types(assignment, types, may_be_unknown=own)
             found = [(self.place(field), told) for field, told in misfits]
             if found:
                 raise refusals(found)

@@ -17,8 +17,8 @@ def interface_files(folder: Path) -> list[Path]:
     root = folder / INTERFACES
     if not root.is_dir():
         return []
-    found = [path for path in sorted(root.rglob("*")) if not path.is_dir() and path.name[0] != "."]
-    return [path for path in found if path.name not in _IGNORED_FILES or path.parent.parent != root]
+    files = [path for path in sorted(root.rglob("*")) if not path.is_dir() and path.name[0] != "."]
+    return [path for path in files if path.name not in _IGNORED_FILES or path.parent.parent != root]
 
 
 def is_there(path: Path) -> bool:

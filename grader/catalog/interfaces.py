@@ -79,19 +79,19 @@ def own_interfaces(texts: Mapping[str, str]) -> tuple[InterfaceDefinition, ...]:
 
 def _defined(files: Iterable[tuple[str, PurePath, Callable[[], str]]]) -> tuple[InterfaceDefinition, ...]:
     """Return what files define, given by what they are called, their places below the root, and their texts."""
-    found: dict[str, tuple[str, str, InterfaceDefinition]] = {}
+    definitions: dict[str, tuple[str, str, InterfaceDefinition]] = {}
     problems = []
     for shown, place, text in files:
         try:
             definition, content = _definition(place, text)
-            found[definition.name] = shown, content, definition
+            definitions[definition.name] = shown, content, definition
         except DefinitionError as error:
             problems.append((f"{shown}:{error.line}", error.told))
     if not problems:
-        problems = list(_misfits(found))
+        problems = list(_misfits(definitions))
     if problems:
         raise refusals(problems)
-    return tuple(definition for *_, definition in found.values())
+    return tuple(definition for *_, definition in definitions.values())
 
 
 def _definition(place: PurePath, read: Callable[[], str]) -> tuple[InterfaceDefinition, str]:
@@ -152,8 +152,8 @@ def _misfits(found: _Found) -> Iterator[tuple[str, Text]]:
 
 def _line(text: str, field: str) -> int:
     """Return the number of the first line of a definition that declares the field; 1 if none does."""
-    wanted = re.compile(rf"\s*\S+\s+{field}\b")
-    return next((number for number, line in enumerate(text.splitlines(), 1) if wanted.match(line)), 1)
+    declaration = re.compile(rf"\s*\S+\s+{field}\b")
+    return next((number for number, line in enumerate(text.splitlines(), 1) if declaration.match(line)), 1)
 
 
 def _unknown(fields: Fields, known: Mapping[str, object]) -> _Misfit | None:
@@ -172,7 +172,7 @@ def _unknown(fields: Fields, known: Mapping[str, object]) -> _Misfit | None:
 def _recursion(name: str, known: Mapping[str, Fields]) -> _Misfit | None:
     """Return the field by which a structure contains itself, directly or through others; None if there is none."""
     for field, first in known[name].items():
-        seen, waiting = set(), [first.partition("[")[0]]
+        visited, waiting = set(), [first.partition("[")[0]]
         while waiting:
             base = waiting.pop()
             if base == name:
@@ -181,8 +181,8 @@ def _recursion(name: str, known: Mapping[str, Fields]) -> _Misfit | None:
                     zh=f"{shown} 通过这个字段包含它自己：删掉这个字段",
                     en=f"by this field {shown} contains itself; remove the field",
                 )
-            if base not in seen:
-                seen.add(base)
+            if base not in visited:
+                visited.add(base)
                 waiting += [each.partition("[")[0] for each in known.get(base, {}).values()]
     return None
 

@@ -554,15 +554,15 @@ class AssignmentModel(SpecModel):
 
     @model_validator(mode="after")
     def _items_fit(self) -> Self:
-        seen: set[str] = set()
+        ids_so_far: set[str] = set()
         ids = [item.id for item in self.items]
         for i, item in enumerate(self.items):
-            if item.id in seen:
+            if item.id in ids_so_far:
                 raise MisfitError(twice(item.id), "items", i, "id")
-            if missing := sorted(set(item.needs) - seen):
+            if missing := sorted(set(item.needs) - ids_so_far):
                 told = not_before(missing[0]) if missing[0] in ids else unknown_item(missing[0], ids)
                 raise MisfitError(told, "items", i, "needs")
-            seen.add(item.id)
+            ids_so_far.add(item.id)
         measured = {item.id for item in self.items if item.measure != BY_PERSON}
         for i, item in enumerate(self.items):
             if missing := sorted(set(item.scaled_by) - (measured - {item.id})):
@@ -616,8 +616,10 @@ class AssignmentModel(SpecModel):
                 one = model.to_contract()
                 for name, kind, step_id in steps_named(one):
                     if step_id not in kinds or (kind is not None and kinds[step_id] != kind):
-                        known = [each for each in kinds if kind in (None, kinds[each])]
-                        raise MisfitError(unknown_step(step_id, kind, known), "items", i, "expect", k, name)
+                        step_ids = [each for each in kinds if kind in (None, kinds[each])]
+                        raise MisfitError(
+                            unknown_step(step_id, kind, step_ids), "items", i, "expect", k, name
+                        )
                 if one.kind == "topic" and types.setdefault(one.target, one.type) != one.type:
                     raise MisfitError(SAME_TYPE, "items", i, "expect", k, "type")
         return self

@@ -29,13 +29,13 @@ def _has_truth(value: object) -> bool:
 
     Each list is looked at once: aliases let a few lines of YAML stand for any number of them.
     """
-    pending, seen = [value], set[int]()
+    pending, visited = [value], set[int]()
     while pending:
         one = pending.pop()
         if isinstance(one, bool):
             return True
-        if isinstance(one, list) and id(one) not in seen:
-            seen.add(id(one))
+        if isinstance(one, list) and id(one) not in visited:
+            visited.add(id(one))
             pending.extend(one)
     return False
 

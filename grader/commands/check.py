@@ -176,10 +176,10 @@ def _explain(slot: Slot, arguments: argparse.Namespace, job: GradingJob, result:
             explanation = slot.explain(job)
     except InfrastructureError:
         explanation = Explanation()
-    told = list(render_steps(result.report, explanation, job.assignment, arguments.lang))
-    for number, part in enumerate(told, 1):
+    explained_lines = list(render_steps(result.report, explanation, job.assignment, arguments.lang))
+    for number, part in enumerate(explained_lines, 1):
         output.print(part)
-        if number < len(told) and not _asks_for_more(arguments, output.is_terminal):
+        if number < len(explained_lines) and not _asks_for_more(arguments, output.is_terminal):
             return
 
 

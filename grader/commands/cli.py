@@ -109,13 +109,13 @@ def _in_english(message: str) -> str:
 
 def _meant(message: str, language: Language) -> str:
     """Return the choice that a wrong one is like, as a question."""
-    found = re.fullmatch(r".*: invalid choice: '(.*)' \(choose from (.*)\)", message, re.DOTALL)
-    if found is None:
+    invalid_choice = re.fullmatch(r".*: invalid choice: '(.*)' \(choose from (.*)\)", message, re.DOTALL)
+    if invalid_choice is None:
         return ""
     import difflib
 
-    choices = [choice.strip("' ") for choice in found[2].split(",")]
-    likely = difflib.get_close_matches(found[1], choices, 1, _LEAST_LIKENESS)
+    choices = [choice.strip("' ") for choice in invalid_choice[2].split(",")]
+    likely = difflib.get_close_matches(invalid_choice[1], choices, 1, _LEAST_LIKENESS)
     question = Text(zh="（是不是 {}？）", en=" (did you mean {}?)").get(language)
     return question.format(likely[0]) if likely else ""
 
@@ -123,8 +123,8 @@ def _meant(message: str, language: Language) -> str:
 def _language(argv: Sequence[str]) -> Language:
     """Return the language that the arguments ask for, before they are parsed."""
     own = argv[: argv.index("--")] if "--" in argv else argv
-    found = _LANGUAGE.findall("\0".join(own))
-    return found[-1] if found else default_language()
+    languages = _LANGUAGE.findall("\0".join(own))
+    return languages[-1] if languages else default_language()
 
 
 def _parse(parser: Parser, argv: list[str], passes_on: str) -> argparse.Namespace:

@@ -101,8 +101,8 @@ def _configure_set(change: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Do it; what is wrong with a roster is raised as CourseError before anything is changed."""
-    known = {"create": _create, "roster": _import, "set": _set, "list": _list, "costs": _costs}
-    action = {**known, **course_life.ACTIONS}[arguments.action]
+    actions = {"create": _create, "roster": _import, "set": _set, "list": _list, "costs": _costs}
+    action = {**actions, **course_life.ACTIONS}[arguments.action]
     with opened(arguments, create=arguments.action == "create") as storage:
         action(storage, arguments)
     return 0

@@ -72,8 +72,8 @@ def run(arguments: argparse.Namespace) -> int:
                 plots / f"{upload.student}-{upload.assignment}-{Path(upload.file).stem}",
                 arguments.lang,
             )
-        wanted = {"lang": arguments.lang}
-        dashboard = client.get("/api/v1/dashboard", params=wanted).raise_for_status().json()
+        query = {"lang": arguments.lang}
+        dashboard = client.get("/api/v1/dashboard", params=query).raise_for_status().json()
     output.print(render_dashboard(dashboard, language=arguments.lang))
     output.print(word("demo_plots", arguments.lang, plots=plots), soft_wrap=True)
     pages = word("demo_pages", arguments.lang, program=_program(), data=arguments.output)
@@ -91,8 +91,8 @@ def _save_plots(client: httpx.Client, location: str, stem: Path, language: str) 
     """Save a picture of each run. A text is not run, so it has none."""
     runs = client.get(location).raise_for_status().json()["runs"]
     for run in runs:
-        wanted = {"lang": language, "case": run["case"]}
-        plot = client.get(f"{location}/plot.png", params=wanted).raise_for_status()
+        query = {"lang": language, "case": run["case"]}
+        plot = client.get(f"{location}/plot.png", params=query).raise_for_status()
         name = stem.name if len(runs) == 1 else f"{stem.name}-{run['case']}"
         stem.with_name(f"{name}.png").write_bytes(plot.content)
 

@@ -147,8 +147,8 @@ def _for_python_311(lock: bytes) -> bytes:
     Ubuntu 22.04 has 3.11.0rc1, of which its pip 22.0 says that it is neither below 3.13 nor above.
     """
     entries = re.split(rb"^(?=\S)", lock, flags=re.MULTILINE)
-    found = [(one, _OF_PYTHON.match(one)) for one in entries]
-    return b"".join(_OF_PYTHON.sub(rb"\1", one) for one, of in found if of is None or of[2] == b"<")
+    conditioned = [(one, _OF_PYTHON.match(one)) for one in entries]
+    return b"".join(_OF_PYTHON.sub(rb"\1", one) for one, of in conditioned if of is None or of[2] == b"<")
 
 
 # ---------------------------------------------------------------------------------------------- containers

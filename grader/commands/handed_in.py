@@ -123,15 +123,15 @@ def write_results(root: Path, document: Mapping[str, Any]) -> None:
 
 def _files(folder: Path) -> list[Path]:
     """Return the ordinary files below a folder, without links and what systems and editors leave there."""
-    found: list[Path] = []
+    files: list[Path] = []
     for path in sorted(folder.rglob("*")):
         parts = path.relative_to(folder).parts
         if any(part.startswith((".", "__")) for part in parts) or path.is_symlink() or not path.is_file():
             continue
-        found.append(path)
-        if len(found) > _MOST_FILES:
+        files.append(path)
+        if len(files) > _MOST_FILES:
             break
-    return found
+    return files
 
 
 def _named(name: str, patterns: Sequence[str]) -> bool:

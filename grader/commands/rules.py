@@ -201,13 +201,13 @@ def _changed(before: Rules, given: list[str]) -> dict[str, Any]:
 
 
 def _no_rule(rule: str, name: str) -> CourseError:
-    known, likely = ", ".join(_KINDS), difflib.get_close_matches(name, _KINDS, 1)
+    kinds, likely = ", ".join(_KINDS), difflib.get_close_matches(name, _KINDS, 1)
     if likely and likely != [name]:
         return CourseError(
             f"no rule {name!r}; do you mean {likely[0]}?", f"没有规则 {name!r}；是不是 {likely[0]}？"
         )
     return CourseError(
-        f"{rule}: write RULE=VALUE with one of {known}", f"{rule}：写成 规则=值，规则有 {known}"
+        f"{rule}: write RULE=VALUE with one of {kinds}", f"{rule}：写成 规则=值，规则有 {kinds}"
     )
 
 

@@ -231,12 +231,14 @@ def _advise(arguments: argparse.Namespace, report: GradeReport, output: "Console
 def _interfaces_for(report: GradeReport) -> Path | None:
     """Return the folder of the built-in assignment that brings the package whose import failed, if any."""
     error = report.runs[0].outcome.error
-    found = re.match(r"No module named '(\w+)", "" if error is None else error.message)
-    if found is None:
+    missing_module = re.match(r"No module named '(\w+)", "" if error is None else error.message)
+    if missing_module is None:
         return None
     from grader.catalog import default_root
 
-    folders = (path.parent.parent for path in sorted(default_root().glob(f"*/{INTERFACES}/{found[1]}")))
+    folders = (
+        path.parent.parent for path in sorted(default_root().glob(f"*/{INTERFACES}/{missing_module[1]}"))
+    )
     return next(folders, None)
 
 

@@ -109,8 +109,8 @@ def chosen_course(storage: OpenedStore, course: str | None) -> str:
     if not courses:
         raise no_course(storage.database.name)
     if len(courses) > 1:
-        known = ", ".join(one.id for one in courses)
-        raise CourseError(f"say which course with --course: {known}", f"请用 --course 指明课程：{known}")
+        ids = ", ".join(one.id for one in courses)
+        raise CourseError(f"say which course with --course: {ids}", f"请用 --course 指明课程：{ids}")
     return courses[0].id
 
 

@@ -265,10 +265,12 @@ def _print_details(assignment_id: str, examination: Examination, language: Langu
     for each in examination.margins:
         table.add_row(each.item, *(number(value, each.unit, 3) for value in (each.measured, each.margin)))
     console().print(f"\n{assignment_id}{_INSIDE.get(language)}", table)
-    for case, found in examination.sensitivity.items():
-        if found:
+    for case, sensitivity in examination.sensitivity.items():
+        if sensitivity:
             where = f" ({case})" if len(examination.sensitivity) > 1 else ""
-            console().print(f"\n{assignment_id}{where}{_WHICH_COSTS.get(language)}", _costs(found, language))
+            console().print(
+                f"\n{assignment_id}{where}{_WHICH_COSTS.get(language)}", _costs(sensitivity, language)
+            )
 
 
 def _costs(found: Sequence[Sensitivity], language: Language) -> Table:

@@ -531,15 +531,15 @@ def graded_otherwise(before: Assignment, after: Assignment) -> tuple[str, ...]:
     """
     old, new = to_plain(before), to_plain(after)
     changed = [name for name in new if name not in _GRADE_NOTHING and old[name] != new[name]]
-    known = {item.id: to_plain(item) for item in before.items}
+    items_before = {item.id: to_plain(item) for item in before.items}
     for item in after.items:
-        was = known.pop(item.id, None)
+        was = items_before.pop(item.id, None)
         if was is None:
             changed.append(f"items.{item.id}")
         else:
             fields = {name: value for name, value in to_plain(item).items() if name not in ("title", "hint")}
             changed += [f"items.{item.id}.{name}" for name, value in fields.items() if was[name] != value]
-    return (*changed, *(f"items.{gone}" for gone in known))
+    return (*changed, *(f"items.{gone}" for gone in items_before))
 
 
 class WrongAttempt(Record):

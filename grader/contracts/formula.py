@@ -56,11 +56,11 @@ _NUMBER: Final = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?")
 
 def _ends_of_number(text: str, start: int) -> Iterator[int]:
     """Yield where a number that begins there may end: before a dot that ends a sentence, too."""
-    found = _NUMBER.match(text, start)
-    if found is not None:
-        yield found.end()
-        if text[found.end() - 1] == ".":
-            yield found.end() - 1
+    number = _NUMBER.match(text, start)
+    if number is not None:
+        yield number.end()
+        if text[number.end() - 1] == ".":
+            yield number.end() - 1
 
 
 def _joined(between: str, texts: list[str]) -> str:
@@ -118,9 +118,9 @@ class Formula:
         Raises:
             FormulaError: there is none, as for a quotient by zero or a field that is missing.
         """
-        known = FUNCTIONS if functions is None else {**FUNCTIONS, **functions}
+        callables = FUNCTIONS if functions is None else {**FUNCTIONS, **functions}
         try:
-            return _Evaluation({**_CONSTANTS, **names}, known).of(self._tree)
+            return _Evaluation({**_CONSTANTS, **names}, callables).of(self._tree)
         except FormulaError:
             raise
         except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:

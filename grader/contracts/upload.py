@@ -147,8 +147,8 @@ def _decodes(source: bytes, coding: str) -> bool:
 def _declared(source: bytes) -> str | None:
     """Return the coding that the first two lines declare by PEP 263, if any."""
     for line in source.splitlines()[:2]:
-        if (found := _CODING.match(line)) is not None:
-            return found[1].decode("ascii")
+        if (coding := _CODING.match(line)) is not None:
+            return coding[1].decode("ascii")
         if line.strip() and not line.lstrip().startswith(b"#"):
             return None
     return None
@@ -163,10 +163,10 @@ def check_name(name: str, endings: tuple[str, ...]) -> None:
     lower = name.lower()
     if lower.endswith(endings) and lower not in endings:
         return
-    wanted = Text(zh=" 或 ".join(endings), en=" or ".join(endings))
+    allowed_endings = Text(zh=" 或 ".join(endings), en=" or ".join(endings))
     told = Text(
-        zh=f"收到的文件名是 {name or '—'}，这个作业要交的文件以 {wanted.zh} 结尾。",
-        en=f"The file is called {name or '—'}; this assignment takes names that end in {wanted.en}.",
+        zh=f"收到的文件名是 {name or '—'}，这个作业要交的文件以 {allowed_endings.zh} 结尾。",
+        en=f"The file is called {name or '—'}; this assignment takes names that end in {allowed_endings.en}.",
     )
     raise RefusedError("wrong_file_type", _remedy(name, endings, told), field="file")
 

@@ -73,11 +73,11 @@ def _compared(key: str, said: Mapping[str, str]) -> Iterator[str]:
 def uses() -> Iterator[str]:
     """Compare the messages with the source."""
     source = _source()
-    known = {key for name in FILES for key in entries("en", name)}
+    keys = {key for name in FILES for key in entries("en", name)}
     for key, place in sorted(source.named.items()):
-        if key not in known and key.replace("page.", "word.", 1) not in known:  # as `on_page` looks for it
+        if key not in keys and key.replace("page.", "word.", 1) not in keys:  # as `on_page` looks for it
             yield f"{place}: no message {key}"
-    for key in sorted(known):
+    for key in sorted(keys):
         if not _used(key):
             yield f"{key} is not used"
 
@@ -116,8 +116,8 @@ class _Source:
         short = key.removeprefix("page.")
         if {key, short} & self.literals or key in self.named:
             return True
-        found = (re.fullmatch(pattern, one) for pattern in self.patterns for one in {key, short})
-        return any(all(map(self._stands, match.groups())) for match in found if match is not None)
+        matches = (re.fullmatch(pattern, one) for pattern in self.patterns for one in {key, short})
+        return any(all(map(self._stands, match.groups())) for match in matches if match is not None)
 
     def _stands(self, part: str) -> bool:
         return part in self.literals or part.isdigit()
@@ -176,10 +176,10 @@ def _values(node: ast.expr) -> frozenset[str]:
 
 def main() -> int:
     """Print what is wrong; return 1 if anything is."""
-    found = faults()
-    for line in found:
+    all_faults = faults()
+    for line in all_faults:
         print(line)  # noqa: T201 - a tool of the developers
-    return 1 if found else 0
+    return 1 if all_faults else 0
 
 
 if __name__ == "__main__":

@@ -59,10 +59,10 @@ def _is_in_band(item: RubricItem) -> bool:
 
 
 def _fact(item: RubricItem) -> Text:
-    seen = item.message
-    if seen == EMPTY:
-        seen = Text(zh=measured(item, "zh"), en=measured(item, "en"))
-    return say("step.fact", title=item.title, seen=seen)
+    message = item.message
+    if message == EMPTY:
+        message = Text(zh=measured(item, "zh"), en=measured(item, "en"))
+    return say("step.fact", title=item.title, seen=message)
 
 
 def _line(change: ProvenChange) -> Text:

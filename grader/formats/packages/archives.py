@@ -170,11 +170,11 @@ def _read(archive: zipfile.ZipFile, content: bytes, keep: Keep, bounds: ZipBound
                 raise ArchiveError(Fault.TWICE, path)
             named[path] = info
             entries.append(ZipEntry(path, _is_ordinary(info)))
-    wanted = sorted(keep(entries))
-    _check_kept(wanted, {entry.path for entry in entries if not entry.is_file}, bounds)
+    kept_paths = sorted(keep(entries))
+    _check_kept(kept_paths, {entry.path for entry in entries if not entry.is_file}, bounds)
     files: dict[str, bytes] = {}
     most = min(bounds.unpacked_bytes, max(MIB, bounds.ratio * len(content)))
-    for path in wanted:
+    for path in kept_paths:
         _check_method(named[path], path)
         files[path] = _unpacked(archive, named[path], path, most, bounds)
         most -= len(files[path])
@@ -230,18 +230,18 @@ def _check_kept(wanted: Sequence[str], special: Collection[str], bounds: ZipBoun
     """Refuse too many files, links and devices, and names that some computers cannot tell apart."""
     if len(wanted) > bounds.files:
         raise ArchiveError(Fault.MANY, count=len(wanted), most=bounds.files)
-    seen: dict[str, str] = {}
+    paths_by_folded: dict[str, str] = {}
     for path in wanted:
         if len(path.encode("utf-8", "replace")) > bounds.name_bytes or path.count("/") >= bounds.depth:
             raise ArchiveError(Fault.LONG, path)
         if path in special:
             raise ArchiveError(Fault.LINK, path)
         folded = path.casefold()
-        if folded in seen:
+        if folded in paths_by_folded:
             raise ArchiveError(Fault.TWICE, path)
-        seen[folded] = path
-    for folded, path in seen.items():
-        if any(folded.startswith(f"{other}/") for other in above(folded) if other in seen):
+        paths_by_folded[folded] = path
+    for folded, path in paths_by_folded.items():
+        if any(folded.startswith(f"{other}/") for other in above(folded) if other in paths_by_folded):
             raise ArchiveError(Fault.TWICE, path)
 
 

@@ -190,8 +190,8 @@ def _common(folders: Sequence[str]) -> str:
 
 
 def _name_of(manifest: bytes) -> str:
-    found = _NAME_IN_MANIFEST.search(manifest)
-    return found[1].decode() if found else _UNNAMED
+    name_element = _NAME_IN_MANIFEST.search(manifest)
+    return name_element[1].decode() if name_element else _UNNAMED
 
 
 def _no_package(paths: Sequence[str]) -> RefusedError:

@@ -19,19 +19,19 @@ def read_folder(folder: Path) -> bytes:
         OSError: a file cannot be read.
     """
     top = folder.resolve()
-    found: dict[str, Path] = {}
+    files: dict[str, Path] = {}
     for root, folders, names in os.walk(top):
         folders[:] = [each for each in sorted(folders) if not each.startswith(".")]
         for name in names:
             path = Path(root, name)
             if path.is_file() and not path.is_symlink():
-                found[f"{top.name}/{path.relative_to(top).as_posix()}"] = path
-        if len(found) > _MOST_NAMES:
+                files[f"{top.name}/{path.relative_to(top).as_posix()}"] = path
+        if len(files) > _MOST_NAMES:
             raise _too_many(folder)
-    kept = own_files(found)
+    kept = own_files(files)
     if len(kept) > BOUNDS.files:
         raise _too_many(folder)
-    return bundle_of({path: read_bounded(found[path], BOUNDS.file_bytes) for path in kept})
+    return bundle_of({path: read_bounded(files[path], BOUNDS.file_bytes) for path in kept})
 
 
 def read_bounded(path: Path, most: int) -> bytes:

@@ -87,8 +87,8 @@ def _interfaces(packages: Sequence[Package], files: Mapping[str, bytes]) -> dict
     for package in packages:
         if not package.has_setup and "CMakeLists.txt" in package.paths:
             lists = decoded(files[f"{package.folder}/CMakeLists.txt"])
-            wanted = {each for call in _GENERATES.findall(lists) for each in _DEFINITION.findall(call)}
-            for path in sorted(wanted & set(package.paths)):
+            generated = {each for call in _GENERATES.findall(lists) for each in _DEFINITION.findall(call)}
+            for path in sorted(generated & set(package.paths)):
                 found[f"{package.name}/{path}"] = decoded(files[f"{package.folder}/{path}"])
     return found
 
@@ -105,13 +105,13 @@ def _modules(package: Package, site: str) -> list[list[Any]]:
     """Return name, path in the archive, whether it is a package, and installed path of each module."""
     if not package.is_built:
         return []
-    found: list[list[Any]] = []
+    modules: list[list[Any]] = []
     for name, path in package.modules.items():
         is_package = not path or path.endswith("/__init__.py")
         inside = f"install/{package.name}/{site}/" + name.replace(".", "/")
         installed = inside + ("/__init__.py" if is_package else ".py")
-        found.append([name, f"{package.folder}/{path}" if path else "", is_package, installed])
-    return found
+        modules.append([name, f"{package.folder}/{path}" if path else "", is_package, installed])
+    return modules
 
 
 def _shared(package: Package, site: str) -> list[list[str]]:

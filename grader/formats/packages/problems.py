@@ -91,12 +91,12 @@ def _manifest(package: Package, files: Mapping[str, bytes]) -> Iterator[PackageP
 
 
 def _imported(package: Package, files: Mapping[str, bytes]) -> set[str]:
-    found: set[str] = set()
+    modules: set[str] = set()
     for path in package.paths:
         if path.endswith(".py") and path != "setup.py" and not path.startswith((*_TESTS, "launch/")):
             text = files[f"{package.folder}/{path}"].decode("utf-8", "replace")
-            found.update(name for name in _IMPORT.findall(text) if _OF_ROS.fullmatch(name))
-    return found
+            modules.update(name for name in _IMPORT.findall(text) if _OF_ROS.fullmatch(name))
+    return modules
 
 
 def _names(package: Package) -> Iterator[PackageProblem]:
@@ -160,17 +160,17 @@ def _defined(source: bytes) -> set[str] | None:
     tree = parsed(source)
     if tree is None:
         return None
-    found: set[str] = set()
+    names: set[str] = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
-            found.add(node.name)
+            names.add(node.name)
         elif isinstance(node, ast.Import | ast.ImportFrom):
             if any(each.name == "*" for each in node.names):
                 return None
-            found.update((each.asname or each.name).partition(".")[0] for each in node.names)
+            names.update((each.asname or each.name).partition(".")[0] for each in node.names)
         elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-            found.add(node.id)
-    return found
+            names.add(node.id)
+    return names
 
 
 def _shared(package: Package) -> Iterator[PackageProblem]:

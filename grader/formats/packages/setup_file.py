@@ -79,17 +79,17 @@ class SetupFile:
         value = self.arguments.get("data_files", [])
         if not isinstance(value, list | tuple):
             return None
-        found: list[tuple[str, list[str]]] = []
+        targets: list[tuple[str, list[str]]] = []
         for each in value:
             if not (isinstance(each, list | tuple) and len(each) == 2 and isinstance(each[0], str)):
                 return None
             files = each[1]
             if not (isinstance(files, list | tuple) and all(isinstance(one, str) for one in files)):
                 return None
-            found.append((each[0], list(files)))
-            if sum(len(paths) for _, paths in found) > _LONGEST_VALUE:
+            targets.append((each[0], list(files)))
+            if sum(len(paths) for _, paths in targets) > _LONGEST_VALUE:
                 return None
-        return found
+        return targets
 
     def package_dir(self) -> dict[str, str] | None:
         """Return the folders of packages by their names, of all others under the empty one; None: not known."""
@@ -107,7 +107,7 @@ class SetupFile:
         value = self.arguments.get("package_data", {})
         if not isinstance(value, dict):
             return None
-        found: dict[str, list[str]] = {}
+        installed: dict[str, list[str]] = {}
         for name, folder in folders.items():
             for patterns in (value.get("", []), value.get(name, [])):
                 if not (isinstance(patterns, list) and all(isinstance(each, str) for each in patterns)):
@@ -116,8 +116,8 @@ class SetupFile:
                     paths = self._globbed(f"{folder}/{pattern}" if folder else pattern)
                     if paths is UNKNOWN:
                         return None
-                    found.setdefault(name, []).extend(paths)
-        return found
+                    installed.setdefault(name, []).extend(paths)
+        return installed
 
     def _execute(self, statement: ast.stmt) -> None:
         if isinstance(statement, ast.Assign):
@@ -190,27 +190,27 @@ class SetupFile:
         return UNKNOWN
 
     def _elements(self, nodes: Sequence[ast.expr]) -> Any:
-        found: list[Any] = []
+        elements: list[Any] = []
         for node in nodes:
             if isinstance(node, ast.Starred):
                 more = self._value(node.value)
                 if not isinstance(more, list):
                     return UNKNOWN
-                found += more
-                if len(found) > _LONGEST_VALUE:
+                elements += more
+                if len(elements) > _LONGEST_VALUE:
                     return UNKNOWN
             else:
-                found.append(self._value(node))
-        return found
+                elements.append(self._value(node))
+        return elements
 
     def _dict(self, node: ast.Dict) -> Any:
-        found = {}
+        values = {}
         for key, value in zip(node.keys, node.values, strict=True):
             name = UNKNOWN if key is None else self._value(key)
             if not isinstance(name, str):
                 return UNKNOWN
-            found[name] = self._value(value)
-        return found
+            values[name] = self._value(value)
+        return values
 
     def _joined(self, node: ast.JoinedStr) -> Any:
         text = ""
@@ -249,22 +249,22 @@ class SetupFile:
             for path in self._paths
             if path.endswith("/__init__.py") and path.startswith(start) and "/" in path[len(start) :]
         }
-        found = []
+        packages = []
         for folder in sorted(folders):
             parts = folder.split("/")
             whole = all("/".join(parts[:end]) in folders for end in range(1, len(parts)))
             name = ".".join(parts)
             fits = any(fnmatchcase(name, str(pattern)) for pattern in included)
             if whole and fits and not any(fnmatchcase(name, str(pattern)) for pattern in excluded):
-                found.append(name)
-        return found
+                packages.append(name)
+        return packages
 
     def _globbed(self, pattern: str) -> Any:
         """Return the files and folders that match, as `glob.glob` does in the package's folder."""
-        wanted = pattern.removeprefix("./").split("/")
-        if not self._may(self._names_of_paths * len(wanted)):
+        pattern_names = pattern.removeprefix("./").split("/")
+        if not self._may(self._names_of_paths * len(pattern_names)):
             return UNKNOWN
-        return _bounded([path for path in self._every if _matches(path.split("/"), wanted)])
+        return _bounded([path for path in self._every if _matches(path.split("/"), pattern_names)])
 
     @cached_property
     def _every(self) -> list[str]:
@@ -357,12 +357,12 @@ def _fits(name: str, pattern: str) -> bool:
 
 def _sections(text: str) -> dict[str, str]:
     """Return the sections of entry points that are written as the text of an INI file."""
-    found: dict[str, str] = {}
+    sections: dict[str, str] = {}
     section = ""
     for line in text.splitlines():
         if line.strip().startswith("[") and line.strip().endswith("]"):
             section = line.strip()[1:-1].strip()
-            found.setdefault(section, "")
+            sections.setdefault(section, "")
         elif section:
-            found[section] += f"{line}\n"
-    return found
+            sections[section] += f"{line}\n"
+    return sections

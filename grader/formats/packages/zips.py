@@ -62,7 +62,7 @@ def _refusal_text_of_file(fault: Fault, path: str) -> Text:
         en=f"it unpacks to too much (at {path}): zip the sources only, without build, install, log, .git, "
         "pictures and recordings",
     )
-    told = {
+    refusals = {
         Fault.NAME: Text(
             zh=f"压缩包里有不能用的文件名 {path}：把文件夹重新压缩一次，文件名里不要有 ..、开头的 / 或盘符。",
             en=f"the zip holds a name that cannot be used, {path}: zip the folder again, without '..', "
@@ -90,7 +90,7 @@ def _refusal_text_of_file(fault: Fault, path: str) -> Text:
             en=f"{path} is packed by an unusual method: zip the folder with your system's own tool",
         ),
     }
-    return told.get(fault, large)
+    return refusals.get(fault, large)
 
 
 def _shown(path: str) -> str:

@@ -158,19 +158,19 @@ def _match(
     ambiguous: list[SheetRow],
 ) -> None:
     """Add each row of a sheet to the list that it belongs to."""
-    found: list[_Place] = []
+    places_here: list[_Place] = []
     for line in target.table.rows[target.first :]:
         if not (written := "".join(line.cells[target.ids : target.ids + 1])):
             continue
         row = SheetRow(sheet=target.table.name, number=line.number, person=written[:64])
         meant, exact = students.meant_by(written)
         if len(meant) == 1:
-            found.append(_Place(row=row, column=target.column, student=meant[0], exact=exact))
+            places_here.append(_Place(row=row, column=target.column, student=meant[0], exact=exact))
         else:
             (ambiguous if meant else unknown).append(row)
-    exactly = {place.student for place in found if place.exact}
-    times = Counter(place.student for place in found if not place.exact)
-    for place in found:
+    exactly = {place.student for place in places_here if place.exact}
+    times = Counter(place.student for place in places_here if not place.exact)
+    for place in places_here:
         if place.exact or (times[place.student] == 1 and place.student not in exactly):
             places.append(place)
         else:  # two rows may be this student's

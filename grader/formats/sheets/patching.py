@@ -47,8 +47,8 @@ def main() -> int:
         return LARGE
     except Exception:  # openpyxl's errors, and those of the libraries below it
         return DAMAGED
-    told = {"kept": kept, "formulas": formulas, "lost": _lost(content, out.getvalue())}
-    sys.stdout.buffer.write(json.dumps(told).encode() + b"\n" + out.getvalue())
+    outcome = {"kept": kept, "formulas": formulas, "lost": _lost(content, out.getvalue())}
+    sys.stdout.buffer.write(json.dumps(outcome).encode() + b"\n" + out.getvalue())
     return 0
 
 

@@ -268,13 +268,13 @@ def _found_header(table: ListedTable) -> tuple[int, dict[str, int]]:
 def _columns(cells: Sequence[str]) -> dict[str, int]:
     """Return the index of each column that a header has; nothing if ids or names are missing."""
     labels = [label(cell) for cell in cells]
-    found: dict[str, int] = {}
+    columns: dict[str, int] = {}
     for column in _COLUMNS:
         index = _index_of(column, labels)
-        if index is not None and index not in found.values():
-            found[column] = index
-    named = "name" in found or {"first", "last"} <= found.keys()
-    return found if named and "id" in found else {}
+        if index is not None and index not in columns.values():
+            columns[column] = index
+    named = "name" in columns or {"first", "last"} <= columns.keys()
+    return columns if named and "id" in columns else {}
 
 
 def id_column(cells: Sequence[str]) -> int | None:
@@ -356,8 +356,8 @@ def _checked_student(text: str) -> str:
 def _checked_role(text: str) -> Role | None:
     role = _ROLES.get(text.casefold(), text.casefold())
     if role and role not in list(Role):
-        known = ", ".join(Role)
-        raise CourseError(f"{text!r} is no role: use {known}", f"没有角色 {text!r}：只能用 学生、助教、教师")
+        roles = ", ".join(Role)
+        raise CourseError(f"{text!r} is no role: use {roles}", f"没有角色 {text!r}：只能用 学生、助教、教师")
     return Role(role) if role else None
 
 

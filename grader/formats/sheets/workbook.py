@@ -46,10 +46,10 @@ class _TooLargeError(Exception):
 def _sheets(book: CalamineWorkbook) -> list[dict[str, object]]:
     sheets: list[dict[str, object]] = []
     room, text_room = MAX_CELLS, MAX_CHARACTERS
-    for known in book.sheets_metadata:
-        if known.typ is not SheetTypeEnum.WorkSheet:
+    for metadata in book.sheets_metadata:
+        if metadata.typ is not SheetTypeEnum.WorkSheet:
             continue
-        sheet = book.get_sheet_by_name(known.name)
+        sheet = book.get_sheet_by_name(metadata.name)
         if sheet.total_height > MAX_ROWS or sheet.total_width > MAX_COLUMNS:
             raise _TooLargeError
         room -= sheet.height * sheet.width
@@ -64,8 +64,8 @@ def _sheets(book: CalamineWorkbook) -> list[dict[str, object]]:
             if text_room < 0:
                 raise _TooLargeError
             rows.append(margin + cells)
-        visible = known.visible is SheetVisibleEnum.Visible
-        sheets.append({"name": known.name, "visible": visible, "first_row": first_row + 1, "rows": rows})
+        visible = metadata.visible is SheetVisibleEnum.Visible
+        sheets.append({"name": metadata.name, "visible": visible, "first_row": first_row + 1, "rows": rows})
     return sheets
 
 

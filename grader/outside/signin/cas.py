@@ -37,9 +37,9 @@ class Cas:
         ticket = answer.get("ticket", "")
         if not _TICKET.fullmatch(ticket):
             raise SignInError("signin_refused", "came back without a ticket")
-        asked = {"service": _service(attempt, back), "ticket": ticket}
+        query = {"service": _service(attempt, back), "ticket": ticket}
         try:
-            content = get(f"{self._entry.url}{_PATHS[self._entry.version]}", asked)
+            content = get(f"{self._entry.url}{_PATHS[self._entry.version]}", query)
         except UnreachableError as error:
             raise SignInError("signin_unreachable", str(error)) from None
         return self._person(content)
