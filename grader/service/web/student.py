@@ -78,7 +78,7 @@ def take_file(
     given = errand.visitor.student or student.strip()
     name = "" if file is None else file.filename or ""
     content = b"" if file is None else file.file.read(most_upload_bytes(errand.services) + 1)
-    if assignment.input == "text" and not name and text.strip():
+    if assignment.input == "text" and not name:  # nothing written is refused as empty
         name, content = _ANSWER, text.replace("\r\n", "\n").encode()
     upload = Upload(
         assignment=assignment.id,

@@ -86,12 +86,14 @@ def _page(
     everybody = names(services, caller)
     inside = {one for team in teams for one in team.members}
     refusal = None if problem is None else form_problem(problem, errand.language)
+    rules = services.rules.of(caller.course)
+    every = services.assignments.of(caller.course).all()
     return page(
         errand.request,
         "teams.html",
         status=200 if refusal is None else refusal.status,
         assignment=assignment,
-        others=[one for one in services.assignments.of(caller.course).all() if one.id != assignment_id],
+        others=[one for one in every if one.id != assignment_id and rules.of(one.id).team_size > 1],
         size=team_size(services, caller, assignment_id),
         largest=LARGEST_TEAM,
         teams=teams,

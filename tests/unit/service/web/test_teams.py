@@ -58,6 +58,8 @@ def test_an_instructor_writes_the_teams(browser: Browser, tokens: dict[str, str]
     assert browser.post(TEAMS, {"teams": "\nli、 han\n"}, page=TEAMS).status_code == 303
     assert [one.members for one in services.teams.of("ros", "square")] == [("han", "li")]
     assert "han li</textarea>" in browser.get("/class/teams/straight?like=square").text
+    assert '<option value="square">' in browser.get("/class/teams/straight").text
+    assert 'name="like"' not in browser.get(TEAMS).text  # no other assignment is for teams
     browser.enter(token=tokens["ta"])
     assert "<textarea" not in browser.get(TEAMS).text
 
