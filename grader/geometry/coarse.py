@@ -32,7 +32,8 @@ TOLERANCES = (0.02, 0.04, 0.08, 0.15)
 LEAST_CORNERS, MOST_CORNERS = 4, 60
 
 FITTED_AT = 20  # points of a side, at equal distances, through which its line is laid
-END_SHARE = 0.15  # of a side: left out at its ends, where corners are rounded or cut off
+# Of a side: left out at its ends, where corners are cut off. With less, a cut at one end turns the line.
+END_SHARE = 0.25
 SAGITTA = 8.0  # an arc that strays by s from its chord of length c turns by about 8 s / c
 
 _Line = tuple[complex, float]

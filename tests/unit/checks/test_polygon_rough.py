@@ -88,6 +88,17 @@ def test_points_do_not_rise_where_many_sides_are_spoilt(
     assert min(before - after for before, after in itertools.pairwise(points)) >= -0.5
 
 
+@pytest.mark.parametrize(("name", "sides"), [*FIGURES, ("hexagon", 6), ("octagon", 8)])
+@pytest.mark.parametrize(("spoilt", "most"), [(cut_off, 0.3), (swung, 0.6)])
+def test_points_do_not_rise_where_the_figure_is_lost(
+    name: str, sides: int, spoilt: Callable[[int, float], Legs], most: float
+) -> None:
+    """A look that finds the figure by taking one end of each cut for its corner brought 22 points back."""
+    points = [score(graded(name, drive(spoilt(sides, most * i / 30)))) for i in range(15, 31)]
+    assert points[-1] <= 30
+    assert min(before - after for before, after in itertools.pairwise(points)) >= -1.0
+
+
 @pytest.mark.parametrize("heading_deg", [33.0, 90.0, -145.0])
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 def test_it_makes_no_difference_how_the_figure_lies(heading_deg: float, sense: float) -> None:

@@ -162,7 +162,7 @@ class DrivenPolygon:
     def is_on_the_whole(self, wanted: WantedPolygon) -> bool:
         """Whether it is a figure of as many sides as are wanted and of equal corners that closes, if roughly."""
         figure = self.figure
-        if figure is None or len(figure.sides_m) != wanted.sides or min(figure.bows) >= 1.0:
+        if figure is None or len(figure.sides_m) != wanted.sides or max(figure.bows) >= 1.0:
             return False
         return alike(figure.corners_rad) and _open_share(self) <= NEARLY_CLOSED_SHARE
 
