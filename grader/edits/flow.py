@@ -293,7 +293,8 @@ def _moved(seen: Situation) -> Iterator[Proposal]:
         place = next((i for i, one in enumerate(block) if one is node), -1)
         later = block[place + 1 : place + 3]
         for count in range(1, len(later) + 1):
-            if any(isinstance(one, ast.Expr) for one in later[:count]):
+            sends_twice = any(_is_call(one, ("publish",)) for one in later[:count]) and _publishes(node)
+            if any(isinstance(one, ast.Expr) for one in later[:count]) and not sends_twice:
                 edits = _into(seen.script, node.body[-1], later[:count])
                 yield Proposal(
                     "into_loop", 3.5 + count * 0.2, edits, {"line": later[0].lineno, "loop": node.lineno}
@@ -303,6 +304,11 @@ def _moved(seen: Situation) -> Iterator[Proposal]:
                 edits = _out_of(seen.script, node, node.body[-count:])
                 line = node.body[-count].lineno
                 yield Proposal("out_of_loop", 3.7 + count * 0.2, edits, {"line": line, "loop": node.lineno})
+
+
+def _publishes(loop: ast.AST) -> bool:
+    """Whether a loop publishes by itself: another publish in it would overrule that."""
+    return any(isinstance(one, ast.Call) and dotted(one.func).endswith(".publish") for one in ast.walk(loop))
 
 
 def _out_of_branches(seen: Situation) -> Iterator[Proposal]:

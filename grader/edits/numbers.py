@@ -19,7 +19,6 @@ _PERIODS: Final = ("sleep", "create_timer", "create_rate", "Rate")
 _DEPTHS: Final = ("create_publisher", "create_subscription")
 _LONGEST_PERIOD_S: Final = 0.2
 _MOST_RATIO: Final = 30.0
-_HELD: Final = 4.0  # a number that only fits because turtlesim drops a command after a second
 _NEAR: Final = 0.01  # what turtlesim's updates and a loop's period may add or take away
 _QUANTUM: Final = 0.05  # of a motion's size: an update at 3 rad/s turns by 2.7 degrees
 _COMPARISONS: Final = {
@@ -143,7 +142,11 @@ def _scaled(
     whole = _is_whole(seen.script, use.node)
     for place, (size, wanted) in enumerate(targets):
         ratio = wanted / size
-        if _is_size(abs(use.value), wanted, unit) or not 1.0 / _MOST_RATIO <= ratio <= _MOST_RATIO:
+        if (
+            driven.is_held
+            or _is_size(abs(use.value), wanted, unit)
+            or not 1.0 / _MOST_RATIO <= ratio <= _MOST_RATIO
+        ):
             continue
         value = _named(use.value, size, wanted, unit, driven.seconds)
         if value is None and _is_wait_or_count(seen.script, use, driven):
@@ -152,7 +155,7 @@ def _scaled(
             continue
         new = written(value, like_float="." in seen.script.source(use.node), whole=whole)
         cost = 1.8 + place * 0.6 + use.steps * 0.2 + 0.05 * len(new)
-        cost += _unlikely(seen.script, use, ratio) + _HELD * driven.is_held
+        cost += _unlikely(seen.script, use, ratio)
         yield _replaced(seen, "scaled", cost, (use, new), unit=unit, size=size, wanted=wanted)
     if 1e3 <= abs(use.value) <= 1e12 and math.log10(abs(use.value)).is_integer() and use.value != 1e9:
         yield _replaced(seen, "nanoseconds", 1.5, (use, "1e9"))
