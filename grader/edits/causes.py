@@ -137,10 +137,9 @@ class _Reached:
             return Cause("empty_loop", line, {"before": above.lineno})
         is_else = any(one is inner for one in above.orelse)
         test = self._script.source(above.test)
-        if self._seen.outcome.hears and not _is_exact(above.test):
-            return (
-                None  # what it has heard of the drive decides: that it never came so far is the drive's fault
-            )
+        heard_or_counted = self._seen.outcome.hears or (self._seen.driven and not is_else)
+        if heard_or_counted and isinstance(above, ast.If) and not _is_exact(above.test):
+            return None  # it waits for what the drive comes to: that this never came is the drive's fault
         return Cause("always_true" if is_else else "never_true", line, {"before": above.lineno, "test": test})
 
     def _function(self, function: ast.FunctionDef | ast.AsyncFunctionDef, line: int) -> Cause | None:
