@@ -96,7 +96,7 @@ OF_STAFF = {
     "/class/students/{student}": (f"/class/students/{STUDENT}?assignment={SQUARE}",),
     "/class/submissions/{submission_id}/gradings": ("/class/submissions/{s0}/gradings",),
     "/class/submissions/{submission_id}/gradings/compare": (
-        "/class/submissions/{s0}/gradings/compare?first=1&second=1",
+        "/class/submissions/{s0}/gradings/compare?first={grading}&second={grading}",
     ),
     "/class/teams/{assignment_id}": (f"/class/teams/{SQUARE}",),
     "/submissions/{submission_id}": tuple(f"/submissions/{{s{place}}}" for place in range(len(WORK))),
@@ -125,6 +125,8 @@ def names(course: School) -> dict[str, str]:
     wang = Caller(course=COURSE, person="wang", role=Role.INSTRUCTOR)
     appealing.ask(services, li, first, "angles", "我量过，是 90 度。")
     commenting.add_comment(services, wang, first, "这里先想一想转弯的时间。", 12)
+    graded = services.submissions.report(first)
+    assert graded is not None
     regrade = services.regrades.open(Wanted(assignment=SQUARE, which="all"), signed).id
     services.doorbell.ring()
     with course.client("wang") as client:
@@ -134,7 +136,8 @@ def names(course: School) -> dict[str, str]:
         "alike0": _handed_in(course, "20260104", own),
         "alike1": _handed_in(course, "20260105", renamed(own)),
     }
-    return {"regrade": regrade, **alike, **{f"s{place}": one for place, one in enumerate(course.submitted)}}
+    known = {"regrade": regrade, "grading": str(graded.attempt), **alike}
+    return {**known, **{f"s{place}": one for place, one in enumerate(course.submitted)}}
 
 
 def _handed_in(course: School, student: str, script: str) -> str:

@@ -18,7 +18,7 @@ from geometry_msgs.msg import (
     Vector3,
     Vector3Stamped,
 )
-from tf2_py._algebra import Rigid, normalize, rotate
+from tf2_py import _algebra
 
 
 def to_msg_msg(msg: Any) -> Any:
@@ -40,14 +40,14 @@ def do_transform_point(point: Any, transform: Any) -> Any:
 def do_transform_vector3(vector3: Any, transform: Any) -> Any:
     """Return a Vector3Stamped turned by a TransformStamped."""
     vector = vector3.vector
-    x, y, z = rotate(_rigid(transform).rotation, (vector.x, vector.y, vector.z))
+    x, y, z = _algebra.rotate(_rigid(transform).rotation, (vector.x, vector.y, vector.z))
     return Vector3Stamped(header=transform.header, vector=Vector3(x=x, y=y, z=z))
 
 
 def do_transform_pose(pose: Any, transform: Any) -> Any:
     """Return a Pose moved by a TransformStamped."""
     p, o = pose.position, pose.orientation
-    moved = _rigid(transform) @ Rigid((p.x, p.y, p.z), normalize((o.x, o.y, o.z, o.w)))
+    moved = _rigid(transform) @ _algebra.Rigid((p.x, p.y, p.z), _algebra.normalize((o.x, o.y, o.z, o.w)))
     (x, y, z), q = moved
     qx, qy, qz, qw = (-part for part in q) if q[3] < 0.0 else q  # upstream tells the rotation with w >= 0
     return Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
@@ -80,7 +80,7 @@ def transform_covariance(cov_in: Any, transform: Any) -> list[float]:
     """Return a 6 x 6 covariance (row by row) turned by a TransformStamped."""
     rotation = _rigid(transform).rotation
     axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    columns = [rotate(rotation, axis) for axis in axes]
+    columns = [_algebra.rotate(rotation, axis) for axis in axes]
     full = [[0.0] * 6 for _ in range(6)]
     for block in (0, 3):
         for row in range(3):
@@ -91,9 +91,9 @@ def transform_covariance(cov_in: Any, transform: Any) -> list[float]:
     return [sum(half[i][k] * full[j][k] for k in range(6)) for i in range(6) for j in range(6)]
 
 
-def _rigid(transform: Any) -> Rigid:
+def _rigid(transform: Any) -> _algebra.Rigid:
     t, q = transform.transform.translation, transform.transform.rotation
-    return Rigid((t.x, t.y, t.z), normalize((q.x, q.y, q.z, q.w)))
+    return _algebra.Rigid((t.x, t.y, t.z), _algebra.normalize((q.x, q.y, q.z, q.w)))
 
 
 for _type in (Vector3Stamped, PoseStamped, PointStamped):
