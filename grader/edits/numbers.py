@@ -454,7 +454,18 @@ def _replaced(
     use, new = change
     edit = seen.script.replaced(use.node, new)
     old = seen.script.source(use.node)
-    return Proposal(code, cost, (edit,), {**values, "line": use.node.lineno, "old": old, "new": new})
+    values |= {"line": use.node.lineno, "old": old, "new": new, "field": _given_to(seen.script, use.node)}
+    return Proposal(code, cost, (edit,), values)
+
+
+def _given_to(script: ParsedScript, node: ast.expr) -> str:
+    """Return what a number is given to, so that a speed of 1.0 and a time of 1.0 are not changed together."""
+    parent = script.parent(node)
+    if isinstance(parent, ast.keyword):
+        return parent.arg or ""
+    if isinstance(parent, ast.Assign):
+        return dotted(parent.targets[0])
+    return type(parent).__name__
 
 
 def _rounded(value: float) -> float:
