@@ -99,6 +99,8 @@ def _to_rosbags_value(text: str, value: Any) -> Any:
         return [to_rosbags(base, element) for element in value]
     if bracket and base == "uint8":
         return np.frombuffer(value, np.uint8)
+    if base == "byte":  # ROS's octet of 0 to 255 has a sign in rosbags
+        return np.array(value, np.uint8).view(np.int8) if bracket else value - 256 * (value > 127)
     if bracket and base != "string":
         return np.array(value, base)
     return to_rosbags(base, value) if base in FIELDS else value
