@@ -88,6 +88,9 @@ def to_rosbags(name: str, values: Mapping[str, Any]) -> Any:
     """Build rosbags' own object for `values`."""
     fields = dict(FIELDS[name])
     arguments = {field: _to_rosbags_value(fields[field], value) for field, value in values.items()}
+    for field, (_, kind) in ORACLE.fielddefs[name][1]:
+        if kind == ("byte", 0):  # ROS's octet of 0 to 255 has a sign in rosbags
+            arguments[field] -= 256 * (arguments[field] > 127)
     if not fields:
         arguments["structure_needs_at_least_one_member"] = 0
     return ORACLE.types[name](**arguments)
@@ -99,8 +102,6 @@ def _to_rosbags_value(text: str, value: Any) -> Any:
         return [to_rosbags(base, element) for element in value]
     if bracket and base == "uint8":
         return np.frombuffer(value, np.uint8)
-    if base == "byte":  # ROS's octet of 0 to 255 has a sign in rosbags
-        return np.array(value, np.uint8).view(np.int8) if bracket else value - 256 * (value > 127)
     if bracket and base != "string":
         return np.array(value, base)
     return to_rosbags(base, value) if base in FIELDS else value
