@@ -44,7 +44,8 @@ class UploadReceipt:
 
     def signed(self, key: bytes) -> str:
         """Return the text with the signature of `key`: HMAC-SHA256 of the lines before."""
-        return f"{self._text()}{_SIGNATURE}: {_signature(self._text(), key)}\n"
+        text = self._text()
+        return f"{text}{_SIGNATURE}: {_signature(text, key)}\n"
 
     def _text(self) -> str:
         lines = [f"{one.name}: {getattr(self, one.name)}" for one in fields(self)]

@@ -161,10 +161,15 @@ def _scaled(
         yield _replaced(seen, "nanoseconds", 1.5, (use, "1e9"))
 
 
+def _unit_of(value: float, size: float, unit: str, share: float) -> float | None:
+    """Return what makes a number, within a share, of a size in metres or degrees; None: it is no such size."""
+    factors = (1.0, math.radians(1.0)) if unit == "deg" else (1.0,)
+    return next((one for one in factors if abs(value - size * one) <= share * size * one), None)
+
+
 def _is_size(value: float, size: float, unit: str) -> bool:
     """Whether a number is a size in metres, or in degrees or radians."""
-    factors = (1.0, math.radians(1.0)) if unit == "deg" else (1.0,)
-    return any(abs(value - size * factor) <= _NEAR * size * factor for factor in factors)
+    return _unit_of(value, size, unit, _NEAR) is not None
 
 
 def _angles(
@@ -225,9 +230,9 @@ def _named(value: float, size: float, wanted: float, unit: str, seconds: float =
 
     Updates make a turn of 60 degrees one of 60.7: by the measured ratio 90 would be written as 89.
     """
-    for factor in (1.0, math.radians(1.0)) if unit == "deg" else (1.0,):
-        if abs(abs(value) - size * factor) <= _QUANTUM * size * factor:
-            return math.copysign(wanted * factor, value)
+    factor = _unit_of(abs(value), size, unit, _QUANTUM)
+    if factor is not None:
+        return math.copysign(wanted * factor, value)
     return value * wanted / size if value and abs(value - seconds) <= _QUANTUM * value else None
 
 

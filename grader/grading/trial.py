@@ -124,7 +124,8 @@ class Search:
     def __init__(self, assignment: Assignment, grade: GradeText) -> None:
         self._assignment = assignment
         is_asked = any(item.expect for item in assignment.items)  # what is expected is so until the horizon
-        self._later = replace(assignment, horizon_s=assignment.horizon_s + _LATER_S * (not is_asked))
+        later = replace(assignment, horizon_s=assignment.horizon_s + _LATER_S)
+        self._later = None if is_asked else later
         self._grade = grade
         self._tried = 0
         self._work_s = 0.0
@@ -213,7 +214,7 @@ class Search:
 
     def _holds(self, text: str) -> bool:
         """Whether a text has full marks also when Ctrl+C comes later, and when it begins between two updates."""
-        if not self._graded(text, self._later).is_full:
+        if self._later is not None and not self._graded(text, self._later).is_full:
             return False
         delayed = _DELAYED_AT.sub(_DELAY, text, count=1)
         return delayed == text or self._graded(delayed, self._assignment).is_full

@@ -1,6 +1,5 @@
 """Teams of students, by assignment: formed by students with a code, or by staff."""
 
-import secrets
 from collections.abc import Iterable, Sequence
 
 from sqlalchemy import ColumnElement, delete, exists, select
@@ -12,9 +11,9 @@ from grader.contracts.team import Team
 from grader.store.audit import Signature, record, require_open
 from grader.store.database import StorePart, one_at_a_time
 from grader.store.tables import MemberRow, SubmissionRow, TeamMemberRow
+from grader.store.tokens import random_code
 
-_ALPHABET = "23456789ACDEFHJKMNPQRTVWXY"  # none looks like another
-_LENGTH = 8
+_CODE_LENGTH = 8  # of 26 letters and digits: nobody guesses one
 
 
 class Teams(StorePart):
@@ -27,7 +26,7 @@ class Teams(StorePart):
 
     def of_student(self, course: str | None, assignment: str, person: str) -> Team | None:
         """Return the team of a student; None: they hand in alone."""
-        return next((one for one in self.of(course, assignment) if person in one.members), None)
+        return _team_with(self.of(course, assignment), person)
 
     def join(self, signed: Signature, assignment: str, code: str | None, most: int) -> Team:
         """Put whoever signs into the team with `code`; None: into a new one.
@@ -37,11 +36,9 @@ class Teams(StorePart):
         """
         course, person = signed.in_course(), signed.actor
         with self._database.writing() as session:
-            require_open(session, course)
-            one_at_a_time(session, "teams", course, assignment)
-            teams = _teams(session, course, assignment)
-            own = next((one for one in teams if person in one.members), None)
-            team = Team(code=new_code(), members=(), by_staff=False)
+            teams = _teams_to_change(session, course, assignment)
+            own = _team_with(teams, person)
+            team = Team(code=random_code(_CODE_LENGTH), members=(), by_staff=False)
             if code is not None:
                 team = _joinable(teams, code, most, person)
             elif own is not None:
@@ -62,10 +59,8 @@ class Teams(StorePart):
         """
         course, person = signed.in_course(), signed.actor
         with self._database.writing() as session:
-            require_open(session, course)
-            one_at_a_time(session, "teams", course, assignment)
-            teams = _teams(session, course, assignment)
-            own = next((one for one in teams if person in one.members), None)
+            teams = _teams_to_change(session, course, assignment)
+            own = _team_with(teams, person)
             if own is None:
                 return
             _require_free(session, signed, assignment, own)
@@ -83,24 +78,19 @@ class Teams(StorePart):
         """
         course = signed.in_course()
         with self._database.writing() as session:
-            require_open(session, course)
-            one_at_a_time(session, "teams", course, assignment)
+            before = _teams_to_change(session, course, assignment)
             _require_members(session, course, [person for team in wanted for person in team])
-            before = _teams(session, course, assignment)
             before_by_members = {one.members: one for one in before}
             session.execute(delete(TeamMemberRow).where(*_of(course, assignment)))
             for members in map(tuple, map(sorted, wanted)):
-                team = before_by_members.get(members) or Team(code=new_code(), members=members, by_staff=True)
+                team = before_by_members.get(members) or Team(
+                    code=random_code(_CODE_LENGTH), members=members, by_staff=True
+                )
                 session.add_all(_row(course, assignment, person, team) for person in members)
             after = sorted(sorted(one) for one in wanted)
             if after != (was := [list(one.members) for one in before]):
                 subject = f"assignment {assignment}"
                 record(session, signed, "team.set", subject, before={"teams": was}, after={"teams": after})
-
-
-def new_code() -> str:
-    """Return the code of a new team: 26^8, so nobody guesses one."""
-    return "".join(secrets.choice(_ALPHABET) for _ in range(_LENGTH))
 
 
 def members_of(session: Session, course: str | None, assignment: str, team: str) -> tuple[str, ...]:
@@ -133,6 +123,17 @@ def _teams(session: Session, course: str | None, assignment: str) -> tuple[Team,
         Team(code=code, members=tuple(people), by_staff=by_staff)
         for (code, by_staff), people in members.items()
     )
+
+
+def _teams_to_change(session: Session, course: str, assignment: str) -> tuple[Team, ...]:
+    """Return the teams of an open course, which nobody else changes before the transaction ends."""
+    require_open(session, course)
+    one_at_a_time(session, "teams", course, assignment)
+    return _teams(session, course, assignment)
+
+
+def _team_with(teams: Iterable[Team], person: str) -> Team | None:
+    return next((one for one in teams if person in one.members), None)
 
 
 def _of(course: str | None, assignment: str, *person: str) -> list[ColumnElement[bool]]:

@@ -210,8 +210,13 @@ def code_in(text: str) -> str | None:
     return code if _CODE.fullmatch(code) else None
 
 
+def random_code(length: int) -> str:
+    """Return letters and digits of which none looks like another: one of 26 to the power of `length`."""
+    return "".join(secrets.choice(_ALPHABET) for _ in range(length))
+
+
 def _new_code() -> str:
-    code = "".join(secrets.choice(_ALPHABET) for _ in range(_GROUP * _GROUPS))
+    code = random_code(_GROUP * _GROUPS)
     return "-".join(code[at : at + _GROUP] for at in range(0, len(code), _GROUP))
 
 
