@@ -395,7 +395,7 @@ def _opposed(seen: Situation) -> Iterator[Proposal]:
                 and _goes_into(script, node, names)
             ):
                 left, right = (bool(_NOW.search(script.source(side))) for side in (node.left, node.right))
-                if left >= right:  # wanted less present is as it should be
+                if left >= right:  # unless it is "wanted minus present" already
                     yield from _exchanged(script, 1.2 if left > right else 2.0, node.left, node.right)
         old = script.source(one.value)
         new = f"-{old}" if _is_product(one.value) else f"-({old})"

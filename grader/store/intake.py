@@ -251,16 +251,15 @@ def take_in(session: Session, upload: NewSubmission, now: datetime) -> tuple[Sub
     state, first = _state_of(session, upload, (upload.key, now)), new_id(now)
     if state.team is None or state.keyed is not None:
         return _take_in(session, upload, state, now, first)
-    one_at_a_time(
-        session, "team", upload.course, upload.assignment, state.team
-    )  # who holds it waits for nobody
+    # after the student's own lock, and no other one after it: so no two uploads wait for each other
+    one_at_a_time(session, "team", upload.course, upload.assignment, state.team)
     team = members_of(session, upload.course, upload.assignment, state.team)
     mates = [one for one in team if one != upload.student]
     row, repeated = _take_in(
         session, upload, _state_of(session, upload), now, first, first if mates else None
     )
     if mates:
-        row.team_upload = row.team_upload or row.id  # one from before they came
+        row.team_upload = row.team_upload or row.id  # the same file, sent before the others joined
     for mate in mates:
         _take_in_for(session, replace(upload, student=mate, key=None), now, row.team_upload)
     return row, repeated

@@ -70,7 +70,7 @@ class Teams(StorePart):
     def set(self, signed: Signature, assignment: str, wanted: Sequence[Sequence[str]]) -> None:
         """Make `wanted`, where nobody stands twice, the teams of an assignment.
 
-        A team that stays as it was stays whose it was; others are the staff's from now on.
+        A team whose members do not change remains one of students or of staff, as it was; the others are staff's.
 
         Raises:
             CourseError: one of them is no member.

@@ -84,7 +84,7 @@ def set_teams(
 ) -> None:
     """Put teams of students in place of those that there are. What was handed in stays with whoever has it.
 
-    They may be larger than students make them.
+    Staff may form teams that are larger than the assignment's `team_size`.
 
     Raises:
         RefusedError: the caller is no instructor, there is no such course, assignment or student, somebody stands
