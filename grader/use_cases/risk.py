@@ -90,6 +90,8 @@ def risks(  # noqa: PLR0913, PLR0917
 def _risk(  # noqa: PLR0913, PLR0917
     student: str, assignment: str, cell: Cell | None, refusals: int, rules: CourseRules, now: datetime
 ) -> Risk | None:
+    if cell is not None and (cell.passed or cell.waits_for_person):
+        return None  # before the due dates are looked up: so it is with most cells of a class
     due = rules.of(assignment, student).due_for(rules.extension(assignment, student))
     reason = _reason(cell, refusals, due, now)
     if reason is None:
@@ -120,8 +122,6 @@ def _since_accepted(
 
 
 def _reason(cell: Cell | None, refusals: int, due: datetime | None, now: datetime) -> Reason | None:
-    if cell is not None and (cell.passed or cell.waits_for_person):
-        return None
     if refusals:
         return "refused"
     if cell is not None and cell.crashes >= _CRASHES:
