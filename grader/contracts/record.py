@@ -6,6 +6,7 @@ A record is a msgspec `Struct`: made in a fraction of the time of a dataclass, w
 
 import dataclasses
 import json
+import threading
 from collections.abc import Mapping
 from functools import cache
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -100,6 +101,7 @@ def from_plain(cls: type[T], data: object) -> T:
     Raises:
         ValueError: a field is missing, unknown or of the wrong type; the message names it.
     """
+    _decoder(cls)
     return msgspec.convert(data, cls)
 
 
@@ -109,4 +111,20 @@ def from_json(cls: type[T], data: bytes | str) -> T:
     Raises:
         ValueError: it is no JSON, or as `from_plain` does.
     """
-    return msgspec.json.decode(data, type=cls)
+    return _decoder(cls).decode(data)
+
+
+_decoders: dict[Any, msgspec.json.Decoder[Any]] = {}
+_describing = threading.Lock()
+
+
+def _decoder(cls: type[T]) -> msgspec.json.Decoder[T]:
+    """Return the decoder of `cls`; only one thread at a time has msgspec look at a class for the first time.
+
+    msgspec 0.22 lets a second thread use a class whose fields it is still looking at, and the process dies: so
+    did a service that was asked for two pictures at once before anything else.
+    """
+    if cls not in _decoders:
+        with _describing:
+            _decoders[cls] = msgspec.json.Decoder(cls)
+    return _decoders[cls]

@@ -144,6 +144,10 @@ def test_the_replay(browser: Browser) -> None:
     cursor = float(browser.one("[data-graphs] .cursor").get_attribute("x1"))
     browser.one("[data-scrub]").send_keys(HOME)
     assert float(browser.one("[data-graphs] .cursor").get_attribute("x1")) < cursor
+    assert not browser.one("[data-overlaid]").is_displayed()
+    browser.one("[data-other] option:not([value=''])").click()
+    browser.until(lambda: browser.all("[data-plan] path.other"))
+    assert browser.one("[data-overlaid]").is_displayed()
 
 
 @pytest.mark.slow

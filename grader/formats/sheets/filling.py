@@ -12,11 +12,9 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Final
 
-import msgspec
-
 from grader.contracts.errors import CourseError
 from grader.contracts.python import SAFE_PATH
-from grader.contracts.record import Record
+from grader.contracts.record import Record, from_json
 from grader.formats.sheets.reading import HEADER_ROWS, LARGE, ListedTable, read_table, refused
 from grader.formats.sheets.roster import id_column, label
 from grader.formats.sheets.writing import Cell, workbook
@@ -202,7 +200,7 @@ def _patched(
     if code:
         raise refused(code)
     told, _, patched_file = answer.partition(b"\n")
-    done = msgspec.json.decode(told, type=_Patched)
+    done = from_json(_Patched, told)
     kept = [place.row for place in places if (place.row.sheet, place.row.number) in {*done.kept}]
     return replace(
         filled,

@@ -10,11 +10,9 @@ import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 
-import msgspec
-
 from grader.contracts.errors import CourseError
 from grader.contracts.python import SAFE_PATH
-from grader.contracts.record import Record
+from grader.contracts.record import Record, from_json
 from grader.jail import readers
 
 MAX_FILE_BYTES = 4 * 1024 * 1024
@@ -143,7 +141,7 @@ def _workbook(content: bytes) -> list[_Sheet]:
         raise refused(LARGE) from None
     if code:
         raise refused(code)
-    return msgspec.json.decode(answer, type=list[_Sheet])
+    return from_json(list[_Sheet], answer)
 
 
 def _check_zip(content: bytes) -> None:

@@ -15,8 +15,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from urllib.parse import urlsplit
 
-import msgspec
-
+from grader.contracts.record import from_json
 from grader.operation.settings import is_loopback
 
 if TYPE_CHECKING:
@@ -139,7 +138,7 @@ def decoded(content: bytes, kind: type[_T]) -> _T:
         ValueError: it is none, or not of this kind.
     """
     try:
-        return msgspec.json.decode(content, type=kind)
+        return from_json(kind, content)
     except RecursionError:
         raise ValueError("JSON is nested too deep") from None
 

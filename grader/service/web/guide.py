@@ -24,7 +24,7 @@ _ADDRESSES: Final[dict[str, str]] = {
 }  # fmt: skip
 _FILE_LINK: Final = re.compile(r'<a href="(?!https?:|#)(\w+)(?:\.zh)?\.md(#[^"]*)?">(.*?)</a>')
 _NOT_IN_ANCHORS: Final = re.compile(r"[^\w\- ]")
-_WHEEL: Final = "ADDRESS/download/grader.whl"
+_WHEEL: Final = "ADDRESS/download/grader-VERSION-py3-none-any.whl"
 """What the guide has where its page names this service and its version."""
 
 _TITLE: Final = re.compile(r"\A# (.+)\n+\[[^\]]+\]\([\w.]+\)\n")

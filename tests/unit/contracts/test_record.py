@@ -4,6 +4,8 @@ import copy
 import dataclasses
 import json
 import pickle
+import subprocess
+import sys
 from dataclasses import asdict, dataclass, fields, is_dataclass, replace
 from enum import StrEnum
 from math import isnan, nan
@@ -193,3 +195,44 @@ def test_what_is_no_number_is_no_json_either() -> None:
 def test_only_records_have_a_plain_form() -> None:
     with pytest.raises(TypeError):
         json.dumps({"a": object()}, default=to_plain)
+
+
+_TWO_THREADS = """
+import threading
+from grader.contracts.record import Record, {reader}
+
+looking, done = threading.Event(), threading.Event()
+
+def look():
+    looking.set()
+    done.wait(0.3)
+    return int
+
+class Inner(Record):
+    number: "look()"
+
+class Outer(Record):
+    inner: Inner
+
+def second():
+    looking.wait()
+    print({reader}(Outer, {data}))
+    done.set()
+
+thread = threading.Thread(target=second)
+thread.start()
+print({reader}(Outer, {data}))
+thread.join()
+"""
+
+
+@pytest.mark.parametrize(
+    ("reader", "data"),
+    [("from_json", """b'{"inner": {"number": 1}}'"""), ("from_plain", '{"inner": {"number": 1}}')],
+)
+def test_a_class_that_another_thread_reads_for_the_first_time_waits_for_it(reader: str, data: str) -> None:
+    """Or msgspec uses fields that it has not described yet, and the process is gone."""
+    script = _TWO_THREADS.format(reader=reader, data=data)
+    ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stdout.count("Outer(inner=Inner(number=1))") == 2

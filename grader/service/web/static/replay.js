@@ -102,7 +102,7 @@ class Replay {
     });
     this.button.addEventListener("click", () => (this.playing ? this.pause() : this.play()));
     this.find("other")?.addEventListener("change", async ({ target }) => {
-      find("overlaid").hidden = target.value === "";
+      this.find("overlaid").hidden = target.value === "";
       this.plan.other = target.value === "" ? null : new Motion(await (await fetch(target.value, { redirect: "error" })).json());
       this.fit();
     });
