@@ -14,12 +14,13 @@ from grader.catalog.files import SPEC_NAME
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
-from grader.contracts.own_assignment import OwnAssignment
-from grader.contracts.text import Text
-from grader.grading.examination.zipped import packed
+from grader.contracts.own_assignment import OwnAssignment, OwnState
+from grader.contracts.text import EMPTY, Text
+from grader.grading.examination.reading import read_folder
+from grader.grading.examination.zipped import packed, unpacked
 from grader.use_cases.assignments import require_published
 from grader.use_cases.callers import taught_course
-from grader.use_cases.own_assignments import own_assignments, upload
+from grader.use_cases.own_assignments import folder, own_assignments, upload
 from grader.use_cases.services import Services
 
 
@@ -61,8 +62,45 @@ def change_rubric(
     for item, change in zip(spec["items"], items, strict=True):
         _change(item, change)
     _widen(spec)
-    text = yaml.safe_dump(spec, allow_unicode=True, sort_keys=False, width=120)
-    return upload(services, caller, packed(assignment_id, {**files, SPEC_NAME: text.encode()}))
+    return _uploaded(services, caller, assignment_id, files, spec)
+
+
+def adopt_scores(services: Services, caller: Caller, assignment_id: str) -> OwnAssignment:
+    """Upload a refused folder again, in which the wrong attempts are to get what they got.
+
+    Bounds that do not hold the score become the score, and a mistake that was not recognised is wanted no more.
+
+    Raises:
+        RefusedError: as `own_assignments.upload`, or the latest upload of that id was not refused.
+    """
+    refused = refused_upload(services, caller, assignment_id)
+    if refused is None:
+        raise RefusedError("assignment_not_found")
+    files = unpacked(folder(services, caller, assignment_id))
+    spec: dict[str, Any] = yaml.safe_load(files[SPEC_NAME])
+    scores = {one.script: one.score for one in refused.examined.verdicts if one.problem != EMPTY}
+    for attempt in spec.get("wrong", ()):
+        score = scores.get(f"wrong/{attempt['file']}")
+        if score is not None:
+            low, high = attempt["score"]
+            attempt["score"] = [low, high] if low <= score <= high else [_number(score), _number(score)]
+            attempt.pop("mistake", None)
+    return _uploaded(services, caller, assignment_id, files, spec)
+
+
+def refused_upload(services: Services, caller: Caller, assignment_id: str) -> OwnAssignment | None:
+    """Return the latest upload of an assignment where its scripts did not get what they must. For staff."""
+    uploads = [one for one in own_assignments(services, caller) if one.assignment == assignment_id]
+    return uploads[-1] if uploads and uploads[-1].state is OwnState.REFUSED else None
+
+
+def last_saved(services: Services, caller: Caller, assignment: Assignment) -> Assignment:
+    """Return the rubric that was saved last: `assignment`, or what was refused since. For staff."""
+    if not caller.is_instructor or refused_upload(services, caller, assignment.id) is None:
+        return assignment
+    saved = read_folder(unpacked(folder(services, caller, assignment.id))).assignment
+    fits = saved is not None and [one.id for one in saved.items] == [one.id for one in assignment.items]
+    return saved if saved is not None and fits else assignment
 
 
 def is_changed(services: Services, caller: Caller, assignment: Assignment) -> bool:
@@ -80,11 +118,19 @@ def _change(item: dict[str, Any], change: NewItem) -> None:
             item[name] = _number(value)
 
 
+def _uploaded(
+    services: Services, caller: Caller, assignment_id: str, files: Mapping[str, bytes], spec: Mapping[str, Any]
+) -> OwnAssignment:
+    text = yaml.safe_dump(spec, allow_unicode=True, sort_keys=False, width=120)
+    return upload(services, caller, packed(assignment_id, {**files, SPEC_NAME: text.encode()}))
+
+
 def _widen(spec: Mapping[str, Any]) -> None:
-    """Let wrong attempts score anything but full marks: their bands were of the old points."""
+    """Let wrong attempts score anything but full marks: what was wanted of them fits the old rubric."""
     most = sum(item["points"] for item in spec["items"])
     for attempt in spec.get("wrong", ()):
         attempt["score"] = [0, _number(most)]
+        attempt.pop("mistake", None)
 
 
 def _languages(text: Text) -> dict[str, str]:

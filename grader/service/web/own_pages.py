@@ -13,7 +13,7 @@ from grader.service.web.access import InstructorDep, PageErrand, StaffDep, requi
 from grader.service.web.errors import form_problem
 from grader.service.web.forms import MOST_FILE_BYTES, OWN_FORM
 from grader.service.web.pages import page
-from grader.use_cases import own_assignments
+from grader.use_cases import own_assignments, rubric_changes
 
 router = APIRouter(prefix="/class/own", include_in_schema=False, dependencies=[Depends(require_staff)])
 Id = Annotated[str, Path(max_length=64)]
@@ -52,6 +52,16 @@ def download(errand: InstructorDep, assignment_id: Id) -> Response:
     """Send the folder that was uploaded last."""
     content = own_assignments.folder(errand.services, errand.caller, assignment_id)
     return Response(content, 200, to_save(f"{assignment_id}.zip"), "application/zip")
+
+
+@router.post("/{assignment_id}/adopt", dependencies=OWN_FORM)
+def adopt_scores(errand: InstructorDep, assignment_id: Id) -> Response:
+    """Have a refused folder examined again, with the scores of its wrong scripts as those wanted."""
+    try:
+        rubric_changes.adopt_scores(errand.services, errand.caller, assignment_id)
+    except RefusedError as error:
+        return _page(errand, error=error, of=assignment_id)
+    return RedirectResponse("/class/own?done=uploaded", status_code=303)
 
 
 @router.post("/{assignment_id}/remove", dependencies=OWN_FORM)

@@ -15,7 +15,7 @@ from grader.service.web.errors import form_problem
 from grader.service.web.forms import OWN_FORM
 from grader.service.web.pages import page
 from grader.use_cases.assignments import require_published
-from grader.use_cases.rubric_changes import NewItem, change_rubric, is_changed
+from grader.use_cases.rubric_changes import NewItem, change_rubric, is_changed, last_saved
 
 router = APIRouter(prefix="/class/rubric", include_in_schema=False, dependencies=[Depends(require_staff)])
 Id = Annotated[str, Path(max_length=64)]
@@ -40,7 +40,8 @@ class RubricForm(BaseModel):
 def read(errand: StaffDep, assignment_id: Id) -> Response:
     """Show the rubric that the course uses, in a form."""
     assignment = require_published(errand.services, errand.caller, assignment_id)
-    return _page(errand, assignment, _filled(assignment))
+    saved = last_saved(errand.services, errand.caller, assignment)
+    return _page(errand, assignment, _filled(saved), refused=saved is not assignment)
 
 
 @router.post("/{assignment_id}", dependencies=OWN_FORM)
@@ -111,7 +112,12 @@ def _has_band(item: ItemSpec) -> bool:
 
 
 def _page(
-    errand: PageErrand, assignment: Assignment, form: RubricForm, error: RefusedError | None = None
+    errand: PageErrand,
+    assignment: Assignment,
+    form: RubricForm,
+    error: RefusedError | None = None,
+    *,
+    refused: bool = False,
 ) -> Response:
     problem = None if error is None else form_problem(error, errand.language)
     return page(
@@ -122,6 +128,7 @@ def _page(
         form=form,
         banded=[_has_band(item) for item in assignment.items],
         changed=is_changed(errand.services, errand.caller, assignment),
+        refused=refused,
         problem=problem,
         misfits=() if error is None else error.members.get("misfits", ()),
     )

@@ -9,6 +9,7 @@ from typing import Any
 
 import httpx
 import pytest
+import yaml
 
 from grader.catalog import Catalog, default_root
 from grader.checks import evaluate_text
@@ -21,7 +22,7 @@ from grader.contracts.text import Text
 from grader.formats.packages.bundle import bundled
 from grader.grading.examination.confined import _read
 from grader.grading.examination.reading import Reading
-from grader.grading.examination.zipped import packed
+from grader.grading.examination.zipped import packed, unpacked
 from grader.grading.slot import Slot
 from grader.service.worker.examiner import Examiner, Uploads
 from grader.store.audit import Signature
@@ -29,7 +30,7 @@ from grader.store.database import Database
 from grader.store.own_assignments import OwnAssignments
 from grader.use_cases import own_assignments
 from grader.use_cases.course_assignments import CourseAssignments
-from grader.use_cases.rubric_changes import NewItem, change_rubric, is_changed
+from grader.use_cases.rubric_changes import NewItem, adopt_scores, change_rubric, is_changed, last_saved
 from grader.use_cases.services import Services
 from tests.fakes.clock import FakeClock
 from tests.fakes.essays import grade_essay
@@ -454,3 +455,59 @@ def test_a_rubric_that_cannot_be_names_the_field(desk: Desk) -> None:
     with pytest.raises(RefusedError) as short:
         change_rubric(desk.services, INSTRUCTOR, "calculation", BRIEF, changes((1.0, 2.0))[:1])
     assert short.value.code == "changed_meanwhile"
+
+
+def test_the_scores_of_copied_wrong_scripts_are_adopted_after_other_points(
+    desk: Desk, clock: FakeClock
+) -> None:
+    spec = SPEC.replace(b"points: 80", b"points: 50").replace(b"points: 20", b"points: 50")
+    desk.upload(folder(spec))
+    assert desk.examiner.step()
+    clock.advance(3)
+    (refused,) = desk.listed()
+    bad = {one["script"]: one["score"] for one in refused["scripts"] if one["problem"]}
+    assert refused["state"] == "refused"
+    assert bad
+
+    adopt_scores(desk.services, INSTRUCTOR, "walk")
+    assert desk.examiner.step()
+    clock.advance(3)
+    (ready,) = desk.listed()
+    assert (ready["state"], ready["version"]) == ("ready", 1)
+    assert {one["script"]: one["score"] for one in ready["scripts"]}.items() >= bad.items()
+    with pytest.raises(RefusedError, match="assignment_not_found"):
+        adopt_scores(desk.services, INSTRUCTOR, "walk")
+
+
+def test_full_marks_of_a_wrong_script_are_not_adopted(desk: Desk, clock: FakeClock) -> None:
+    desk.upload(folder(wrong__area_txt=b"12 s\n"))
+    desk.examiner.step()
+    adopt_scores(desk.services, INSTRUCTOR, "walk")
+    desk.examiner.step()
+    clock.advance(3)
+    assert [one["state"] for one in desk.listed()] == ["refused"]
+
+
+def test_a_refused_rubric_is_there_to_be_gone_on_with(desk: Desk, clock: FakeClock) -> None:
+    shares(desk)
+    rubric = Catalog().get("calculation")
+    assert last_saved(desk.services, INSTRUCTOR, rubric) is rubric
+    change_rubric(desk.services, INSTRUCTOR, "calculation", BRIEF, changes((60.0, 40.0)))
+    content = own_assignments.folder(desk.services, INSTRUCTOR, "calculation")
+    files = {**unpacked(content), "wrong/area.txt": b"12 s\n"}
+    own_assignments.upload(desk.services, INSTRUCTOR, packed("calculation", files))
+    desk.examiner.step()
+    clock.advance(3)
+    assert desk.services.own_assignments.of("ros")[-1].state is OwnState.REFUSED
+    saved = last_saved(desk.services, INSTRUCTOR, rubric)
+    assert [item.points for item in saved.items] == [60.0, 40.0]
+
+
+def test_a_changed_rubric_wants_no_mistake_of_the_old_bands(desk: Desk) -> None:
+    shares(desk)
+    change_rubric(desk.services, INSTRUCTOR, "calculation", BRIEF, changes((60.0, 40.0)))
+    spec = yaml.safe_load(
+        unpacked(own_assignments.folder(desk.services, INSTRUCTOR, "calculation"))["assignment.yaml"]
+    )
+    assert b"mistake:" in FILES["assignment.yaml"]
+    assert [one for one in spec["wrong"] if "mistake" in one] == []

@@ -155,6 +155,7 @@ ROWS: dict[str, Row] = {
     "POST /class/people/{person}/token": Row("enter 403 403 403 404", {}),
     "POST /class/people/{person}/unbind": Row("enter 403 403 403 404", {"identity": "{identity}"}),
     "POST /class/own": Row("enter 403 403 403 422", {}, files={"file": ("walk.zip", b"none")}, owner=""),
+    "POST /class/own/{assignment_id}/adopt": Row("enter 403 403 403 404", {}, ids=WALK, owner=""),
     "POST /class/own/{assignment_id}/remove": Row("enter 403 403 403 404", {}, ids=WALK),
     "POST /class/course": Row("enter 403 403 403 ok", {"distro": "jazzy"}),
     "POST /class/course/settings": Row("enter 403 403 403 ok", {"title": "x", "time_zone": "UTC"}),

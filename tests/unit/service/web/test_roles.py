@@ -161,6 +161,7 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /class/own": STAFF,
     "POST /class/own": (303, 403, 403, 403, 422, 422),  # it is no zip
     "GET /class/own/{assignment_id}/folder.zip": (303, 403, 403, 403, 404, 404),
+    "POST /class/own/{assignment_id}/adopt": (303, 403, 403, 403, 404, 404),
     "POST /class/own/{assignment_id}/remove": (303, 403, 403, 403, 404, 404),
     "GET /class/course/export.zip": INSTRUCTORS,
     "POST /class/course/erase": (303, 403, 403, 403, 303, 303),
