@@ -42,6 +42,7 @@ _EXAMPLES = {
 _NONE = ("none", "null", "")
 _ALL = "all"
 _NOTHING = to_document(NO_RULES)
+_FEW = 5
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -162,11 +163,14 @@ def _set(
 ) -> None:
     known = stored.of(signed.course)
     wanted = {one.id: _wanted(one, known, arguments.rules) for one in assignments}
+    changes: dict[tuple[str, ...], list[str]] = {}
     for name, rules in wanted.items():
         before = known.of(name)
         if not arguments.dry_run:
             stored.set(name, rules, signed, arguments.reason, seen=Seen.one(tag(before)))
-        _print_change(name, before, rules, known.zone, arguments)
+        changes.setdefault(_change(before, rules, known.zone, arguments), []).append(name)
+    for change, names in changes.items():
+        _print_change(_listed(names, arguments), change)
     empty = {one.section for rules in wanted.values() for one in rules.by_section} - set(sections)
     if empty and any(rule.startswith("by_section=") for rule in arguments.rules):
         listed = ", ".join(sorted(empty))
@@ -244,7 +248,8 @@ def _extend(stored: StoredRules, signed: Signature, student: str, arguments: arg
         stored.extend(
             arguments.assignment, student, extension, signed, arguments.reason, seen=Seen.one(tag(before))
         )
-    _print_change(f"{arguments.assignment}, {student}", before, extension, known.zone, arguments)
+    change = _change(before, extension, known.zone, arguments)
+    _print_change(f"{arguments.assignment}, {student}", change)
     _warn_of_no_effect(extension, known, student, arguments)
 
 
@@ -290,14 +295,18 @@ def _refusal(error: ValidationError) -> CourseError:
     return CourseError(f"{where}: {said(wrong, 'en')}", f"{where}：{said(wrong, 'zh')}")
 
 
-def _print_change(
-    what: str,
-    before: Rules | Extension,
-    after: Rules | Extension,
-    zone: ZoneInfo,
-    arguments: argparse.Namespace,
-) -> None:
-    """Print the fields that differ, old and new, instants on the course's clock."""
+def _listed(names: Sequence[str], arguments: argparse.Namespace) -> str:
+    """Return the names of a few assignments, or of many how many, from the first to the last."""
+    if len(names) <= _FEW:
+        return ", ".join(names)
+    count = Text(zh=f"{len(names)} 个作业", en=f"{len(names)} assignments").get(arguments.lang)
+    return f"{count} ({names[0]} … {names[-1]})"
+
+
+def _change(
+    before: Rules | Extension, after: Rules | Extension, zone: ZoneInfo, arguments: argparse.Namespace
+) -> tuple[str, ...]:
+    """Return what to print of a change: a heading, and a line for each field that differs, old and new."""
     old, new = to_document(before), to_document(after)
     teller = Teller(arguments.lang, zone)
     changed = [name for name in old if getattr(before, name) != getattr(after, name)]
@@ -307,7 +316,11 @@ def _print_change(
         head = Text(zh="将会改变（试运行，什么也没改）", en="would change (dry run: nothing was changed)")
     else:
         head = Text(zh="已改变", en="changed")
-    lines = [f"{what}: {head.get(arguments.lang)}"]
-    for name in changed:
-        lines.append(f"  {name:<16} {teller.value(name, old[name])} → {teller.value(name, new[name])}")
-    sys.stderr.write("\n".join(lines) + "\n")
+    lines = (
+        f"  {name:<16} {teller.value(name, old[name])} → {teller.value(name, new[name])}" for name in changed
+    )
+    return (head.get(arguments.lang), *lines)
+
+
+def _print_change(what: str, change: Sequence[str]) -> None:
+    sys.stderr.write("\n".join((f"{what}: {change[0]}", *change[1:])) + "\n")

@@ -17,7 +17,7 @@ from grader.commands.storage import (
     opened,
 )
 from grader.contracts.errors import CourseError
-from grader.contracts.identity import unknown_members
+from grader.contracts.identity import sections_of, unknown_members
 from grader.contracts.notation import whole
 from grader.contracts.text import BYTE_ORDER_MARK, Text
 from grader.formats.sheets.writing import as_text
@@ -36,6 +36,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     who.add_argument(
         "--missing", action="store_true", help="everybody without a valid one / 所有没有有效令牌的人"
     )
+    who.add_argument("--section", help="everybody in a section / 一个班的所有人")
     add_days_option(issue)
     revoke = actions.add_parser("revoke", help="make tokens open nothing, from now on / 撤销令牌")
     which = revoke.add_mutually_exclusive_group(required=True)
@@ -97,13 +98,27 @@ def write_tokens(storage: OpenedStore, course: str, people: Iterable[str], days:
 
 
 def _issue(storage: OpenedStore, course: str, arguments: argparse.Namespace) -> None:
-    people = _without_token(storage, course) if arguments.missing else arguments.person
+    people = arguments.person
+    if arguments.missing:
+        people = _without_token(storage, course)
+    elif arguments.section is not None:
+        people = _in_section(storage, course, arguments.section)
     write_tokens(storage, course, people, arguments.days)
 
 
 def _without_token(storage: OpenedStore, course: str) -> list[str]:
     served = storage.tokens.holders(course)
     return [member.id for member in storage.courses.members(course) if member.id not in served]
+
+
+def _in_section(storage: OpenedStore, course: str, section: str) -> list[str]:
+    members = storage.courses.members(course)
+    if section not in (known := sections_of(members)):
+        listed = ", ".join(known)
+        raise CourseError(
+            f"no section {section!r}; there are: {listed}", f"没有班级 {section!r}；有：{listed}"
+        )
+    return [member.id for member in members if section in member.sections]
 
 
 def _revoke(storage: OpenedStore, course: str, arguments: argparse.Namespace) -> None:

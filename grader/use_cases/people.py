@@ -210,16 +210,19 @@ def without_token(services: Services, caller: Caller) -> list[Member]:
     return [one for one in services.courses.members(course) if one.id not in served]
 
 
-def give_missing_tokens(services: Services, caller: Caller, days: int) -> list[tuple[Member, str]]:
-    """Make a token for every member who has none that works; return them in order of id.
+def give_tokens(
+    services: Services, caller: Caller, days: int, *, section: str = "", everybody: bool = False
+) -> list[tuple[Member, str]]:
+    """Make tokens for members of a section, or of all, in order of id; older ones work on.
 
-    For instructors of a course.
+    For those who have none that works, or for `everybody`. For instructors of a course.
     """
-    life, actor = timedelta(days=days), caller.signature
-    without = without_token(services, caller)
-    ids = [one.id for one in without]
-    tokens = services.tokens.issue_all(taught_course(caller), ids, life, actor)
-    return [(member, token) for member, (_, token) in zip(without, tokens, strict=True)]
+    course = taught_course(caller)
+    members = services.courses.members(course) if everybody else without_token(services, caller)
+    chosen = [one for one in members if not section or section in one.sections]
+    ids = [one.id for one in chosen]
+    tokens = services.tokens.issue_all(course, ids, timedelta(days=days), caller.signature)
+    return [(member, token) for member, (_, token) in zip(chosen, tokens, strict=True)]
 
 
 def member_of(services: Services, caller: Caller, person: str) -> Member:

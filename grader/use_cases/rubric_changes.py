@@ -119,7 +119,11 @@ def _change(item: dict[str, Any], change: NewItem) -> None:
 
 
 def _uploaded(
-    services: Services, caller: Caller, assignment_id: str, files: Mapping[str, bytes], spec: Mapping[str, Any]
+    services: Services,
+    caller: Caller,
+    assignment_id: str,
+    files: Mapping[str, bytes],
+    spec: Mapping[str, Any],
 ) -> OwnAssignment:
     text = yaml.safe_dump(spec, allow_unicode=True, sort_keys=False, width=120)
     return upload(services, caller, packed(assignment_id, {**files, SPEC_NAME: text.encode()}))

@@ -116,11 +116,15 @@ def import_list(
 
 
 @router.post("/people/tokens", dependencies=OWN_FORM)
-def make_missing_tokens(
-    errand: InstructorDep, form: Annotated[str, Form(pattern="^(csv|sheet)$")] = "sheet"
+def make_tokens(
+    errand: InstructorDep,
+    form: Annotated[str, Form(pattern="^(csv|sheet)$")] = "sheet",
+    section: Annotated[str, Form(max_length=64)] = "",
+    everybody: Annotated[bool, Form()] = False,
 ) -> Response:
-    """Make a token for everybody without one, as a table or as slips to print."""
-    made = people.give_missing_tokens(errand.services, errand.caller, _DAYS)
+    """Make tokens for a section or all, as a table or as slips to print."""
+    services, caller = errand.services, errand.caller
+    made = people.give_tokens(services, caller, _DAYS, section=section, everybody=everybody)
     if not made:
         return RedirectResponse("/class/people?done=none_missing", status_code=303)
     if form == "csv":

@@ -159,6 +159,15 @@ def test_tokens_are_issued_and_revoked(grader, recognised, tmp_path: Path) -> No
     assert "no such token" in grader("token", "revoke", "--token", "abc", status=2)[1]
 
 
+def test_tokens_for_everybody_in_a_section(grader, tmp_path: Path) -> None:
+    grader("course", "create", "ros", "--instructor", "w")
+    roster = tmp_path / "class.csv"
+    roster.write_text("id,name,section\n1,a,A\n2,b,B\n3,c,A\n")
+    grader("course", "roster", "import", str(roster))
+    assert set(tokens_of(grader("token", "issue", "--section", "A")[0])) == {"1", "3"}
+    assert "no section 'C'; there are: A, B" in grader("token", "issue", "--section", "C", status=2)[1]
+
+
 def test_of_several_courses_one_must_be_named(grader) -> None:
     assert "no course yet" in grader("token", "list", status=2)[1]
     grader("course", "create", "a", "--instructor", "w")

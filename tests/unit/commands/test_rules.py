@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from grader.catalog import Catalog
 from grader.commands import cli
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.rules import Extension, Rules
@@ -78,7 +79,10 @@ def test_rules_are_shown_in_words(grader) -> None:
 
 
 def test_several_assignments_at_once(grader, shown) -> None:
-    grader("rules", "set", "all", "shown=draft")
+    heading, *fields = grader("rules", "set", "all", "shown=draft")[1].splitlines()
+    count = len(Catalog().all())
+    assert heading == f"{count} assignments (hello … theory_balance): changed"
+    assert fields == ["  shown            always → never (draft)"]
     grader("rules", "set", "square, hello", "shown=always", "attempts=5")
     rules = shown()
     assert rules["pentagon"]["shown"] == "draft"

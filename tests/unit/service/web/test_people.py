@@ -154,3 +154,17 @@ def test_who_has_no_token_gets_one_on_a_slip_or_in_a_table(
     slips = wang.post("/class/people/tokens", {"form": "sheet"}, page="/class/people").text
     assert "sun 孙" in slips
     assert slips.count("<svg") == slips.count("<code>") == 1
+
+
+def test_slips_for_a_section_whose_people_have_tokens_already(wang: Browser, services: Services) -> None:
+    for person, section in (("zhou", "A"), ("zhu", "A"), ("sun", "B")):
+        wang.post("/class/people", {"person": person, "name": person, "sections": section})
+    wang.post("/class/people/tokens", {"form": "csv"}, page="/class/people")
+    none = wang.post("/class/people/tokens", {"form": "sheet", "section": "A"}, page="/class/people")
+    assert none.headers["Location"] == "/class/people?done=none_missing"
+    wanted = {"form": "sheet", "section": "A", "everybody": "true"}
+    slips = wang.post("/class/people/tokens", wanted, page="/class/people").text
+    assert re.findall(r"<strong>(\w+)", slips) == ["zhou", "zhu"]
+    token = re.search(r"<code>(.+)</code>", slips)[1]
+    wang.enter(token=token)
+    assert ">zhou</span>" in wang.get("/submissions").text
