@@ -1,7 +1,6 @@
 """What the checks on motion share: what was commanded, the driven path, the part that counts, and how it ended."""
 
 import itertools
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -73,13 +72,6 @@ def path_of(trajectory: Trajectory, count: int) -> Path:
     return driven_path(trajectory.x_m[:count], trajectory.y_m[:count], trajectory.heading_rad[:count], jumps)
 
 
-def commanded_at_end(run: Run) -> Command | None:
-    """Return the command that held when Ctrl+C came, however little it moved the car; None: there was none."""
-    commands, end_ns = run.trajectory.commands, run.outcome.duration_ns
-    interrupted = run.outcome.status is RunStatus.INTERRUPTED and bool(commands)
-    return commands[-1] if interrupted and end_ns - commands[-1].t_ns < COMMAND_LIFE_NS else None
-
-
 def is_drive(command: Command) -> bool:
     """Whether the command asks for a speed worth the name, straight on or in an arc."""
     return abs(command.v_mps) > MOVING_MPS
@@ -93,11 +85,6 @@ def is_turn(command: Command) -> bool:
 def is_motion(command: Command) -> bool:
     """Whether the command asks for a motion worth the name."""
     return abs(command.v_mps) > MOVING_MPS or abs(command.w_radps) > MOVING_RADPS  # asked most: no more calls
-
-
-def is_arc(command: Command) -> bool:
-    """Whether the command asks for both at once."""
-    return is_drive(command) and is_turn(command)
 
 
 @lru_cache(maxsize=1)  # most looks for mistakes ask for these commands, run by run
@@ -115,44 +102,9 @@ def with_ends(trajectory: Trajectory) -> tuple[tuple[Command, int], ...]:
     return tuple(zip(commands, map(min, next_ns, dropped_ns), strict=True))
 
 
-@lru_cache(maxsize=1)  # as `moves_of`
-def motions_of(trajectory: Trajectory) -> tuple[tuple[Command, int], ...]:
-    """Return each motion, a row of equal commands without a pause: its first command, and how long it lasted."""
-    motions: list[tuple[Command, int]] = []
-    begun: Command | None = None
-    ended_ns = 0
-    for command, until_ns in with_ends(trajectory):
-        if begun is not None and (command[1:] != begun[1:] or command.t_ns != ended_ns):
-            motions.append((begun, ended_ns - begun.t_ns))
-            begun = None
-        if is_motion(command):
-            begun, ended_ns = begun or command, until_ns
-    if begun is not None:
-        motions.append((begun, ended_ns - begun.t_ns))
-    return tuple(motions)
-
-
 def times_begun(flags: Iterable[bool]) -> int:
     """Return how often a row of flags becomes true, as motions do with a stop between one and the next."""
     return sum(now and not before for before, now in itertools.pairwise([False, *flags]))
-
-
-def share_backwards(run: Run) -> float:
-    """Return the share of the commanded way that was driven backwards; 0 where none was."""
-    ways_m = [
-        command.v_mps * (until_ns - command.t_ns) / 1e9 for command, until_ns in with_ends(run.trajectory)
-    ]
-    whole_m = math.fsum(map(abs, ways_m))
-    return -math.fsum(way for way in ways_m if way < 0.0) / whole_m if whole_m else 0.0
-
-
-def coasts(run: Run, drive: Drive, excess: float, *, turning: bool = False) -> bool:
-    """Whether turtlesim, which obeys the last command for a second, made the last motion longer by `excess`."""
-    commands = run.trajectory.commands
-    if not commands or not is_motion(commands[-1]) or drive.moving_at_end:
-        return False
-    speed = abs(commands[-1].w_radps if turning else commands[-1].v_mps)
-    return speed > 0.0 and excess / speed <= COMMAND_LIFE_NS / 1e9 + 0.05
 
 
 def pushed_m(trajectory: Trajectory, until_ns: int) -> float:

@@ -67,7 +67,7 @@ def _unanswered_client(run: Run, world: World) -> Mistake | None:
             return mistake(code, service=client.name, near=near)
         if offered[client.name] != client.type:
             wanted = offered[client.name]
-            return mistake("client_type", service=client.name, type=client.type, wanted=wanted)
+            return mistake("other_type", name=client.name, type=client.type, wanted=wanted)
     return None
 
 

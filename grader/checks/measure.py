@@ -58,13 +58,11 @@ class Mistake(Record, kw_only=False):
         code: stable name; its text is the message ``mistake.<code>``.
         text: what probably happened and the one next step.
         measures: names of the measures it spoils; their items show this text as hint. Empty: all.
-        apart: has a cause of its own, even where another mistake spoils the same measures.
     """
 
     code: str
     text: Text
     measures: tuple[str, ...] = ()
-    apart: bool = False
 
     def explains(self, measure: str) -> bool:
         """Whether an item on `measure` may have failed because of this."""
@@ -88,7 +86,7 @@ def first_causes(mistakes: Sequence[Mistake]) -> tuple[Mistake, ...]:
 def _follows(later: Mistake, cause: Mistake) -> bool:
     if not cause.measures:
         return True
-    return not later.apart and bool(later.measures) and set(later.measures) <= set(cause.measures)
+    return bool(later.measures) and set(later.measures) <= set(cause.measures)
 
 
 class Findings(Record, kw_only=False):

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from grader.checks.drive import is_drive, is_motion, moves_of, times_begun, with_ends
-from grader.checks.listening import waits_in_vain
+from grader.checks.drive import Drive, is_drive, is_motion, moves_of, times_begun, with_ends
+from grader.checks.listening import topics_of, waits_in_vain
 from grader.checks.measure import Mistake, mistake
 from grader.contracts.assignment import ROBOT_TOPICS, World
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, StudentError
@@ -176,7 +176,7 @@ def robot_mistakes(run: Run, world: World) -> tuple[Mistake, ...]:
         moved = bool(moves_of(run.trajectory))
         unknown = next((name for name in unheard if not moved or _is_misspelt(name, usual)), None)
         if unknown is not None:
-            return (mistake("robot_silent", topic=unknown, topics=", ".join(usual)),)
+            return (mistake("topic_nowhere", topic=unknown, topics=", ".join(usual)),)
     return _unfit_commands(run, world) or ()
 
 
@@ -263,9 +263,10 @@ def sleeps_too_long(run: Run, slept: WaitingCall) -> Mistake:
     return mistake("sleeps_too_long", line=slept.line, until=until, end=end)
 
 
-def no_final_stop(run: Run, excess: str, spoilt: tuple[str, ...]) -> Mistake:
-    """Return the mistake of a car that went on by `excess`, a distance or an angle, because nothing stopped it."""
-    return mistake("no_final_stop", spoilt, excess=excess)
+def time_was_up(run: Run, drive: Drive, spoilt: tuple[str, ...]) -> Iterator[Mistake]:
+    """Recognise a car that was still on its way at the horizon: too slow, or what should end a part never came."""
+    if drive.cut_short:
+        yield mistake("time_was_up", spoilt, time=number(run.outcome.duration_ns / 1e9, "s"))
 
 
 def swings(run: Run, spoilt: tuple[str, ...]) -> Mistake | None:
@@ -310,7 +311,11 @@ def _unpublished(run: Run, world: World) -> Mistake | None:
         return None
     published = {one.name for one in run.outcome.endpoints if one.kind == "publisher"}
     missing = next((name for name in run.outcome.heard if name in _OF_ROBOTS and name not in published), None)
-    return None if missing is None else mistake("not_published", topic=missing)
+    return (
+        None
+        if missing is None
+        else mistake("topic_nowhere", topic=missing, topics=", ".join(topics_of(world)))
+    )
 
 
 def error_caught(run: Run) -> Mistake | None:
@@ -381,9 +386,6 @@ def _unused_publisher(run: Run, world: World) -> tuple[Mistake, ...]:
         return (mistake("never_spun", ended=ended),)
     if outcome.status is RunStatus.INTERRUPTED and (vain := waits_in_vain(run, world)) is not None:
         return (vain,)
-    if outcome.status is RunStatus.INTERRUPTED and _others_publish(outcome, topic):
-        nodes = sorted({each.node for each in outcome.endpoints if each.name == topic})
-        return (mistake("node_never_published", nodes=", ".join(nodes), topic=topic),)
     if outcome.status is RunStatus.INTERRUPTED:
         if (typed := noted(outcome, "type_mismatch")) is not None:
             return (mistake("not_received", topic=typed),)
@@ -397,27 +399,11 @@ def _may_command(publisher: Endpoint, topic: str) -> bool:
     return name == topic or kind.startswith(("geometry_msgs/", "turtlesim/msg/")) or "vel" in name.lower()
 
 
-def _others_publish(outcome: RunOutcome, topic: str) -> bool:
-    """Whether there are other nodes, which published something: then a line with `publish` may be theirs."""
-    own = [each for each in outcome.endpoints if each.name not in _OWN_TOPICS]
-    commanding = {each.node for each in own if each.name == topic}
-    others = any(each.count and each.kind == "publisher" and each.node not in commanding for each in own)
-    return others or noted(outcome, "launch_several") is not None
-
-
 def _only_zeros(run: Run) -> Mistake:
     """Return why nothing but stops arrived."""
     if (topic := noted(run.outcome, "type_mismatch")) is not None:
         return mistake("not_received", topic=topic)
-    if noted(run.outcome, "stopped_at_once") is not None:
-        return mistake("stopped_at_once")
-    heard = run.outcome.heard
-    if any(name.endswith("/pose") for name in heard):
-        track = run.trajectory
-        x, y = (number(float(values[0]), "m") for values in (track.x_m, track.y_m))
-        heading = math.remainder(float(track.heading_rad[0]), math.tau)
-        return mistake("only_stops_by_pose", x=x, y=y, theta=number(heading, "rad"))
-    return mistake("only_stops_heard", topic=heard[0]) if heard else mistake("only_stops")
+    return mistake("only_stops" if noted(run.outcome, "stopped_at_once") is None else "stopped_at_once")
 
 
 def _longest_motion_ns(trajectory: Trajectory) -> int:

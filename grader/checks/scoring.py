@@ -375,7 +375,7 @@ def _hint(check: Kind, spec: ItemSpec, measure: Measure, mistakes: Sequence[Mist
     for each in mistakes:
         if each.explains(spec.measure):
             return each.text
-    if "why" in measure.details:  # unmeasured because of what other items report
+    if "why" in measure.details and not math.isfinite(measure.value):  # other items report why
         return EMPTY
     return say(f"{text_id(check, spec.measure)}.hint", **measure.details)
 
@@ -457,14 +457,12 @@ def ignored_input(
 ) -> Mistake | None:
     """Recognise a script that drives the same wrong sides in every run, whatever it is given."""
     given = {case.id: (case.stdin, case.args) for case in assignment.cases}
-    if len({given.get(run.case) for run in runs}) < 2 or any(len(each.mistakes) > 1 for each in seen):
+    sides = [each.measures.get("side_error_pct", UNMEASURED) for each in seen]
+    if len({given.get(run.case) for run in runs}) < 2 or any(each.mistakes for each in seen):
         return None
-    wrong = [each.mistakes[0] for each in seen if each.mistakes]
-    if {each.code for each in wrong} != {"wrong_lengths"} or any(map(_is_tiny, seen)):
-        return None
-    lengths = {str(each.measures["side_error_pct"].details.get("lengths")) for each in seen}
-    if len(lengths) > 1:
+    lengths = {str(each.details.get("lengths")) for each in sides}
+    wrong = [fits(assignment, "side_error_pct", each.value) is False for each in sides]
+    if len(lengths) > 1 or not any(wrong) or any(map(_is_tiny, seen)):
         return None
     code = "argument_ignored" if any(args for _, args in given.values()) else "input_ignored"
-    shown = seen[0].measures["side_error_pct"].details.get("lengths", "")
-    return mistake(code, ("side_error_pct", "gap_pct"), lengths=shown)
+    return mistake(code, ("side_error_pct", "gap_pct"), lengths=sides[0].details["lengths"])

@@ -60,6 +60,13 @@ class Explanation(Record):
     cause: StatedCause | None = None
     hidden: tuple[str, ...] = ()
 
+    @property
+    def codes(self) -> tuple[str, ...]:
+        """What takes the place of a report's mistakes where something was found."""
+        if self.changes:
+            return tuple(f"change.{one.code}" for one in self.changes)
+        return () if self.cause is None else (f"cause.{self.cause.code}",)
+
 
 def is_worth_trying(assignment: Assignment, report: GradeReport) -> bool:
     """Whether changes are looked for: of a script that lacks marks, whose runs are short enough to be repeated."""

@@ -23,7 +23,9 @@ _SPINS: Final = ("spin", "spin_once", "spin_until_future_complete", "add_node")
 _CLOCKS: Final = ("time", "now", "nanoseconds")
 _CLOCK_S: Final = 1e6  # more is a time since 1970, which says nothing to a reader
 _CHANGES: Final = 6  # from one of two lines to the other, before they are said to contend
+_BRIEF_S: Final = 0.5
 _LENGTHS: Final = frozenset({"side_error_pct", "length_error_pct", "off_pct"})
+_MOST_CALLERS: Final = 8  # functions may call each other in a circle
 _FEW: Final = 3  # where more is lost, the missing stop is not why
 _OFF: Final = 0.03  # of the wanted size: what updates of turtlesim and the period of a loop add or take away
 
@@ -41,17 +43,8 @@ def stated_cause(seen: Situation) -> Cause | None:
     """Return the first fact that explains why the script lacks marks; None where none does for certain."""
     if seen.outcome.status in (RunStatus.CRASHED, RunStatus.SYNTAX_ERROR):
         return None  # the exception says it
-    explainers = (
-        _timers_in_callbacks,
-        _contended,
-        _forgets,
-        _never_ran,
-        _endless,
-        _held,
-        _wrong_size,
-        _both_at_once,
-        _no_stop,
-    )
+    reached = (_held, _wrong_size, _unasked, _both_at_once, _no_stop) if seen.outcome.command_count else ()
+    explainers = (_timers_in_callbacks, _contended, _forgets, _never_ran, _endless, *reached)
     return next((cause for one in explainers for cause in one(seen)), None)
 
 
@@ -101,7 +94,7 @@ class _Reached:
             line in self._seen.ledger.ran for line in range(statement.lineno, max(last, statement.lineno + 1))
         )
 
-    def why_not(self, statement: ast.stmt) -> Cause | None:
+    def why_not(self, statement: ast.stmt, most_callers: int = _MOST_CALLERS) -> Cause | None:
         """Return what kept a statement from running; None where that is not plain."""
         line = statement.lineno
         inner: ast.stmt = statement
@@ -112,7 +105,7 @@ class _Reached:
                 return Cause(before[0], line, {"before": before[1]})
             above = self._script.parent(inner)
             if isinstance(above, _Functions):
-                return None if self.ran(above.body[0]) else self._function(above, line)
+                return None if self.ran(above.body[0]) else self._function(above, line, most_callers - 1)
             if isinstance(above, ast.If | ast.While | ast.For) and self.ran(above):
                 return self._head(above, inner, line)
             if not isinstance(above, ast.stmt) or isinstance(above, ast.Try | ast.ClassDef):
@@ -142,7 +135,9 @@ class _Reached:
             return None  # it waits for what the drive comes to: that this never came is the drive's fault
         return Cause("always_true" if is_else else "never_true", line, {"before": above.lineno, "test": test})
 
-    def _function(self, function: ast.FunctionDef | ast.AsyncFunctionDef, line: int) -> Cause | None:
+    def _function(
+        self, function: ast.FunctionDef | ast.AsyncFunctionDef, line: int, most_callers: int
+    ) -> Cause | None:
         """Return why a function never ran: nobody calls it, or nothing runs the callback that it is."""
         name = function.name
         if name == "__init__":
@@ -162,10 +157,9 @@ class _Reached:
             return Cause("never_called", line, {"name": name, "before": function.lineno})
         maker = next((one for node in mentions for one in self._makers(node)), None)
         if maker is None:
-            call = self.statement_of(mentions[0])
-            if len(mentions) > 1 or call is None or self._inside(call, function):
-                return None
-            return None if self.ran(call) else self.why_not(call)
+            calls = [self.statement_of(one) for one in mentions if not self._inside(one, function)]
+            first = None if any(one is None or self.ran(one) for one in calls) else next(iter(calls), None)
+            return None if first is None or not most_callers else self.why_not(first, most_callers)
         statement = self.statement_of(maker)
         if statement is None or not self.ran(statement):
             return None if statement is None else self.why_not(statement)
@@ -180,7 +174,12 @@ class _Reached:
             if waiting is not None:
                 return Cause("nothing_spins_while", line, {**values, "waits": waiting[0]})
             return Cause("nothing_spins", line, values)
-        return Cause("no_message", line, values) if dotted(maker.func).endswith("subscription") else None
+        if dotted(maker.func).endswith("subscription"):
+            return Cause("no_message", line, values)
+        period_s = number_of(maker.args[0]) if dotted(maker.func).endswith("timer") and maker.args else None
+        if period_s is None or period_s * 1e9 < self._seen.outcome.duration_ns:
+            return None
+        return Cause("timer_later", maker.lineno, {"name": name, "period": f"{period_s:g}"})
 
     def _makers(self, node: ast.AST) -> Iterator[ast.Call]:
         for one in self._script.around(node):
@@ -282,17 +281,22 @@ def _forgets(seen: Situation) -> Iterator[Cause]:
 
 
 def _contended(seen: Situation) -> Iterator[Cause]:
-    """Yield two lines that command by turns, each something else, from two callbacks or one and the main part."""
-    motions = seen.ledger.motions
+    """Yield two lines that command by turns, each something else, from two callbacks or one and the main part.
+
+    The commands of one of them are overruled before they do anything.
+    """
     handed = _handed_over(seen.script)
-    for one, other in itertools.pairwise(motions):
+    lasted_s = {id(one.motion): one.seconds for one in seen.driven}
+    for one, other in itertools.pairwise(seen.ledger.motions):
         pair = {one.line, other.line}
         alike = (one.v, one.w) == (other.v, other.w) or _source_of(one, handed) == _source_of(other, handed)
         if len(pair) < 2 or alike:
             continue
-        changes = sum({a.line, b.line} == pair for a, b in itertools.pairwise(motions))
-        brief = all(each.until - each.t < 500_000_000 for each in motions if each.line in pair)
-        if changes >= _CHANGES and brief:
+        changes = sum({a.line, b.line} == pair for a, b in itertools.pairwise(seen.ledger.motions))
+        rows = [[each for each in seen.ledger.motions if each.line == line] for line in pair]
+        if changes >= _CHANGES and any(
+            all(lasted_s.get(id(each), 0.0) < _BRIEF_S for each in row) for row in rows
+        ):
             yield Cause("contended", min(pair), {"other": max(pair)})
             return
 
@@ -360,6 +364,15 @@ def _compared(seen: Situation, driven: Driven) -> tuple[float, float | None, str
     return size, min(wanted, key=lambda one: abs(one - size), default=None), unit
 
 
+def _unasked(seen: Situation) -> Iterator[Cause]:
+    """Yield a line that turns where none is wanted, or drives where the car is to stay in its place."""
+    turns = "turned_deg" in seen.lost and not seen.wanted.turns_deg
+    for driven in seen.distinct:
+        if (turns and driven.motion.w) or ("drift_m" in seen.lost and driven.motion.v):
+            values: dict[str, object] = {"v": f"{driven.motion.v:g}", "w": f"{driven.motion.w:g}"}
+            yield Cause("unasked", driven.motion.line, values)
+
+
 def _both_at_once(seen: Situation) -> Iterator[Cause]:
     """Yield a line that drives and turns at a time where single turns and drives are wanted."""
     if not seen.wanted.turns_deg or not seen.lost & {"sides", "curved_pct", "corner_deg"}:
@@ -372,6 +385,8 @@ def _both_at_once(seen: Situation) -> Iterator[Cause]:
 def _no_stop(seen: Situation) -> Iterator[Cause]:
     """Yield the line that commanded the last motion, where no stop came after it."""
     last = next(iter(seen.ledger.motions[-1:]), None)
-    if last is None or last.is_stop or "settled" not in seen.lost or len(seen.lost) > _FEW:
+    if last is None or last.is_stop:
         return
-    yield Cause("no_stop", last.line, {"v": f"{last.v:g}", "w": f"{last.w:g}"})
+    moves_on = "settled" in seen.lost and len(seen.lost) <= _FEW
+    if moves_on or seen.driven[-1].is_held:  # for a second more than was meant
+        yield Cause("no_stop", last.line, {"v": f"{last.v:g}", "w": f"{last.w:g}"})

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
-from grader.contracts.names import IMPORTS, OTHER_LANGUAGES, near_name
+from grader.contracts.names import IMPORTS, MODULES, OTHER_LANGUAGES, near_name
 from grader.contracts.outcome import RunStatus, StudentError
 from grader.edits.situation import Proposal, Situation
 from grader.edits.slices import NameSet, assignments, calls_of, dotted, number_of
@@ -237,7 +237,12 @@ def _signatures(at: _Place) -> Iterator[Proposal]:
         if not head.rstrip().endswith(":") or function.args.defaults or head.count("(") != 1:
             continue
         in_class = isinstance(at.script.parent(function), ast.ClassDef)
-        ways = [[*names, "msg"], names[:-1], [*names, "request", "response"], [*names, "response"]]
+        ways = [
+            [*names, _given_name(at, function)],
+            names[:-1],
+            [*names, "request", "response"],
+            [*names, "response"],
+        ]
         if names[-1:] and names[-1].startswith("req"):
             ways.reverse()
         if in_class and names[:1] != ["self"]:
@@ -245,8 +250,18 @@ def _signatures(at: _Place) -> Iterator[Proposal]:
         if names:
             ways.append([*names[:-1], f"{names[-1]}=None"])
         for place, way in enumerate(ways):
-            if way[:1] != ["msg"] or not in_class:
+            if way[:1] == ["self"] or not in_class:
                 yield _with_head(at, 0.5 + 0.2 * place, function, f"def {function.name}({', '.join(way)}):")
+
+
+def _given_name(at: _Place, function: "ast.FunctionDef | ast.AsyncFunctionDef") -> str:
+    """Return how a parameter is called that takes what the failing line gives; a callback's is the message."""
+    owner = at.script.parent(function)
+    names = {function.name, owner.name if isinstance(owner, ast.ClassDef) else ""}
+    given = next(
+        (one.args[-1] for one in at.calls if one.args and dotted(one.func).rpartition(".")[2] in names), None
+    )
+    return "msg" if given is None else dotted(given).rpartition(".")[2].lower() or "value"
 
 
 def _with_head(at: _Place, cost: float, function: ast.stmt, head: str) -> Proposal:
@@ -310,8 +325,8 @@ def _own_names(at: _Place) -> Iterator[Proposal]:
         yield from _renamed(at, 0.6, name, f"my_{name.strip('_')}", calls=True)
     for one in at.known:
         name = one.target.removeprefix("self.")
-        is_builtin = "." not in one.target and hasattr(builtins, name)
-        if (one.target.startswith("self.") and name in methods) or is_builtin:
+        is_taken = "." not in one.target and (hasattr(builtins, name) or name in MODULES)
+        if (one.target.startswith("self.") and name in methods) or is_taken:
             yield from _renamed(at, 0.6, name, f"{name}_value", calls=False)
     for function in _own_functions(at.script):
         for argument in function.args.args:
@@ -341,7 +356,9 @@ def _renamed(at: _Place, cost: float, old: str, new: str, *, calls: bool) -> Ite
             if calls or not _is_called(at, node):
                 end = at.script.span(node)[1]
                 edits.append(Edit(end - len(old), end, new))
-        elif isinstance(node, ast.Name) and node.id == old and not calls and not _is_called(at, node):
+        elif isinstance(node, ast.Name) and node.id == old and not (calls or _is_called(at, node)):
+            if isinstance(at.script.parent(node), ast.Attribute):
+                continue  # the module's
             edits.append(at.script.replaced(node, new))
         elif isinstance(node, _Functions) and node.name == old and calls:
             start = at.script.text.index(old, at.script.span(node)[0])
@@ -356,11 +373,15 @@ def _renamed(at: _Place, cost: float, old: str, new: str, *, calls: bool) -> Ite
 
 
 def _fields(at: _Place) -> Iterator[Proposal]:
-    """Yield the field that takes a number, for a whole vector, an index, or a message without one between."""
+    """Yield a field that the message has; the one that takes a number, for a whole vector, an index, or none."""
     for node in at.nodes:
         parent = at.script.parent(node)
         if not isinstance(node, ast.Attribute):
             continue
+        for place, name in enumerate(
+            at.seen.fields if f"attribute '{node.attr}'" in at.error.message else ()
+        ):
+            yield at.mended(0.5 + 0.05 * place, node, f"{at.script.source(node.value)}.{name}")
         if node.attr in _AXES and isinstance(parent, ast.Assign | ast.AugAssign):
             yield at.mended(0.4, node, f"{at.script.source(node)}.{_AXES[node.attr]}")
         if node.attr in _AXES and isinstance(parent, ast.Subscript):
@@ -600,21 +621,23 @@ def _waits(at: _Place) -> Iterator[Proposal]:
 
 
 def _answers(at: _Place) -> Iterator[Proposal]:
-    """Yield the answer that a service's callback does not return."""
-    if at.error.type != "TypeError" or at.error.message.strip():
-        return
-    for call in calls_of(at.script, "create_service"):
-        names = {dotted(one).rpartition(".")[2] for one in call.args}
+    """Yield the answer that a callback of a service, or of parameters that are set, does not return."""
+    makers = [("create_service", 2)] if (at.error.type, at.error.message.strip()) == ("TypeError", "") else []
+    makers += [("add_on_set_parameters_callback", 1)] * ("'successful'" in at.error.message)
+    for maker, needed in makers:
+        names = {dotted(one).rpartition(".")[2] for call in calls_of(at.script, maker) for one in call.args}
         for function in _own_functions(at.script):
             arguments = [one.arg for one in function.args.args]
-            if function.name in names and len(arguments) >= 2:
-                last = function.body[-1]
-                line = f"return {arguments[-1]}"
-                if isinstance(last, ast.Return):
-                    yield at.mended(0.4, last, line)
-                else:
-                    end = last.end_lineno or last.lineno
-                    yield at.added(0.3, at.script.inserted_after(last, line), end + 1, line)
+            if function.name not in names or len(arguments) < needed:
+                continue
+            answer = "SetParametersResult(successful=True)" if needed == 1 else arguments[-1]
+            last = function.body[-1]
+            if isinstance(last, ast.Return):
+                yield at.mended(0.4, last, f"return {answer}")
+            else:
+                end = last.end_lineno or last.lineno
+                edit = at.script.inserted_after(function.body[-1], f"return {answer}")
+                yield at.added(0.3, edit, end + 1, f"return {answer}")
 
 
 def _without(at: _Place) -> Iterator[Proposal]:

@@ -37,6 +37,7 @@ def flow_changes(seen: Situation) -> Iterator[Proposal]:
     yield from _moved(seen)
     yield from _out_of_branches(seen)
     yield from _into_branches(seen)
+    yield from _into_ends(seen)
     yield from _lambdas(seen)
     yield from _counters(seen, known)
     yield from _without_call(seen)
@@ -345,6 +346,21 @@ def _into_branches(seen: Situation) -> Iterator[Proposal]:
                 yield Proposal("into_branch", 2.1, edits, {"line": one.lineno, "loop": node.lineno})
 
 
+def _into_ends(seen: Situation) -> Iterator[Proposal]:
+    """Yield what ends or sets something, behind an `if`, moved to its end: it was to happen only then."""
+    for node in ast.walk(seen.script.tree):
+        if not isinstance(node, ast.If) or node.orelse or node.lineno not in seen.ledger.ran:
+            continue
+        block = seen.script.block_of(node)
+        place = next((i for i, one in enumerate(block) if one is node), 0)
+        for one in block[place + 1 : place + 2]:
+            ends = isinstance(one, ast.Return | ast.Break) or _is_call(one, _ENDS)
+            if ends or isinstance(one, ast.Assign | ast.AugAssign):
+                edits = _into(seen.script, node.body[-1], [one])
+                values = {"line": one.lineno, "loop": node.lineno}
+                yield Proposal("into_if", 2.0 if ends else 2.6, edits, values)
+
+
 def _into(script: ParsedScript, last: ast.stmt, moved: list[ast.stmt]) -> tuple[Edit, ...]:
     texts = [line for one in moved for line in script.source(one).splitlines()]
     if any("\n" in script.source(one) for one in moved):
@@ -616,7 +632,7 @@ def _removed(seen: Situation) -> Iterator[Proposal]:
                     )
     for node in ast.walk(seen.script.tree):
         ends = isinstance(node, ast.Break | ast.Return | ast.Continue) or (
-            isinstance(node, ast.stmt) and _is_call(node, _ENDS)
+            isinstance(node, ast.stmt) and _is_call(node, (*_ENDS, "rclpy.spin"))
         )
         inside = isinstance(node, ast.stmt) and not isinstance(seen.script.parent(node), ast.Module | ast.Try)
         if (

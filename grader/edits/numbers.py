@@ -1,6 +1,7 @@
 """Changes of numbers: what the ledger says a motion came to, against what was wanted."""
 
 import ast
+import itertools
 import math
 import re
 from collections.abc import Iterator
@@ -8,13 +9,22 @@ from typing import Final
 
 from grader.contracts.outcome import RunStatus
 from grader.edits.situation import Driven, Proposal, Situation
-from grader.edits.slices import NumberUse, assignments, dotted, expressions_behind, number_of, numbers_behind
+from grader.edits.slices import (
+    NumberUse,
+    assignments,
+    calls_of,
+    dotted,
+    expressions_behind,
+    number_of,
+    numbers_behind,
+)
 from grader.edits.tree import Edit, ParsedScript
 
 _DEGREES: Final = frozenset((30, 36, 40, 45, 51.43, 60, 72, 90, 108, 120, 135, 144, 180, 270, 360))
 _LEAST_DEGREES: Final = 20.0
 _FITS: Final = 0.02
 _MOST_WANTED: Final = 3
+_MOST_CALLS: Final = 6
 _PERIODS: Final = ("sleep", "create_timer", "create_rate", "Rate")
 _DEPTHS: Final = ("create_publisher", "create_subscription")
 _LONGEST_PERIOD_S: Final = 0.2
@@ -64,6 +74,7 @@ def number_changes(seen: Situation) -> Iterator[Proposal]:
     yield from _operators(seen)
     yield from _rays(seen)
     yield from _opposed(seen)
+    yield from _crossed(seen)
 
 
 def _lines(seen: Situation, driven: Driven) -> tuple[int, ...]:
@@ -337,7 +348,7 @@ def _calculations(seen: Situation, node: ast.BinOp, cost: float) -> Iterator[Pro
     )
     operator_cost = _SIZE_COST if likely else _OPERATOR_COSTS.get(type(node.op), 5.0)
     yield from _between(seen.script, "operator", cost + operator_cost, (node.left, node.right), new)
-    if isinstance(node.op, ast.Sub):
+    if isinstance(node.op, ast.Sub) and not _is_summand(seen.script, node):
         clock = any(one in seen.script.source(node) for one in ("time()", "now()"))
         endless = clock and seen.outcome.status is RunStatus.INTERRUPTED
         yield from _exchanged(seen.script, cost + 5.0 - 3.0 * endless, node.left, node.right)
@@ -393,6 +404,7 @@ def _opposed(seen: Situation) -> Iterator[Proposal]:
                 isinstance(node, ast.BinOp)
                 and isinstance(node.op, ast.Sub)
                 and _goes_into(script, node, names)
+                and not _is_summand(script, node)
             ):
                 left, right = (bool(_NOW.search(script.source(side))) for side in (node.left, node.right))
                 if left >= right:  # unless it is "wanted minus present" already
@@ -410,10 +422,48 @@ def _goes_into(script: ParsedScript, node: ast.expr, names: set[str]) -> bool:
     return isinstance(statement, ast.Assign) and any(dotted(one) in names for one in statement.targets)
 
 
+def _is_summand(script: ParsedScript, node: ast.expr) -> bool:
+    """Whether an expression is only a part of a longer sum: to turn that part round is to compute nonsense."""
+    above = itertools.takewhile(lambda one: isinstance(one, ast.expr), script.around(node))
+    return any(isinstance(one, ast.BinOp) and isinstance(one.op, ast.Add | ast.Sub) for one in above)
+
+
 def _is_product(node: ast.expr) -> bool:
     while isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div):
         node = node.left
     return not isinstance(node, ast.BinOp | ast.IfExp | ast.Compare | ast.BoolOp)
+
+
+def _crossed(seen: Situation) -> Iterator[Proposal]:
+    """Yield two arguments of a function exchanged that takes a speed and a turn, or x and y."""
+    functions = (node for node in ast.walk(seen.script.tree) if isinstance(node, ast.FunctionDef))
+    for function in functions:
+        names = [one.arg for one in function.args.args if one.arg != "self"]
+        for place, pair in enumerate(itertools.pairwise(names)):
+            calls = [
+                call.args[place : place + 2]
+                for call in calls_of(seen.script, function.name)
+                if len(call.args) > place + 1
+            ]
+            if calls and _are_twins(seen, function, pair):
+                swapped = [next(_exchanged(seen.script, 1.25, *given)) for given in calls[:_MOST_CALLS]]
+                edits = tuple(edit for one in swapped for edit in one.edits)
+                yield Proposal("exchanged", 1.2, edits, swapped[0].values)
+                yield from swapped[: _MOST_CALLS if len(swapped) > 1 else 0]
+
+
+def _are_twins(seen: Situation, function: ast.FunctionDef, pair: tuple[str, str]) -> bool:
+    """Whether two parameters may be confused: x and y, or speed and turn of a car that turned first of all."""
+    if seen.outcome.hears:
+        return [name[-1:] for name in pair] in (["x", "y"], ["y", "x"])
+    inside = {id(node) for node in ast.walk(function)}
+    set_to = {
+        dotted(one.value): one.target.rpartition(".")[0].rpartition(".")[2]
+        for one in assignments(seen.script)
+        if id(one.statement) in inside and one.target.endswith((".linear.x", ".angular.z"))
+    }
+    turned_first = bool(seen.driven) and seen.driven[0].is_turn
+    return turned_first and {set_to.get(name) for name in pair} == {"linear", "angular"}
 
 
 def _rays(seen: Situation) -> Iterator[Proposal]:

@@ -84,6 +84,7 @@ class Situation:
 
     Attributes:
         topic: moves the car. lost: names of the measures that cost points.
+        fields: of the message that has not the one which an exception names.
     """
 
     script: ParsedScript
@@ -92,6 +93,7 @@ class Situation:
     wanted: WantedSizes
     topic: str = "/turtle1/cmd_vel"
     lost: frozenset[str] = frozenset()
+    fields: tuple[str, ...] = ()
 
     @cached_property
     def driven(self) -> tuple[Driven, ...]:

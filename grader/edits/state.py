@@ -33,6 +33,30 @@ def state_changes(seen: Situation) -> Iterator[Proposal]:
     yield from _signs(seen)
     yield from _started(seen, known)
     yield from _classes(seen)
+    yield from _kept_first(seen, known)
+
+
+def _kept_first(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
+    """Yield a callback that keeps each message, for one whose `if` lets it keep only the first."""
+    heard = {
+        dotted(one).rpartition(".")[2]
+        for call in calls_of(seen.script, "create_subscription")
+        for one in call.args
+    }
+    for function in ast.walk(seen.script.tree):
+        if not isinstance(function, _Functions) or function.name not in heard:
+            continue
+        for test in function.body:
+            if not isinstance(test, ast.If) or test.orelse:
+                continue
+            asked = {dotted(node) for node in ast.walk(test.test)} - {""}
+            if any(one.target in asked and one.statement in test.body for one in known):
+                start, end = seen.script.line_start(test.lineno), seen.script.span(test.body[-1])[1]
+                step = test.body[0].col_offset - test.col_offset
+                lines = seen.script.text[seen.script.line_start(test.body[0].lineno) : end].splitlines()
+                text = "\n".join(line[step:] for line in lines)
+                values = {"line": test.lineno, "old": seen.script.source(test.test)}
+                yield Proposal("kept_first", 1.5, (Edit(start, end, text),), values)
 
 
 def _is_clock(script: ParsedScript, value: ast.expr) -> bool:

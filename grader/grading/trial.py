@@ -13,7 +13,7 @@ from typing import Final
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import ProtocolError
 from grader.contracts.explanation import ChangedText, Explanation, ProvenChange, StatedCause
-from grader.contracts.outcome import RunOutcome, RunStatus
+from grader.contracts.outcome import RunOutcome, RunStatus, StudentError
 from grader.contracts.rubric import ItemStatus, RubricItem, summed
 from grader.contracts.text import Text
 from grader.edits.causes import stated_cause
@@ -21,6 +21,7 @@ from grader.edits.proposals import Candidate, candidates, syntax_candidates
 from grader.edits.received import received_ledger, received_script
 from grader.edits.situation import Proposal, Situation, WantedSizes
 from grader.edits.tree import changed_lines
+from grader.formats.interfaces import standard_entries, structures_of
 from grader.messages import join, say
 from grader.messages.quantity import number, points
 
@@ -39,6 +40,16 @@ _DELAYED_AT: Final = re.compile(r"^(?=import |from (?!__future__))", re.MULTILIN
 _DELAY: Final = "__import__('time').sleep(0.107)\n"
 """What is told also ends at full marks when Ctrl+C comes later, and when the script begins later, by so many
 seconds: it does not only fit the phase of the horizon, or of turtlesim's updates and a robot's scans."""
+_NO_FIELD: Final = re.compile(r"'(\w+)' object has no attribute ")
+_GUESSED: Final = frozenset(
+    ("comparison", "converted", "count", "exchanged", "operator", "removed", "scaled", "sign")
+)
+_AS_LIKELY: Final = 0.5
+"""Kinds of change that may gain by chance, because they make up for what is wrong elsewhere; and how much further
+down in the order another one stands for just as likely."""
+_SPINS: Final = ("spin", "spun_once", "spin_once", "brackets", "call", "class")
+"""What lets a node run on that is meant to."""
+_A_WHILE_NS: Final = 1_500_000_000
 _MOST_BRANCHES: Final = 2
 _STEP_DEG: Final = 15.0
 _STEP_M: Final = 0.1
@@ -166,6 +177,8 @@ class Search:
         for step in self._trials(text, now):
             candidate, after = step
             goes_on = _goes_on(now.outcome, after.outcome)
+            if goes_on and candidate.proposal.code not in _SPINS:
+                continue
             if not after.gains_on(now):
                 if further is None and _is_further(now.outcome, after.outcome):
                     further = candidate
@@ -173,7 +186,7 @@ class Search:
                 now.outcome, after.outcome, candidate.proposal
             ):
                 if steps := self._continued(step, left):
-                    return steps
+                    return [] if self._is_one_of_many(text, now, candidate) else steps
             elif after.is_full or after.explains(now):
                 gaining.append(step)
         # stable: of equal ones the more plausible, and first those that end as the script did
@@ -182,6 +195,28 @@ class Search:
             if steps := self._continued(step, left):
                 return steps
         return [] if further is None or left < MOST_CHANGES else self._with_next(now, further, left)
+
+    def _is_one_of_many(self, text: str, now: Graded, first: Candidate) -> bool:
+        """Whether a change of another kind, at another line, is as likely as `first` and has full marks as well.
+
+        Then neither is known to be the cause.
+        """
+        if first.proposal.code not in _GUESSED:
+            return False
+        line, most = first.proposal.values.get("line"), first.proposal.cost + _AS_LIKELY
+        for candidate in self._candidates(text, now):
+            one = candidate.proposal
+            differs = (
+                one.code in _GUESSED and one.code != first.proposal.code and one.values.get("line") != line
+            )
+            if one.cost > most or not self._has_budget:
+                return False
+            if differs and one.cost >= first.proposal.cost:
+                self._tried += 1
+                after = self._graded(candidate.text, self._assignment)
+                if after.is_full and self._holds(candidate.text):
+                    return True
+        return False
 
     def _trials(self, text: str, now: Graded) -> Iterator[Step]:
         """Yield the proposals for a text with what each came to, the most plausible first, within the budget."""
@@ -262,7 +297,18 @@ class Search:
             wanted=wanted_of(self._assignment.in_case(now.case), lost),
             topic=self._assignment.world.cmd_vel_topic,
             lost=lost,
+            fields=_fields_of(now.outcome.error),
         )
+
+
+def _fields_of(error: StudentError | None) -> tuple[str, ...]:
+    """Return the fields of ROS's messages of the type which has not the one that an exception names."""
+    match = None if error is None else _NO_FIELD.match(error.message)
+    if match is None:
+        return ()
+    structures = (one for entry in standard_entries() for one in structures_of(entry))
+    rows = [members for name, members in structures if name.rpartition("/")[2] == match[1]]
+    return tuple(dict.fromkeys(member[0] for members in rows for member in members))
 
 
 def wanted_of(assignment: Assignment, lost: frozenset[str]) -> WantedSizes:
@@ -321,8 +367,17 @@ def _is_mended(before: RunOutcome, after: RunOutcome, proposal: Proposal) -> boo
 
 
 def _goes_on(before: RunOutcome, after: RunOutcome) -> bool:
-    """Whether a script that ended by itself does so no more."""
-    return before.status is RunStatus.FINISHED and after.status is RunStatus.INTERRUPTED
+    """Whether a script that came to its end, or to that of its motions, does so no more.
+
+    To draw a figure again and again earns all, so an endless loop would make up for any count.
+    """
+    return _comes_to_an_end(before) and after.status is RunStatus.INTERRUPTED and not _comes_to_an_end(after)
+
+
+def _comes_to_an_end(outcome: RunOutcome) -> bool:
+    last_ns = outcome.last_command_ns or 0
+    rests = _A_WHILE_NS < last_ns < outcome.duration_ns - _A_WHILE_NS
+    return outcome.status is RunStatus.FINISHED or (outcome.status is RunStatus.INTERRUPTED and rests)
 
 
 def _is_further(before: RunOutcome, after: RunOutcome) -> bool:

@@ -83,7 +83,7 @@ def own_hints(assignment: Assignment, report: GradeReport) -> dict[str, Text]:
 
 
 def told(report: GradeReport, explanation: Explanation, level: Hints, own: Mapping[str, Text]) -> GradeReport:
-    """Return a report whose next steps are the teacher's own and what was tried, where anything was.
+    """Return a report whose next steps are the teacher's own, and what was tried or what the run shows.
 
     Below `Hints.CHANGE` everything else that says what to do is left out.
     """
@@ -95,13 +95,11 @@ def told(report: GradeReport, explanation: Explanation, level: Hints, own: Mappi
         replace(item, hint=own.get(item.id, EMPTY)) if level is not Hints.CHANGE or item.id in gains else item
         for item in report.items
     )
-    guess = () if explanation.changes or level is not Hints.CHANGE else (report.hint,)
-    said = dict.fromkeys((*own.values(), *(_next(step) for step in found), *guess))
+    said = dict.fromkeys((*own.values(), *(_next(step) for step in found)))
     hint = Text(zh="\n".join(one.zh for one in said), en="\n".join(one.en for one in said))
     if level is not Hints.CHANGE:
         return replace(report, items=items, hint=hint, mistakes=())
-    codes = tuple(f"change.{one.code}" for one in explanation.changes)
-    return replace(report, items=items, hint=hint, mistakes=codes or report.mistakes)
+    return replace(report, items=items, hint=hint, mistakes=explanation.codes)
 
 
 def _next(step: HintStep) -> Text:

@@ -94,13 +94,14 @@ def render_steps(
     own = own_hints(assignment, report)
     if own and explanation.changes:
         yield next_steps((visible(one.get(language)) for one in dict.fromkeys(own.values())), language)
-    for step in steps(report, explanation, assignment.hints):
+    found = steps(report, explanation, assignment.hints)
+    for step in found:
         yield next_steps((visible(step.fact.get(language)),), language)
         if step.line != EMPTY:
             yield Text(f"  {visible_line(step.line.get(language), _LONGEST_LINE)}")
         if step.change != EMPTY:
             yield Group(Prose(f"  {visible(step.change.get(language))}"), *_changed(step.lines))
-    if not explanation.changes:
+    if not found:
         yield Group(*_next_steps(told(report, Explanation(), assignment.hints, own), language))
 
 

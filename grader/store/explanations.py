@@ -146,7 +146,7 @@ class Explanations(TimedPart):
         if len(content) > MOST_BYTES:
             content = canonical(Explanation(hidden=explanation.hidden, tried=explanation.tried))
         values = {"content": content, "took_s": took_s, "finished_at": self._clock(), "lease_until": None}
-        return self._write(claim, values, [f"change.{one.code}" for one in explanation.changes])
+        return self._write(claim, values, explanation.codes)
 
     def _write(self, claim: ExplanationClaim, values: dict[str, Any], codes: Sequence[str] = ()) -> bool:
         """Write to a claim's row; `codes`: what the class's overview counts in place of mistakes."""

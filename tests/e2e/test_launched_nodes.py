@@ -494,7 +494,7 @@ def test_more_nodes_than_threads_are_refused_before_one_is_started(slot: Slot) -
             "topic_nearly",
             "There is /crew/order",
         ),
-        ("'drive', name='wheels'", "'idle', name='wheels'", "node_never_published", "The node /team/wheels"),
+        ("'drive', name='wheels'", "'idle', name='wheels'", "never_published", "never called publish()"),
         ("'ask', name='boss'", "'shouts', name='boss'", "types_differ", "as std_msgs/msg/String"),
     ],
 )

@@ -77,7 +77,7 @@ rclpy.spin(Stop())
     ("old", "new", "mistakes", "words"),
     [
         ("import rclpy\n", "import rclpy\n", (), ""),
-        ("ranges[0]", "ranges[180]", ("room_drove_on",), "ranges[0] is straight ahead"),
+        ("ranges[0]", "ranges[180]", ("room_hit",), "slow down, stop or turn away"),
         ("ranges[0]", "ranges[360]", ("index_range",), "out of range"),
         ("LaserScan", "PointCloud2", ("not_received",), "The type of /scan is wrong"),
     ],

@@ -193,7 +193,7 @@ def grade(job: GradingJob) -> GradingResult:
         runs=(CaseRun(case="default", outcome=outcome, trajectory_sha256=digest),),
         summary=Text(zh="做得不错", en="well done"),
         hint=Text(zh="继续", en="go on"),
-        mistakes=() if good >= len(specs) else ("turns_too_short", "never_stops"),
+        mistakes=() if good >= len(specs) else ("interior_angle", "wall_hit"),
     )
     return GradingResult(report=report, trajectories={"default": recorded}, measurements=MEASUREMENTS)
 

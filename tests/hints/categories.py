@@ -17,7 +17,7 @@ _SIGNS: Final = (
         "size",
         r"turns?_too|sides_|interior|radian|half_turn|lengths|unequal|corner|too_slow|too_short|too_far|degrees|count|"
         r"length|radius|swept|size|unfinished|too_long|drives?_too|brief|scaled|drove|turned|endless|far|late|early|slow|"
-        r"missed|share|no_turns|turn_missing|other_figure|published_once|stop_in_loop",
+        r"missed|share|sides|spread|advance|covered|no_turns|turn_missing|other_figure|published_once|stop_in_loop",
     ),
     (
         "shape",

@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any, Final
 
-from grader.checks.expectations.slips import of_values
 from grader.checks.expectations.verdict import (
     NS_PER_S,
     Evidence,
@@ -24,7 +23,8 @@ from grader.checks.expectations.verdict import (
     wanted_of,
 )
 from grader.checks.measure import Mistake, mistake
-from grader.contracts.conversation import Expectation, Sent, Step, Values, clip, plain_parameter, shown
+from grader.checks.mistakes import error_caught
+from grader.contracts.conversation import Expectation, Sent, Step, clip, plain_parameter, shown
 from grader.contracts.outcome import RunStatus
 from grader.contracts.text import EMPTY, Text
 from grader.messages import join, say
@@ -38,7 +38,7 @@ _SEND_GOAL: Final = "/_action/send_goal"
 def answer(one: Expectation, evidence: Evidence) -> Verdict:
     """Judge the answers to the calls of a step."""
     step, exchanges = evidence.step(one.target), evidence.exchanges(one.target)
-    good, row, pairs = 0, None, []
+    good, row = 0, None
     for exchange in exchanges:
         names = evidence.said(exchange, exchange.answered_ns, out=exchange.answer)
         wanted = None if one.values is None else wanted_of(one.values, names)
@@ -47,7 +47,6 @@ def answer(one: Expectation, evidence: Evidence) -> Verdict:
         )
         fits = fits and holds(one.that, names)
         good += fits
-        pairs.append((exchange.values, wanted, exchange.answer))
         if not fits and row is None:
             row = (exchange, wanted)
     share = good / max(len(exchanges), 1)
@@ -61,8 +60,7 @@ def answer(one: Expectation, evidence: Evidence) -> Verdict:
     came = _came(one, exchange, exchange.answer, one.values)
 
     def why() -> Mistake | None:
-        late = _unanswered(step, exchanges, evidence) or _late(one, step, exchanges)
-        return late or of_values(step.target, pairs) or _unset(one, step.target, exchange, exchange.answer)
+        return _unanswered(step, exchanges, evidence) or _late(one, step, exchanges)
 
     return Verdict(share=share, sent=shown(exchange.values), wanted=told, came=came, why=why)
 
@@ -136,7 +134,7 @@ def not_offered(name: str, kind: str, evidence: Evidence) -> Mistake:
     """Return why a service was never there to be called."""
     same = evidence.parties("service", name)
     if same and same[0].type != kind:
-        return mistake("wrong_service_type", service=name, type=same[0].type, wanted=kind)
+        return mistake("other_type", name=name, type=same[0].type, wanted=kind)
     ended = number(evidence.run.outcome.duration_ns / 1e9, "s")
     if same:
         return mistake("not_spinning", ended=ended)
@@ -152,7 +150,7 @@ def not_offered(name: str, kind: str, evidence: Evidence) -> Mistake:
         if not each.type.startswith(_OWN_TYPES) and "/_action/" not in each.name and each.name not in others
     ]
     if own:
-        return mistake("wrong_service_name", used=named(own), service=name)
+        return mistake("other_name", used=named(own), name=name)
     return mistake("no_service", service=name, type=kind)
 
 
@@ -175,8 +173,13 @@ def goal(one: Expectation, evidence: Evidence) -> Verdict:
         sent=sent,
         wanted=wanted,
         came=came,
-        why=lambda: _without_action(step, exchange, evidence) or why(),
+        why=lambda: _without_action(step, exchange, evidence) or _raised(exchange, evidence) or why(),
     )
+
+
+def _raised(goal: Sent, evidence: Evidence) -> Mistake | None:
+    """Return the exception that left the callback of a goal: rclpy catches it, and aborts the goal."""
+    return error_caught(evidence.run) if goal.status.lower() == "aborted" else None
 
 
 def _goal_parts(one: Expectation, evidence: Evidence, goal: Sent) -> list[tuple[float, Text, Text, Reason]]:
@@ -216,16 +219,14 @@ def _state(one: Expectation, evidence: Evidence, goal: Sent) -> tuple[float, Tex
 def _result(one: Expectation, evidence: Evidence, goal: Sent) -> list[tuple[float, Text, Text, Reason]]:
     names = evidence.said(goal, goal.answered_ns, out=goal.answer)
     parts: list[tuple[float, Text, Text, Reason]] = []
-    name = evidence.step(one.target).target
     came = say("expected.no_result") if goal.answer is None else plain(shown(goal.answer))
     if one.values is not None:
         wanted = wanted_of(one.values, names)
         fits = goal.answer is not None and equals(wanted, goal.answer, one.within)
-        pairs = [(goal.values, wanted, goal.answer)]
-        parts.append((float(fits), plain(shown(wanted)), came, lambda: of_values(name, pairs)))
+        parts.append((float(fits), plain(shown(wanted)), came, unknown))
     if one.that is not None:
         fits = goal.answer is not None and holds(one.that, names)
-        parts.append((float(fits), plain(clip(one.that)), came, lambda: _unset(one, name, goal, goal.answer)))
+        parts.append((float(fits), plain(clip(one.that)), came, unknown))
     if one.within_s is not None:
         took_s = None if goal.answered_ns is None else (goal.answered_ns - (goal.sent_ns or 0)) / NS_PER_S
         told = came if took_s is None else say("expected.after", time=number(took_s, "s", 2))
@@ -234,19 +235,6 @@ def _result(one: Expectation, evidence: Evidence, goal: Sent) -> list[tuple[floa
             (float(in_time), say("expected.within", time=number(one.within_s, "s", 2)), told, unknown)
         )
     return parts
-
-
-def _unset(one: Expectation, name: str, sent: Sent, values: Values | None) -> Mistake | None:
-    """Return that an answer, of which something must be true, has only what it has from the start."""
-    if not values or one.that is None or not _is_default(values):
-        return None
-    came = ", ".join(shown(each) for each in values.values())
-    told = {"sent": shown(sent.values), "came": came, "wanted": clip(one.that)}
-    return mistake("slip_unset", name=name, field=", ".join(values), formula="", **told)
-
-
-def _is_default(value: Any) -> bool:
-    return all(map(_is_default, value.values())) if isinstance(value, Mapping) else not value
 
 
 def _feedback(one: Expectation, evidence: Evidence, goal: Sent) -> list[tuple[float, Text, Text, Reason]]:
@@ -299,10 +287,10 @@ def no_action(name: str, kind: str, evidence: Evidence) -> Mistake:
     }
     if name in servers:
         if servers[name] != kind:
-            return mistake("wrong_action_type", action=name, type=servers[name], wanted=kind)
+            return mistake("other_type", name=name, type=servers[name], wanted=kind)
         return mistake("not_spinning", ended=number(evidence.run.outcome.duration_ns / 1e9, "s"))
     if servers:
-        return mistake("wrong_action_name", action=name, used=named(servers))
+        return mistake("other_name", name=name, used=named(servers))
     return mistake("no_action", action=name, type=kind)
 
 
@@ -330,8 +318,6 @@ def settings(one: Expectation, evidence: Evidence) -> Verdict:
         why = because("service_silent", service=f"{node}/set_parameters")
     elif one.successful is False and results[0]["successful"]:
         why = because("setting_taken", sent=shown(row.values), node=node)
-    elif one.successful and not results[0]["successful"]:
-        why = because("setting_refused", sent=shown(row.values), reason=clip(results[0]["reason"]))
     came = plain(shown(results[0])) if results else _came(one, row, row.answer, None)
     told = {"successful": one.successful, "reason": one.reason}
     wanted = plain(readable({name: each for name, each in told.items() if each is not None}))
@@ -386,25 +372,22 @@ def _parameter_told(one: Expectation, evidence: Evidence) -> Verdict:
 def _parameter_fits(one: Expectation, came: Mapping[str, Any]) -> Verdict:
     parts = list(_parameter_parts(one, came))
     met = sum(fits for fits, *_ in parts)
-    bad = next(((wanted, told, code) for fits, wanted, told, code in parts if not fits), None)
+    bad = next(((wanted, told) for fits, wanted, told in parts if not fits), None)
     if bad is None:
         return Verdict(share=1.0)
-    wanted, told, code = bad
-    why = because(code, name=one.target, wanted=wanted, came=told)
-    return Verdict(share=met / len(parts), wanted=plain(f"{one.target}: {wanted}"), came=plain(told), why=why)
+    wanted, told = bad
+    return Verdict(share=met / len(parts), wanted=plain(f"{one.target}: {wanted}"), came=plain(told))
 
 
-def _parameter_parts(one: Expectation, came: Mapping[str, Any]) -> list[tuple[bool, str, str, str]]:
-    """Return for each part that is wanted of a parameter: whether it is met, what was wanted, what is, a code."""
+def _parameter_parts(one: Expectation, came: Mapping[str, Any]) -> list[tuple[bool, str, str]]:
+    """Return for each part that is wanted of a parameter: whether it is met, what was wanted, what is."""
     descriptor = came.get("descriptor") or {}
-    parts = [(True, one.target, one.target, "")]
+    parts = [(True, one.target, one.target)]
     if one.type is not None:
-        parts.append((came["type"] == one.type, one.type, str(came["type"]), "declared_type"))
+        parts.append((came["type"] == one.type, one.type, str(came["type"])))
     if one.value is not None:
         value = wanted_of(one.value, {})
-        parts.append(
-            (equals(value, came["value"], one.within), shown(value), shown(came["value"]), "declared_value")
-        )
+        parts.append((equals(value, came["value"], one.within), shown(value), shown(came["value"])))
     if one.low is not None or one.high is not None:
         ranges = [*descriptor.get("floating_point_range", ()), *descriptor.get("integer_range", ())]
         ends = (ranges[0]["from_value"], ranges[0]["to_value"]) if ranges else (None, None)
@@ -415,12 +398,12 @@ def _parameter_parts(one: Expectation, came: Mapping[str, Any]) -> list[tuple[bo
         wanted = (
             f"{'' if one.low is None else f'{one.low:g}'} … {'' if one.high is None else f'{one.high:g}'}"
         )
-        parts.append((fits, wanted, told, "declared_range"))
+        parts.append((fits, wanted, told))
     if one.read_only is not None:
         is_read_only = bool(descriptor.get("read_only"))
         wanted = "read_only" if one.read_only else "not read_only"
         told = "read_only" if is_read_only else "not read_only"
-        parts.append((is_read_only is one.read_only, wanted, told, "declared_read_only"))
+        parts.append((is_read_only is one.read_only, wanted, told))
     return parts
 
 
@@ -459,7 +442,7 @@ def served(one: Expectation, evidence: Evidence) -> Verdict:
 def _never_asked(step: Step, evidence: Evidence) -> Mistake:
     same = evidence.parties("client", step.target)
     if same and same[0].type != step.type:
-        return mistake("client_other_type", service=step.target, type=same[0].type, wanted=step.type)
+        return mistake("other_type", name=step.target, type=same[0].type, wanted=step.type)
     if same:
         return mistake("client_silent", service=step.target)
     others = [each.name for each in evidence.parties("client") if not each.type.startswith(_OWN_TYPES)]

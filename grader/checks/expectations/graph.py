@@ -54,12 +54,11 @@ def endpoint(one: Expectation, evidence: Evidence) -> Verdict:
         named(f"{each.name.removesuffix(_SEND_GOAL)} ({each.type.removesuffix('_SendGoal')})" for each in own)
     )
     wanted = plain(clip(f"{one.target} ({one.type})"))
-    why: Reason = partial(_absent, one, evidence)
+    why: Reason = unknown if same else partial(_absent, one, evidence)
     if same and one.node is not None and all(each.node != one.node for each in same):
-        why = because("endpoint_node", name=one.target, node=same[0].node, wanted=one.node)
+        wanted, came = plain(one.node), plain(named(each.node for each in same))
     elif same:
         wanted, came = plain(wanted_quality(one)), plain(quality_of(same[0]))
-        why = because("quality_off", name=one.target, quality=quality_of(same[0]), wanted=wanted_quality(one))
     return Verdict(share=0.0, wanted=wanted, came=came, why=why)
 
 

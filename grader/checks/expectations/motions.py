@@ -19,9 +19,6 @@ from grader.messages import say
 from grader.messages.quantity import number
 
 _OTHER: Final = 0.25  # of the wanted motion: what is off by so much more than is allowed, is another motion
-_NEAR: Final = 0.1  # of the wanted motion: within it, a motion is the opposite one
-_STILL: Final = {"m": 0.02, "deg": 2.0}
-_ENDLESS: Final = 2.0  # times the wanted turn: one beyond it does not end by itself
 
 
 class _Motion(Record):
@@ -120,20 +117,7 @@ def _why(one: Expectation, evidence: Evidence, motions: Sequence[_Motion]) -> Mi
     step = evidence.step(one.target)
     if any(motion.exchange.sent_ns is None for motion in motions):
         return not_offered(step.target, step.type, evidence) if step.kind == "call" else None
-    pairs = {
-        "deg": [(each.wanted_deg, each.turned_deg) for each in motions if each.wanted_deg],
-        "m": [(each.wanted_m, each.ahead_m) for each in motions if each.wanted_m],
-    }
-    # A tool whose request has no number cannot misread one.
-    by_number = all(any(map(is_number, motion.exchange.values.values())) for motion in motions)
-    turns = pairs["deg"]
-    if by_number and turns and abs(turns[0][1]) > _ENDLESS * abs(turns[0][0]):
-        return mistake("tool_takes_degrees", tool=step.target)
-    once = _single_commands(evidence.run, motions)
-    if once is not None:
-        return once
-    reasons = (_reason(step.target, unit, pairs[unit], by_number=by_number) for unit in ("m", "deg"))
-    return next((reason for reason in reasons if reason is not None), None)
+    return _single_commands(evidence.run, motions)
 
 
 def _single_commands(run: Run, motions: Sequence[_Motion]) -> Mistake | None:
@@ -151,22 +135,3 @@ def _single_commands(run: Run, motions: Sequence[_Motion]) -> Mistake | None:
     if not silences or max(silences) <= COMMAND_LIFE_NS:
         return None
     return mistake("published_once", times=len(silences), silence=number(max(silences) / 1e9, "s"))
-
-
-def _reason(tool: str, unit: Any, pairs: Sequence[tuple[float, float]], *, by_number: bool) -> Mistake | None:
-    """Return what is wrong with motions, each what was wanted and done."""
-    still = _STILL[unit]
-    wrong = [(wanted, done) for wanted, done in pairs if abs(done - wanted) > max(_NEAR * abs(wanted), still)]
-    if not wrong:
-        return None
-    values = {"tool": tool, "wanted": number(wrong[0][0], unit), "done": number(wrong[0][1], unit)}
-    amounts = [abs(done) for _, done in pairs]
-    if max(amounts) <= still:
-        return mistake("tool_moves_nothing", **values)
-    if not by_number:
-        return None
-    if all(abs(done + wanted) <= max(_NEAR * abs(wanted), still) for wanted, done in wrong):
-        return mistake("tool_ignores_sign", **values)
-    if len({abs(wanted) for wanted, _ in pairs}) > 1 and max(amounts) - min(amounts) <= still:
-        return mistake("tool_ignores_request", **values)
-    return None

@@ -2,10 +2,10 @@
 
 import itertools
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from grader.checks.expectations.slips import of_messages, of_values, seen_only
 from grader.checks.expectations.verdict import (
     NS_PER_S,
     Evidence,
@@ -95,7 +95,7 @@ def _unlogged(one: Expectation, evidence: Evidence, text: object) -> Mistake | N
         return mistake("log_level", level=fits[0].level_name, wanted=one.level.upper())
     printed = [line for line in outcome.stdout.text.splitlines()[:200] if equals(text, line, 0.0)]
     if printed or (not outcome.logs and outcome.stdout.text.strip()):
-        return mistake("log_printed")
+        return mistake("printed")
     return None
 
 
@@ -201,9 +201,7 @@ def _quality(one: Expectation, evidence: Evidence, messages: Sequence[Message]) 
     wrong = [each for each in parties if not fits_quality(one, each)]
     if not wrong:
         return 1.0, EMPTY, unknown
-    told = quality_of(wrong[0])
-    why = because("quality_off", name=one.target, quality=told, wanted=wanted_quality(one))
-    return 0.0, plain(told), why
+    return 0.0, plain(quality_of(wrong[0])), unknown
 
 
 def _values(
@@ -213,7 +211,6 @@ def _values(
     if one.values is None and one.that is None and one.increasing is None:
         return 1.0, EMPTY, unknown, EMPTY
     good, first, before, lacks = 0, EMPTY, None, EMPTY
-    pairs = []
     for n, each in enumerate(messages):
         names = evidence.names(each.t_ns, n=n, out=each.values, before=before)
         wanted = None if one.values is None else wanted_of(one.values, names)
@@ -225,9 +222,8 @@ def _values(
             told = shown(only(one.values, each.values) if one.values else each.values)
             first = say("expected.message", n=n + 1, time=number(each.t_ns / NS_PER_S, "s"), values=told)
             lacks = join(_wanted_besides(one), _AND) if alike else plain(readable(wanted or one.values))
-        pairs.append(({"n": n, "t": each.t_ns / NS_PER_S}, wanted, each.values))
         before = each.values
-    return good / max(len(messages), 1), first, lambda: of_messages(one.target, pairs), lacks
+    return good / max(len(messages), 1), first, unknown, lacks
 
 
 def _grows(field: str | None, before: Mapping[str, Any] | None, after: Mapping[str, Any] | None) -> bool:
@@ -245,7 +241,7 @@ def _at(field: str, values: Any) -> Any:
 def _answers(one: Expectation, evidence: Evidence, messages: list[Message]) -> Verdict:
     """Judge whether each message of a step had an answer on the topic: of those that came in time the first."""
     exchanges, left = evidence.exchanges_looked_at(one), list(messages)
-    good, row, pairs = 0, None, []
+    good, row = 0, None
     for exchange in exchanges:
         reached = _in_time(one, exchange, exchanges, left)
         fitting = next((each for each in reached if _fits(one, evidence, exchange, each)), None)
@@ -255,7 +251,6 @@ def _answers(one: Expectation, evidence: Evidence, messages: list[Message]) -> V
         good += fitting is not None
         names = evidence.said(exchange, None)
         wanted = None if one.values is None else wanted_of(one.values, names)
-        pairs.append((exchange.values, wanted, None if chosen is None else chosen.values))
         if fitting is None and row is None:
             row = (exchange, wanted, chosen)
     share = good / max(len(exchanges), 1)
@@ -263,14 +258,7 @@ def _answers(one: Expectation, evidence: Evidence, messages: list[Message]) -> V
         return Verdict(share=share)
     exchange, wanted, chosen = row
     came = say("expected.no_answer") if chosen is None else plain(shown(only(one.values, chosen.values)))
-
-    def why() -> Mistake | None:
-        return (
-            _unanswered(one, evidence, exchanges, messages)
-            if chosen is None
-            else of_values(one.target, pairs)
-        )
-
+    why = unknown if chosen is not None else partial(_unanswered, one, evidence, exchanges, messages)
     told = _wanted(one) if wanted is None else plain(readable(wanted))
     return Verdict(share=share, sent=shown(exchange.values), wanted=told, came=came, why=why)
 
@@ -317,7 +305,7 @@ def _logged_for(one: Expectation, evidence: Evidence, messages: list[Message]) -
                 why=partial(_why_not_logged, one, evidence, exchanges, text),
             )
     share = good / max(len(exchanges), 1)
-    return Verdict(share=share) if row is None else seen_only(row, share)
+    return Verdict(share=share) if row is None else replace(row, share=share)
 
 
 def _why_not_logged(
@@ -344,12 +332,12 @@ def not_heard(name: str, kind: str, evidence: Evidence) -> Mistake:
     """Return why nobody hears what is published on a topic."""
     same = evidence.parties("subscription", name)
     if same and same[0].type != kind:
-        return mistake("listens_other_type", topic=name, type=same[0].type, wanted=kind)
+        return mistake("other_type", name=name, type=same[0].type, wanted=kind)
     if same:
         return mistake("listens_other_quality", topic=name, quality=quality_of(same[0]))
     others = [each.name for each in evidence.parties("subscription") if not each.name.endswith(_HIDDEN)]
     if others:
-        return mistake("listens_elsewhere", topic=name, used=named(others))
+        return mistake("other_name", name=name, used=named(others))
     return mistake("listens_nowhere", topic=name, type=kind)
 
 
@@ -357,7 +345,7 @@ def _silence(one: Expectation, evidence: Evidence) -> Mistake | None:
     """Return why nothing came on a topic."""
     same = evidence.parties("publisher", one.target)
     if same and all(each.type != one.type for each in same):
-        return mistake("publishes_other_type", topic=one.target, type=same[0].type, wanted=one.type)
+        return mistake("other_type", name=one.target, type=same[0].type, wanted=one.type)
     if same and one.node is not None and all(each.node != one.node for each in same):
         return mistake("publishes_as_other", topic=one.target, node=same[0].node, wanted=one.node)
     if same and one.joins_s is not None and evidence.talk.heard.get(one.target):
@@ -372,5 +360,5 @@ def _silence(one: Expectation, evidence: Evidence) -> Mistake | None:
         return mistake("publishes_nothing", topic=one.target)
     others = [each.name for each in evidence.parties("publisher") if not each.name.endswith(_HIDDEN)]
     if others:
-        return mistake("publishes_elsewhere", topic=one.target, used=named(others))
+        return mistake("other_name", name=one.target, used=named(others))
     return mistake("publishes_nowhere", topic=one.target, type=one.type)

@@ -79,7 +79,7 @@ def _logging(run: Run) -> Iterator[Mistake]:
         return
     if heard:
         levels = sorted({record.level_name for record in heard})
-        yield mistake("wrong_level", ("info_logs",), levels=", ".join(levels))
+        yield mistake("log_level", ("info_logs",), level=", ".join(levels), wanted="INFO")
     elif outcome.stdout.text.strip():
         yield mistake("printed", ("info_logs",))
     elif outcome.status in (RunStatus.FINISHED, RunStatus.INTERRUPTED):

@@ -1,13 +1,12 @@
 """Check ``motion``: drive straight along or against the initial heading."""
 
-import itertools
 import math
 from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.checks.drive import Drive, commanded_at_end, drive_of
+from grader.checks.drive import Drive, drive_of
 from grader.checks.measure import (
     UNMEASURED,
     Check,
@@ -16,10 +15,9 @@ from grader.checks.measure import (
     Measures,
     Mistake,
     Option,
-    mistake,
     one_of,
 )
-from grader.checks.mistakes import command_mistakes, driving_mistakes
+from grader.checks.mistakes import command_mistakes, driving_mistakes, only_turned, time_was_up
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchLabel, SketchSide
@@ -39,9 +37,6 @@ MEASURES = {
     "turned_deg": MeasureKind("deg"),
     "way_back_m": MeasureKind("m"),
 }
-MIN_MOTION_M = 0.05  # a shorter way was not meant as driving
-_CREPT_M = 0.001  # but may be what became of a drive
-_LEAST_SIGN_CHANGES = 4  # of the speed: a script that changes it this often does not do so on purpose
 SPOT_RADIUS_M = 0.1  # an arc tighter than this is a turn on the spot
 STILL_M = 1e-6  # within a step
 # In the shipped rubrics that leaves a third of the points for heading and distance: the line is right, but
@@ -60,9 +55,8 @@ def measure(assignment: Assignment, run: Run) -> Measures:
 
 def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
     """Return what probably went wrong."""
-    drive, backward = drive_of(run, until_contact=True), _is_backward(assignment)
-    own = () if drive is None else motion_mistakes(assignment, run, drive, measures, backward=backward)
-    return driving_mistakes(run, own)
+    drive = drive_of(run, until_contact=True)
+    return driving_mistakes(run, () if drive is None else motion_mistakes(assignment, run, drive, measures))
 
 
 def _is_backward(assignment: Assignment) -> bool:
@@ -179,55 +173,16 @@ def _problem_with_direction(value: Option) -> Text | None:
     return None if value in DIRECTIONS else one_of(DIRECTIONS)
 
 
-def motion_mistakes(
-    assignment: Assignment, run: Run, drive: Drive, measures: Measures, *, backward: bool
-) -> Iterator[Mistake]:
+def motion_mistakes(assignment: Assignment, run: Run, drive: Drive, measures: Measures) -> Iterator[Mistake]:
     """Yield what probably went wrong while driving straight."""
-    values = {
-        name: measures.get(name, UNMEASURED).value for name in ("advance_m", "turned_deg", "way_back_m")
-    }
-    lost = {name for name, value in values.items() if fits(assignment, name, value) is False}
-    changes = sum(one.v_mps * other.v_mps < 0.0 for one, other in itertools.pairwise(run.trajectory.commands))
-    if lost and changes >= _LEAST_SIGN_CHANGES:
-        yield mistake("to_and_fro", times=changes)
-    if "turned_deg" not in lost or not _right_speed(drive, backward=backward):
-        yield from _wrong_way(values["advance_m"], backward=backward)
     # in whatever direction: then no drive that ended too early is why it did not get far
     drove_enough = fits(assignment, "advance_m", float(drive.path.along_m[-1])) is True
     yield from command_mistakes(
         run, assignment.world, turns=(), drives=() if drove_enough else ("advance_m",)
     )
-    if "turned_deg" in lost:
-        yield _turning(drive)
-    held = commanded_at_end(run)
-    slow = drive.cut_short or (held is not None and held.v_mps != 0.0)
-    if "way_back_m" in lost and values["advance_m"] > -MIN_MOTION_M:
-        yield mistake("came_back", ("way_back_m", "advance_m"), way_back=number(values["way_back_m"], "m"))
-    elif "advance_m" in lost and values["advance_m"] > _CREPT_M:
-        code = "drive_too_slow" if slow else "too_short"
-        yield mistake(code, ("advance_m",), distance=number(values["advance_m"], "m"))
-
-
-def _wrong_way(advance_m: float, *, backward: bool) -> Iterator[Mistake]:
-    if advance_m < -MIN_MOTION_M:
-        code = "drove_forward" if backward else "drove_backward"
-        yield mistake(code, ("advance_m",), distance=number(-advance_m, "m"))
-
-
-def _right_speed(drive: Drive, *, backward: bool) -> bool:
-    """Whether the car's speed had the right sign, so that only turning can have led it the wrong way."""
-    return float(drive.path.signed_m[-1]) * (-1.0 if backward else 1.0) > MIN_MOTION_M
-
-
-def _turning(drive: Drive) -> Mistake:
-    travelled_m, turned_rad = float(drive.path.along_m[-1]), _largest_rad(drive)
-    turned = number(math.degrees(turned_rad), "deg")
-    spoilt = ("turned_deg", "lateral_pct", "way_back_m", "advance_m")
-    if travelled_m < MIN_MOTION_M:
-        return mistake("only_turned", turned=turned)
-    if _turns_on_the_spot(drive):
-        return mistake("turned_too", spoilt, turned=turned)
-    return mistake("curved", spoilt, turned=turned, radius=number(travelled_m / turned_rad, "m"))
+    yield from only_turned(run, ("advance_m", "turned_deg", "lateral_pct"))
+    if fits(assignment, "advance_m", measures["advance_m"].value) is False:
+        yield from time_was_up(run, drive, ("advance_m",))
 
 
 def _turns_on_the_spot(drive: Drive) -> bool:

@@ -5,23 +5,21 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from grader.checks.drive import FAST_TURN_RADPS, Drive, commanded_at_end, drive_of, fastest_radps, moves_of
-from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake, mistake
-from grader.checks.mistakes import command_mistakes, driving_mistakes
+from grader.checks.drive import FAST_TURN_RADPS, Drive, drive_of, fastest_radps, moves_of
+from grader.checks.measure import Check, Measure, MeasureKind, Measures, Mistake, mistake
+from grader.checks.mistakes import command_mistakes, driving_mistakes, time_was_up
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel
 from grader.contracts.scoring import Run
 from grader.geometry import exact
-from grader.geometry.path import Path, segment
+from grader.geometry.path import Path
 from grader.messages import say
 from grader.messages.quantity import number
 
 MAX_STARTS = 200  # samples at which a part of the path may begin: to try all costs the square of their number
 PLACE_M = 0.2  # a turn that stays within this distance of where it began counts in full
-SAME_DEG = 4.0  # a turn this close to an angle that tells a mistake is taken for that angle, as of a polygon
 FULL_TURN_DEG = 360.0
-MIN_TURN_DEG = 3.0  # a smaller turn is none
 ROTATE = "/turtle1/rotate_absolute/_action/send_goal"
 MEASURES = {
     "commands": MeasureKind(form="count"),
@@ -108,55 +106,19 @@ def rotation_mistakes(
     assignment: Assignment, run: Run, drive: Drive, measures: Measures
 ) -> Iterator[Mistake]:
     """Yield what probably went wrong while turning."""
-    path = drive.path
     # Wherever the car turned; the measure `turned_deg` counts what it turned in one place.
-    turned = math.degrees(float(np.max(np.abs(path.heading_rad - path.heading_rad[0]))))
-    short = fits(assignment, "turned_deg", turned) is False
-    drift = measures.get("drift_m", UNMEASURED).value
-    fastest = fastest_radps(run)
+    heading_rad = drive.path.heading_rad
+    turned = math.degrees(float(np.max(np.abs(heading_rad - heading_rad[0]))))
+    short, fastest = fits(assignment, "turned_deg", turned) is False, fastest_radps(run)
     if fastest > FAST_TURN_RADPS:
         yield mistake("degrees_as_radians", rate=number(fastest, "1"), ideal=number(FULL_TURN_DEG, "deg"))
-    if fits(assignment, "drift_m", drift) is False:
-        yield _strayed(turned, drift, drive, ("drift_m",) if short else ("drift_m", "turned_deg"))
     if not _goals(run):
         yield from command_mistakes(run, assignment.world, turns=("turned_deg",), drives=())
     if short and _goals(run) and not moves_of(run.trajectory):
         code = "rotation_aborted" if run.outcome.command_count else "rotation_absolute"
         yield mistake(code, ("turned_deg",), turned=number(turned, "deg"))
-    elif short and any(command.w_radps for command in run.trajectory.commands):
-        yield from _short_turn(turned, drive, run)
-
-
-def _strayed(turned: float, drift: float, drive: Drive, spoilt: tuple[str, ...]) -> Mistake:
-    """Say how the car left its place: it only drove, it drove between turns, or it drove in a circle."""
-    distance = number(drift, "m")
-    if not turned > MIN_TURN_DEG:
-        return mistake("only_drove", distance=distance)
-    if segment(drive.path).straights:
-        return mistake("left_place", spoilt, drift=distance)
-    radius = number(float(drive.path.along_m[-1]) / math.radians(turned), "m")
-    return mistake("circling", spoilt, radius=radius, drift=distance)
-
-
-def _short_turn(turned: float, drive: Drive, run: Run) -> Iterator[Mistake]:
-    """Say why the car turned too little."""
-    angle = number(turned, "deg")
-    rates = [command.w_radps for command in run.trajectory.commands]
-    if rates and min(rates) < 0.0 < max(rates):
-        yield mistake("turned_both_ways", ("turned_deg",), turned=angle)
-        return
-    held = commanded_at_end(run)
-    slow = drive.cut_short or (held is not None and held.w_radps != 0.0)
-    if not slow and any(name.endswith("/pose") for name in run.outcome.heard):
-        yield mistake("turn_too_short_by_pose", ("turned_deg",), turned=angle)
-        return
-    codes = {} if slow else {math.degrees(1.0): ("turned_one_radian", 2.0), 180.0: ("half_turn", SAME_DEG)}
-    for angle_deg, (code, within_deg) in codes.items():
-        if abs(turned - angle_deg) <= within_deg:
-            yield mistake(code, ("turned_deg",), turned=angle)
-            return
-    code = "turn_too_slow" if slow else "turn_too_short"
-    yield mistake(code, ("turned_deg",), turned=angle)
+    elif short:
+        yield from time_was_up(run, drive, ("turned_deg",))
 
 
 CHECK = Check(kind="rotation", measures=MEASURES, measure=measure, explain=explain, sketch=sketch)

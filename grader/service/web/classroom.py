@@ -208,6 +208,6 @@ def _source(services: Services, submission: Submission) -> str:
 
 
 def _outline(language: Language, code: str) -> str:
-    """Return the sentence of a mistake, or of a change that was tried, without its values."""
-    known = code if code.startswith("change.") else f"mistake.{code}"
+    """Return the sentence of a mistake, of a change that was tried or a cause, without its values."""
+    known = code if code.startswith(("change.", "cause.")) else f"mistake.{code}"
     return outline(language, known) or code

@@ -21,6 +21,7 @@ from grader.contracts.assignment import SUFFIXES
 from grader.contracts.errors import RefusedError
 from grader.contracts.grading import Grader
 from grader.contracts.outcome import RunStatus
+from grader.contracts.report import GradeReport
 from grader.contracts.text import EMPTY
 from grader.contracts.upload import check_name, check_source
 from tests.e2e.grading_slot import catalog, grade
@@ -112,4 +113,11 @@ def answer(grader: Grader, script: Beginner) -> Answer:
         return Answer(0.0, REFUSED, told.zh, told.en)
     report = grade(grader, script.assignment, script.source, script.file)
     crashed = any(run.outcome.status in _ERRORS for run in report.runs)
-    return Answer(report.score, (*report.mistakes, "")[0], report.hint.zh, report.hint.en, crashed)
+    return Answer(report.score, _cause(report, script), report.hint.zh, report.hint.en, crashed)
+
+
+def _cause(report: GradeReport, script: Beginner) -> str:
+    """Return the code of the first mistake; where none is recognised, the measure whose item gives the hint."""
+    measures = {spec.id: spec.measure for spec in catalog().get(script.assignment).items}
+    hinted = [item.id.rpartition("/")[2] for item in report.items if item.hint == report.hint != EMPTY]
+    return (*report.mistakes, *(measures[id_] for id_ in hinted), "")[0]

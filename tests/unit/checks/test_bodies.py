@@ -143,11 +143,11 @@ def test_what_follows_a_trick_does_not_count() -> None:
     seen = values(replayed(FALL, tricks=trick(10)))
     assert seen["simulated_s"] == pytest.approx(10 / 60.0, abs=1e-6)
     assert seen["fell_m"] == pytest.approx(0.5)
-    assert "bodies_jump" in mistakes(replayed(FALL, tricks=trick(10)))
+    assert "bodies_by_hand" in mistakes(replayed(FALL, tricks=trick(10)))
     assert values(replayed(FALL, tricks=trick(0, before_start=True)))["simulated_s"] == 0.0
     allowed = task(allow="jump push")
     assert values(replayed(FALL, tricks=trick(10)), allowed)["fell_m"] == pytest.approx(1.5)
-    assert "bodies_jump" not in mistakes(replayed(FALL, tricks=trick(10)), allowed)
+    assert "bodies_by_hand" not in mistakes(replayed(FALL, tricks=trick(10)), allowed)
 
 
 def test_what_is_missing_is_told() -> None:

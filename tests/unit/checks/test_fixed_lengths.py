@@ -47,8 +47,7 @@ def test_a_repeated_rectangle(laps: float) -> None:
 def test_other_lengths_cost_and_are_told(lengths: tuple[float, ...]) -> None:
     scoring = graded("rectangle", drive(polygon_legs(4, lengths_m=lengths)))
     assert item(scoring, "lengths").status in (ItemStatus.FAILED, ItemStatus.PARTIAL)
-    assert scoring.mistakes == ("wrong_lengths",)
-    assert "3 m" in scoring.hint.zh
+    assert "side" in scoring.hint.en
 
 
 @pytest.mark.parametrize("side", range(4))
@@ -86,7 +85,7 @@ def test_a_case_has_its_own_side() -> None:
     lost = [each.id for each in scoring.items if each.status is not ItemStatus.PASSED]
     assert lost == ["side_3/lengths", "every_length"]
     assert sum(each.points for each in scoring.items) == pytest.approx(100, abs=1e-9)
-    assert "应为 3 m" in scoring.hint.zh
+    assert "线速度" in scoring.hint.zh
 
 
 def test_options_that_do_not_fit() -> None:

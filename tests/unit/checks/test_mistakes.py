@@ -189,10 +189,10 @@ def test_no_mistake_is_claimed_when_all_is_right() -> None:
 
 
 def test_the_hint_of_an_item_is_the_mistake_that_spoilt_it() -> None:
-    scoring = graded("square", drive(polygon_legs(4, lengths_m=[2, 2, 2, 1.7])))
+    scoring = graded("square", drive(polygon_legs(4, corners_deg=[57.3] * 4)))
     hints = {each.id: each.hint.en for each in scoring.items if each.hint.en}
-    assert "Side 4" in hints["lengths"]
-    assert "angles" not in hints
+    assert "about 1 radian" in hints["angles"]
+    assert "lengths" not in hints
 
 
 def codes_in_source() -> set[str]:

@@ -38,14 +38,12 @@ def test_still_moving_at_the_horizon_costs_nothing() -> None:
     assert score(graded("straight", drive([(60.0, 0.2, 0.0)], horizon_s=20.0), INTERRUPTED)) == 100
 
 
-@pytest.mark.parametrize(
-    ("name", "v", "mistake"), [("straight", -1.0, "drove_backward"), ("backward", 1.0, "drove_forward")]
-)
-def test_the_wrong_way(name: str, v: float, mistake: str) -> None:
+@pytest.mark.parametrize(("name", "v"), [("straight", -1.0), ("backward", 1.0)])
+def test_the_wrong_way(name: str, v: float) -> None:
     scoring = graded(name, drive([(2.0, v, 0.0)]))
     assert item(scoring, "distance").status is ItemStatus.FAILED
     assert item(scoring, "lateral").status is ItemStatus.NOT_CHECKED
-    assert scoring.mistakes == (mistake,)
+    assert "sign" in scoring.hint.en
 
 
 def test_credit_for_the_distance_falls_smoothly() -> None:
@@ -59,7 +57,6 @@ def test_a_curve_costs_heading_and_line() -> None:
     scoring = graded("straight", drive([(3.0, 1.0, 0.3)]))
     assert item(scoring, "heading").earned < 15
     assert item(scoring, "lateral").earned < 20
-    assert scoring.mistakes == ("curved",)
 
 
 def test_coming_back() -> None:
@@ -68,7 +65,6 @@ def test_coming_back() -> None:
     distance = item(scoring, "distance")
     assert (distance.status, distance.measured) == (ItemStatus.FAILED, 2.0)
     assert "0 % at most, because points were lost in: No way back" in distance.message.en
-    assert scoring.mistakes == ("came_back",)
     assert score(scoring) == 40
 
 
@@ -116,7 +112,7 @@ def test_the_score_falls_as_the_path_bends_whatever_the_horizon(
 def test_turning_on_the_spot_is_not_driving() -> None:
     scoring = graded("straight", drive([(3.0, 0.0, 1.0)]))
     assert score(scoring) == 10
-    assert scoring.mistakes == ("only_turned",)
+    assert scoring.mistakes == ("no_drive",)
 
 
 @pytest.mark.parametrize(("name", "v"), [("straight", -1.0), ("backward", 1.0)])
@@ -124,26 +120,12 @@ def test_whoever_turns_round_first_has_not_driven_the_way_that_was_asked(name: s
     scoring = graded(name, drive([(math.pi, 0.0, 1.0), (2.0, v, 0.0)]))
     assert item(scoring, "distance").status is ItemStatus.FAILED
     assert score(scoring) == 10
-    assert scoring.mistakes == ("turned_too",)
-
-
-@pytest.mark.parametrize(("name", "v"), [("straight", 1.0), ("backward", -1.0)])
-def test_whoever_turns_round_and_then_drives_as_asked_is_told_of_the_turn(name: str, v: float) -> None:
-    scoring = graded(name, drive([(math.pi, 0.0, 1.0), (2.0, v, 0.0)]))
-    assert item(scoring, "distance").status is ItemStatus.FAILED
-    assert scoring.mistakes == ("turned_too",)  # not that linear.x has the wrong sign
 
 
 def test_a_drive_that_is_cut_short_is_not_told_to_whoever_turned_round_before_it() -> None:
-    assert graded(
-        "backward", once_each([(1.0, 0.0, math.pi), (2.0, 1.0, 0.0), (1.0, 0.0, 0.0)])
-    ).mistakes == ("turned_too",)
+    turned = once_each([(1.0, 0.0, math.pi), (2.0, 1.0, 0.0), (1.0, 0.0, 0.0)])
+    assert graded("backward", turned).mistakes == ()
     assert graded("straight", once_each([(2.0, 0.3, 0.0), (1.0, 0.1, 0.0)])).mistakes[0] == "published_once"
-
-
-def test_whoever_drives_the_wrong_way_is_told_so_before_a_turn() -> None:
-    scoring = graded("backward", drive([(2.0, 1.0, 0.0), (1.0, 0.0, 1.0)]))
-    assert scoring.mistakes == ("drove_forward", "turned_too")
 
 
 def test_a_turn_on_the_spot_is_not_called_a_curve() -> None:
@@ -152,8 +134,6 @@ def test_a_turn_on_the_spot_is_not_called_a_curve() -> None:
     assert item(scoring, "heading").measured == 30
     assert "85.9°" in item(scoring, "heading").message.en
     assert "while driving" not in item(scoring, "heading").message.en
-    assert scoring.mistakes == ("turned_too",)
-    assert "85.9°" in scoring.hint.zh
 
 
 def test_a_turn_while_driving_is_told_in_full() -> None:
@@ -190,9 +170,3 @@ def test_the_sketch_says_where_points_were_lost() -> None:
     assert short.sides[0].ok is False
     assert short.labels == ()
     assert math.dist(*short.ideal_m) == pytest.approx(0.49)  # what was asked for, not what was driven
-
-
-def test_a_car_that_creeps_is_told_to_drive_faster() -> None:
-    creeping = drive([(60.0, 0.0005, 0.0)], horizon_s=20.0)
-    assert graded("straight", creeping, INTERRUPTED).mistakes == ("drive_too_slow",)
-    assert graded("straight", drive([(0.01, 1.0, 0.0)])).mistakes[:1] != ("drive_too_slow",)

@@ -1,7 +1,6 @@
 """The expectation ``moved``: what the car did between what was said to the script and what was said next."""
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -67,28 +66,12 @@ def test_a_script_that_does_what_it_is_asked_earns_everything() -> None:
 
 
 @pytest.mark.parametrize(
-    ("moves", "turns", "mistake", "loses"),
-    [
-        ((0.8, 0.5, 1.2), TURNS, "tool_ignores_sign", "moves"),
-        (MOVES, (60.0, 45.0), "tool_ignores_sign", "turns"),
-        ((1.0, 1.0, 1.0), TURNS, "tool_ignores_request", "moves"),
-        (MOVES, (0.0, 0.0), "tool_moves_nothing", "turns"),
-        (MOVES, (170.0, -45.0), "tool_takes_degrees", "turns"),
-    ],
+    ("moves", "turns", "loses"),
+    [((0.8, 0.5, 1.2), TURNS, "moves"), (MOVES, (60.0, 45.0), "turns"), (MOVES, (170.0, -45.0), "turns")],
 )
-def test_what_is_done_otherwise_is_named(
-    moves: tuple[float, ...], turns: tuple[float, ...], mistake: str, loses: str
-) -> None:
+def test_what_is_done_otherwise_costs(moves: tuple[float, ...], turns: tuple[float, ...], loses: str) -> None:
     scoring = judged(drives(moves, turns))
-    assert mistake in scoring.mistakes
     assert [name for name in ("moves", "turns") if item(scoring, name).earned < 20] == [loses]
-
-
-def test_nothing_is_said_of_numbers_that_were_not_sent() -> None:
-    silent = tuple(replace(step, each=tuple({} for _ in step.each)) for step in TASK.steps)
-    scoring = judged(drives((0.8, 0.5, 1.2), (60.0, 45.0)), task=replace(TASK, steps=silent))
-    assert not {code for code in scoring.mistakes if code.startswith("tool_")}
-    assert item(scoring, "moves").earned == 0.0
 
 
 @pytest.mark.parametrize(("error", "least", "most"), [(1.04, 25.0, 25.0), (1.2, 10.0, 20.0), (1.9, 0.0, 0.0)])
@@ -99,4 +82,4 @@ def test_a_wrong_way_costs_by_how_wrong_it_is(error: float, least: float, most: 
 
 def test_a_service_of_another_name_is_told_beside_those_that_are_asked_for() -> None:
     assert "no_service" in judged(drives(), offered=False).mistakes
-    assert "wrong_service_name" in judged(drives(), offered=False, names=("/movement",)).mistakes
+    assert "other_name" in judged(drives(), offered=False, names=("/movement",)).mistakes

@@ -36,7 +36,7 @@ def test_an_exception_after_ctrl_c_costs_nothing() -> None:
     [
         ({"status": RunStatus.FINISHED, "duration_ns": 10_000}, 70, "not_spinning"),
         ({"logs": (), "stdout": Stream(text="Hello\n")}, 60, "printed"),
-        ({"logs": (LogRecord(t_ns=0, level=30, name="n", message="x"),)}, 60, "wrong_level"),
+        ({"logs": (LogRecord(t_ns=0, level=30, name="n", message="x"),)}, 60, "log_level"),
         ({"logs": ()}, 60, "never_logged"),
         ({"nodes": (), "logs": ()}, 0, "init_without_node"),
         ({"nodes": (), "logs": (), "status": RunStatus.FINISHED}, 0, "nothing_ran"),

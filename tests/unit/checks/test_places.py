@@ -186,34 +186,13 @@ def test_who_stops_just_before_the_goal_does_not_lose_all_that_needs_it() -> Non
 @pytest.mark.parametrize(
     ("asked", "trajectory", "code", "words"),
     [
-        (
-            goals(*POINTS),
-            through(*POINTS[:2], (3.5, 8.0)),
-            "place_missed",
-            "reached 2 of 3 goals. The nearest",
-        ),
-        (goals(*POINTS), through(*POINTS[:2]), "place_stuck", "came to goal 2 and stayed there"),
-        (goals((3.0, 3.4), POINTS[0]), through((3.0, 8.0)), "place_missed", "reached 1 of 2"),
         (goals(*POINTS, hold_s=5.0), through(*POINTS), "place_not_held", "5 s is wanted"),
         (goals(POINTS[0], by_s=3.0), through(POINTS[0]), "place_late", "3 s is the latest"),
-        (goals(POINTS[0]), through((1.0, 3.0)), "place_away", "at the start (5 m)"),
         (
             goals(POINTS[0]),
             drive([(4.0, 0.1, 0.0)], start_m=START, idle_s=0.0),
-            "place_too_slow",
+            "time_was_up",
             "Time was up",
-        ),
-        (
-            goals((9.0, 5.0)),
-            drive([(1.0, 1.0, 0.0), (math.pi, 0.0, 1.0), (4.0, 1.0, 0.0)], start_m=START, idle_s=0.0),
-            "place_lost",
-            "further away again when time was up",
-        ),
-        (
-            goals((4.3, 4.8)),
-            drive([(30.0, 1.0, 1.0)], start_m=START, idle_s=0.0),
-            "place_circled",
-            "runs in circles round goal 1",
         ),
     ],
 )
@@ -228,17 +207,17 @@ def test_what_is_said_of_a_goal_that_was_missed(
 def test_who_stays_at_the_end_has_held_and_who_drives_on_has_left() -> None:
     held = graded(task(*goals(POINTS[0], hold_s=30.0)), through(POINTS[0]))
     assert value(held, "reached") == 1
-    measures = "reached end_off_m settled"
-    left = graded(task(*goals(POINTS[0]), measures=measures), through(POINTS[0], (8.0, 6.0)))
-    assert left.mistakes == ("place_left",)
-    moving = drive([(20.0, 1.0, 0.0)], start_m=START, horizon_s=5.5)
-    assert graded(task(*goals(POINTS[0]), measures=measures), moving).mistakes[0] == "place_never_stops"
+    asked = task(*goals(POINTS[0]), measures="reached end_off_m settled")
+    left = graded(asked, through(POINTS[0], (8.0, 6.0)))
+    assert "Slow down as you come near" in left.hint.en
+    asked = task(*goals(POINTS[0]), measures="reached settled")
+    moving = graded(asked, drive([(20.0, 1.0, 0.0)], start_m=START, horizon_s=5.5))
+    assert "Publish a Twist of zeros" in moving.hint.en
 
 
 def test_an_end_heading_is_looked_at_round_the_circle() -> None:
     asked = task(*goals(POINTS[0]), measures="reached heading_error_deg", end_heading_deg=350.0)
     assert value(graded(asked, through(POINTS[0])), "heading_error_deg") == pytest.approx(10.0, abs=0.1)
-    assert graded(asked, through(POINTS[0])).mistakes == ("place_heading",)
 
 
 def test_a_script_that_never_asks_where_it_is_is_told_so() -> None:
@@ -258,7 +237,6 @@ def test_a_script_that_never_asks_where_it_is_is_told_so() -> None:
     assert blind.mistakes[0] == "place_no_feedback"
     assert "/where" in blind.hint.en
     assert "turtle" not in blind.hint.en + blind.hint.zh
-    assert graded(several, away, "/turtle1/pose").mistakes[0] == "place_away"
 
 
 def test_walls_and_places_to_avoid() -> None:
@@ -273,16 +251,6 @@ def test_walls_and_places_to_avoid() -> None:
     hit = replace(through(POINTS[0]), contacts=(Contact(wall="top", start_ns=1, end_ns=2),))
     wall = graded(task(*goals(POINTS[0]), measures="contacts"), hit)
     assert (value(wall, "contacts"), wall.mistakes[0]) == (1, "place_wall")
-
-
-@pytest.mark.parametrize(("hit_s", "code"), [(0.5, "place_wall"), (6.0, "place_lost")])
-def test_a_wall_before_the_nearest_place_is_told_first_and_one_behind_it_is_not(
-    hit_s: float, code: str
-) -> None:
-    past = drive([(1.0, 1.0, 0.0), (math.pi, 0.0, 1.0), (4.0, 1.0, 0.0)], start_m=START, idle_s=0.0)
-    hit = Contact(wall="left", start_ns=round(hit_s * 1e9), end_ns=round(hit_s * 1e9) + 1)
-    scoring = graded(task(*goals((9.0, 5.0))), replace(past, contacts=(hit,)), RunStatus.INTERRUPTED)
-    assert scoring.mistakes[0] == code
 
 
 def test_a_teleport_to_the_goal_is_no_visit() -> None:
@@ -340,31 +308,3 @@ def test_places_that_do_not_fit_the_rubric_are_refused(changes: dict[str, object
 def test_who_never_drove_is_told_to_drive_and_not_where_to() -> None:
     scoring = graded(task(*goals(POINTS[0])), drive([(5.0, 0.0, 1.0)], start_m=START))
     assert scoring.mistakes == ("no_drive",)
-
-
-def test_how_near_a_box_was_is_told_from_its_edge() -> None:
-    box = Region(kind="box", x_m=START[0] + 3.0, y_m=START[1], width_m=1.0, height_m=1.0)
-    away = WantedGoal(region=Region(kind="circle", x_m=START[0] + 0.5, y_m=START[1], radius_m=0.2))
-    scoring = graded(task(away, WantedGoal(region=box)), drive([(2.0, 1.0, 0.0)], start_m=START))
-    assert scoring.mistakes[0] == "place_missed"
-    assert "0.5 m from its edge" in scoring.hint.en
-
-
-def test_who_backs_away_is_told_the_sign_and_not_the_direction() -> None:
-    asked = task(*goals((8.0, 3.0)))
-    backing = drive([(3.0, -1.0, 0.0)], start_m=START)
-    assert graded(asked, backing, "/turtle1/pose").mistakes[0] == "path_backwards"
-    turned = drive([(math.pi, 0.0, 1.0), (3.0, 1.0, 0.0)], start_m=START)
-    assert graded(asked, turned, "/turtle1/pose").mistakes[0] == "place_away"
-
-
-def test_an_end_heading_in_degrees_is_told_from_any_other() -> None:
-    asked = task(*goals((8.0, 3.0)), measures="heading_error_deg", end_heading_deg=-90.0)
-    arrived: Leg = (5.0, 1.0, 0.0)
-    as_radians = graded(asked, drive([arrived, (math.radians(116.62), 0.0, -1.0)], start_m=START))
-    assert as_radians.mistakes == ("place_heading",)
-    assert "math.radians(-90)" in as_radians.hint.en
-    assert "math.radians(-90)" in as_radians.hint.zh
-    other = graded(asked, drive([arrived, (1.57, 0.0, 1.0)], start_m=START))
-    assert other.mistakes == ("place_heading",)
-    assert "math.radians" not in other.hint.en

@@ -43,9 +43,7 @@ def test_a_wrong_last_turn_costs_the_rest_only(turned_deg: float, sense: float) 
     legs = polygon_legs(4, corners_deg=[90, 90, 90, turned_deg], w_radps=sense)
     scoring = graded("square", drive(legs))
     assert score(scoring) == 95
-    assert scoring.mistakes == ("turned_on",)
     assert item(scoring, "rest").hint == scoring.hint
-    assert f"turned by {turned_deg:g}°" in scoring.hint.en
 
 
 @pytest.mark.parametrize("turned_deg", [92, 360, 450, 720, -270])
@@ -60,7 +58,6 @@ def test_an_approach_costs_the_way_back_only_and_the_more_the_longer_it_is() -> 
         scoring = graded("square", drive(legs))
         earned.append(score(scoring))
         assert all(each.earned == each.points for each in scoring.items if each.id != "closed")
-        assert scoring.mistakes == (("approach",) if earned[-1] < 100 else ())
     assert earned == sorted(earned, reverse=True)
     assert earned[0] == 100
     assert earned[-1] == 85
@@ -73,7 +70,6 @@ def test_an_approach_backing_up_costs_the_way_back_only_too(sides: int) -> None:
         scoring = graded(POLYGONS[sides], drive([(back_m, -1.0, 0.0), (0.1, 0.0, 0.0), *polygon_legs(sides)]))
         earned.append(score(scoring))
         assert all(each.earned == each.points for each in scoring.items if each.id != "closed")
-        assert scoring.mistakes == (("approach",) if earned[-1] < 100 else ())
     assert earned == sorted(earned, reverse=True)
     assert earned[0] == 100
     assert earned[-1] < 90
@@ -87,7 +83,6 @@ def test_a_way_back_at_the_end_costs_the_more_the_longer_it_is(sides: int) -> No
         scoring = graded(POLYGONS[sides], drive(legs))
         earned.append(score(scoring))
         assert item(scoring, "lengths").earned == 20
-        assert scoring.mistakes in {(), ("drove_on",)}
     assert earned == sorted(earned, reverse=True)
     assert earned[0] == 100
     assert earned[-1] < 90
@@ -98,18 +93,15 @@ def test_what_follows_the_figure_costs_the_more_the_longer_it_is() -> None:
     for after_m in (0.1, 0.3, 0.5, 0.8, 1.2, 1.6, 1.8, 1.9, 2.0):
         scoring = graded("square", drive([*polygon_legs(4), (after_m, 1.0, 0.0)]))
         earned.append(score(scoring))
-        assert scoring.mistakes in ((), ("drove_on",), ("sides_extra", "unequal_sides"), ("sides_extra",))
     assert earned[0] == 100
     assert earned[-1] == 80  # one side too many
     assert earned == sorted(earned, reverse=True)
 
 
-def test_a_walk_after_the_figure_is_told() -> None:
+def test_a_walk_after_the_figure_costs() -> None:
     walk: list[Leg] = [(math.radians(135), 0.0, -1.0), (1.5, 1.0, 0.0)]
     scoring = graded("square", drive([*polygon_legs(4), *walk]))
-    assert scoring.mistakes == ("drove_on",)
     assert score(scoring) == 80
-    assert "1.5 m" in scoring.hint.en
 
 
 @pytest.mark.parametrize("corner_deg", [92, 94, 98, 102])
@@ -120,7 +112,6 @@ def test_a_walk_after_a_figure_that_does_not_close_costs_no_more_than_after_one_
     walk: list[Leg] = [(math.radians(30), 0.0, -1.0), (1.0, 1.0, 0.0), (0.8, 0.0, 1.0), (1.2, 1.0, 0.0)]
     alone, with_walk = graded("square", drive(legs)), graded("square", drive([*legs, *walk]))
     assert score(alone) - 20 <= score(with_walk) <= score(alone)
-    assert with_walk.mistakes[-1] == "drove_on"
 
 
 @pytest.mark.parametrize("turned_deg", [45, -45, 135])
@@ -131,7 +122,6 @@ def test_an_approach_to_a_figure_that_does_not_quite_close_is_no_side_either(tur
         legs: list[Leg] = [(0.8, 1.0, 0.0), turn, *polygon_legs(4, corners_deg=[corner_deg] * 4)]
         scoring = graded("square", drive(legs))
         assert item(scoring, "sides").measured == 4
-        assert scoring.mistakes[-1] == "approach"
         earned.append(score(scoring))
     assert earned == sorted(earned, reverse=True)
     assert earned[-1] > 70
@@ -216,14 +206,11 @@ def test_noise_of_a_rough_world_is_borne() -> None:
 
 
 @pytest.mark.parametrize(("task", "driven"), [(3, 4), (5, 4), (4, 3), (4, 5)])
-def test_another_figure_fails_and_is_told_why(task: int, driven: int) -> None:
+def test_another_figure_fails(task: int, driven: int) -> None:
     scoring = graded(POLYGONS[task], drive(polygon_legs(driven)))
     assert item(scoring, "sides").status is ItemStatus.FAILED
     assert item(scoring, "angles").status is ItemStatus.NOT_CHECKED
     assert score(scoring) == 5
-    assert scoring.mistakes[0] == "other_figure"
-    assert f"drove {driven} sides" in scoring.hint.en
-    assert f"{360 / task:g}°" in scoring.hint.en
 
 
 @pytest.mark.parametrize("sides", POLYGONS)

@@ -136,29 +136,6 @@ def test_a_spiral_is_no_square_that_grows() -> None:
     assert score(graded("square", drive(spiral))) < 80
 
 
-def sides_and_corners(sides_m: list[float], corner_deg: float) -> Legs:
-    return [leg for side_m in sides_m for leg in (*ahead(side_m), *turn(corner_deg))]
-
-
-@pytest.mark.parametrize(
-    ("name", "sides_m", "corner_deg", "told"),
-    [
-        ("pentagon", [2.0, *[1.0] * 7], 45.0, "other_figure"),
-        ("pentagon", [2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0], 40.0, "other_figure"),
-        ("pentagon", [1.6, 1.5, 1.6, 1.5, 1.3, 2.0, 1.5, 1.6], 45.0, "other_figure"),
-        ("pentagon", [1.5] * 6, 75.0, "turns_too_far"),
-        ("square", [1.5] * 5, 80.2, "turns_too_short"),
-    ],
-)
-def test_other_corners_between_straight_sides_are_not_called_cut_off(
-    name: str, sides_m: list[float], corner_deg: float, told: str
-) -> None:
-    scoring = graded(name, drive(sides_and_corners(sides_m, corner_deg)))
-    assert scoring.mistakes[0] == told
-    assert "crooked" not in scoring.mistakes
-    assert told == "other_figure" or score(scoring) > 60
-
-
 def test_the_further_a_car_drives_there_and_back_at_each_corner_the_more_it_costs() -> None:
     earned = []
     for way_m in (0.05, 0.1, 0.2, 0.3, 0.4, 0.5):

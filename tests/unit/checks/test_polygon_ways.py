@@ -90,11 +90,6 @@ def test_the_longer_a_detour_the_more_it_costs() -> None:
     assert max(one - other for one, other in itertools.pairwise(earned)) < 25
 
 
-def test_detours_are_told() -> None:
-    scoring = graded("square", drive([side(1.0), *DETOURS["an S"], side(1.0), TURN] * 4))
-    assert scoring.mistakes[0] == "astray"
-
-
 @pytest.mark.parametrize("sides", [3, 4, 5])
 @pytest.mark.parametrize("gear", [1.0, -1.0])
 def test_the_further_a_car_drives_past_the_end_of_its_sides_and_back_the_more_it_costs(
@@ -109,7 +104,6 @@ def test_the_further_a_car_drives_past_the_end_of_its_sides_and_back_the_more_it
         assert item(scoring, "angles").measured == pytest.approx(360.0 / sides, abs=1.0)
     assert earned == sorted(earned, reverse=True)
     assert earned[1] == 100
-    assert scoring.mistakes[0] == "overshot"
     assert max(one - other for one, other in itertools.pairwise(earned)) < 27
 
 
@@ -183,7 +177,6 @@ def test_the_same_figure_back_is_a_repetition(sides: int, back: str) -> None:
 
 def test_an_arc_on_the_way_to_the_figure_is_an_approach() -> None:
     scoring = graded("square", drive([(math.pi, 1.0, 1.0), *polygon_legs(4)]))
-    assert scoring.mistakes == ("approach",)
     assert item(scoring, "closed").earned == 0
 
 
@@ -203,15 +196,8 @@ def test_a_rest_as_long_as_those_before_it_is_a_pause(rest_s: float) -> None:
     assert score(graded("square", trajectory, RunStatus.INTERRUPTED)) == 100
 
 
-def test_a_longer_rest_is_the_end() -> None:
-    legs = [leg for _ in range(6) for leg in (side(1.0), TURN, (0.5, 0.0, 0.0))]
-    scoring = graded("square", drive(legs, idle_s=8.0), RunStatus.INTERRUPTED)
-    assert scoring.mistakes == ("drove_on",)
-
-
 def test_a_step_back_from_an_arc_is_no_side_of_negative_length() -> None:
     scoring = graded("square", drive([(2.0, -3.0, 1.0), (1.0, 0.5, 0.0)]))
-    assert scoring.mistakes == ("arcs",)
     assert 0 < score(scoring) < 50
 
 
@@ -304,7 +290,6 @@ def test_an_approach_may_lead_to_the_middle_of_a_side(middle_m: float) -> None:
     legs = [half, TURN, half, TURN, whole, TURN, whole, TURN, whole, TURN, half]
     scoring = graded("square", drive(legs))
     assert item(scoring, "lengths").earned == 20
-    assert scoring.mistakes == ("approach",)
     assert score(scoring) == pytest.approx(88.6, abs=1)
 
 
@@ -361,4 +346,3 @@ def test_a_side_that_is_left_out_between_its_turns_is_one_side_missing(sides: in
     scoring = graded(POLYGONS[sides], drive([*polygon_legs(sides, laps=(sides - 1) / sides), turn]))
     assert item(scoring, "angles").earned == pytest.approx(25 * (sides - 1) / sides, abs=0.01)
     assert item(scoring, "rest").earned == 0
-    assert scoring.mistakes[0] == "sides_missing"

@@ -110,13 +110,12 @@ def test_a_wall_is_followed_forwards_and_on_the_wanted_side() -> None:
     assert ahead.measures["band_pct"].value == pytest.approx(100.0)
     assert aslant.measures["band_pct"].value == pytest.approx(100.0)
     assert left.measures["band_pct"].value == left.measures["band_m"].value == 0.0
-    assert left.mistakes[-1].code == "room_strays"
     both = along_bottom(there_and_back=True)
     assert both.measures["band_pct"].value == pytest.approx(50.0, abs=2.0)
     assert both.measures["band_m"].value == pytest.approx(0.0, abs=0.03)
     west = straight(1.5, y_m=0.6)
     wanted = task("band_pct", band_low_m=0.25, band_high_m=0.45, wall_side="right")
-    assert examine(wanted, west).mistakes[-1].code == "room_strays"  # the top wall is on its left
+    assert examine(wanted, west).measures["band_pct"].value < 25.0  # the top wall is on its left
     assert problems(task("band_pct", wall_side="up"))[0][0] == "options.wall_side"
 
 
@@ -160,13 +159,7 @@ def test_a_topic_that_a_drive_did_without_is_not_what_it_waits_for(
     commands = (Command(0, 0.2 if moved else 0.0, 0.0),)
     run = replace(run, outcome=outcome, trajectory=replace(run.trajectory, commands=commands))
     found = robot_mistakes(run, task("contacts").world)
-    assert ("robot_silent" in [each.code for each in found]) == told
-
-
-def test_a_robot_that_stops_at_the_wrong_place_is_told_which_way() -> None:
-    early, late = (examine(task("ahead_m"), straight(to_m)).mistakes for to_m in (1.0, 1.8))
-    assert "room_too_early" in [each.code for each in early]
-    assert "room_too_late" in [each.code for each in late]
+    assert ("topic_nowhere" in [each.code for each in found]) == told
 
 
 def test_the_line_that_was_followed() -> None:
@@ -196,24 +189,6 @@ def test_the_check_needs_a_robot_and_its_band() -> None:
     turtle = replace(task("contacts"), world=World())
     assert "world" in [field for field, _ in problems(turtle)]
     assert problems(task("band_pct", band_low_m=-1.0, band_high_m=1.0)) != ()
-
-
-@pytest.mark.parametrize(
-    ("speeds", "code"),
-    [([0.1, 0.15, 0.2], "room_drove_on"), ([0.2, 0.2, 0.2], "room_drove_on"), ([0.2, 0.15, 0.1], "room_hit")],
-)
-def test_who_never_slows_down_is_told_that_the_ranges_made_no_difference(
-    speeds: list[float], code: str
-) -> None:
-    hit_ns = 3_000_000_000
-    run = straight(1.5, contacts=(Contact(wall="right", start_ns=hit_ns, end_ns=hit_ns + 1),))
-    commands = tuple(Command(t_ns=(i + 1) * 10**9, v_mps=v, w_radps=0.0) for i, v in enumerate(speeds))
-    scan = Endpoint(kind="subscription", node="/a", name="/scan", type="sensor_msgs/msg/LaserScan")
-    run = replace(run, trajectory=replace(run.trajectory, commands=commands))
-    run = replace(
-        run, outcome=replace(run.outcome, endpoints=(*run.outcome.endpoints, scan), command_count=3)
-    )
-    assert examine(task("ahead_m"), run).mistakes[0].code == code
 
 
 def test_who_only_turns_is_told_to_drive() -> None:

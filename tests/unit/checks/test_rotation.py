@@ -6,8 +6,8 @@ import random
 
 import pytest
 
-from grader.checks import evaluate, sketch
-from grader.contracts.outcome import Endpoint, RunStatus
+from grader.checks import sketch
+from grader.contracts.outcome import RunStatus
 from grader.contracts.rubric import ItemStatus
 from tests.unit.checks.shipped import assignment, graded, item, score
 from tests.unit.checks.trajectories import drive, polygon_legs, run_of
@@ -26,13 +26,11 @@ def test_turning_for_ever() -> None:
     assert score(scoring) == 100
 
 
-@pytest.mark.parametrize(
-    ("turn_s", "mistake"), [(1.0, "turned_one_radian"), (math.pi, "half_turn"), (5.0, "turn_too_short")]
-)
-def test_too_short_a_turn(turn_s: float, mistake: str) -> None:
+@pytest.mark.parametrize("turn_s", [1.0, math.pi, 5.0])
+def test_too_short_a_turn(turn_s: float) -> None:
     scoring = graded("spin", drive([(turn_s, 0.0, 1.0)]))
     assert item(scoring, "turn").status is not ItemStatus.PASSED
-    assert scoring.mistakes == (mistake,)
+    assert "6.283" in scoring.hint.en
 
 
 def test_no_more_counts_than_was_turned() -> None:
@@ -40,15 +38,9 @@ def test_no_more_counts_than_was_turned() -> None:
     assert "Turned 229" in item(scoring, "turn").message.en
 
 
-def test_a_turn_by_the_heading_that_is_too_short() -> None:
-    pose = Endpoint(kind="subscription", name="/turtle1/pose", type="turtlesim/msg/Pose", node="/mover")
-    run = run_of(drive([(5.0, 0.0, 1.0)]), endpoints=(pose,))
-    assert evaluate(assignment("spin"), [run]).mistakes == ("turn_too_short_by_pose",)
-
-
 def test_too_slow_a_turn() -> None:
     scoring = graded("spin", drive([(60.0, 0.0, 0.15)], horizon_s=30.0), RunStatus.INTERRUPTED)
-    assert scoring.mistakes == ("turn_too_slow",)
+    assert scoring.mistakes == ("time_was_up",)
 
 
 def test_a_circle_is_no_turn_on_the_spot() -> None:
@@ -56,8 +48,6 @@ def test_a_circle_is_no_turn_on_the_spot() -> None:
     assert item(scoring, "turn").measured == pytest.approx(36, abs=0.1)  # a tenth: up to 2 m away
     assert item(scoring, "turn").hint == scoring.hint
     assert score(scoring) == 10
-    assert scoring.mistakes == ("circling",)
-    assert "1 m" in scoring.hint.en
 
 
 @pytest.mark.parametrize("turns", [1, 4])
@@ -71,7 +61,6 @@ def test_credit_falls_as_the_circle_widens(turns: int) -> None:
 
 def test_a_figure_with_corners_is_no_turn_on_the_spot() -> None:
     scoring = graded("spin", drive(polygon_legs(4)))
-    assert scoring.mistakes == ("left_place",)
     assert score(scoring) == 10
 
 
@@ -90,13 +79,11 @@ def test_a_whole_turn_before_or_after_driving_keeps_its_points(before: bool) -> 
     scoring = graded("spin", drive([turn, walk] if before else [walk, turn]))
     assert item(scoring, "turn").status is ItemStatus.PASSED
     assert score(scoring) == 70
-    assert scoring.mistakes == ("left_place",)
 
 
 def test_straight_on_is_no_turn() -> None:
     scoring = graded("spin", drive([(3.0, 1.0, 0.0)]))
     assert score(scoring) == 10
-    assert scoring.mistakes == ("only_drove",)
 
 
 def test_staying_put_earns_nothing_for_staying_in_place() -> None:

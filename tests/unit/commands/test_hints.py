@@ -9,7 +9,7 @@ def test_codes_are_printed_with_their_sentences(capsys: pytest.CaptureFixture[st
     assert cli.run(["hints", "--lang", "en"]) == 0
     lines = capsys.readouterr().out.splitlines()
     codes = [line.partition(":")[0] for line in lines]
-    assert {"sides_missing", "wrong_topic", "degrees"} <= set(codes)
+    assert {"interior_angle", "wrong_topic", "degrees"} <= set(codes)
     assert all(line.partition(": ")[2] for line in lines)
 
 

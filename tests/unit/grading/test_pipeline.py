@@ -13,7 +13,7 @@ from grader.grading.pipeline import _explained
 from grader.grading.slot import Slot, SlotConfig
 from tests.e2e.grading_slot import grade
 from tests.unit.checks.shipped import assignment
-from tests.unit.checks.trajectories import drive, polygon_legs, run_of
+from tests.unit.checks.trajectories import drive, run_of
 
 ELSEWHERE = '"\\n" * 300 + "def g():\\n    counter += 1\\ng()\\n"'
 
@@ -24,7 +24,7 @@ def test_an_explanation_that_fails_costs_no_mark(
     def astray(*_: object) -> Scoring:
         raise IndexError("list index out of range")
 
-    run, task = run_of(drive(polygon_legs(3)), RunStatus.FINISHED), assignment("square")
+    run, task = run_of(drive([(2.0, 1.0, 0.0)]), RunStatus.FINISHED), assignment("square")
     marks = grader.checks.mark(task, [run])
     with_words = _explained(task, marks)
     monkeypatch.setattr(grader.checks, "explained", astray)

@@ -47,7 +47,7 @@ def test_every_measure_has_its_sentences() -> None:
         ({"page.points": "points"}, "page.points has other fields in one language: zh: ['points']; en: []"),
         ({"page.rules.late.never": "-"}, "page.rules.late.never is not used"),
         ({"mistake.too_tired": "-"}, "mistake.too_tired is not used"),
-        ({"mistake.curved": None}, "no message mistake.curved"),
+        ({"mistake.no_turns": None}, "no message mistake.no_turns"),
         ({"word.gap": None}, "no message word.gap"),
         ({"page.nav.people": None}, "no message page.nav.people"),
     ],

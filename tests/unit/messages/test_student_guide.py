@@ -15,7 +15,9 @@ DOCS = Path(__file__).resolve().parents[3] / "docs"
 PAGES: dict[Language, Path] = {"zh": DOCS / "student.zh.md", "en": DOCS / "student.md"}
 HINTS: dict[Language, dict[str, str]] = {
     language: {
-        key: outline(language, key) or "" for key in entries(language, "grader") if key.startswith("mistake.")
+        key: outline(language, key) or ""
+        for key in entries(language, "grader")
+        if key.startswith(("mistake.", "cause.")) or key.endswith(".hint")
     }
     for language in PAGES
 }

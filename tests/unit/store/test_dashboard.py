@@ -112,7 +112,7 @@ def test_mistakes_count_students(school: Class) -> None:
     school.graded("ann", b"xx")
     school.graded("bob", b"good good")
     mistakes = [(m.code, m.students) for m in school.dashboard.state().assignments["square"].mistakes]
-    assert mistakes == [("never_stops", 1), ("turns_too_short", 1)]
+    assert mistakes == [("interior_angle", 1), ("wall_hit", 1)]
 
 
 def test_what_has_not_changed_stays_the_same_object(school: Class) -> None:

@@ -292,7 +292,7 @@ def test_a_result_keeps_every_row_and_brings_the_next_claim(
             ("closed", "failed", 0.0),
             ("sides", "passed", 5.0),
         ]
-        assert [(one.code, one.rank) for one in of_it[1]] == [("turns_too_short", 0), ("never_stops", 1)]
+        assert [(one.code, one.rank) for one in of_it[1]] == [("interior_angle", 0), ("wall_hit", 1)]
         assert [(one.case_id, gzip.decompress(one.content)) for one in of_it[2]] == list(two.items())
     with database.reading() as session:
         assert len(session.exec(select(GradedAssignmentRow)).all()) == 1

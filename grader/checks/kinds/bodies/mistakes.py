@@ -1,12 +1,12 @@
 """Mistakes in a PyBullet world, recognised from its replay."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from grader.checks.measure import Measures, Mistake, mistake
 from grader.checks.mistakes import noted, script_mistakes
 from grader.contracts.assignment import Assignment
-from grader.contracts.replay import Replayed, Trick, TrickKind
+from grader.contracts.replay import Replayed, Trick
 from grader.contracts.scoring import Run
 from grader.geometry import exact
 from grader.messages.quantity import number
@@ -30,17 +30,6 @@ _OF_UNLOADED = (
     "reach_m",
     "lifted_m",
 )
-
-_TRICK_CODES: Mapping[TrickKind, str] = {
-    "jump": "bodies_jump",
-    "push": "bodies_push",
-    "constraint": "bodies_constraint",
-    "dynamics": "bodies_dynamics",
-    "collision": "bodies_collision",
-    "gravity": "bodies_gravity",
-    "time_step": "bodies_time_step",
-    "removed": "bodies_removed",
-}
 
 
 def bodies_mistakes(
@@ -80,7 +69,7 @@ def _by_hand(trick: Trick | None) -> Iterator[Mistake]:
     if trick is not None and not trick.name:
         yield mistake("bodies_pushed", time=number(trick.t_ns / 1e9, "s"))
     elif trick is not None:
-        yield mistake(_TRICK_CODES[trick.kind], call=trick.name, time=number(trick.t_ns / 1e9, "s"))
+        yield mistake("bodies_by_hand", call=trick.name, time=number(trick.t_ns / 1e9, "s"))
 
 
 def _absent(assignment: Assignment, replayed: Replayed) -> Iterator[Mistake]:

@@ -18,7 +18,7 @@ from grader.checks.kinds.path.driven import (
     end_ns,
     looked_at,
 )
-from grader.checks.kinds.path.mistakes import SIZE_FACTOR, name_of, named_corner, other_size, path_mistakes
+from grader.checks.kinds.path.mistakes import name_of, named_corner, path_mistakes
 from grader.checks.kinds.path.wanted import go_on, track_of
 from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake
 from grader.checks.mistakes import driving_mistakes
@@ -49,6 +49,7 @@ MEASURES = {
 }
 # Of the size: a path of another size that is off by no more is the wanted one; from twice that on none of it is.
 ALIKE_SHARE = 0.025
+SIZE_FACTOR = 5.0  # one that is larger or smaller by more fits by chance
 _Pair = Callable[[DrivenStretch], tuple[float, float]]
 _NO_PATH = Text(
     zh="缺少：写上 path 和它的 pieces，例如 pieces: [{line: 2.0}, {turn: 90}]",
@@ -124,12 +125,7 @@ def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mista
     if drive is None or wanted is None:
         return driving_mistakes(run, ())
     part, figure = looked_at(drive, wanted, assignment.world.start)
-    stretches = [] if figure is None else driven_stretches(figure, part)
-    own = path_mistakes(assignment, run, part, figure, stretches)
-    resized = _resized(assignment, wanted, drive)
-    if resized is not None and _earns_more(assignment, resized[1], _measures(part, figure)):
-        own = itertools.chain([other_size(resized[0])], own)
-    return driving_mistakes(run, own)
+    return driving_mistakes(run, path_mistakes(assignment, run, part, figure))
 
 
 def _settled(drive: Drive, figure: Figure | None) -> Measure:

@@ -305,15 +305,6 @@ def _begun(points: Points, along: Floats, ways: tuple[Track, ...], allowed: _All
     return found
 
 
-def roughly_off(drive: Drive, wanted: WantedPath, start: StartPose) -> float:
-    """Return how far the whole drive is off, point by point at equal distances, as a share of the size."""
-    path = drive.path
-    along = np.maximum.accumulate(path.along_m)
-    points = exact.paired(path.x_m, path.y_m)
-    tried = _tried(points, along, float(along[-1]), tracks(wanted), _Allowed(wanted, start))
-    return min((each.residual for each in tried), default=math.inf)
-
-
 def _ends_of_laps(points: Points, along: Floats, least_m: float) -> Iterator[float]:
     """Yield how far the car had driven when it was back at its start, later ones first."""
     total = float(along[-1])

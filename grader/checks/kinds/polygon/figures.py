@@ -74,11 +74,6 @@ class WantedPolygon(Record, kw_only=False):
         """Whether its sides differ."""
         return self.lengths_m is not None and len(set(self.lengths_m)) > 1
 
-    @property
-    def figure(self) -> str:
-        """Id of its name among the messages."""
-        return "figure.rectangle" if self.differing else f"figure.{self.sides}"
-
     def aligned(self, sides_m: Sequence[float]) -> tuple[float, ...]:
         """Return the wanted length of each driven side, beginning at the side that fits them best.
 

@@ -81,11 +81,7 @@ def measure(assignment: Assignment, run: Run) -> Measures:
 
 def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
     """Return what probably went wrong."""
-    drive, room = drive_of(run), assignment.world.room
-    if drive is None or room is None:
-        return driving_mistakes(run, room_mistakes(assignment, run, None, {}))
-    band = wall_following(assignment, room, drive)
-    return driving_mistakes(run, room_mistakes(assignment, run, drive, measures, band))
+    return driving_mistakes(run, room_mistakes(assignment, run, drive_of(run), measures))
 
 
 def _ahead(room: Room, trajectory: Trajectory) -> Measure:

@@ -439,7 +439,7 @@ def test_a_number_leads_to_the_students_behind_it(client: httpx.Client, graded: 
 
     assert asked() == [("bo", False, 2), ("ada", False, 1)]
     assert asked(item="closed") == [("bo", False, 2)]
-    assert asked(mistake="never_stops") == [("bo", False, 2)]
+    assert asked(mistake="wall_hit") == [("bo", False, 2)]
     assert asked(status="graded", item="sides") == []
     unknown = client.get("/api/v1/assignments/none/students", headers=INSTRUCTOR)
     assert unknown.status_code == 404

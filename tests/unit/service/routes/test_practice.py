@@ -119,7 +119,7 @@ def test_it_tells_what_was_seen_and_keeps_nothing(practise: Practise, sqlite_url
         ("closed", "failed"),
     ]
     assert not {"points", "earned"} & told["items"][0].keys()
-    assert (told["hint"], told["mistakes"][0]) == ("go on", "turns_too_short")
+    assert (told["hint"], told["mistakes"][0]) == ("go on", "interior_angle")
     assert told["runs"][0]["case"] == "default"
     assert told["trajectory"]["x_m"] == [5.5, 6.5]
     assert answer.headers["Cache-Control"] == "no-store"

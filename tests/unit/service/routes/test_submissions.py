@@ -137,7 +137,7 @@ def test_a_graded_submission_tells_everything(graded: Callable[..., str], client
     ]
     assert document["rubric"][1]["hint"] == "try again"
     assert document["summary"] == "well done"
-    assert document["mistakes"] == ["turns_too_short", "never_stops"]
+    assert document["mistakes"] == ["interior_angle", "wall_hit"]
     (run,) = document["runs"]
     assert (run["status"], run["blame"], run["duration_s"]) == ("interrupted", "nobody", 2.0)
     assert run["endpoints"][0]["name"] == "/turtle1/cmd_vel"

@@ -116,9 +116,9 @@ def test_comparing_needs_two_gradings(instructor: Browser, school: dict[str, str
 
 def test_an_assignment_shows_scores_items_and_mistakes(instructor: Browser, school: dict[str, str]) -> None:
     text = instructor.get("/class/assignments/square?lang=en").text
-    for words in ("Distribution of best scores", "90–100 %", "Number of sides", "turns_too_short"):
+    for words in ("Distribution of best scores", "90–100 %", "Number of sides", "interior_angle"):
         assert words in text
-    assert (outline("en", "mistake.turns_too_short") or "turns_too_short").split("…")[0].strip() in text
+    assert (outline("en", "mistake.interior_angle") or "interior_angle").split("…")[0].strip() in text
     assert instructor.get("/class/assignments/nothing").status_code == 404
 
 
@@ -182,7 +182,7 @@ def test_a_number_leads_to_the_students_behind_it(instructor: Browser, school: d
     items = [one for one in links if "item=" in one]
     assert concerned(instructor.get(links[0]).text) == ["bo", "ada", "dai"]  # who tried most first
     assert concerned(instructor.get(items[-1]).text) == ["bo"]
-    assert concerned(instructor.get("/class/assignments/square/students?mistake=never_stops").text) == ["bo"]
+    assert concerned(instructor.get("/class/assignments/square/students?mistake=wall_hit").text) == ["bo"]
     assert concerned(instructor.get("/class/assignments/square/students?status=queued").text) == ["dai"]
     assert concerned(instructor.get("/class/assignments/square/students?status=unheard").text) == []
     assert instructor.get("/class/assignments/none/students").status_code == 404
@@ -191,7 +191,7 @@ def test_a_number_leads_to_the_students_behind_it(instructor: Browser, school: d
 def test_a_mistake_that_only_an_earlier_version_knew_still_leads_to_its_students(
     instructor: Browser, school: dict[str, str], sqlite_url: str
 ) -> None:
-    of_one = col(GradedMistakeRow.code) == "never_stops"
+    of_one = col(GradedMistakeRow.code) == "wall_hit"
     page = "/class/assignments/square/students?mistake=long_forgotten"
     with closing(Database(sqlite_url)) as database, database.writing() as session:
         session.execute(update(GradedMistakeRow).where(of_one).values(code="long_forgotten"))
