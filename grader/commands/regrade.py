@@ -12,17 +12,11 @@ from grader.commands.storage import (
     chosen_course,
     opened,
 )
-from grader.contracts.errors import CourseError, RegradeError
+from grader.contracts.errors import CourseError, RefusedError
 from grader.messages import say
 from grader.store.audit import Signature
 from grader.store.clock import utc_now
 from grader.store.regrades import Regrades
-
-_MESSAGE_IDS = {
-    "unknown": "problem.regrade_not_found.title",
-    "not_applied": "problem.regrade_not_applied.title",
-    "superseded": "problem.regrade_superseded.title",
-}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -59,9 +53,8 @@ def _undo(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     signed = Signature(utc_now(), chosen_course(storage, arguments.course), actor())
     try:
         undone = Regrades(storage.database).undo(arguments.id, signed, arguments.reason)
-    except RegradeError as error:
-        told = say(_MESSAGE_IDS[error.code])
-        raise CourseError(f"{arguments.id}: {told.en}", f"{arguments.id}：{told.zh}") from None
+    except RefusedError as error:
+        raise CourseError.about(arguments.id, say(f"problem.{error.code}.title")) from None
     tell(
         arguments,
         zh=f"{undone.wanted.assignment}：已撤销，{undone.changed} 份提交恢复原来的分数",

@@ -6,9 +6,6 @@ GraderError
 ├── RefusedError           what somebody asks for is not done: names the kind, the place and what is accepted
 ├── CourseError            a course, its people or its rules cannot be changed as asked
 │   └── ChangedMeanwhileError     somebody else changed the same since it was looked at
-├── RegradeError           a re-grade cannot be opened or decided
-├── JudgementError         a person's points for a rubric item cannot be taken
-├── AppealError            an appeal cannot be made, withdrawn or answered
 ├── SettingsError          the operator's configuration is wrong
 ├── SandboxError           the sandbox could not run the script: infrastructure, never a low mark
 │   └── SandboxUnavailableError   a required layer is missing: the service refuses to grade
@@ -147,49 +144,6 @@ class CourseError(GraderError):
 
 class ChangedMeanwhileError(CourseError):
     """Somebody else changed the same thing after the caller had looked at it."""
-
-
-class RegradeError(GraderError):
-    """A re-grade cannot be opened or decided.
-
-    Attributes:
-        code: ``unknown``, ``nothing``, ``open``, ``waiting`` or ``decided``; of one to be undone ``not_applied``,
-            or ``superseded``: a later re-grade has taken the place of its gradings.
-    """
-
-    def __init__(self, code: str, message: str) -> None:
-        super().__init__(message)
-        self.code = code
-
-
-class JudgementError(GraderError):
-    """A person's points for a rubric item cannot be taken.
-
-    Attributes:
-        code: one of
-
-            - ``submission``: there is no such submission, or it has no grading;
-            - ``item``: the submission has no such rubric item;
-            - ``role``: a machine scored the item, and only instructors correct that;
-            - ``range``: the points are below 0 or above the item's points;
-            - ``reason``: a correction needs a comment, and so do points that answer an appeal;
-            - ``same``: the machine gave the same points, and there is no correction to take back;
-            - ``stale``: the item was judged, or the submission graded, after the caller had looked at it.
-        item: about which; empty when it is not about one.
-    """
-
-    def __init__(self, code: str, message: str) -> None:
-        super().__init__(message)
-        self.code = code
-        self.item = ""
-
-
-class AppealError(GraderError):
-    """An appeal cannot be made, withdrawn or answered. `code`: ``exists``, ``unknown`` or ``decided``."""
-
-    def __init__(self, code: str, message: str) -> None:
-        super().__init__(message)
-        self.code = code
 
 
 class SettingsError(GraderError):

@@ -9,7 +9,7 @@ from sqlalchemy import ColumnElement, Select, case, exists, func, literal, selec
 from sqlmodel import Session, col
 
 from grader.contracts.appeal import ANSWERS, Appeal, AppealState
-from grader.contracts.errors import AppealError
+from grader.contracts.errors import RefusedError
 from grader.store.audit import Signature, record
 from grader.store.courses import in_class
 from grader.store.database import StorePart
@@ -51,15 +51,15 @@ class Appeals(StorePart):
         """Store an appeal about an item of a submission; it replaces one that was withdrawn.
 
         Raises:
-            AppealError: ``exists``: there is one about this item; ``unknown``: the submission was erased.
+            RefusedError: there is one about this item, or the submission was erased.
         """
         with self._database.writing() as session:
             submission = session.get(SubmissionRow, submission_id, with_for_update=True)
             if submission is None:
-                raise AppealError("unknown", "there is no such submission")
+                raise RefusedError("appeal_not_found")
             row = session.get(AppealRow, (submission_id, asked.item))
             if row is not None and row.state != AppealState.WITHDRAWN.value:
-                raise AppealError("exists", "there is an appeal about this item already")
+                raise RefusedError("appeal_exists", field="item")
             row = session.merge(
                 AppealRow(
                     submission_id=submission_id,
@@ -79,7 +79,7 @@ class Appeals(StorePart):
         """Take an open appeal back.
 
         Raises:
-            AppealError: ``unknown``: there is none; ``decided``: it is not open any more.
+            RefusedError: there is none, or it is not open any more.
         """
         with self._database.writing() as session:
             row = _open_one(session, submission_id, item)
@@ -90,7 +90,7 @@ class Appeals(StorePart):
         """Leave an open appeal to the instructors.
 
         Raises:
-            AppealError: as `withdraw`.
+            RefusedError: as `withdraw`.
         """
         with self._database.writing() as session:
             row = _open_one(session, submission_id, item)
@@ -101,7 +101,7 @@ class Appeals(StorePart):
         """Answer an open appeal, leaving the points as they are.
 
         Raises:
-            AppealError: as `withdraw`.
+            RefusedError: as `withdraw`.
         """
         with self._database.writing() as session:
             _answer(session, _open_one(session, submission_id, item), state, text, signed)
@@ -189,9 +189,9 @@ def _record(session: Session, signed: Signature, action: str, row: AppealRow, **
 def _open_one(session: Session, submission_id: str, item: str) -> AppealRow:
     row = session.get(AppealRow, (submission_id, item), with_for_update=True)
     if row is None:
-        raise AppealError("unknown", "there is no such appeal")
+        raise RefusedError("appeal_not_found")
     if row.state != AppealState.OPEN.value:
-        raise AppealError("decided", f"the appeal is {row.state} already")
+        raise RefusedError("appeal_decided")
     return row
 
 

@@ -14,19 +14,25 @@ from sqlalchemy import ColumnElement, Select, and_, case, exists, func, or_, sel
 from sqlalchemy.orm import aliased
 from sqlmodel import Session, col
 
-from grader.contracts.errors import JudgementError
+from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen
 from grader.contracts.judgement import composed, standing
 from grader.contracts.notation import written
 from grader.contracts.report import GradeReport, report_from
 from grader.contracts.rubric import ItemStatus, RubricItem, to_judge
 from grader.contracts.submission import Judgement
+from grader.contracts.text import Text
 from grader.store import appeals
 from grader.store.audit import Signature, record
 from grader.store.courses import in_class
 from grader.store.database import StorePart
 from grader.store.tables import GradedItemRow, GradingRow, JudgementRow, SubmissionRow, as_contract
 from grader.store.teams import locked_upload
+
+_REASON = Text(
+    zh="修改自动评分给的分，或者有复核申请等待答复时，要写原因，学生会看到。",
+    en="Say why, where a machine's points are changed or an appeal waits for an answer; the student sees it.",
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,19 +113,17 @@ class Judgements(StorePart):
             signed: who gives them.
 
         Raises:
-            JudgementError: see its codes; nothing is changed.
+            RefusedError: there is no such grading or item; the machine judged the item and they may not correct
+                that; the points are below 0 or above the item's, or the machine's own without a correction before;
+                a comment is missing; or somebody judged or graded it meanwhile. Nothing is changed.
         """
         with self._database.writing() as session:
             row, mates = locked_upload(session, submission_id)
             report = None if row is None or row.course != signed.course else report_of(session, row)
             if row is None or report is None or row.regrade is not None:  # a trial is nobody's to judge
-                raise JudgementError("submission", "there is no such grading")
+                raise RefusedError("submission_not_found")
             for given, seen in wanted:
-                try:
-                    _judge(session, row, _item(report, given), given, seen, signed)
-                except JudgementError as error:
-                    error.item = given.item
-                    raise
+                _judge(session, row, _item(report, given), given, seen, signed)
             for mate in mates:
                 _judge_too(session, mate, [given for given, _ in wanted], signed)
 
@@ -180,13 +184,13 @@ def _judge(  # noqa: PLR0913, PLR0917
     own = [one for one in judgements_of(session, [row.id]) if one.item == item.id]
     latest = own[-1] if own else None
     if not (latest is None if seen is None else seen.includes(tag(latest, row.report_sha256))):
-        raise JudgementError("stale", "the item was judged or graded again meanwhile")
+        raise RefusedError("judged_meanwhile")
     if _takes_back(item, given) and (latest is None or latest.out_of == 0.0):
-        raise JudgementError("same", "the machine gave these points, and nothing is to be taken back")
+        raise RefusedError("points_unchanged")
     if given.answers and not appeals.is_open(session, row.id, item.id):
-        raise JudgementError("stale", "the appeal is not open any more")
+        raise RefusedError("judged_meanwhile")  # and the appeal with it
     if not given.comment.strip() and appeals.is_open(session, row.id, item.id):
-        raise JudgementError("reason", "the points answer an appeal: the student is owed words, too")
+        raise RefusedError("invalid_request", _REASON, field="comment")
     before = _counting(item, own)
     if before is not None:
         before["score"] = row.score
@@ -205,7 +209,7 @@ def _judge_too(session: Session, row: SubmissionRow, wanted: Sequence[Given], si
     if report is None:
         return
     for given in wanted:
-        with suppress(JudgementError):  # theirs has been judged otherwise
+        with suppress(RefusedError):  # theirs has been judged otherwise
             _judge(session, row, _item(report, given), replace(given, answers=False), Seen(None), signed)
 
 
@@ -213,13 +217,16 @@ def _item(report: GradeReport, given: Given) -> RubricItem:
     """Return the item that points are given for, once it is sure that they may be."""
     item = next((one for one in report.items if one.id == given.item), None)
     if item is None:
-        raise JudgementError("item", "the submission has no such item")
+        allowed = [one.id for one in report.items if given.corrects or _is_manual(one)]
+        raise RefusedError("item_not_found", field="item", allowed=allowed)
     if not (_is_manual(item) or given.corrects):
-        raise JudgementError("role", "only instructors correct what the machine judged")
+        raise RefusedError("forbidden")
     if not 0.0 <= given.points <= item.points:
-        raise JudgementError("range", f"use points from 0 to {written(item.points)}")
+        most = written(item.points)
+        detail = Text(zh=f"这一项可以给 0 到 {most} 分。", en=f"This item takes points from 0 to {most}.")
+        raise RefusedError("invalid_points", detail, field="points")
     if not (_is_manual(item) or given.comment.strip()):
-        raise JudgementError("reason", "a correction needs a reason")
+        raise RefusedError("invalid_request", _REASON, field="comment")
     return item
 
 

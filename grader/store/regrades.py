@@ -16,7 +16,7 @@ from sqlalchemy import Insert, Select, and_, case, delete, func, insert, literal
 from sqlalchemy.orm import aliased
 from sqlmodel import Session, SQLModel, col
 
-from grader.contracts.errors import RegradeError
+from grader.contracts.errors import RefusedError
 from grader.contracts.record import from_json, from_plain
 from grader.contracts.regrade import PastGrading, Regrade, RegradeState, ScoreChange, ToldChange, Wanted
 from grader.contracts.submission import SubmissionState
@@ -76,8 +76,7 @@ class Regrades(StorePart):
         """Queue a trial grading for every submission that `wanted` names.
 
         Raises:
-            RegradeError: ``nothing``: no submission fits; ``open``: the assignment has a re-grade already.
-            RefusedError: the course is archived.
+            RefusedError: no submission fits, the assignment has an open re-grade, or the course is archived.
         """
         row = RegradeRow(
             id=secrets.token_hex(_ID_BYTES),
@@ -92,10 +91,10 @@ class Regrades(StorePart):
             one_at_a_time(session, "regrade", signed.course, wanted.assignment)
             require_open(session, signed.course)
             if session.execute(_open_ones(signed.course, wanted.assignment)).first() is not None:
-                raise RegradeError("open", "the assignment has an open re-grade: apply or discard it first")
+                raise RefusedError("regrade_open")
             originals = _chosen(session, wanted, signed.course)
             if not originals:
-                raise RegradeError("nothing", "no submission fits")
+                raise RefusedError("nothing_to_regrade")
             session.add(row)
             session.flush()
             trials = [_trial_row(original, row.id, signed.at) for original in originals]
@@ -137,7 +136,7 @@ class Regrades(StorePart):
         """Make the trial gradings the gradings of their submissions; older ones stay in the history.
 
         Raises:
-            RegradeError: ``unknown``; ``decided``: applied or discarded before; ``waiting``: trials still run.
+            RefusedError: there is none, it was applied or discarded before, or trials still run.
         """
         return self._decide(regrade_id, signed, reason, RegradeState.APPLIED)
 
@@ -152,13 +151,13 @@ class Regrades(StorePart):
         again.
 
         Raises:
-            RegradeError: ``unknown``; ``not_applied``: it is in another state; ``superseded``: a later re-grade
-                has taken the place of one of its gradings, and must be undone first.
+            RefusedError: there is none; it is not applied; or a later re-grade has taken the place of one of its
+                gradings, and must be undone first.
         """
         with self._database.writing() as session:
             row = _locked(session, regrade_id, signed.course)
             if row.state != RegradeState.APPLIED.value:
-                raise RegradeError("not_applied", f"the re-grade is {row.state}")
+                raise RefusedError("regrade_not_applied")
             row.state, row.undone_reason = RegradeState.UNDONE.value, reason
             row.undone_at, row.undone_by = signed.at, signed.actor
             for change in undo(session, row.id):
@@ -208,7 +207,7 @@ class Regrades(StorePart):
         with self._database.writing() as session:
             row = _locked(session, regrade_id, signed.course)
             if row.state != RegradeState.OPEN.value:
-                raise RegradeError("decided", f"the re-grade is {row.state} already")
+                raise RefusedError("regrade_decided")
             _hold(session, row.id)
             trials = _trials_of(session, row.id)
             outcome = _regrade(session, row, trials)
@@ -236,7 +235,7 @@ def _locked(session: Session, regrade_id: str, course: str | None) -> RegradeRow
     """Return a re-grade of a course that nobody else decides or undoes meanwhile."""
     row = session.get(RegradeRow, regrade_id, with_for_update=True)
     if row is None or row.course != course:
-        raise RegradeError("unknown", "there is no such re-grade")
+        raise RefusedError("regrade_not_found")
     return row
 
 
@@ -432,10 +431,10 @@ def _adopt(session: Session, trials: Sequence[_Trial], regrade_id: str) -> list[
     not grow with the number of trials, because other writers of a SQLite database wait meanwhile.
 
     Raises:
-        RegradeError: ``waiting``: trials still run.
+        RefusedError: trials still run.
     """
     if any(trial.waits for trial in trials):
-        raise RegradeError("waiting", "not every trial grading is made yet")
+        raise RefusedError("regrade_running")
     adopted = [one for one in trials if not one.failed and one.original.state in _ENDS]
     for table in reversed(_OF_GRADING):
         session.execute(_copy(table, regrade_id))

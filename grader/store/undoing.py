@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from sqlalchemy import and_, select
 from sqlmodel import Session, col
 
-from grader.contracts.errors import RegradeError
+from grader.contracts.errors import RefusedError
 from grader.contracts.regrade import ScoreChange
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import SubmissionState
@@ -19,12 +19,12 @@ def undo(session: Session, regrade_id: str) -> list[ScoreChange]:
     """Make the gradings count again that those of a re-grade replaced; return what changes, by student.
 
     Raises:
-        RegradeError: ``superseded``: the grading that stands is not the re-grade's any more.
+        RefusedError: a grading that stands is not the re-grade's any more.
     """
     regraded = _made(session, regrade_id)
     rows = _held(session, regrade_id)
     if any(row.graded_attempt != regraded[row.id][0] for row in rows):
-        raise RegradeError("superseded", "a later re-grade has taken the place of some of its gradings")
+        raise RefusedError("regrade_superseded")
     earlier = {id_: attempt for id_, (_, attempt) in regraded.items() if attempt is not None}
     now = item_scores(session, {id_: attempt for id_, (attempt, _) in regraded.items()})
     then, gradings = item_scores(session, earlier), _gradings(session, earlier)

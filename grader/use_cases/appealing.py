@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from grader.contracts.appeal import ANSWERS, LONGEST_TEXT, Appeal, AppealState
-from grader.contracts.errors import AppealError, RefusedError
+from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role, Seen
 from grader.contracts.judgement import judged
 from grader.contracts.rubric import ItemStatus, RubricItem
@@ -23,7 +23,6 @@ from grader.use_cases.commenting import checked_text
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import graded, visible_submission
 
-_CODES = {"exists": "appeal_exists", "unknown": "appeal_not_found", "decided": "appeal_decided"}
 _TEXT = Text(
     zh=f"要写 1 到 {LONGEST_TEXT} 个字符，不能有控制字符。",
     en=f"Write 1 to {LONGEST_TEXT} characters and no control characters.",
@@ -91,10 +90,7 @@ def ask(services: Services, caller: Caller, submission_id: str, item: str, reaso
         earned=measured.earned,
         points=measured.points,
     )
-    try:
-        return services.appeals.ask(submission.id, asked, services.signature(caller))
-    except AppealError as error:
-        raise RefusedError(_CODES[error.code], field="item") from None
+    return services.appeals.ask(submission.id, asked, services.signature(caller))
 
 
 def take_back(services: Services, caller: Caller, submission_id: str, item: str) -> None:
@@ -106,10 +102,7 @@ def take_back(services: Services, caller: Caller, submission_id: str, item: str)
     submission = visible_submission(services, caller, submission_id)
     if caller.role is not Role.STUDENT:
         raise RefusedError("forbidden" if caller.role is not None else "appeal_not_found")
-    try:
-        services.appeals.withdraw(submission.id, item, services.signature(caller))
-    except AppealError as error:
-        raise RefusedError(_CODES[error.code]) from None
+    services.appeals.withdraw(submission.id, item, services.signature(caller))
 
 
 def appeals_of(services: Services, caller: Caller, submission_id: str) -> tuple[Appeal, ...]:
@@ -137,7 +130,7 @@ def open_to(
     stored: StoredReport | None,
     appeals: Mapping[str, Appeal],
 ) -> frozenset[str]:
-    """Return the items about which the caller may ask now; `known` are the appeals there are, by item."""
+    """Return the items about which the caller may ask now; `appeals` are those that there are, by item."""
     if caller.course is None or caller.role is not Role.STUDENT or stored is None:
         return frozenset()
     rules = services.rules.of(caller.course)
@@ -220,10 +213,7 @@ def answer(  # noqa: PLR0913
             services, caller, submission.id, item, points=given.points, comment=text, seen=seen, answers=True
         )
         return
-    try:
-        services.appeals.answer(submission.id, item, given.state, text, services.signature(caller))
-    except AppealError as error:
-        raise RefusedError(_CODES[error.code]) from None
+    services.appeals.answer(submission.id, item, given.state, text, services.signature(caller))
 
 
 def pass_on(services: Services, caller: Caller, submission_id: str, item: str, note: str) -> None:
@@ -236,10 +226,7 @@ def pass_on(services: Services, caller: Caller, submission_id: str, item: str, n
     require_staff(caller)
     submission = visible_submission(services, caller, submission_id)
     note = checked_text(note, LONGEST_TEXT, _TEXT)
-    try:
-        services.appeals.pass_on(submission.id, item, note, services.signature(caller))
-    except AppealError as error:
-        raise RefusedError(_CODES[error.code]) from None
+    services.appeals.pass_on(submission.id, item, note, services.signature(caller))
 
 
 def _shown(services: Services, caller: Caller, submission: Submission) -> tuple[Appeal, ...]:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from grader.contracts.comment import LONGEST_COMMENT
-from grader.contracts.errors import JudgementError, RefusedError
+from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Seen
 from grader.contracts.judgement import JudgedItem, standing
 from grader.contracts.notation import written
@@ -20,12 +20,7 @@ from grader.use_cases.callers import require_staff
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import graded, hiding, visible_submission
 
-_REFUSALS = {"stale": "judged_meanwhile", "role": "forbidden", "same": "points_unchanged"}
 _ITEMS = Text(zh="写明要改的项目，每项一次。", en="Name the items to change, each once.")
-_REASON = Text(
-    zh="修改自动评分给的分，或者有复核申请等待答复时，要写原因，学生会看到。",
-    en="Say why, where a machine's points are changed or an appeal waits for an answer; the student sees it.",
-)
 
 MOST_PHRASES = 100
 _LONGEST_KEY = 16
@@ -196,11 +191,7 @@ def _give(
         given.append((one, seen))
     before = {one.id: one for one in judged_items(graded(services, caller, submission_id)[1])}
     asked = {one.item for one in services.appeals.of(submission_id) if one.is_open}
-    try:
-        services.judgements.judge_all(submission_id, given, services.signature(caller))
-    except JudgementError as error:
-        refused = next((one for one, _ in given if one.item == error.item), given[0][0])
-        raise _refusal(services, caller, submission_id, refused, error) from None
+    services.judgements.judge_all(submission_id, given, services.signature(caller))
     corrected = [(before[one.item], one) for one, _ in given if one.item not in asked]
     _announce(services, caller, submission, corrected)
 
@@ -229,22 +220,6 @@ def may_correct(services: Services, caller: Caller, assignment: str) -> bool:
     """Return whether the caller may correct the machine's points: instructors, or all staff, as the rules say."""
     rules = services.rules.of(caller.course).of(assignment)
     return caller.is_instructor or (caller.is_staff and rules.corrected_by is Corrector.STAFF)
-
-
-def _refusal(
-    services: Services, caller: Caller, submission_id: str, given: Given, error: JudgementError
-) -> RefusedError:
-    if error.code in _REFUSALS:
-        return RefusedError(_REFUSALS[error.code])
-    if error.code == "reason":
-        return RefusedError("invalid_request", _REASON, field="comment")
-    items = report_from(graded(services, caller, submission_id)[1].content).items
-    if error.code == "range":
-        most = next((written(one.points) for one in items if one.id == given.item), "?")
-        detail = Text(zh=f"这一项可以给 0 到 {most} 分。", en=f"This item takes points from 0 to {most}.")
-        return RefusedError("invalid_points", detail, field="points")
-    allowed = [one.id for one in items if given.corrects or one.status is ItemStatus.NEEDS_MANUAL]
-    return RefusedError("item_not_found", field="item", allowed=allowed)
 
 
 def _judged(item: RubricItem, stored: StoredReport) -> JudgedItem:

@@ -6,7 +6,7 @@ An applied re-grade can be undone as a whole. Students see what either did to th
 from dataclasses import replace
 from typing import Literal
 
-from grader.contracts.errors import RefusedError, RegradeError
+from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role
 from grader.contracts.own_assignment import OwnState
 from grader.contracts.regrade import PastGrading, Regrade, ToldChange, Wanted
@@ -24,15 +24,6 @@ _EXAMINED = Text(
     en="A new version of it is being examined, and a re-grade would use the one before: wait until it has passed.",
 )
 Ending = Literal["apply", "discard", "undo"]
-_CODES = {
-    "unknown": "regrade_not_found",
-    "nothing": "nothing_to_regrade",
-    "open": "regrade_open",
-    "waiting": "regrade_running",
-    "decided": "regrade_decided",
-    "not_applied": "regrade_not_applied",
-    "superseded": "regrade_superseded",
-}
 
 
 def open_regrade(services: Services, caller: Caller, wanted: Wanted) -> Regrade:
@@ -52,12 +43,9 @@ def open_regrade(services: Services, caller: Caller, wanted: Wanted) -> Regrade:
         listed = ", ".join(unknown[:10])
         detail = Text(zh=f"没有这些学号：{listed}", en=f"No student has these ids: {listed}")
         raise RefusedError("unknown_student", detail, field="students")
-    try:
-        opened = services.regrades.open(wanted, services.signature(caller))
-    except RegradeError as error:
-        raise RefusedError(_CODES[error.code]) from None
+    regrade = services.regrades.open(wanted, services.signature(caller))
     services.doorbell.ring()
-    return opened
+    return regrade
 
 
 def all_regrades(services: Services, caller: Caller) -> tuple[Regrade, ...]:
@@ -152,10 +140,7 @@ def decide(services: Services, caller: Caller, regrade_id: str, ending: Ending, 
         "discard": services.regrades.discard,
         "undo": services.regrades.undo,
     }
-    try:
-        return ends[ending](regrade_id, services.signature(caller), reason)
-    except RegradeError as error:
-        raise RefusedError(_CODES[error.code]) from None
+    return ends[ending](regrade_id, services.signature(caller), reason)
 
 
 def told_changes(services: Services, caller: Caller, submission_id: str) -> tuple[ToldChange, ...]:

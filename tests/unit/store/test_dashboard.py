@@ -4,7 +4,7 @@ from dataclasses import asdict
 
 import pytest
 
-from grader.contracts.errors import RegradeError
+from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.regrade import Wanted
 from grader.contracts.rules import Counts, Rules
@@ -174,7 +174,7 @@ def test_counting_only_what_changed_counts_the_same(school: Class, database: Dat
         school.submits(chance.choice(["ann", "bob", "cyd"]), source, chance.choice(["square", "straight"]))
 
     def grade_again() -> None:
-        with suppress(RegradeError):
+        with suppress(RefusedError):
             opened = regrades.open(Wanted(assignment="square", which="latest"), signed)
             for _ in range(20):
                 school.clock.advance(60)

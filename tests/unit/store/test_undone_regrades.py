@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from grader.contracts.errors import RegradeError
+from grader.contracts.errors import RefusedError
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Seen
 from grader.contracts.regrade import Regrade, Wanted, Which
@@ -73,7 +73,7 @@ def world(database: Database, queue: Queue, submissions: Submissions, clock: Fak
 
 
 def refused(act: Callable[[], object]) -> str:
-    with pytest.raises(RegradeError) as error:
+    with pytest.raises(RefusedError) as error:
         act()
     return error.value.code
 
@@ -94,16 +94,16 @@ def test_the_grading_from_before_stands_again(world: World, database: Database) 
     assert (undo_told.undone, undo_told.change.before, undo_told.change.after) == (True, 10.0, 5.0)
     assert [(one.item, one.before, one.after) for one in undo_told.change.items] == [("closed", 5.0, 0.0)]
     assert (undo_told.reason, apply_told.reason) == ("a mistake", "why")
-    assert refused(lambda: world.undo(applied)) == "not_applied"
+    assert refused(lambda: world.undo(applied)) == "regrade_not_applied"
 
 
 def test_only_what_stands_can_be_undone(world: World, database: Database) -> None:
     opened = world.regrades.open(Wanted(assignment="square"), world.signed)
-    assert refused(lambda: world.undo(opened)) == "not_applied"
+    assert refused(lambda: world.undo(opened)) == "regrade_not_applied"
     world.regrades.discard(opened.id, world.signed, "x")
-    assert refused(lambda: world.undo(opened)) == "not_applied"
+    assert refused(lambda: world.undo(opened)) == "regrade_not_applied"
     first, second = world.regrade(b"good good"), world.regrade(b"bad")
-    assert refused(lambda: world.undo(first)) == "superseded"
+    assert refused(lambda: world.undo(first)) == "regrade_superseded"
     world.undo(second)
     assert world.now.score == 10.0
     third = world.regrade(b"bad")
