@@ -31,14 +31,21 @@ PEOPLE = {
     "outsider": "li2",
     "stranger": "zhao",
 }
-EVERYBODY = (200,) * 8
-MEMBERS = (401, 401, 200, 200, 200, 200, 200, 200)
-SUBMISSION = (401, 401, 200, 404, 200, 200, 404, 404)
-STAFF = (401, 401, 403, 403, 200, 200, 403, 200)
-INSTRUCTORS = (401, 401, 403, 403, 403, 200, 403, 200)
-IN_COURSES: dict[str, tuple[int, ...]] = {
-    "post /api/v1/submissions": (401, 401, 202, 202, 202, 202, 202, 202),
-    "get /api/v1/submissions": MEMBERS,  # students their own
+# the codes of `ROLES` in courses; and without courses those of anybody, of a wrong token and of the operator
+Codes = tuple[tuple[int, ...], tuple[int, int, int]]
+OPEN_TO_ALL = (200, 401, 200)
+OPERATOR_ONLY = (401, 401, 200)
+NEEDS_COURSE = (401, 401, 409)
+UNKNOWN = (401, 401, 404)
+NOBODYS = (409, 401, 409)
+EVERYBODY: Codes = (200,) * 8, (200,) * 3
+MEMBERS: Codes = (401, 401, 200, 200, 200, 200, 200, 200), OPEN_TO_ALL
+SUBMISSION: Codes = (401, 401, 200, 404, 200, 200, 404, 404), OPEN_TO_ALL
+STAFF: Codes = (401, 401, 403, 403, 200, 200, 403, 200), OPERATOR_ONLY
+INSTRUCTORS: Codes = (401, 401, 403, 403, 403, 200, 403, 200), NEEDS_COURSE
+EXPECTED: dict[str, Codes] = {
+    "post /api/v1/submissions": ((401, 401, 202, 202, 202, 202, 202, 202), (202, 401, 202)),
+    "get /api/v1/submissions": (MEMBERS[0], OPERATOR_ONLY),  # students their own
     "get /api/v1/submissions/{submission_id}": SUBMISSION,
     "get /api/v1/submissions/{submission_id}/report": SUBMISSION,
     "get /api/v1/submissions/{submission_id}/events": SUBMISSION,
@@ -51,41 +58,69 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/assignments/{assignment_id}/rules": MEMBERS,
     "put /api/v1/assignments/{assignment_id}/rules": INSTRUCTORS,
     "get /api/v1/assignments/{assignment_id}/pinned": STAFF,
-    "put /api/v1/assignments/{assignment_id}/pinned/{mistake}": (401, 401, 403, 403, 403, 422, 403, 422),
+    "put /api/v1/assignments/{assignment_id}/pinned/{mistake}": (
+        (401, 401, 403, 403, 403, 422, 403, 422),
+        NEEDS_COURSE,
+    ),
     "get /api/v1/assignments/{assignment_id}/team": MEMBERS,
     # the assignment is not for teams, and staff forms none
-    "put /api/v1/assignments/{assignment_id}/team": (401, 401, 409, 409, 409, 409, 409, 409),
-    "delete /api/v1/assignments/{assignment_id}/team": (401, 401, 409, 409, 409, 409, 409, 409),
+    "put /api/v1/assignments/{assignment_id}/team": ((401, 401, 409, 409, 409, 409, 409, 409), NOBODYS),
+    "delete /api/v1/assignments/{assignment_id}/team": ((401, 401, 409, 409, 409, 409, 409, 409), NOBODYS),
     "get /api/v1/assignments/{assignment_id}/teams": STAFF,
     "put /api/v1/assignments/{assignment_id}/teams": INSTRUCTORS,
     "get /api/v1/assignments/{assignment_id}/extensions": STAFF,
     "get /api/v1/assignments/{assignment_id}/similar": STAFF,
     # the student is of the first course: the other's instructor is told that there is none
-    "put /api/v1/assignments/{assignment_id}/extensions/{student}": (401, 401, 403, 403, 403, 200, 403, 422),
+    "put /api/v1/assignments/{assignment_id}/extensions/{student}": (
+        (401, 401, 403, 403, 403, 200, 403, 422),
+        NEEDS_COURSE,
+    ),
     "get /api/v1/submissions/{submission_id}/receipt": SUBMISSION,
-    "get /api/v1/submissions/{submission_id}/gradings": (401, 401, 403, 404, 200, 200, 404, 404),
+    "get /api/v1/submissions/{submission_id}/gradings": (
+        (401, 401, 403, 404, 200, 200, 404, 404),
+        OPERATOR_ONLY,
+    ),
     "get /api/v1/submissions/{submission_id}/source": SUBMISSION,
-    "get /api/v1/submissions/{submission_id}/judgements": (401, 401, 403, 404, 200, 200, 404, 404),
+    "get /api/v1/submissions/{submission_id}/judgements": (
+        (401, 401, 403, 404, 200, 200, 404, 404),
+        OPERATOR_ONLY,
+    ),
     # without a comment nobody corrects what the machine judged, assistants not at all
-    "put /api/v1/submissions/{submission_id}/judgements": (401, 401, 403, 404, 403, 422, 404, 404),
+    "put /api/v1/submissions/{submission_id}/judgements": (
+        (401, 401, 403, 404, 403, 422, 404, 404),
+        (401, 401, 422),
+    ),
     # the machine judges all of it: assistants and instructors are told that there is no such item
-    "get /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 403, 404, 404, 404, 404, 404),
-    "put /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 403, 404, 404, 404, 404, 404),
+    "get /api/v1/submissions/{submission_id}/judgements/{item}": (
+        (401, 401, 403, 404, 404, 404, 404, 404),
+        UNKNOWN,
+    ),
+    "put /api/v1/submissions/{submission_id}/judgements/{item}": (
+        (401, 401, 403, 404, 404, 404, 404, 404),
+        UNKNOWN,
+    ),
     "get /api/v1/submissions/{submission_id}/comments": SUBMISSION,
-    "post /api/v1/submissions/{submission_id}/comments": (401, 401, 201, 404, 201, 201, 404, 404),
+    "post /api/v1/submissions/{submission_id}/comments": ((401, 401, 201, 404, 201, 201, 404, 404), NOBODYS),
     "get /api/v1/judgements/waiting": STAFF,
     "get /api/v1/appeals": STAFF,
     "get /api/v1/submissions/{submission_id}/appeals": SUBMISSION,
     # none are taken
-    "post /api/v1/submissions/{submission_id}/appeals": (401, 401, 403, 404, 403, 403, 404, 404),
-    "put /api/v1/submissions/{submission_id}/appeals/{item}": (401, 401, 403, 404, 404, 404, 404, 404),
-    "delete /api/v1/submissions/{submission_id}/appeals/{item}": (401, 401, 404, 404, 403, 403, 404, 404),
-    "post /api/v1/regrades": (401, 401, 403, 403, 403, 202, 403, 422),  # the other course has nothing
+    "post /api/v1/submissions/{submission_id}/appeals": ((401, 401, 403, 404, 403, 403, 404, 404), NOBODYS),
+    "put /api/v1/submissions/{submission_id}/appeals/{item}": (
+        (401, 401, 403, 404, 404, 404, 404, 404),
+        UNKNOWN,
+    ),
+    "delete /api/v1/submissions/{submission_id}/appeals/{item}": (
+        (401, 401, 404, 404, 403, 403, 404, 404),
+        (404, 401, 403),
+    ),
+    # the other course has nothing
+    "post /api/v1/regrades": ((401, 401, 403, 403, 403, 202, 403, 422), (401, 401, 202)),
     "get /api/v1/regrades": STAFF,
-    "get /api/v1/regrades/{regrade_id}": (401, 401, 403, 403, 404, 404, 403, 404),  # there is none
-    "post /api/v1/regrades/{regrade_id}/apply": (401, 401, 403, 403, 403, 404, 403, 404),
-    "post /api/v1/regrades/{regrade_id}/discard": (401, 401, 403, 403, 403, 404, 403, 404),
-    "post /api/v1/regrades/{regrade_id}/undo": (401, 401, 403, 403, 403, 404, 403, 404),
+    "get /api/v1/regrades/{regrade_id}": ((401, 401, 403, 403, 404, 404, 403, 404), UNKNOWN),  # there is none
+    "post /api/v1/regrades/{regrade_id}/apply": ((401, 401, 403, 403, 403, 404, 403, 404), UNKNOWN),
+    "post /api/v1/regrades/{regrade_id}/discard": ((401, 401, 403, 403, 403, 404, 403, 404), UNKNOWN),
+    "post /api/v1/regrades/{regrade_id}/undo": ((401, 401, 403, 403, 403, 404, 403, 404), UNKNOWN),
     "get /api/v1/submissions/{submission_id}/changes": SUBMISSION,
     "get /api/v1/submissions/{submission_id}/gradescope.json": SUBMISSION,
     "get /api/v1/submissions/{submission_id}/prairielearn.json": SUBMISSION,
@@ -101,139 +136,113 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/members": STAFF,
     "post /api/v1/members/import": INSTRUCTORS,
     "put /api/v1/members/{person}": INSTRUCTORS,
-    "delete /api/v1/members/{person}": (401, 401, 403, 403, 403, 204, 403, 404),
-    "post /api/v1/members/{person}/tokens": (401, 401, 403, 403, 403, 201, 403, 404),
-    "get /api/v1/members/{person}/identities": (401, 401, 403, 403, 403, 200, 403, 404),
-    "delete /api/v1/members/{person}/identities/{identity}": (401, 401, 403, 403, 403, 404, 403, 404),
-    "get /api/v1/course": STAFF,
-    "get /api/v1/course/space": STAFF,
+    "delete /api/v1/members/{person}": ((401, 401, 403, 403, 403, 204, 403, 404), UNKNOWN),
+    "post /api/v1/members/{person}/tokens": ((401, 401, 403, 403, 403, 201, 403, 404), UNKNOWN),
+    "get /api/v1/members/{person}/identities": ((401, 401, 403, 403, 403, 200, 403, 404), UNKNOWN),
+    "delete /api/v1/members/{person}/identities/{identity}": (
+        (401, 401, 403, 403, 403, 404, 403, 404),
+        UNKNOWN,
+    ),
+    "get /api/v1/course": (STAFF[0], NEEDS_COURSE),
+    "get /api/v1/course/space": (STAFF[0], NEEDS_COURSE),
     "get /api/v1/course/assignments": STAFF,
-    "post /api/v1/course/assignments": (401, 401, 403, 403, 403, 422, 403, 422),  # it is no zip
-    "get /api/v1/course/assignments/{assignment_id}/folder.zip": (401, 401, 403, 403, 403, 404, 403, 404),
-    "delete /api/v1/course/assignments/{assignment_id}": (401, 401, 403, 403, 403, 404, 403, 404),
+    # it is no zip
+    "post /api/v1/course/assignments": ((401, 401, 403, 403, 403, 422, 403, 422), NEEDS_COURSE),
+    "get /api/v1/course/assignments/{assignment_id}/folder.zip": (
+        (401, 401, 403, 403, 403, 404, 403, 404),
+        UNKNOWN,
+    ),
+    "delete /api/v1/course/assignments/{assignment_id}": (
+        (401, 401, 403, 403, 403, 404, 403, 404),
+        NEEDS_COURSE,
+    ),
     "get /api/v1/course/notices": INSTRUCTORS,
-    "put /api/v1/course/notices/webhooks/{outlet}": (401, 401, 403, 403, 403, 204, 403, 204),
-    "delete /api/v1/course/notices/webhooks/{outlet}": (401, 401, 403, 403, 403, 404, 403, 404),
-    "put /api/v1/course/notices/mail": (401, 401, 403, 403, 403, 204, 403, 204),
-    "post /api/v1/course/notices/{outlet}/test": (401, 401, 403, 403, 403, 404, 403, 404),
+    "put /api/v1/course/notices/webhooks/{outlet}": ((401, 401, 403, 403, 403, 204, 403, 204), NEEDS_COURSE),
+    "delete /api/v1/course/notices/webhooks/{outlet}": (
+        (401, 401, 403, 403, 403, 404, 403, 404),
+        NEEDS_COURSE,
+    ),
+    "put /api/v1/course/notices/mail": ((401, 401, 403, 403, 403, 204, 403, 204), NEEDS_COURSE),
+    "post /api/v1/course/notices/{outlet}/test": ((401, 401, 403, 403, 403, 404, 403, 404), NEEDS_COURSE),
     "get /api/v1/course/platforms": INSTRUCTORS,
-    "post /api/v1/course/platforms": (401, 401, 403, 403, 403, 409, 403, 409),  # not set up
-    "delete /api/v1/course/platforms/{platform}": (401, 401, 403, 403, 403, 404, 403, 404),
-    "get /api/v1/course/platforms/{platform}/people": (401, 401, 403, 403, 403, 404, 403, 404),
-    "post /api/v1/course/platforms/{platform}/people": (401, 401, 403, 403, 403, 404, 403, 404),
+    "post /api/v1/course/platforms": ((401, 401, 403, 403, 403, 409, 403, 409), NEEDS_COURSE),  # not set up
+    "delete /api/v1/course/platforms/{platform}": ((401, 401, 403, 403, 403, 404, 403, 404), NEEDS_COURSE),
+    "get /api/v1/course/platforms/{platform}/people": (
+        (401, 401, 403, 403, 403, 404, 403, 404),
+        NEEDS_COURSE,
+    ),
+    "post /api/v1/course/platforms/{platform}/people": (
+        (401, 401, 403, 403, 403, 404, 403, 404),
+        NEEDS_COURSE,
+    ),
     "get /api/v1/course/export.zip": INSTRUCTORS,
     "post /api/v1/course/retention": INSTRUCTORS,
-    "post /api/v1/members/{person}/forget": (401, 401, 403, 403, 403, 200, 403, 404),
-    "post /api/v1/courses": (401, 401, 403, 403, 403, 201, 403, 422),  # the id is taken by then
+    "post /api/v1/members/{person}/forget": ((401, 401, 403, 403, 403, 200, 403, 404), NEEDS_COURSE),
+    # the id is taken by then
+    "post /api/v1/courses": ((401, 401, 403, 403, 403, 201, 403, 422), NEEDS_COURSE),
     "put /api/v1/course/archived": INSTRUCTORS,
-    "get /api/v1/audit": INSTRUCTORS,
+    "get /api/v1/audit": (INSTRUCTORS[0], OPERATOR_ONLY),
     "get /api/v1/problems/{code}": EVERYBODY,
-    "post /api/v1/live": (401, 401, 201, 201, 201, 201, 201, 201),
-    "get /api/v1/live": (401, 401, 404, 404, 404, 404, 404, 404),  # nobody has one yet
-    "delete /api/v1/live": (401, 401, 204, 204, 204, 204, 204, 204),
-    "post /api/v1/practice": MEMBERS,
-    "post /api/v1/practice/events": MEMBERS,
-    "get /healthz": (503,) * 8,  # no worker lives in these tests
+    "post /api/v1/live": ((401, 401, 201, 201, 201, 201, 201, 201), NOBODYS),
+    "get /api/v1/live": ((401, 401, 404, 404, 404, 404, 404, 404), NOBODYS),  # nobody has one yet
+    "delete /api/v1/live": ((401, 401, 204, 204, 204, 204, 204, 204), NOBODYS),
+    "post /api/v1/practice": (MEMBERS[0], NOBODYS),
+    "post /api/v1/practice/events": (MEMBERS[0], NOBODYS),
+    "get /healthz": ((503,) * 8, (503,) * 3),  # no worker lives in these tests
     "get /metrics": STAFF,
 }
 
-# without courses: anybody, a wrong token, the operator
-OPEN_TO_ALL = (200, 401, 200)
-OPERATOR_ONLY = (401, 401, 200)
-WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
-    "post /api/v1/submissions": (202, 401, 202),
-    "get /api/v1/submissions": OPERATOR_ONLY,
-    "get /api/v1/submissions/{submission_id}": OPEN_TO_ALL,
-    "get /api/v1/submissions/{submission_id}/receipt": OPEN_TO_ALL,
-    "get /api/v1/submissions/{submission_id}/report": OPEN_TO_ALL,
-    "get /api/v1/submissions/{submission_id}/events": OPEN_TO_ALL,
-    "get /api/v1/submissions/{submission_id}/trajectory": OPEN_TO_ALL,
-    "get /api/v1/submissions/{submission_id}/plot.png": OPEN_TO_ALL,
-    "get /api/v1/submissions/{submission_id}/plot.svg": OPEN_TO_ALL,
-    "get /api/v1/submissions/{submission_id}/recording.mcap": OPEN_TO_ALL,
-    "get /api/v1/assignments": OPEN_TO_ALL,
-    "get /api/v1/assignments/{assignment_id}": OPEN_TO_ALL,
-    "get /api/v1/assignments/{assignment_id}/pinned": OPERATOR_ONLY,
-    "put /api/v1/assignments/{assignment_id}/pinned/{mistake}": (401, 401, 409),
-    "get /api/v1/assignments/{assignment_id}/team": OPEN_TO_ALL,
-    "put /api/v1/assignments/{assignment_id}/team": (409, 401, 409),
-    "delete /api/v1/assignments/{assignment_id}/team": (409, 401, 409),
-    "get /api/v1/assignments/{assignment_id}/teams": OPERATOR_ONLY,
-    "put /api/v1/assignments/{assignment_id}/teams": (401, 401, 409),
-    "get /api/v1/assignments/{assignment_id}/rules": OPEN_TO_ALL,
-    "put /api/v1/assignments/{assignment_id}/rules": (401, 401, 409),
-    "get /api/v1/assignments/{assignment_id}/extensions": OPERATOR_ONLY,
-    "get /api/v1/assignments/{assignment_id}/similar": OPERATOR_ONLY,
-    "put /api/v1/assignments/{assignment_id}/extensions/{student}": (401, 401, 409),
-    "get /api/v1/submissions/{submission_id}/gradings": OPERATOR_ONLY,
-    "get /api/v1/submissions/{submission_id}/source": OPEN_TO_ALL,
-    "get /api/v1/submissions/{submission_id}/judgements": OPERATOR_ONLY,
-    "put /api/v1/submissions/{submission_id}/judgements": (401, 401, 422),
-    "get /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 404),
-    "put /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 404),
-    "get /api/v1/submissions/{submission_id}/comments": OPEN_TO_ALL,
-    "post /api/v1/submissions/{submission_id}/comments": (409, 401, 409),
-    "get /api/v1/judgements/waiting": OPERATOR_ONLY,
-    "get /api/v1/appeals": OPERATOR_ONLY,
-    "get /api/v1/submissions/{submission_id}/appeals": OPEN_TO_ALL,
-    "post /api/v1/submissions/{submission_id}/appeals": (409, 401, 409),
-    "put /api/v1/submissions/{submission_id}/appeals/{item}": (401, 401, 404),
-    "delete /api/v1/submissions/{submission_id}/appeals/{item}": (404, 401, 403),
-    "post /api/v1/regrades": (401, 401, 202),
-    "get /api/v1/regrades": OPERATOR_ONLY,
-    "get /api/v1/regrades/{regrade_id}": (401, 401, 404),
-    "post /api/v1/regrades/{regrade_id}/apply": (401, 401, 404),
-    "post /api/v1/regrades/{regrade_id}/discard": (401, 401, 404),
-    "post /api/v1/regrades/{regrade_id}/undo": (401, 401, 404),
-    "get /api/v1/submissions/{submission_id}/changes": OPEN_TO_ALL,
-    "get /api/v1/submissions/{submission_id}/gradescope.json": OPEN_TO_ALL,
-    "get /api/v1/submissions/{submission_id}/prairielearn.json": OPEN_TO_ALL,
-    "get /api/v1/gradebook.csv": OPERATOR_ONLY,
-    "get /api/v1/gradebook.xlsx": OPERATOR_ONLY,
-    "post /api/v1/gradebook/fill": OPERATOR_ONLY,
-    "get /api/v1/dashboard": OPERATOR_ONLY,
-    "get /api/v1/assignments/{assignment_id}/students": OPERATOR_ONLY,
-    "get /api/v1/dashboard/costs": OPERATOR_ONLY,
-    "get /api/v1/dashboard/events": OPERATOR_ONLY,
-    "get /api/v1/me": OPEN_TO_ALL,
-    "put /api/v1/course": (401, 401, 409),
-    "get /api/v1/members": OPERATOR_ONLY,
-    "post /api/v1/members/import": (401, 401, 409),
-    "put /api/v1/members/{person}": (401, 401, 409),
-    "delete /api/v1/members/{person}": (401, 401, 404),
-    "post /api/v1/members/{person}/tokens": (401, 401, 404),
-    "get /api/v1/members/{person}/identities": (401, 401, 404),
-    "delete /api/v1/members/{person}/identities/{identity}": (401, 401, 404),
-    "get /api/v1/course": (401, 401, 409),
-    "get /api/v1/course/space": (401, 401, 409),
-    "get /api/v1/course/assignments": OPERATOR_ONLY,
-    "post /api/v1/course/assignments": (401, 401, 409),
-    "get /api/v1/course/assignments/{assignment_id}/folder.zip": (401, 401, 404),
-    "delete /api/v1/course/assignments/{assignment_id}": (401, 401, 409),
-    "get /api/v1/course/notices": (401, 401, 409),
-    "put /api/v1/course/notices/webhooks/{outlet}": (401, 401, 409),
-    "delete /api/v1/course/notices/webhooks/{outlet}": (401, 401, 409),
-    "put /api/v1/course/notices/mail": (401, 401, 409),
-    "post /api/v1/course/notices/{outlet}/test": (401, 401, 409),
-    "get /api/v1/course/platforms": (401, 401, 409),
-    "post /api/v1/course/platforms": (401, 401, 409),
-    "delete /api/v1/course/platforms/{platform}": (401, 401, 409),
-    "get /api/v1/course/platforms/{platform}/people": (401, 401, 409),
-    "post /api/v1/course/platforms/{platform}/people": (401, 401, 409),
-    "get /api/v1/course/export.zip": (401, 401, 409),
-    "post /api/v1/course/retention": (401, 401, 409),
-    "post /api/v1/members/{person}/forget": (401, 401, 409),
-    "post /api/v1/courses": (401, 401, 409),
-    "put /api/v1/course/archived": (401, 401, 409),
-    "get /api/v1/audit": OPERATOR_ONLY,
-    "get /api/v1/problems/{code}": (200, 200, 200),
-    "post /api/v1/live": (409, 401, 409),
-    "get /api/v1/live": (409, 401, 409),
-    "delete /api/v1/live": (409, 401, 409),
-    "post /api/v1/practice": (409, 401, 409),
-    "post /api/v1/practice/events": (409, 401, 409),
-    "get /healthz": (503, 503, 503),
-    "get /metrics": OPERATOR_ONLY,
+
+BODIES: dict[str, dict[str, Any]] = {
+    "post /api/v1/submissions": {"files": {"file": ("a.py", b"x = 1\n")}, "data": {"assignment": "square"}},
+    "put /api/v1/assignments/{assignment_id}/pinned/{mistake}": {"json": {"text": "x"}},
+    "put /api/v1/assignments/{assignment_id}/teams": {"json": {"teams": []}},
+    "put /api/v1/submissions/{submission_id}/judgements": {"json": {"items": [{"item": "closed", "points": 1}]}},
+    "put /api/v1/submissions/{submission_id}/judgements/{item}": {"json": {"points": 1}},
+    "post /api/v1/submissions/{submission_id}/comments": {"json": {"text": "x"}},
+    "post /api/v1/submissions/{submission_id}/appeals": {"json": {"item": "closed", "reason": "x"}},
+    "put /api/v1/submissions/{submission_id}/appeals/{item}": {"json": {"state": "refused", "text": "x"}},
+    "post /api/v1/regrades": {"json": {"assignment": "square"}},
+    "post /api/v1/regrades/{regrade_id}/apply": {"json": {"reason": "x"}},
+    "post /api/v1/regrades/{regrade_id}/discard": {"json": {"reason": "x"}},
+    "post /api/v1/regrades/{regrade_id}/undo": {"json": {"reason": "x"}},
+    "post /api/v1/gradebook/fill": {
+        "files": {"file": ("s.csv", b"id,points\nli,\n")},
+        "params": {"column": "points"},
+    },
+    "put /api/v1/course": {"json": {"distro": "humble"}},
+    "post /api/v1/members/import": {"files": {"file": ("class.csv", b"id,name\nzhou,x\n")}},
+    "post /api/v1/members/{person}/tokens": {"json": {}},
+    "post /api/v1/members/{person}/forget": {"json": {}},
+    "post /api/v1/course/assignments": {"files": {"file": ("walk.zip", b"none")}},
+    "put /api/v1/course/notices/webhooks/{outlet}": {
+        "json": {"vendor": "wecom", "address": example_address(Vendor.WECOM).replace("…", "x")}
+    },
+    "put /api/v1/course/notices/mail": {"json": {"due": False, "graded": False, "faults": False}},
+    "post /api/v1/course/platforms": {
+        "json": dict.fromkeys(NewPlatform.__dataclass_fields__, "https://moodle.example")
+    },
+    "post /api/v1/course/retention": {"json": {"older_than_days": 400}},
+    "post /api/v1/courses": {"json": {"id": "next"}},
+    "put /api/v1/course/archived": {"json": {"archived": True}},
+    **{
+        f"post /api/v1/practice{stream}": {
+            "files": {"file": ("a.py", b"x = 1\n")},
+            "data": {"assignment": "square"},
+        }
+        for stream in ("", "/events")
+    },
+}
+PLACES = {
+    "assignment_id": "square",
+    "code": "empty",
+    "student": "li",
+    "outlet": "class",
+    "regrade_id": "none",
+    "item": "none",
+    "platform": "none",
+    "identity": "none",
+    "mistake": "none",
 }
 
 
@@ -241,56 +250,11 @@ def send(
     client: httpx.Client, operation: str, submission: str, headers: dict[str, str], student: str = ""
 ) -> int:
     method, path = operation.split()
-    path = path.replace("{submission_id}", submission).replace("{assignment_id}", "square")
-    path = path.replace("{code}", "empty").replace("{student}", "li")
-    path = path.replace("{outlet}", "class").replace("{regrade_id}", "none").replace("{item}", "none")
-    path = path.replace("{platform}", "none").replace("{person}", "new" if method == "put" else "han")
-    body: dict[str, Any] = {"json": {"points": 1} if "judgements" in path else {}} if method == "put" else {}
-    if path.endswith("/course"):
-        body = {"json": {"distro": "humble"}}
-    elif "/pinned/" in path:
-        body = {"json": {"text": "x"}}
-    elif method == "put" and path.endswith("/teams"):
-        body = {"json": {"teams": []}}
-    if path.endswith("/webhooks/class") and method == "put":
-        body = {"json": {"vendor": "wecom", "address": example_address(Vendor.WECOM).replace("…", "x")}}
-    if path.endswith("/course/platforms") and method == "post":
-        body = {"json": dict.fromkeys(NewPlatform.__dataclass_fields__, "https://moodle.example")}
-    if path.endswith("/notices/mail"):
-        body = {"json": {"due": False, "graded": False, "faults": False}}
-    if path.endswith("/comments") and method == "post":
-        body = {"json": {"text": "x"}}
-    if path.endswith("/judgements") and method == "put":
-        body = {"json": {"items": [{"item": "closed", "points": 1}]}}
-    if path.endswith("/appeals") and method == "post":
-        body = {"json": {"item": "closed", "reason": "x"}}
-    if "/appeals/" in path and method == "put":
-        body = {"json": {"state": "refused", "text": "x"}}
-    if "regrades" in path and method == "post":
-        body = {"json": {"reason": "x"} if "none" in path else {"assignment": "square"}}
+    person = "new" if method == "put" else "han"
+    body = BODIES.get(operation, {"json": {}} if method == "put" else {})
     if operation == "post /api/v1/submissions":
-        body = {
-            "files": {"file": ("a.py", b"x = 1\n")},
-            "data": {"assignment": "square", "student": student},
-        }
-    if operation.startswith("post /api/v1/practice"):
-        body = {"files": {"file": ("a.py", b"x = 1\n")}, "data": {"assignment": "square"}}
-    if operation == "post /api/v1/members/import":
-        body = {"files": {"file": ("class.csv", b"id,name\nzhou,x\n")}}
-    if operation == "post /api/v1/course/assignments":
-        body = {"files": {"file": ("walk.zip", b"none")}}
-    if operation == "post /api/v1/gradebook/fill":
-        body = {"files": {"file": ("s.csv", b"id,points\nli,\n")}, "params": {"column": "points"}}
-    if operation == "post /api/v1/members/{person}/tokens":
-        body = {"json": {}}
-    if operation == "post /api/v1/course/retention":
-        body = {"json": {"older_than_days": 400}}
-    if path.endswith("/forget"):
-        body = {"json": {}}
-    if operation == "post /api/v1/courses":
-        body = {"json": {"id": "next"}}
-    if operation == "put /api/v1/course/archived":
-        body = {"json": {"archived": True}}
+        body = {**body, "data": {**body["data"], "student": student}}
+    path = path.format(**PLACES, submission_id=submission, person=person)
     with client.stream(method, path, headers=headers, **body) as response:  # some answers never end
         return response.status_code
 
@@ -323,7 +287,7 @@ def test_in_courses(
     for operation in operations:
         bound = send(client, operation, submission, elsewhere)
         answers = tuple(send(client, operation, submission, headers_of(school, role)) for role in ROLES)
-        assert answers == IN_COURSES[operation], operation
+        assert answers == EXPECTED[operation][0], operation
         as_unbound = answers[ROLES.index("assistant")]
         assert bound == (404 if "{submission_id}" in operation else as_unbound), operation
 
@@ -342,11 +306,11 @@ def test_without_courses(operations: list[str], client: httpx.Client, graded: Ca
     callers = ({}, {"Authorization": "Bearer wrong"}, {"Authorization": f"Bearer {TOKEN}"})
     for operation in operations:
         answers = tuple(send(client, operation, submission, headers, "s2") for headers in callers)
-        assert answers == WITHOUT_COURSES[operation], operation
+        assert answers == EXPECTED[operation][1], operation
 
 
 def test_every_line_names_an_operation() -> None:
-    assert set(IN_COURSES) == set(WITHOUT_COURSES) == set(OPERATIONS)
+    assert set(EXPECTED) == set(OPERATIONS)
 
 
 def test_what_was_handed_in_openly_belongs_to_no_course(
@@ -448,11 +412,11 @@ def test_whoever_has_too_much_under_way_waits_and_nobody_else(
 ) -> None:
     submission = graded(student="", headers=school.as_("li")).rpartition("/")[2]
     others = ("/events", "/metrics")  # streams have a limit of their own, and machines ask for measurements
-    personal = {one for one in LOOKS if IN_COURSES[one][0] == 401 and not one.endswith(others)}
+    personal = {one for one in LOOKS if EXPECTED[one][0][0] == 401 and not one.endswith(others)}
     with busy(services, "wang"):
         for operation in personal:
             assert send(client, operation, submission, school.as_("wang")) == 429, operation
-            assert send(client, operation, submission, school.as_("ta")) == IN_COURSES[operation][4]
+            assert send(client, operation, submission, school.as_("ta")) == EXPECTED[operation][0][4]
         assert send(client, "post /api/v1/submissions", submission, school.as_("wang")) == 429
     assert send(client, "get /api/v1/me", submission, school.as_("wang")) == 200
 
