@@ -178,8 +178,7 @@ class Sandbox:
     def warm_up(self) -> None:
         """Wait for the zygote and, in strict mode, for its proof, as the first `open` would have to.
 
-        Raises:
-            SandboxError: as `open`.
+        Raises as `open`.
         """
         if self._proven:
             return
@@ -227,18 +226,18 @@ class Sandbox:
             report = jail.close()
         if body is None:
             raise SandboxError(f"the confined process did not report: {report.end} {report.detail}")
-        seen = json.loads(body)
-        breaches = list(seen["breaches"])
+        answer = json.loads(body)
+        breaches = list(answer["breaches"])
         expected = self._config.box_uid
-        if expected is not None and seen["uid"] != expected:
-            breaches.append(f"{Layer.OWN_UID}: run as user {seen['uid']}")
-        if seen["descriptors"] != [0, 1, 2, 3]:
-            breaches.append(f"{Layer.PROCESS}: inherit descriptors {seen['descriptors']}")
+        if expected is not None and answer["uid"] != expected:
+            breaches.append(f"{Layer.OWN_UID}: run as user {answer['uid']}")
+        if answer["descriptors"] != [0, 1, 2, 3]:
+            breaches.append(f"{Layer.PROCESS}: inherit descriptors {answer['descriptors']}")
         return Proof(
             breaches=tuple(breaches),
-            uid=seen["uid"],
-            descriptors=tuple(seen["descriptors"]),
-            environment=seen["environment"],
+            uid=answer["uid"],
+            descriptors=tuple(answer["descriptors"]),
+            environment=answer["environment"],
         )
 
     def restart(self) -> None:

@@ -51,11 +51,7 @@ class Replacement:
     whole_lines: bool = False
 
     def span(self, base: str) -> tuple[int, int]:
-        """Return where `base` has the old text.
-
-        Raises:
-            MisfitError: nowhere, or in several places.
-        """
+        """Return where `base` has the old text. Raises MisfitError: nowhere, or in several places."""
         line_start = "(?m:^)" if self.whole_lines else ""
         starts = [match.start() for match in re.finditer(f"{line_start}(?={re.escape(self.old)})", base)]
         if len(starts) != 1:

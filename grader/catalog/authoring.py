@@ -35,7 +35,10 @@ def create(catalog: Catalog, name: str, like: Path | None = None) -> Path:
             f"已经有 {folder}：换一个名字，或者直接改它",
         )
     existing = [each for _, each in catalog.each()]  # a wrong one beside it keeps nobody from beginning
-    order = max((each.order for each in existing if isinstance(each, Assignment)), default=0) + 1
+    order = (
+        max((assignment.order for assignment in existing if isinstance(assignment, Assignment)), default=0)
+        + 1
+    )
     try:
         _copy(_SKELETON if like is None else like, folder, name, order)
     except OSError as error:

@@ -49,9 +49,9 @@ class AssignmentMemory:
 
     def find(self, path: Path) -> Assignment | None:
         """Return the assignment that was kept for `path`; None if there is none or a file has changed since."""
-        known = self._known.get(path)
+        entry = self._known.get(path)
         try:
-            return known[1] if known is not None and known[0] == content(path) else None
+            return entry[1] if entry is not None and entry[0] == content(path) else None
         except OSError:
             return None
 

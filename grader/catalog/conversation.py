@@ -5,20 +5,8 @@ from typing import Annotated, Any, ClassVar, Final, Literal, get_args
 
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, JsonValue, Tag, model_validator
 
-from grader.catalog.misfits import (
-    ANY_TYPE_PATTERN,
-    ID_PATTERN,
-    NO_COUNT,
-    NO_MOTION,
-    ONE_EXPECTATION,
-    ONE_STEP,
-    PARAMETER_SOURCE,
-    STEP_NEEDS_TYPE,
-    MisfitError,
-    bad_formula,
-    not_of_step,
-    unknown_name,
-)
+from grader.catalog import misfits
+from grader.catalog.misfits import MisfitError
 from grader.catalog.spec import SpecModel
 from grader.contracts.assignment import TOPIC_PATTERN
 from grader.contracts.conversation import FORMULA_MARK, Expectation, ExpectationKind, Step, StepKind
@@ -27,8 +15,8 @@ from grader.contracts.python import Self
 
 MOST_S: Final = 600.0
 Name = Annotated[str, Field(pattern=f"^{TOPIC_PATTERN}$")]
-AnyType = Annotated[str, Field(pattern=ANY_TYPE_PATTERN)]
-Id = Annotated[str, Field(pattern=ID_PATTERN)]
+AnyType = Annotated[str, Field(pattern=misfits.ANY_TYPE_PATTERN)]
+Id = Annotated[str, Field(pattern=misfits.ID_PATTERN)]
 Seconds = Annotated[float, Field(ge=0.0, le=MOST_S)]
 Fields = dict[str, JsonValue]
 Plain = Annotated[str, Field(min_length=1, max_length=400)]
@@ -44,7 +32,7 @@ def _count(value: object) -> object:
     whole = [end for end in ends if isinstance(end, int) and not isinstance(end, bool) and end >= 0]
     open_ended = len(ends) == 2 and ends[1] is None and len(whole) == 1 and ends[0] is not None
     if not (open_ended or (len(ends) == 2 and len(whole) == 2 and whole[0] <= whole[1])):
-        raise MisfitError(NO_COUNT)
+        raise MisfitError(misfits.NO_COUNT)
     return tuple(ends)
 
 
@@ -56,10 +44,10 @@ def _checked(text: str, names: tuple[str, ...]) -> None:
     try:
         read = formula(text)
     except FormulaError as error:
-        raise MisfitError(bad_formula(str(error))) from None
+        raise MisfitError(misfits.bad_formula(str(error))) from None
     turtles = {name for name in read.names if name.startswith("turtle")}
     if missing := sorted(read.names - set(names) - turtles):
-        raise MisfitError(unknown_name(missing[0].rstrip("_"), [name.rstrip("_") for name in names]))
+        raise MisfitError(misfits.unknown_name(missing[0].rstrip("_"), [name.rstrip("_") for name in names]))
 
 
 def _formulas(names: tuple[str, ...]) -> Callable[[Any], Any]:
@@ -131,12 +119,12 @@ class StepModel(SpecModel):
     @model_validator(mode="after")
     def _is_one(self) -> Self:
         if sum(getattr(self, kind) is not None for kind in get_args(StepKind)) != 1:
-            raise MisfitError(ONE_STEP)
+            raise MisfitError(misfits.ONE_STEP)
         allowed = _OF_STEPS[self.kind]
         for name in sorted(self.model_fields_set - allowed - {"id", "at_s", self.kind}):
-            raise MisfitError(not_of_step(self.kind, sorted(allowed)), name)
+            raise MisfitError(misfits.not_of_step(self.kind, sorted(allowed)), name)
         if ("type" in allowed) != (self.type is not None):
-            raise MisfitError(STEP_NEEDS_TYPE, "type")
+            raise MisfitError(misfits.STEP_NEEDS_TYPE, "type")
         return self
 
     def to_contract(self, number: int) -> Step:
@@ -168,9 +156,9 @@ class _Expected(SpecModel):
 
     def to_contract(self) -> Expectation:
         """Return the contract."""
-        given = {_CONTRACT_NAMES.get(name, name): value for name, value in self if value is not None}
-        target = given.pop(self.kind)
-        return Expectation(kind=self.kind, target=target, **given)
+        values = {_CONTRACT_NAMES.get(name, name): value for name, value in self if value is not None}
+        target = values.pop(self.kind)
+        return Expectation(kind=self.kind, target=target, **values)
 
 
 _CONTRACT_NAMES: Final = {"result": "values", "after": "step", "of": "step"}
@@ -269,7 +257,7 @@ class ExpectedParameter(_Expected):
     def _has_one_source(self) -> Self:
         asks = self.low is not None or self.high is not None or self.read_only is not None
         if (self.of is None) == (self.node is None) or (asks and self.of is None):
-            raise MisfitError(PARAMETER_SOURCE, "of")
+            raise MisfitError(misfits.PARAMETER_SOURCE, "of")
         return self
 
 
@@ -374,7 +362,7 @@ class ExpectedMoved(_Expected):
     @model_validator(mode="after")
     def _wants_something(self) -> Self:
         if self.ahead_m is None and self.turned_deg is None:
-            raise MisfitError(NO_MOTION, "ahead_m")
+            raise MisfitError(misfits.NO_MOTION, "ahead_m")
         return self
 
 
@@ -412,7 +400,7 @@ def _kind_of(value: Any) -> str | None:
 
 def _known_kind(value: Any) -> Any:
     if _kind_of(value) is None:
-        raise MisfitError(ONE_EXPECTATION)
+        raise MisfitError(misfits.ONE_EXPECTATION)
     return value
 
 

@@ -158,10 +158,10 @@ def _structure(name: str, lines: _Lines, package: str) -> Iterator[str]:
         zh = f"{name} 超过 {MAX_FIELDS} 个字段：分成几个消息"
         en = f"{name} has more than {MAX_FIELDS} fields; divide it"
         raise DefinitionError(lines[MAX_FIELDS][0], Text(zh=zh, en=en))
-    seen: set[str] = set()
+    names: set[str] = set()
     for number, line in lines:
         try:
-            yield _member(line, package, seen)
+            yield _member(line, package, names)
         except _RefusedError as refusal:
             raise DefinitionError(number, refusal.told) from None
 

@@ -130,18 +130,13 @@ class Document:
         return with_reference(replace(assignment, interfaces=interfaces), self.path.parent)
 
     def wrong_attempts(self) -> tuple[WrongAttempt, ...]:
-        """Return the validated expectations for the wrong scripts.
-
-        Raises:
-            AssignmentError: as `assignment`.
-        """
+        """Return the validated expectations for the wrong scripts. Raises as `assignment`."""
         return self._validated().attempts()
 
     def changed_scripts(self) -> dict[str, bytes]:
         """Return by name the wrong scripts that are changes of others.
 
-        Raises:
-            AssignmentError: as `assignment`; or a change does not fit the script that it changes.
+        Raises as `assignment`; or a change does not fit the script that it changes.
         """
         model = self._validated()
         solution = "solution" + SUFFIXES[model.input][0]
@@ -194,7 +189,7 @@ class Document:
         try:
             model = AssignmentModel.model_validate(self.data)
         except ValidationError as error:
-            raise refusals(self._problem(each) for each in root_causes(error.errors())) from error
+            raise refusals(self._problem(cause) for cause in root_causes(error.errors())) from error
         if model.id != (name := self.path.parent.name):
             told = Text(
                 zh=f"{model.id!r} 要和文件夹名 {name!r} 一样",
@@ -211,9 +206,9 @@ class Document:
             types = {**standard_types(), **types_of(interfaces)}
             own = assignment.package is not None and assignment.package.interfaces
             misfits = misfits_of_types(assignment, types, may_be_unknown=own)
-            found = [(self.place(field), told) for field, told in misfits]
-            if found:
-                raise refusals(found)
+            refused = [(self.place(field), told) for field, told in misfits]
+            if refused:
+                raise refusals(refused)
 
     def place(self, field: str, *keys: int | str) -> str:
         """Return where `field` (``items.2.measure``) stands: file, line and field.

@@ -69,8 +69,7 @@ def read_interfaces(folder: Path) -> tuple[InterfaceDefinition, ...]:
 def own_interfaces(texts: Mapping[str, str]) -> tuple[InterfaceDefinition, ...]:
     """Return interfaces that a handed-in package brings along, by place (``my_msgs/msg/Name.msg``) and text.
 
-    Raises:
-        AssignmentError: as `read_interfaces`; the files are the student's.
+    Raises as `read_interfaces`; the files are the student's.
     """
     if len(texts) > MAX_FILES:
         raise refusals([(INTERFACES, _TOO_MANY)])
@@ -128,7 +127,7 @@ def standard_types() -> Mapping[str, Fields]:
 
 def types_of(interfaces: Iterable[InterfaceDefinition]) -> Mapping[str, Fields]:
     """Return the structures of `interfaces` by their full names."""
-    return _fields_of(each.lines for each in interfaces)
+    return _fields_of(interface.lines for interface in interfaces)
 
 
 def _fields_of(entries: Iterable[str]) -> Mapping[str, Fields]:
@@ -141,13 +140,13 @@ def _fields_of(entries: Iterable[str]) -> Mapping[str, Fields]:
 
 def _misfits(found: _Found) -> Iterator[tuple[str, Text]]:
     """Yield what is wrong with the interfaces as a whole: unknown types, recursion, size."""
-    known = {**standard_types(), **types_of(definition for *_, definition in found.values())}
+    types = {**standard_types(), **types_of(definition for *_, definition in found.values())}
     sizes: dict[str, int] = {}
     for place, text, definition in found.values():
         for name, fields in types_of([definition]).items():
-            told = _unknown(fields, known) or _recursion(name, known) or _size(name, known, sizes)
-            if told is not None:
-                yield f"{place}:{_line(text, told[0])}", told[1]
+            problem = _unknown(fields, types) or _recursion(name, types) or _size(name, types, sizes)
+            if problem is not None:
+                yield f"{place}:{_line(text, problem[0])}", problem[1]
 
 
 def _line(text: str, field: str) -> int:
@@ -190,7 +189,7 @@ def _recursion(name: str, known: Mapping[str, Fields]) -> _Misfit | None:
 def _size(name: str, known: Mapping[str, Fields], sizes: dict[str, int]) -> _Misfit | None:
     """Return the largest field of a structure that is too large, unless a field's own type is that already."""
     fields = known[name]
-    below = (_least_bytes(each.partition("[")[0], known, sizes) for each in fields.values() if "/" in each)
+    below = (_least_bytes(field.partition("[")[0], known, sizes) for field in fields.values() if "/" in field)
     if _least_bytes(name, known, sizes) <= MAX_MESSAGE_BYTES or max(below, default=0) > MAX_MESSAGE_BYTES:
         return None
     return max(fields, key=lambda field: _field_bytes(fields[field], known, sizes)), Text(

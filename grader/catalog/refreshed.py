@@ -83,7 +83,7 @@ class RefreshedAssignments:
 
     def given_code(self) -> tuple[bytes, ...]:
         """Return the scripts that every student can read: starters, solutions and the lesson's listings."""
-        return tuple(one for folder in self._folders for one in folder.given_code())
+        return tuple(code for folder in self._folders for code in folder.given_code())
 
     def _refresh(self) -> None:
         now_s = self._monotonic_s()
@@ -95,11 +95,11 @@ class RefreshedAssignments:
                 _log.error("assignments stay as they were: %s", error)
 
     def _read(self) -> None:
-        before = {one.id: one for one in self._assignments}
-        found: dict[str, Assignment] = {}
+        before = {assignment.id: assignment for assignment in self._assignments}
+        assignments: dict[str, Assignment] = {}
         troubles: dict[str, Text] = {}
         for folder, id_, one in ((each, *pair) for each in self._folders for pair in each.each()):
-            if id_ in found or id_ in troubles:
+            if id_ in assignments or id_ in troubles:
                 told = AssignmentError(
                     f"two folders have an assignment {id_}; rename one", f"两个文件夹里都有作业 {id_}：请改名"
                 )
@@ -107,13 +107,15 @@ class RefreshedAssignments:
             elif (error := self._trouble(folder, before.get(id_), one)) is not None:
                 troubles[id_] = error.text
                 if id_ in before:
-                    found[id_] = before[id_]
+                    assignments[id_] = before[id_]
             elif isinstance(one, Assignment):
-                found[id_] = one
+                assignments[id_] = one
         for id_, trouble in troubles.items():
             if self._troubles.get(id_) != trouble:
                 _log.error("assignment %s cannot be read: %s", id_, trouble.en)
-        self._assignments = tuple(sorted(found.values(), key=lambda one: (one.order, one.id)))
+        self._assignments = tuple(
+            sorted(assignments.values(), key=lambda assignment: (assignment.order, assignment.id))
+        )
         self._troubles = troubles
 
     def _trouble(

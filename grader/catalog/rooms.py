@@ -54,8 +54,8 @@ class WallModel(SpecModel):
 
     def solid(self, source: Random) -> Solid:
         """Return the contract."""
-        x0, y0 = (drawn(each, source, 2) for each in self.begin)
-        x1, y1 = (drawn(each, source, 2) for each in self.end)
+        x0, y0 = (drawn(value, source, 2) for value in self.begin)
+        x1, y1 = (drawn(value, source, 2) for value in self.end)
         return Solid(
             kind="wall",
             x_m=(x0 + x1) / 2.0,
@@ -82,8 +82,8 @@ class BoxModel(SpecModel):
 
     def solid(self, source: Random) -> Solid:
         """Return the contract."""
-        x, y = (drawn(each, source, 2) for each in self.at)
-        length, width = (drawn(each, source, 2) for each in self.size)
+        x, y = (drawn(value, source, 2) for value in self.at)
+        length, width = (drawn(value, source, 2) for value in self.size)
         heading = drawn(self.heading_deg, source, 0)
         return Solid(
             kind="box",
@@ -110,7 +110,7 @@ class CylinderModel(SpecModel):
 
     def solid(self, source: Random) -> Solid:
         """Return the contract."""
-        x, y = (drawn(each, source, 2) for each in self.at)
+        x, y = (drawn(value, source, 2) for value in self.at)
         wide = 2.0 * drawn(self.radius, source, 2)
         return Solid(kind="cylinder", x_m=x, y_m=y, length_m=wide, width_m=wide, height_m=self.height_m)
 
@@ -165,7 +165,7 @@ class RoomModel(SpecModel):
 
     @model_validator(mode="after")
     def _is_wide(self) -> Self:
-        ends = [each if isinstance(each, tuple) else (each, each) for each in self.bounds]
+        ends = [bound if isinstance(bound, tuple) else (bound, bound) for bound in self.bounds]
         for low, high in (ends[::2], ends[1::2]):
             if high[0] - low[1] < _LEAST_M or high[1] - low[0] > _MOST_M:
                 raise MisfitError(BOUNDS, "bounds")
@@ -178,7 +178,7 @@ class RoomModel(SpecModel):
             NoPlaceError: a solid finds no place, or the robot starts outside.
         """
         source = Random(f"room {seed}")  # noqa: S311 - the same room each time, not a secret
-        left, bottom, right, top = bounds = tuple(drawn(each, source, 2) for each in self.bounds)
+        left, bottom, right, top = bounds = tuple(drawn(bound, source, 2) for bound in self.bounds)
         solids = list(_edges(bounds, self.height_m))
         inside = left <= start.x_m <= right and bottom <= start.y_m <= top
         if not inside or not all(_clear_of_start(edge, start, 0.0) for edge in solids):

@@ -17,6 +17,7 @@ from pydantic import (
     model_validator,
 )
 
+from grader.catalog import misfits
 from grader.catalog.attempts import (
     MOST_ATTEMPTS,
     NEEDS_CHANGE,
@@ -26,44 +27,7 @@ from grader.catalog.attempts import (
     edits_of,
 )
 from grader.catalog.conversation import ExpectationModel, StepModel, steps_named
-from grader.catalog.misfits import (
-    ABOUT_PATTERN,
-    ARC,
-    BAND_MISSING,
-    CENTS,
-    ID_PATTERN,
-    MEASURE_OR_EXPECT,
-    NO_BAND,
-    NO_FREE_PLACE,
-    NO_PYBULLET,
-    NO_REFERENCE,
-    NO_ROBOT,
-    NO_ROOM,
-    NO_WATCH,
-    NOT_ACROSS,
-    NOT_OF_ROBOTS,
-    NOT_READ,
-    ONE_PATH,
-    ONE_PIECE,
-    ONE_REGION,
-    SAME_TYPE,
-    SCORE,
-    TOO_LARGE,
-    TOO_MANY_SENT,
-    TOO_SMALL,
-    WRONG_FILE_PATTERN,
-    MisfitError,
-    no_other_measure,
-    not_before,
-    swapped,
-    too_late,
-    twice,
-    unknown_base,
-    unknown_item,
-    unknown_step,
-    unknown_topic,
-    wrong_ending,
-)
+from grader.catalog.misfits import MisfitError
 from grader.catalog.rooms import NoPlaceError, RoomModel
 from grader.catalog.spec import Metres, SpecModel, drawn, number_or_range
 from grader.contracts.assignment import (
@@ -103,7 +67,7 @@ from grader.contracts.conversation import MOST_SENT, MOST_STEPS
 from grader.contracts.python import Self
 from grader.contracts.text import EMPTY, Text
 
-Id = Annotated[str, Field(pattern=ID_PATTERN)]
+Id = Annotated[str, Field(pattern=misfits.ID_PATTERN)]
 Topic = Annotated[str, Field(pattern=f"^{TOPIC_PATTERN}$")]
 MAX_HORIZON_S = 600.0
 _MOST = 1_000_000_000  # of a whole number: what a column of every database holds
@@ -136,7 +100,7 @@ class TextModel(SpecModel):
 
 def _in_cents(points: float) -> float:
     if points != round(points, 2):
-        raise MisfitError(CENTS)
+        raise MisfitError(misfits.CENTS)
     return points
 
 
@@ -160,17 +124,17 @@ class ItemModel(SpecModel):
     @model_validator(mode="after")
     def _has_band(self) -> Self:
         if bool(self.measure) == bool(self.expect):
-            raise MisfitError(MEASURE_OR_EXPECT, "expect" if self.measure else "measure")
+            raise MisfitError(misfits.MEASURE_OR_EXPECT, "expect" if self.measure else "measure")
         if self.expect:
             if self.low is not None or self.high is not None or self.ramp:
-                raise MisfitError(MEASURE_OR_EXPECT, "expect")
+                raise MisfitError(misfits.MEASURE_OR_EXPECT, "expect")
         elif self.measure == BY_PERSON:
             if self.low is not None or self.high is not None or self.ramp or self.limit or self.hint:
-                raise MisfitError(NO_BAND)
+                raise MisfitError(misfits.NO_BAND)
         elif self.low is None and self.high is None:
-            raise MisfitError(BAND_MISSING)
+            raise MisfitError(misfits.BAND_MISSING)
         if self.low is not None and self.high is not None and self.low > self.high:
-            raise MisfitError(swapped(self.low, self.high))
+            raise MisfitError(misfits.swapped(self.low, self.high))
         return self
 
     def to_contract(self) -> ItemSpec:
@@ -179,7 +143,7 @@ class ItemModel(SpecModel):
         own: dict[str, Any] = {"title": self.title.to_contract(), "hint": hint}
         if self.expect:
             own |= {"measure": f"{EXPECTED}.{self.id}", "low": 100.0, "ramp": 100.0}
-            own["expect"] = tuple(one.to_contract() for one in self.expect)
+            own["expect"] = tuple(expectation.to_contract() for expectation in self.expect)
         return ItemSpec(**{**dict(self), **own})
 
 
@@ -198,7 +162,7 @@ class StartModel(SpecModel):
             for place, each in enumerate(value if isinstance(value, tuple) else (value,)):
                 if not 0.0 <= each <= FIELD_M:
                     written_at = (name, place) if isinstance(value, tuple) else (name,)
-                    return (TOO_SMALL if each < 0.0 else TOO_LARGE), written_at
+                    return (misfits.TOO_SMALL if each < 0.0 else misfits.TOO_LARGE), written_at
         return None
 
     @property
@@ -216,9 +180,9 @@ class StartModel(SpecModel):
         for _ in range(TRIES if self.is_drawn else 1):
             x_m, y_m = drawn(self.x_m, source, 2), drawn(self.y_m, source, 2)
             pose = StartPose(x_m=x_m, y_m=y_m, heading_deg=drawn(self.heading_deg, source, 0))
-            if not self.is_drawn or all(outside_m(each, x_m, y_m) >= FREE_M for each in taken):
+            if not self.is_drawn or all(outside_m(region, x_m, y_m) >= FREE_M for region in taken):
                 return pose
-        raise MisfitError(NO_FREE_PLACE)
+        raise MisfitError(misfits.NO_FREE_PLACE)
 
 
 class WatchModel(SpecModel):
@@ -261,16 +225,16 @@ class WorldModel(SpecModel):
     @model_validator(mode="after")
     def _fits_its_kind(self) -> Self:
         if (self.kind == "pybullet") != (self.watch is not None):
-            raise MisfitError(NO_WATCH if self.kind == "pybullet" else NO_PYBULLET, "watch")
+            raise MisfitError(misfits.NO_WATCH if self.kind == "pybullet" else misfits.NO_PYBULLET, "watch")
         if (self.kind == "robot") != (self.room is not None):
-            raise MisfitError(NO_ROOM if self.kind == "robot" else NO_ROBOT, "room")
+            raise MisfitError(misfits.NO_ROOM if self.kind == "robot" else misfits.NO_ROBOT, "room")
         if self.kind == "robot":
             for name in sorted({"walls", "odometry"} & self.model_fields_set):
-                raise MisfitError(NOT_OF_ROBOTS, name)
+                raise MisfitError(misfits.NOT_OF_ROBOTS, name)
             if missing := sorted(set(self.topics) - set(ROBOT_TOPICS)):
-                raise MisfitError(unknown_topic(missing[0], ROBOT_TOPICS), "topics", missing[0])
+                raise MisfitError(misfits.unknown_topic(missing[0], ROBOT_TOPICS), "topics", missing[0])
         elif self.topics:
-            raise MisfitError(NO_ROBOT, "topics")
+            raise MisfitError(misfits.NO_ROBOT, "topics")
         elif (beyond := self.start.beyond_field) is not None:
             raise MisfitError(beyond[0], "start", *beyond[1])
         return self
@@ -311,9 +275,9 @@ class RegionModel(SpecModel):
         box = self.box
         stray = box is not None and "within" in self.model_fields_set
         if (self.at is None) == (box is None) or stray:
-            raise MisfitError(ONE_REGION)
+            raise MisfitError(misfits.ONE_REGION)
         if box is not None and not (box[0] < box[2] and box[1] < box[3]):
-            raise MisfitError(ONE_REGION)
+            raise MisfitError(misfits.ONE_REGION)
         return self
 
     def region(self) -> Region:
@@ -352,14 +316,14 @@ class PlacesModel(SpecModel):
         return WantedPlaces(
             visit=tuple(goal.to_contract() for goal in self.visit),
             any_order=self.order == "any",
-            avoid=tuple(each.region() for each in self.avoid),
+            avoid=tuple(region.region() for region in self.avoid),
             end_heading_deg=self.end_heading_deg,
         )
 
     def taken(self, case: "CaseModel") -> list[Region]:
         """Return where no drawn start may be."""
         visit = case.visit or self.visit
-        return [each.region() for each in (*visit, *self.avoid)]
+        return [region.region() for region in (*visit, *self.avoid)]
 
 
 class CaseModel(SpecModel):
@@ -399,11 +363,11 @@ class PieceModel(SpecModel):
 
     @model_validator(mode="after")
     def _is_one(self) -> Self:
-        given = [each for each in (self.line, self.arc, self.turn, self.goto) if each is not None]
-        if len(given) == 1 and (self.arc is None) != (self.radius is None):
-            raise MisfitError(ARC)
-        if len(given) != 1 or given[0] == 0.0:
-            raise MisfitError(ONE_PIECE)
+        pieces = [each for each in (self.line, self.arc, self.turn, self.goto) if each is not None]
+        if len(pieces) == 1 and (self.arc is None) != (self.radius is None):
+            raise MisfitError(misfits.ARC)
+        if len(pieces) != 1 or pieces[0] == 0.0:
+            raise MisfitError(misfits.ONE_PIECE)
         return self
 
     def to_contract(self) -> PathPiece:
@@ -431,7 +395,7 @@ class PathModel(SpecModel):
     @model_validator(mode="after")
     def _is_given_once(self) -> Self:
         if bool(self.pieces) == (self.reference is not None):
-            raise MisfitError(ONE_PATH)
+            raise MisfitError(misfits.ONE_PATH)
         return self
 
     def to_contract(self) -> WantedPath:
@@ -458,7 +422,7 @@ class PackageModel(SpecModel):
     @model_validator(mode="after")
     def _is_python(self) -> Self:
         if self.launch and not self.launch.endswith((".py", ".xml", ".yaml", ".yml")):
-            raise MisfitError(NOT_READ, "launch")
+            raise MisfitError(misfits.NOT_READ, "launch")
         return self
 
     def to_contract(self) -> WantedPackage:
@@ -482,9 +446,9 @@ class AnswerModel(SpecModel):
 class WrongModel(SpecModel):
     """A wrong attempt and the score it must get: a file, or a change of the solution or of another script."""
 
-    file: Annotated[str, Field(pattern=WRONG_FILE_PATTERN)]
+    file: Annotated[str, Field(pattern=misfits.WRONG_FILE_PATTERN)]
     base: str = ""
-    about: Annotated[str, Field(pattern=ABOUT_PATTERN)] | None = None
+    about: Annotated[str, Field(pattern=misfits.ABOUT_PATTERN)] | None = None
     change: Annotated[tuple[Replacement, ...], PlainValidator(edits_of)] = ()
     score: tuple[float, float]
     fails: str
@@ -493,7 +457,7 @@ class WrongModel(SpecModel):
     @model_validator(mode="after")
     def _score_is_a_band(self) -> Self:
         if not 0.0 <= self.score[0] <= self.score[1]:
-            raise MisfitError(SCORE, "score")
+            raise MisfitError(misfits.SCORE, "score")
         return self
 
     @model_validator(mode="after")
@@ -504,11 +468,7 @@ class WrongModel(SpecModel):
         return self
 
     def made_of(self, base: str) -> str:
-        """Return the changed script.
-
-        Raises:
-            MisfitError: the change does not fit `base`.
-        """
+        """Return the changed script. Raises MisfitError: the change does not fit `base`."""
         return changed(base, self.change, self.about)
 
     def to_contract(self) -> WrongAttempt:
@@ -558,22 +518,26 @@ class AssignmentModel(SpecModel):
         ids = [item.id for item in self.items]
         for i, item in enumerate(self.items):
             if item.id in ids_so_far:
-                raise MisfitError(twice(item.id), "items", i, "id")
+                raise MisfitError(misfits.twice(item.id), "items", i, "id")
             if missing := sorted(set(item.needs) - ids_so_far):
-                told = not_before(missing[0]) if missing[0] in ids else unknown_item(missing[0], ids)
+                told = (
+                    misfits.not_before(missing[0])
+                    if missing[0] in ids
+                    else misfits.unknown_item(missing[0], ids)
+                )
                 raise MisfitError(told, "items", i, "needs")
             ids_so_far.add(item.id)
         measured = {item.id for item in self.items if item.measure != BY_PERSON}
         for i, item in enumerate(self.items):
             if missing := sorted(set(item.scaled_by) - (measured - {item.id})):
-                raise MisfitError(no_other_measure(missing[0]), "items", i, "scaled_by")
+                raise MisfitError(misfits.no_other_measure(missing[0]), "items", i, "scaled_by")
         return self
 
     @model_validator(mode="after")
     def _across_several(self) -> Self:
         for i, item in enumerate(self.items):
             if item.across != "each" and (len(self.cases) < 2 or item.measure == BY_PERSON):
-                raise MisfitError(NOT_ACROSS, "items", i, "across")
+                raise MisfitError(misfits.NOT_ACROSS, "items", i, "across")
         return self
 
     @model_validator(mode="after")
@@ -595,10 +559,10 @@ class AssignmentModel(SpecModel):
     def _comes_before_the_end(self) -> Self:
         for i, step in enumerate(self.steps):
             if step.at_s >= self.horizon_s:
-                raise MisfitError(too_late("at_s", self.horizon_s), "steps", i, "at_s")
+                raise MisfitError(misfits.too_late("at_s", self.horizon_s), "steps", i, "at_s")
         for i, goal in enumerate(self.places.visit if self.places else ()):
             if goal.by_s is not None and goal.by_s > self.horizon_s:
-                raise MisfitError(too_late("by_s", self.horizon_s), "places", "visit", i, "by_s")
+                raise MisfitError(misfits.too_late("by_s", self.horizon_s), "places", "visit", i, "by_s")
         return self
 
     @model_validator(mode="after")
@@ -607,9 +571,9 @@ class AssignmentModel(SpecModel):
         kinds = {step.id: step.kind for step in steps}
         for i, step in enumerate(steps):
             if step.id in [earlier.id for earlier in steps[:i]]:
-                raise MisfitError(twice(step.id), "steps", i, "id")
+                raise MisfitError(misfits.twice(step.id), "steps", i, "id")
         if sum(step.sends for step in steps) > MOST_SENT:
-            raise MisfitError(TOO_MANY_SENT, "steps")
+            raise MisfitError(misfits.TOO_MANY_SENT, "steps")
         types: dict[str, str | None] = {}
         for i, item in enumerate(self.items):
             for k, model in enumerate(item.expect):
@@ -618,16 +582,16 @@ class AssignmentModel(SpecModel):
                     if step_id not in kinds or (kind is not None and kinds[step_id] != kind):
                         step_ids = [each for each in kinds if kind in (None, kinds[each])]
                         raise MisfitError(
-                            unknown_step(step_id, kind, step_ids), "items", i, "expect", k, name
+                            misfits.unknown_step(step_id, kind, step_ids), "items", i, "expect", k, name
                         )
                 if one.kind == "topic" and types.setdefault(one.target, one.type) != one.type:
-                    raise MisfitError(SAME_TYPE, "items", i, "expect", k, "type")
+                    raise MisfitError(misfits.SAME_TYPE, "items", i, "expect", k, "type")
         return self
 
     @model_validator(mode="after")
     def _reference_is_a_script(self) -> Self:
         if self.path is not None and self.path.reference is not None and self.input != "script":
-            raise MisfitError(NO_REFERENCE, "path", "reference")
+            raise MisfitError(misfits.NO_REFERENCE, "path", "reference")
         return self
 
     @model_validator(mode="after")
@@ -635,10 +599,10 @@ class AssignmentModel(SpecModel):
         names = [item.id for item in self.items]
         for i, case in enumerate(self.cases):
             if case.id in {earlier.id for earlier in self.cases[:i]}:
-                raise MisfitError(twice(case.id), "cases", i, "id")
+                raise MisfitError(misfits.twice(case.id), "cases", i, "id")
         for i, wrong in enumerate(self.wrong):
             if wrong.fails not in names:
-                raise MisfitError(unknown_item(wrong.fails, names), "wrong", i, "fails")
+                raise MisfitError(misfits.unknown_item(wrong.fails, names), "wrong", i, "fails")
         return self
 
     @model_validator(mode="after")
@@ -647,13 +611,13 @@ class AssignmentModel(SpecModel):
         bases = [name + endings[0] for name in ("solution", "starter")]
         for i, wrong in enumerate(self.wrong):
             if not wrong.file.endswith(endings):
-                raise MisfitError(wrong_ending(self.input, endings), "wrong", i, "file")
+                raise MisfitError(misfits.wrong_ending(self.input, endings), "wrong", i, "file")
             if wrong.file in bases:
-                raise MisfitError(twice(wrong.file), "wrong", i, "file")
+                raise MisfitError(misfits.twice(wrong.file), "wrong", i, "file")
             if wrong.change and self.input == "package":
                 raise MisfitError(NO_CHANGE_OF_PACKAGE, "wrong", i, "change")
             if wrong.base and wrong.base not in bases:
-                raise MisfitError(unknown_base(wrong.base, bases), "wrong", i, "base")
+                raise MisfitError(misfits.unknown_base(wrong.base, bases), "wrong", i, "base")
             bases.append(wrong.file)
         return self
 

@@ -82,7 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
     from grader.commands.audit import audit
     from grader.commands.validation import validate, validate_seeds, write_scripts
 
-    ids = arguments.ids or [each.id for each in catalog.all()]
+    ids = arguments.ids or [assignment.id for assignment in catalog.all()]
     if arguments.write is not None:
         write_scripts(catalog, ids, arguments.write)
     if arguments.mutants:

@@ -51,7 +51,7 @@ def _counts(audits: dict[str, Audit], language: Language) -> Table:
     for heading in (*(one.get(language) for one in (_ASSIGNMENT, _EDITS)), *_BANDS, _ALIKE.get(language)):
         table.add_column(heading)
     for assignment_id, one in audits.items():
-        alike = sum(each.moves_alike for each in one.graded)
+        alike = sum(mutant.moves_alike for mutant in one.graded)
         table.add_row(assignment_id, *map(str, (len(one.graded), *one.counts, alike)))
     return table
 
@@ -59,9 +59,9 @@ def _counts(audits: dict[str, Audit], language: Language) -> Table:
 def _rows(graded: tuple[GradedMutant, ...]) -> Table:
     """Return one row for an edit, the first `_MOST_ROWS` of them."""
     table = Table(box=None, show_header=False)
-    for one in graded[:_MOST_ROWS]:
-        change = " ".join(one.mutant.change.split())[:_LONGEST]
-        table.add_row(str(one.mutant.line), written(round(one.pct, 2)), styled.Text(change))
+    for mutant in graded[:_MOST_ROWS]:
+        change = " ".join(mutant.mutant.change.split())[:_LONGEST]
+        table.add_row(str(mutant.mutant.line), written(round(mutant.pct, 2)), styled.Text(change))
     if len(graded) > _MOST_ROWS:
         table.add_row("…", "", f"+{len(graded) - _MOST_ROWS}")
     return table

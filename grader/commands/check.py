@@ -268,8 +268,8 @@ def _guess(catalog: "Catalog", file: Path) -> str:
     file_name = handed_in_name(file)
     guess = catalog.guess_assignment(file_name)
     if guess is None:
-        known = tuple(ending for endings in SUFFIXES.values() for ending in endings)
-        if not file_name.lower().endswith(known) or ".py." in file_name.lower():
+        endings = tuple(ending for suffixes in SUFFIXES.values() for ending in suffixes)
+        if not file_name.lower().endswith(endings) or ".py." in file_name.lower():
             check_name(file_name, SUFFIXES["script"])  # says what the file is instead
         raise UnknownAssignmentError.unguessed(file_name)
     return guess

@@ -144,7 +144,7 @@ def _import(storage: OpenedStore, arguments: argparse.Namespace) -> None:
         en=f"course {course}: {added} added, {changed} changed, {same} as they were",
     )
     if arguments.tokens:
-        write_tokens(storage, course, [one.id for one in change.added], arguments.days)
+        write_tokens(storage, course, [member.id for member in change.added], arguments.days)
     else:
         _tell_returning(change, arguments)
 
@@ -160,11 +160,11 @@ def _show(change: RosterChange, arguments: argparse.Namespace) -> None:
     for word, members in (
         ("新增" if chinese else "new", [one for one in change.added if one.id not in change.returning]),
         ("回来" if chinese else "back", [one for one in change.added if one.id in change.returning]),
-        ("修改" if chinese else "change", [one.after for one in change.changed]),
+        ("修改" if chinese else "change", [pair.after for pair in change.changed]),
         ("名单里没有" if chinese else "not listed", () if is_part else change.gone),
     ):
-        for one in members:
-            parts = (word, one.id, one.name, one.role.value, one.email, ",".join(one.sections))
+        for member in members:
+            parts = (word, member.id, member.name, member.role.value, member.email, ",".join(member.sections))
             sys.stdout.write("\t".join(parts).rstrip() + "\n")
     if is_part:
         tell(
@@ -229,9 +229,9 @@ def _costs(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     chinese = arguments.lang == "zh"
     head = ("课程", "学生", "占用槽位", "评分", "等待", "启动") if chinese else _COST_COLUMNS
     sys.stdout.write("\t".join(head) + "\n")
-    for one in Costs(storage.database, utc_now).lately(None, everywhere=True):
-        counts = (one.gradings, one.waiting, one.tries)
-        cells = (one.course or "-", one.student, f"{one.slot_s:.1f} s", *map(str, counts))
+    for cost in Costs(storage.database, utc_now).lately(None, everywhere=True):
+        counts = (cost.gradings, cost.waiting, cost.tries)
+        cells = (cost.course or "-", cost.student, f"{cost.slot_s:.1f} s", *map(str, counts))
         sys.stdout.write("\t".join(cells) + "\n")
 
 
@@ -243,7 +243,7 @@ def _read(path: Path, arguments: argparse.Namespace) -> Roster:
     """Return a roster; of one that is not UTF-8 show a name, which tells whether it was read rightly."""
     roster = read_roster(_content(path))
     if roster.encoding == "gb18030" and roster.entries:
-        named = next((one for one in roster.entries if not one.name.isascii()), roster.entries[0])
+        named = next((entry for entry in roster.entries if not entry.name.isascii()), roster.entries[0])
         tell(
             arguments,
             zh=f"{path} 不是 UTF-8，按 GBK 读取，例如：{named.id} {named.name}",

@@ -25,8 +25,8 @@ def configure(actions: Any) -> list[argparse.ArgumentParser]:
     _configure_copy(copy)
     archive = actions.add_parser("archive", help="let a course only be read / 归档课程，只能查看")
     reopen = actions.add_parser("reopen", help="let an archived course be changed again / 取消归档")
-    for one in (archive, reopen):
-        one.add_argument("--reason", default="", help="goes into the audit log / 写进操作记录")
+    for parser in (archive, reopen):
+        parser.add_argument("--reason", default="", help="goes into the audit log / 写进操作记录")
     forget = actions.add_parser(
         "forget", help="erase a student's work and every trace of them / 删除一名学生的全部数据"
     )
@@ -37,11 +37,11 @@ def configure(actions: Any) -> list[argparse.ArgumentParser]:
     )
     sure.add_argument("--yes", action="store_true", help="do not ask / 不再询问")
     forget.add_argument("--reason", default="", help="goes into the audit log / 写进操作记录")
-    made = [copy, archive, reopen, forget]
-    for one in made:
-        add_course_option(one)
+    parsers = [copy, archive, reopen, forget]
+    for parser in parsers:
+        add_course_option(parser)
     space = actions.add_parser("space", help="what each course takes / 各课程占用的空间")
-    return [*made, space, _configure_retention(actions)]
+    return [*parsers, space, _configure_retention(actions)]
 
 
 def _configure_retention(actions: Any) -> argparse.ArgumentParser:
@@ -87,22 +87,22 @@ def _configure_copy(copy: argparse.ArgumentParser) -> None:
 def _copy(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     original = chosen_course(storage, arguments.course)
     teacher = checked_id(arguments.instructor, "id of an instructor")
-    known = storage.courses.member(original, teacher)
+    member_before = storage.courses.member(original, teacher)
     member = Member(
         course=arguments.id,
         id=teacher,
-        name=teacher if known is None else known.name,
+        name=teacher if member_before is None else member_before.name,
         role=Role.INSTRUCTOR,
-        email="" if known is None else known.email,
+        email="" if member_before is None else member_before.email,
     )
     new = NewCourse(id=arguments.id, title=arguments.title, move_days=arguments.move_days)
-    made = CourseLife(storage.database, utc_now).copy(original, new, member, actor())
+    course = CourseLife(storage.database, utc_now).copy(original, new, member, actor())
     tell(
         arguments,
-        zh=f"课程 {made.id}：规则与 {original} 相同；令牌只显示这一次",
-        en=f"course {made.id} has the rules of {original}; each token is shown this once",
+        zh=f"课程 {course.id}：规则与 {original} 相同；令牌只显示这一次",
+        en=f"course {course.id} has the rules of {original}; each token is shown this once",
     )
-    write_tokens(storage, made.id, [teacher], arguments.days)
+    write_tokens(storage, course.id, [teacher], arguments.days)
 
 
 def _archive(storage: OpenedStore, arguments: argparse.Namespace) -> None:
@@ -130,20 +130,16 @@ def _forget(storage: OpenedStore, arguments: argparse.Namespace) -> None:
         return
     if not arguments.yes:
         _ask_to_erase(arguments)
-    found = life.forget(arguments.person, signed, arguments.reason)
+    forgotten = life.forget(arguments.person, signed, arguments.reason)
     tell(
         arguments,
-        zh=f"已删除 {found.submissions} 份提交；操作记录里现在称为 {found.pseudonym}",
-        en=f"{found.submissions} submissions erased; the audit log says {found.pseudonym} now",
+        zh=f"已删除 {forgotten.submissions} 份提交；操作记录里现在称为 {forgotten.pseudonym}",
+        en=f"{forgotten.submissions} submissions erased; the audit log says {forgotten.pseudonym} now",
     )
 
 
 def _ask_to_erase(arguments: argparse.Namespace) -> None:
-    """Go on only if the id is typed once more.
-
-    Raises:
-        CourseError: it is not.
-    """
+    """Go on only if the id is typed once more. Raises CourseError: it is not."""
     tell(arguments, zh="要删除，再输入一次学号：", en="To erase it, type the id once more:")
     if sys.stdin.readline().strip() != arguments.person:
         raise CourseError(

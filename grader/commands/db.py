@@ -2,8 +2,8 @@
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 
 from grader.commands.options import add_language_option, tell
@@ -49,9 +49,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="URL",
         help="such as postgresql+psycopg://user@host/name / 新数据库的地址",
     )
-    for one in (up, backup, restore, move):
-        add_data_option(one)
-        add_language_option(one)
+    for action in (up, backup, restore, move):
+        add_data_option(action)
+        add_language_option(action)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -62,7 +62,8 @@ def run(arguments: argparse.Namespace) -> int:
     """
     action = {"migrate": _migrate, "backup": _backup, "restore": _restore, "move": _move}[arguments.action]
     may_create = arguments.action in ("migrate", "restore")
-    with _opened(database_url(arguments.data, create=may_create) or load().database_url) as database:
+    url = database_url(arguments.data, create=may_create) or load().database_url
+    with closing(Database(url)) as database:
         if not may_create:
             refuse_missing(database)
         action(database, arguments)
@@ -110,7 +111,7 @@ def _restore(database: Database, arguments: argparse.Namespace) -> None:
 
 
 def _move(database: Database, arguments: argparse.Namespace) -> None:
-    with _opened(load(database_url=arguments.to).database_url) as target:
+    with closing(Database(load(database_url=arguments.to).database_url)) as target:
         if _same(database, target):
             raise SettingsError(
                 f"{target.name} is the very database that is to be moved",
@@ -129,25 +130,16 @@ def _move(database: Database, arguments: argparse.Namespace) -> None:
         )
 
 
-def _same(one: Database, other: Database) -> bool:
-    if one.is_sqlite and other.is_sqlite:
-        return Path(one.name).resolve() == Path(other.name).resolve()
-    return one.engine.url == other.engine.url
+def _same(source: Database, target: Database) -> bool:
+    if source.is_sqlite and target.is_sqlite:
+        return Path(source.name).resolve() == Path(target.name).resolve()
+    return source.engine.url == target.engine.url
 
 
 def _show(copied: Sequence[TableContent], arguments: argparse.Namespace) -> None:
     """Print what was copied. `transfer` has already refused any difference between the two sides."""
-    width = max(len(one.table) for one in copied)
+    width = max(len(content.table) for content in copied)
     rows, same = ("行", "一致") if arguments.lang == "zh" else ("rows", "same")
-    for one in copied:
-        digest = one.sha256[:_SHOWN_DIGITS]
-        sys.stdout.write(f"{one.table:{width}} {one.rows:>9} {rows}  {digest}  {same}\n")
-
-
-@contextmanager
-def _opened(url: str) -> Iterator[Database]:
-    database = Database(url)
-    try:
-        yield database
-    finally:
-        database.close()
+    for content in copied:
+        digest = content.sha256[:_SHOWN_DIGITS]
+        sys.stdout.write(f"{content.table:{width}} {content.rows:>9} {rows}  {digest}  {same}\n")

@@ -7,6 +7,7 @@ import platform
 import statistics
 import sys
 import time
+from contextlib import closing
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Final
@@ -15,7 +16,7 @@ from grader.commands.options import add_language_option
 from grader.contracts.assignment import MIB, Limits
 from grader.contracts.errors import InfrastructureError, SandboxError, SandboxUnavailableError
 from grader.contracts.python import StrEnum
-from grader.contracts.text import Language, Text
+from grader.contracts.text import EMPTY, Language, Text
 from grader.jail import landlock, libc
 from grader.jail.cgroups import Bound, own_bound
 from grader.jail.layers import REQUIRED, Layer, Mode, prepare_root
@@ -40,7 +41,6 @@ _STATES: Final = {
     "not_needed": Text(zh="不需要（不是以 root 运行）", en="not needed (not run as root)"),
     "broken": Text(zh="未能拦住尝试", en="did not hold"),
 }
-_NOTHING: Final = Text(zh="", en="")
 _LEAVES_OPEN: Final = {
     Layer.PROCESS: Text(
         zh="脚本可能看到评分程序的环境变量或打开的文件。",
@@ -119,8 +119,8 @@ def run(arguments: argparse.Namespace) -> int:
     diagnosis, connections = run_doctor(), _server_connections()
     if arguments.json:
         more = {} if connections is None else {"database_connections": connections}
-        told = diagnosis.to_dict() | more
-        sys.stdout.write(json.dumps(told, ensure_ascii=False, indent=2) + "\n")
+        document = diagnosis.to_dict() | more
+        sys.stdout.write(json.dumps(document, ensure_ascii=False, indent=2) + "\n")
     else:
         sys.stdout.write(diagnosis.text(arguments.lang) + "\n")
         if connections is not None:
@@ -136,14 +136,12 @@ def _server_connections() -> dict[str, int] | None:
     from grader.store.database import Database
     from grader.store.occupancy import room
 
-    database = Database(load().database_url)
-    try:
-        there = room(database)
-    except InfrastructureError as error:
-        sys.stderr.write(f"{error}\n")
-        return None
-    finally:
-        database.close()
+    with closing(Database(load().database_url)) as database:
+        try:
+            there = room(database)
+        except InfrastructureError as error:
+            sys.stderr.write(f"{error}\n")
+            return None
     return None if there is None else there._asdict()
 
 
@@ -289,9 +287,7 @@ def _finding(layer: Layer, missing: tuple[str, ...], proof: Proof) -> LayerFindi
         required=required,
         state=state,
         detail=_seen(layer, proof) if state is State.ACTIVE else detail,
-        leaves_open=_NOTHING
-        if replaced or state in (State.ACTIVE, State.NOT_NEEDED)
-        else _LEAVES_OPEN[layer],
+        leaves_open=EMPTY if replaced or state in (State.ACTIVE, State.NOT_NEEDED) else _LEAVES_OPEN[layer],
     )
 
 

@@ -147,7 +147,7 @@ def _for_python_311(lock: bytes) -> bytes:
     Ubuntu 22.04 has 3.11.0rc1, of which its pip 22.0 says that it is neither below 3.13 nor above.
     """
     entries = re.split(rb"^(?=\S)", lock, flags=re.MULTILINE)
-    conditioned = [(one, _OF_PYTHON.match(one)) for one in entries]
+    conditioned = [(entry, _OF_PYTHON.match(entry)) for entry in entries]
     return b"".join(_OF_PYTHON.sub(rb"\1", one) for one, of in conditioned if of is None or of[2] == b"<")
 
 

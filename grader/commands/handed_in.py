@@ -54,8 +54,7 @@ def pick(folder: Path, assignment: Assignment) -> ChosenFile:
 def _package(folder: Path) -> ChosenFile:
     """Return the package that was handed in: as the only zip, or unpacked, as some platforms leave it.
 
-    Raises:
-        RefusedError, InfrastructureError: as `pick`.
+    Raises as `pick`.
     """
     zips = [path for path in _files(folder) if path.name.lower().endswith(".zip")]
     try:

@@ -51,19 +51,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="the old one is known to others: use the new one at once, and no old one / 旧密钥已泄露：立即停用",
     )
-    for one in (listing, add, remove, rotate):
-        if one is not rotate:  # the keys are the service's, not a course's
-            add_course_option(one)
-        add_data_option(one)
-        add_language_option(one)
+    for action in (listing, add, remove, rotate):
+        if action is not rotate:  # the keys are the service's, not a course's
+            add_course_option(action)
+        add_data_option(action)
+        add_language_option(action)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Carry the action out.
-
-    Raises:
-        GraderError: there is no such platform, or a field is wrong.
-    """
+    """Carry the action out. Raises GraderError: there is no such platform, or a field is wrong."""
     with opened(arguments) as storage:
         platforms = Platforms(storage.database, utc_now)
         if arguments.action == "rotate":
@@ -76,10 +72,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _list(platforms: Platforms, course: str, arguments: argparse.Namespace) -> None:
     links = platforms.links(course)
-    for one in platforms.of_course(course):
-        sys.stdout.write(f"{one.id}\t{one.title}\t{one.issuer}\t{one.client_id}\t{one.deployment}\n")
+    for platform in platforms.of_course(course):
+        sys.stdout.write(
+            f"{platform.id}\t{platform.title}\t{platform.issuer}\t{platform.client_id}\t{platform.deployment}\n"
+        )
         for link in links:
-            if link.platform == one.id:
+            if link.platform == platform.id:
                 scores = Text(zh="接收成绩", en="takes scores") if link.line_item else Text(zh="-", en="-")
                 columns = (link.title or link.resource, link.assignment or "-", scores.get(arguments.lang))
                 sys.stdout.write("\t" + "\t".join(columns) + "\n")

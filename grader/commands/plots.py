@@ -79,11 +79,7 @@ def form_of(path: Path) -> "PictureForm":
 
 
 def write_file(option: str, path: Path, content: bytes) -> None:
-    """Write the file that an option names.
-
-    Raises:
-        RefusedError: the operating system refused it.
-    """
+    """Write the file that an option names. Raises RefusedError: the operating system refused it."""
     try:
         path.write_bytes(content)
     except OSError as error:

@@ -30,10 +30,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         required=True,
         help="for the audit log and the students whose points change / 原因，写进操作记录，学生也会看到",
     )
-    for one in (listing, undo):
-        add_data_option(one)
-        add_course_option(one)
-        add_language_option(one)
+    for action in (listing, undo):
+        add_data_option(action)
+        add_course_option(action)
+        add_language_option(action)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -44,8 +44,14 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _list(storage: OpenedStore, arguments: argparse.Namespace) -> None:
-    for one in Regrades(storage.database).all(chosen_course(storage, arguments.course)):
-        cells = (one.id, one.wanted.assignment, one.state.value, one.created_at.isoformat(), one.reason)
+    for regrade in Regrades(storage.database).all(chosen_course(storage, arguments.course)):
+        cells = (
+            regrade.id,
+            regrade.wanted.assignment,
+            regrade.state.value,
+            regrade.created_at.isoformat(),
+            regrade.reason,
+        )
         sys.stdout.write("\t".join(cells).rstrip() + "\n")
 
 

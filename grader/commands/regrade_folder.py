@@ -85,10 +85,10 @@ def run(arguments: argparse.Namespace) -> int:
         require_folder("--output", arguments.output)
     rows: list[dict[str, str]] = []
     with unpacked(arguments.export) as folder, Slot(SlotConfig(mode=arguments.isolation)) as slot:
-        found = entries(folder, SUFFIXES[assignment.input])
-        if not found:
+        files = entries(folder, SUFFIXES[assignment.input])
+        if not files:
             raise _refused(arguments.export, zh="里没有提交", en="has no submissions")
-        for entry in found:
+        for entry in files:
             rows.append(_row(slot, assignment, entry, arguments))
             if arguments.output is not None:
                 tell(arguments, zh=_line(rows[-1]), en=_line(rows[-1]))
@@ -163,14 +163,14 @@ def entries(folder: Path, endings: tuple[str, ...]) -> list[Entry]:
     inner = [path for path in folder.iterdir() if not path.name.startswith((".", "__"))]
     if len(inner) == 1 and inner[0].is_dir() and not (folder / _METADATA).exists():
         folder = inner[0]
-    known = _metadata(folder / _METADATA)
+    metadata = _metadata(folder / _METADATA)
     paths = sorted(
         path
         for path in folder.iterdir()
         if not path.name.startswith((".", "__")) and (path.is_dir() or path.name.lower().endswith(endings))
         if not path.is_symlink()
     )
-    return [Entry(name=path.name, path=path, about=known.get(path.name, {})) for path in paths]
+    return [Entry(name=path.name, path=path, about=metadata.get(path.name, {})) for path in paths]
 
 
 def _metadata(path: Path) -> dict[str, dict[str, str]]:

@@ -74,22 +74,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
     extend.add_argument(
         "--extra-attempts", type=whole_number, metavar="N", help="0 takes them back / 0 表示取消"
     )
-    for one in (change, extend):
-        one.add_argument("--reason", default="", help="goes into the audit log / 写进操作记录")
-        one.add_argument(
+    for action in (change, extend):
+        action.add_argument("--reason", default="", help="goes into the audit log / 写进操作记录")
+        action.add_argument(
             "--dry-run", action="store_true", help="change nothing, show what would / 只显示会改什么"
         )
-    for one in (show, change, extend):
-        add_course_option(one)
-        add_data_option(one)
-        add_language_option(one)
+    for action in (show, change, extend):
+        add_course_option(action)
+        add_data_option(action)
+        add_language_option(action)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Do it; rules that make no sense are raised as CourseError before anything is changed."""
     with opened(arguments) as storage:
         course = chosen_course(storage, arguments.course)
-        members = {one.id: one for one in storage.courses.members(course)}
+        members = {member.id: member for member in storage.courses.members(course)}
         students = _names(arguments.student) if arguments.action == "extend" else []
         if unknown := [one for one in students if one not in members]:
             raise unknown_members(course, *unknown)
@@ -97,20 +97,20 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.action == "show":
             _show(stored.of(course), arguments)
             return 0
-        known = _assignments(storage.database, course)
+        assignments = _assignments(storage.database, course)
         if arguments.action == "set":
             names = _names(arguments.assignment)
-            wanted = known.all() if names == [_ALL] else [known.get(name) for name in names]
+            wanted = assignments.all() if names == [_ALL] else [assignments.get(name) for name in names]
             _set(stored, signed, wanted, arguments, sections_of(members.values()))
         else:
-            known.get(arguments.assignment)
+            assignments.get(arguments.assignment)
             for student in students:
                 _extend(stored, signed, student, arguments)
     return 0
 
 
 def _names(text: str) -> list[str]:
-    return list(dict.fromkeys(one.strip() for one in text.split(",")))
+    return list(dict.fromkeys(part.strip() for part in text.split(",")))
 
 
 def _assignments(database: Database, course: str) -> AssignmentSource:
@@ -222,7 +222,7 @@ def _value(name: str, text: str) -> Any:
     if isinstance(kind, fields.Instant | fields.Choice):
         return text
     if isinstance(kind, fields.Names) and not text.startswith("["):
-        return [one.strip() for one in text.split(",")]
+        return [part.strip() for part in text.split(",")]
     try:
         return json.loads(text)
     except ValueError:
@@ -241,32 +241,32 @@ def _read(document: dict[str, Any], zone: ZoneInfo) -> Rules:
 
 
 def _extend(stored: StoredRules, signed: Signature, student: str, arguments: argparse.Namespace) -> None:
-    known = stored.of(signed.course)
-    before = known.extension(arguments.assignment, student)
-    extension = _extended(before, known.zone, arguments)
+    rules = stored.of(signed.course)
+    before = rules.extension(arguments.assignment, student)
+    extension = _extended(before, rules.zone, arguments)
     if not arguments.dry_run:
         stored.extend(
             arguments.assignment, student, extension, signed, arguments.reason, seen=Seen.one(tag(before))
         )
-    change = _change(before, extension, known.zone, arguments)
+    change = _change(before, extension, rules.zone, arguments)
     _print_change(f"{arguments.assignment}, {student}", change)
-    _warn_of_no_effect(extension, known, student, arguments)
+    _warn_of_no_effect(extension, rules, student, arguments)
 
 
 def _extended(before: Extension, zone: ZoneInfo, arguments: argparse.Namespace) -> Extension:
     """Return what the student has `before`, with what was given in its place."""
     if arguments.due is None and arguments.extra_attempts is None:
         raise CourseError("say --due or --extra-attempts", "请给出 --due 或 --extra-attempts")
-    given: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     if arguments.due is not None:
-        given["due"] = None if arguments.due in _NONE else arguments.due
+        values["due"] = None if arguments.due in _NONE else arguments.due
     if arguments.extra_attempts is not None:
-        given["extra_attempts"] = arguments.extra_attempts
+        values["extra_attempts"] = arguments.extra_attempts
     try:
-        read = ExtensionBody.model_validate(given).meant(zone)
+        read = ExtensionBody.model_validate(values).meant(zone)
     except ValidationError as error:
         raise _refusal(error) from None
-    return replace(before, **{name: getattr(read, name) for name in given})
+    return replace(before, **{name: getattr(read, name) for name in values})
 
 
 def _warn_of_no_effect(

@@ -140,7 +140,7 @@ def _spoken_to(arguments: argparse.Namespace) -> Assignment:
 def _sandpit(arguments: argparse.Namespace, source: bytes = b"") -> Assignment:
     """Return an assignment that asks for nothing; of a package it runs what the options name."""
     name, packed = arguments.file.name, is_package(source)
-    wanted = WantedPackage(executable=arguments.executable, launch=arguments.launch)
+    package = WantedPackage(executable=arguments.executable, launch=arguments.launch)
     return Assignment(
         id="run",
         version=1,
@@ -151,7 +151,7 @@ def _sandpit(arguments: argparse.Namespace, source: bytes = b"") -> Assignment:
         options={"direction": "forward"},
         items=(),
         input="package" if packed else "script",
-        package=wanted if packed else None,
+        package=package if packed else None,
         horizon_s=arguments.horizon_s,
         world=World(cmd_vel_topic=arguments.topic, walls=not arguments.no_walls),
         interfaces=_interfaces(arguments.interfaces),
@@ -212,20 +212,20 @@ def _advise(arguments: argparse.Namespace, report: GradeReport, output: "Console
     from grader.render.prose import Prose
     from grader.render.terminal import next_steps, run_notes
 
-    said = []
+    lines = []
     code = report.mistakes[0] if report.mistakes else ""
     if (folder := _interfaces_for(report)) is not None:
-        said.append(word("give_interfaces", arguments.lang, folder=folder))
+        lines.append(word("give_interfaces", arguments.lang, folder=folder))
     elif code not in (*_NOT_ASKED, "", "no_input"):  # the hint on input speaks of an exercise
-        said.append(visible(report.hint.get(arguments.lang)))
+        lines.append(visible(report.hint.get(arguments.lang)))
     if code in ("no_input", "asks_again"):
         command = f"grader run {visible(str(arguments.file))} --input '2.0'"
-        said.append(word("give_input", arguments.lang, command=command))
+        lines.append(word("give_input", arguments.lang, command=command))
     for note in run_notes(report.runs[0].outcome, arguments.lang):
         output.print(Prose(f"· {note}", style="dim"))
-    if said:
+    if lines:
         output.print()
-        output.print(next_steps(said, arguments.lang))
+        output.print(next_steps(lines, arguments.lang))
 
 
 def _interfaces_for(report: GradeReport) -> Path | None:
@@ -247,8 +247,8 @@ def _plot(arguments: argparse.Namespace, report: GradeReport, trajectory: Trajec
     from grader.render.plot import plot
 
     end = _end(report.runs[0].outcome, trajectory)
-    told = replace(report, summary=Text(zh=end, en=end))
-    picture = plot(_sandpit(arguments), told, trajectory, None, arguments.lang, form=form)
+    shown_report = replace(report, summary=Text(zh=end, en=end))
+    picture = plot(_sandpit(arguments), shown_report, trajectory, None, arguments.lang, form=form)
     write_file("--plot", arguments.plot, picture)
     sys.stdout.write(f"→ {arguments.plot}\n")
 

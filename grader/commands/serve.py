@@ -159,10 +159,10 @@ def listening(host: str, port: int) -> socket.socket:
         listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return listener
     except OSError as error:
-        told = trouble(error)
+        text = trouble(error)
         raise SettingsError(
-            f"cannot listen on {host}, port {port}: {told.en}; --port takes another one",
-            f"无法监听 {host} 的 {port} 端口：{told.zh}；可以用 --port 换一个",
+            f"cannot listen on {host}, port {port}: {text.en}; --port takes another one",
+            f"无法监听 {host} 的 {port} 端口：{text.zh}；可以用 --port 换一个",
         ) from error
 
 

@@ -3,7 +3,7 @@
 import argparse
 import getpass
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -85,16 +85,13 @@ def opened(arguments: argparse.Namespace, *, create: bool = False) -> Iterator[O
         SettingsError: it is not there, or does not fit this version. InfrastructureError: it cannot be opened.
     """
     url = database_url(arguments.data, create=create)
-    database = Database(load().database_url if url is None else url)
-    try:
+    with closing(Database(load().database_url if url is None else url)) as database:
         if not create:
             refuse_missing(database)
         with up_to_date(database):
             yield OpenedStore(
                 database=database, courses=Courses(database, utc_now), tokens=Tokens(database, utc_now)
             )
-    finally:
-        database.close()
 
 
 def chosen_course(storage: OpenedStore, course: str | None) -> str:
@@ -109,7 +106,7 @@ def chosen_course(storage: OpenedStore, course: str | None) -> str:
     if not courses:
         raise no_course(storage.database.name)
     if len(courses) > 1:
-        ids = ", ".join(one.id for one in courses)
+        ids = ", ".join(course.id for course in courses)
         raise CourseError(f"say which course with --course: {ids}", f"请用 --course 指明课程：{ids}")
     return courses[0].id
 

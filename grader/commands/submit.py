@@ -213,7 +213,7 @@ def _accepted(response: httpx.Response) -> httpx.Response:
             f"{response.url} answered {response.status_code}: is --server the address of a grader?",
             f"{response.url} 回答了 {response.status_code}：--server 是不是评分服务的地址？",
         ) from None
-    zh, en = ("\n".join(visible(str(one)) for one in (*lines, fix.get(lang)) if one) for lang in LANGUAGES)
+    zh, en = ("\n".join(visible(str(line)) for line in (*lines, fix.get(lang)) if line) for lang in LANGUAGES)
     raise RefusedError.saying(code, zh=zh, en=en)
 
 

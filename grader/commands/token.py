@@ -49,10 +49,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     listing = actions.add_parser(
         "list", help="list tokens, without what makes them work / 列出令牌（不显示内容）"
     )
-    for one in (issue, revoke, listing):
-        add_course_option(one)
-        add_data_option(one)
-        add_language_option(one)
+    for action in (issue, revoke, listing):
+        add_course_option(action)
+        add_data_option(action)
+        add_language_option(action)
 
 
 def add_days_option(parser: argparse.ArgumentParser) -> None:
@@ -82,8 +82,8 @@ def write_tokens(storage: OpenedStore, course: str, people: Iterable[str], days:
         CourseError: one of them is no member; no token was made then.
     """
     members = {member.id: member for member in storage.courses.members(course)}
-    wanted = list(dict.fromkeys(people))
-    unknown = [person for person in wanted if person not in members]
+    ids = list(dict.fromkeys(people))
+    unknown = [person for person in ids if person not in members]
     if unknown:
         raise unknown_members(course, *unknown)
     if not sys.stdout.isatty():
@@ -92,8 +92,8 @@ def write_tokens(storage: OpenedStore, course: str, people: Iterable[str], days:
         sys.stdout.write(BYTE_ORDER_MARK)
     table = csv.writer(sys.stdout, lineterminator="\n")
     table.writerow(TOKEN_COLUMNS)
-    made = storage.tokens.issue_all(course, wanted, timedelta(days=days), actor())
-    for person, (_, secret) in zip(wanted, made, strict=True):
+    tokens = storage.tokens.issue_all(course, ids, timedelta(days=days), actor())
+    for person, (_, secret) in zip(ids, tokens, strict=True):
         table.writerow(map(as_text, token_cells(members[person], secret)))
 
 

@@ -108,9 +108,11 @@ def _scores(findings: Iterable[Finding], language: Language) -> Table:
 
 def _blind_table(blind: Mapping[str, Sequence[Finding]], language: Language) -> Table:
     """Return what each driver that looks at nothing earned, a row for each, a column for each exercise."""
-    table = _table(language, _DRIVER, *(Text(zh=one, en=one) for one in blind))
+    table = _table(language, _DRIVER, *(Text(zh=text, en=text) for text in blind))
     scores = {
-        (assignment_id, one.script): one for assignment_id, findings in blind.items() for one in findings
+        (assignment_id, finding.script): finding
+        for assignment_id, findings in blind.items()
+        for finding in findings
     }
     for driver in dict.fromkeys(driver for _, driver in scores):
         cells = (scores.get((assignment_id, driver)) for assignment_id in blind)
@@ -154,7 +156,7 @@ def write_scripts(catalog: Catalog, assignment_ids: Iterable[str], folder: Path)
 
 def unusual_totals(findings: Iterable[Finding]) -> list[Text]:
     """Return a sentence for each assignment whose items do not add up to 100 points: allowed, but often a slip."""
-    totals = {one.assignment: one.max_score for one in findings}
+    totals = {finding.assignment: finding.max_score for finding in findings}
     return [
         Text(
             zh=f"{assignment}：各评分项一共 {written(total)} 分，不是 100 分",
@@ -212,9 +214,9 @@ def fitting(catalog: Catalog, assignment_id: str) -> Assignment:
         AssignmentError: it does not fit, or its file is wrong; the message names file, line, field and fix.
     """
     assignment = catalog.get(assignment_id)
-    found = [(catalog.place(assignment_id, field), told) for field, told in check_problems(assignment)]
-    if found:
-        raise refusals(found)
+    misfits = [(catalog.place(assignment_id, field), told) for field, told in check_problems(assignment)]
+    if misfits:
+        raise refusals(misfits)
     return assignment
 
 
@@ -262,8 +264,10 @@ def _table(language: Language, *headings: Text) -> Table:
 
 def _print_details(assignment_id: str, examination: Examination, language: Language) -> None:
     table = _table(language, _ITEM, _SOLUTION, _MARGIN)
-    for each in examination.margins:
-        table.add_row(each.item, *(number(value, each.unit, 3) for value in (each.measured, each.margin)))
+    for margin in examination.margins:
+        table.add_row(
+            margin.item, *(number(value, margin.unit, 3) for value in (margin.measured, margin.margin))
+        )
     console().print(f"\n{assignment_id}{_INSIDE.get(language)}", table)
     for case, sensitivity in examination.sensitivity.items():
         if sensitivity:

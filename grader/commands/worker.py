@@ -6,6 +6,7 @@ import logging
 import signal
 import sys
 import threading
+from contextlib import closing
 from pathlib import Path
 
 from grader.commands.options import add_language_option, whole_number
@@ -42,11 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
             "slots (GRADER_SLOTS): a worker without slots would grade nothing",
             "slots (GRADER_SLOTS)：没有槽位的评分进程什么也评不了",
         )
-    database = Database(settings.database_url)
-    try:
+    with closing(Database(settings.database_url)) as database:
         refuse_missing(database)
-    finally:
-        database.close()
     logs.configure(settings.log_format, settings.log_level)
     stopped = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # starting may take as long as an upgrade

@@ -489,7 +489,7 @@ class Assignment(Record):
     @property
     def expectations(self) -> tuple[Expectation, ...]:
         """What the rubric's items expect of the script."""
-        return tuple(one for item in self.items for one in item.expect)
+        return tuple(expectation for item in self.items for expectation in item.expect)
 
     @property
     def max_score(self) -> float:

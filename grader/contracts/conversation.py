@@ -294,22 +294,23 @@ class Saying(Record, kw_only=False):
 def sayings(conversation: Conversation, steps: Mapping[str, Step]) -> tuple[Saying, ...]:
     """Return a conversation in order of time: of each topic and service the first and the last lines."""
     lines: dict[str, list[Saying]] = {}
-    for each in conversation.exchanges:
-        if each.sent_ns is not None:
-            step = steps[each.step]
-            lines.setdefault(f"in {step.target}", []).append(_sent(each, step, each.sent_ns))
+    for exchange in conversation.exchanges:
+        if exchange.sent_ns is not None:
+            step = steps[exchange.step]
+            lines.setdefault(f"in {step.target}", []).append(_sent(exchange, step, exchange.sent_ns))
             lines.setdefault(f"feedback {step.target}", []).extend(
-                Saying(one.t_ns, "out", f"{step.target} feedback", shown(one.values)) for one in each.feedback
+                Saying(message.t_ns, "out", f"{step.target} feedback", shown(message.values))
+                for message in exchange.feedback
             )
     for name, messages in conversation.heard.items():
         lines[f"out {name}"] = [
-            Saying(one.t_ns, "out", name, "?" if one.values is None else shown(one.values))
-            for one in _ends(messages)
+            Saying(message.t_ns, "out", name, "?" if message.values is None else shown(message.values))
+            for message in _ends(messages)
         ]
-    for one in conversation.served:
-        text = f"{shown(one.values)} → {shown(one.answer)}"
-        lines.setdefault(f"ask {one.step}", []).append(
-            Saying(one.t_ns, "ask", steps[one.step].target, text, one.answered_ns)
+    for request in conversation.served:
+        text = f"{shown(request.values)} → {shown(request.answer)}"
+        lines.setdefault(f"ask {request.step}", []).append(
+            Saying(request.t_ns, "ask", steps[request.step].target, text, request.answered_ns)
         )
     kept = (line for each in lines.values() for line in _ends(each))
     return tuple(sorted(kept, key=lambda line: (line.t_ns, line.way, line.name)))

@@ -104,4 +104,4 @@ class ClassState:
     @property
     def progress(self) -> tuple[StudentProgress, ...]:
         """Return all cells of the class, in order of student and assignment."""
-        return tuple(one for student in self.students.values() for one in student.progress)
+        return tuple(cell for student in self.students.values() for cell in student.progress)

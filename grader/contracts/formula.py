@@ -129,11 +129,7 @@ class Formula:
 
 @lru_cache(maxsize=4_096)
 def formula(text: str) -> Formula:
-    """Read a formula.
-
-    Raises:
-        FormulaError: it is none; the message says what of Python it must not have.
-    """
+    """Read a formula. Raises FormulaError: it is none; the message says what of Python it must not have."""
     if len(text) > MOST_CHARACTERS:
         raise FormulaError(f"longer than {MOST_CHARACTERS} characters")
     try:
@@ -314,17 +310,17 @@ class _Evaluation:
 
     def _call(self, node: ast.Call) -> Value:
         assert isinstance(node.func, ast.Name)
-        arguments = [self.of(each) for each in node.args]
+        arguments = [self.of(arg) for arg in node.args]
         if node.func.id not in self._functions:
             raise FormulaError(f"{node.func.id} is only for the values of steps")
-        self._work += sum(len(each) for each in arguments if isinstance(each, list | str)) // 8
+        self._work += sum(len(argument) for argument in arguments if isinstance(argument, list | str)) // 8
         return self._functions[node.func.id](*arguments)
 
     def _list(self, node: ast.List) -> list[Value]:
-        return [self.of(each) for each in node.elts]
+        return [self.of(element) for element in node.elts]
 
     def _tuple(self, node: ast.Tuple) -> list[Value]:
-        return [self.of(each) for each in node.elts]
+        return [self.of(element) for element in node.elts]
 
     def _listcomp(self, node: ast.ListComp | ast.GeneratorExp) -> list[Value]:
         return list(self._loop(node.elt, node.generators))

@@ -103,11 +103,7 @@ class AssignmentSource(Protocol):
         """Return every assignment in the order of the checklist."""
 
     def get(self, assignment_id: str) -> Assignment:
-        """Return one assignment.
-
-        Raises:
-            UnknownAssignmentError: no assignment has that id.
-        """
+        """Return one assignment. Raises UnknownAssignmentError: no assignment has that id."""
 
     def troubles(self) -> Mapping[str, Text]:
         """Return by id what is wrong with assignments that cannot be read now."""

@@ -225,7 +225,7 @@ class AuditEntry:
 
 def sections_of(members: Iterable[Member]) -> list[str]:
     """Return every section that one of `members` is in, sorted."""
-    return sorted({name for one in members for name in one.sections})
+    return sorted({name for member in members for name in member.sections})
 
 
 def is_person_id(text: str) -> bool:
@@ -250,11 +250,7 @@ def difference(one: str, other: str) -> Text:
 
 
 def checked_id(text: str, what: str) -> str:
-    """Return `text` if it can be an id.
-
-    Raises:
-        CourseError: it cannot; `what` names it in the message.
-    """
+    """Return `text` if it can be an id. Raises CourseError: it cannot; `what` names it in the message."""
     if not is_person_id(text):
         raise CourseError(
             f"{text!r} is no {what}: use 1 to 64 letters, digits or . _ @ -, beginning with a letter or digit",
@@ -324,7 +320,9 @@ def checked_entry(entry: RosterEntry) -> RosterEntry:
         name=person_name(entry.name),
         role=entry.role,
         email=None if entry.email is None else checked_email(entry.email),
-        sections=None if entry.sections is None else tuple(checked_section(one) for one in entry.sections),
+        sections=None
+        if entry.sections is None
+        else tuple(checked_section(section) for section in entry.sections),
     )
 
 

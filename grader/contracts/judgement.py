@@ -46,9 +46,11 @@ def standing(item: str, points: float, judgements: Iterable[Judgement]) -> Judge
 
     A judgement no longer stands once the rubric gives the item other points, or once it was taken back.
     """
-    own = [one for one in judgements if one.item == item]
-    taken_back = max((one.revision for one in own if one.out_of == 0.0 < points), default=0)
-    fitting = (one for one in own if one.out_of == points and one.revision > taken_back)
+    own = [judgement for judgement in judgements if judgement.item == item]
+    taken_back = max((judgement.revision for judgement in own if judgement.out_of == 0.0 < points), default=0)
+    fitting = (
+        judgement for judgement in own if judgement.out_of == points and judgement.revision > taken_back
+    )
     return max(fitting, key=lambda one: one.revision, default=None)
 
 
@@ -68,12 +70,12 @@ def composed(report: GradeReport, judgements: Sequence[Judgement]) -> GradeRepor
     if scores == machine:
         return report
     items = tuple(_judged(item, score, judgements) for item, score in zip(report.items, scores, strict=True))
-    score, told = total(scores), report.summary
+    score, text = total(scores), report.summary
     if score is not None:
         points = f"{written(score)} / {written(report.max_score)}"
-        told = Text(zh=f"已人工评分：{points} 分。", en=f"A person has graded this: {points} points.")
+        text = Text(zh=f"已人工评分：{points} 分。", en=f"A person has graded this: {points} points.")
         if not to_judge(machine):
-            told = Text(zh=f"教师改过分：{points} 分。", en=f"A teacher corrected this: {points} points.")
+            text = Text(zh=f"教师改过分：{points} 分。", en=f"A teacher corrected this: {points} points.")
     followed = all(item.status is ItemStatus.PASSED for item in items) or (
         report.hint in [item.hint for item in report.items]
         and report.hint not in [item.hint for item in items]
@@ -83,7 +85,7 @@ def composed(report: GradeReport, judgements: Sequence[Judgement]) -> GradeRepor
         items=items,
         score=score,
         status=status_of(items, (run.outcome for run in report.runs)),
-        summary=told,
+        summary=text,
         hint=EMPTY if followed else report.hint,
     )
 
@@ -94,21 +96,21 @@ def judged(stored: StoredReport) -> GradeReport:
 
 
 def _settled(item: ItemScore, judgements: Sequence[Judgement]) -> ItemScore:
-    found = standing(item.item, item.points, judgements)
-    if found is None or (item.status is not ItemStatus.NEEDS_MANUAL and found.points == item.earned):
+    judgement = standing(item.item, item.points, judgements)
+    if judgement is None or (item.status is not ItemStatus.NEEDS_MANUAL and judgement.points == item.earned):
         return item
-    if found.points >= item.points:
+    if judgement.points >= item.points:
         status = ItemStatus.PASSED
     else:
-        status = ItemStatus.PARTIAL if found.points > 0.0 else ItemStatus.FAILED
-    return replace(item, earned=found.points, status=status)
+        status = ItemStatus.PARTIAL if judgement.points > 0.0 else ItemStatus.FAILED
+    return replace(item, earned=judgement.points, status=status)
 
 
 def _judged(item: RubricItem, score: ItemScore, judgements: Sequence[Judgement]) -> RubricItem:
     if score == score_of(item):
         return item
-    found = standing(item.id, item.points, judgements)
-    comment = "" if found is None else found.comment
+    judgement = standing(item.id, item.points, judgements)
+    comment = "" if judgement is None else judgement.comment
     message = Text(zh=comment, en=comment) if comment else _JUDGED
     if item.status is not ItemStatus.NEEDS_MANUAL:
         message = _corrected(written(item.earned), written(score.earned), comment)

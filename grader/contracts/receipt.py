@@ -48,7 +48,7 @@ class UploadReceipt:
         return f"{text}{_SIGNATURE}: {_signature(text, key)}\n"
 
     def _text(self) -> str:
-        lines = [f"{one.name}: {getattr(self, one.name)}" for one in fields(self)]
+        lines = [f"{field.name}: {getattr(self, field.name)}" for field in fields(self)]
         return "\n".join([_HEAD, *lines, ""])
 
 
@@ -58,7 +58,7 @@ def read_receipt(text: str, key: bytes) -> UploadReceipt | None:
     Empty lines and spaces around lines do not matter: mail programs add them.
     """
     lines = [line.strip() for line in text.lstrip("\ufeff").splitlines() if line.strip()]
-    names = [one.name for one in fields(UploadReceipt)]
+    names = [field.name for field in fields(UploadReceipt)]
     parts = [line.partition(":") for line in lines[1:]]
     if lines[:1] != [_HEAD] or [part[0] for part in parts] != [*names, _SIGNATURE]:
         return None

@@ -41,12 +41,12 @@ class _DataclassFields:
 
 @cache
 def _dataclass_fields(owner: Any) -> Mapping[str, dataclasses.Field[Any]]:
-    made = {}
+    values = {}
     for name in owner.__struct_fields__:
-        one = made[name] = dataclasses.field()
+        one = values[name] = dataclasses.field()
         one.name = name
         one._field_type = dataclasses._FIELD  # type: ignore[attr-defined] # told from ClassVar and InitVar by it
-    return made
+    return values
 
 
 if TYPE_CHECKING:  # mypy does not see that the options of `_RecordType` hold for every subclass

@@ -110,12 +110,12 @@ class Regrade:
     @property
     def gain(self) -> int:
         """How many submissions' scores rise."""
-        return sum(one.by > 0 for one in self.changes)
+        return sum(change.by > 0 for change in self.changes)
 
     @property
     def lose(self) -> int:
         """How many submissions' scores fall."""
-        return sum(one.by < 0 for one in self.changes)
+        return sum(change.by < 0 for change in self.changes)
 
     @property
     def changed(self) -> int:

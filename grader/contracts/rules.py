@@ -339,7 +339,7 @@ class Rules:
             )
 
     def _check_sections(self) -> None:
-        names = [one.section for one in self.by_section]
+        names = [rule.section for rule in self.by_section]
         if len(set(names)) < len(names):
             raise RuleError(
                 "by_section",
@@ -347,7 +347,7 @@ class Rules:
                 zh="by_section 里一个班级只能写一次。",
                 en="by_section must name a section once",
             )
-        if self.opens is not None and any(one.due <= self.opens for one in self.by_section):
+        if self.opens is not None and any(rule.due <= self.opens for rule in self.by_section):
             raise RuleError(
                 "by_section",
                 "order",
@@ -359,7 +359,7 @@ class Rules:
         """Return the rules as they hold for a student of `sections`; of several the latest due date counts."""
         if not self.by_section:
             return self
-        own = [one for one in self.by_section if one.section in sections]
+        own = [rule for rule in self.by_section if rule.section in sections]
         if not own:
             return replace(self, by_section=())
         latest = max(own, key=lambda rule: rule.due)
@@ -442,16 +442,18 @@ class Rules:
         Of attempts that keep the same score the first one counts; with ``last``, the last graded one.
         """
         graded = sorted(
-            (one for one in attempts if one.costs and one.score is not None),
+            (attempt for attempt in attempts if attempt.costs and attempt.score is not None),
             key=lambda one: (one.received_at, one.id),
         )
         if self.counts is Counts.BEST_BEFORE_DUE:
-            graded = [one for one in graded if self.late_s(extension, one.received_at) <= 0.0]
+            graded = [attempt for attempt in graded if self.late_s(extension, attempt.received_at) <= 0.0]
         if not graded:
             return None
         kept = [
-            Counted(attempt=one, score=self.kept_score(extension, one.score or 0.0, one.received_at))
-            for one in graded
+            Counted(
+                attempt=attempt, score=self.kept_score(extension, attempt.score or 0.0, attempt.received_at)
+            )
+            for attempt in graded
         ]
         return kept[-1] if self.counts is Counts.LAST else max(kept, key=lambda one: one.score)
 
@@ -461,7 +463,7 @@ class Rules:
         instants = [name for name, kind in kinds_of(Rules).items() if isinstance(kind, Instant)]
         dates = {name: date for name in instants if (date := getattr(self, name)) is not None}
         moved = {name: date.astimezone(zone) + later for name, date in dates.items()}
-        sections = [replace(one, due=one.due.astimezone(zone) + later) for one in self.by_section]
+        sections = [replace(rule, due=rule.due.astimezone(zone) + later) for rule in self.by_section]
         return replace(self, **moved, by_section=tuple(sections))
 
     def may_appeal_at(self, now: datetime) -> bool:

@@ -145,7 +145,7 @@ def _motion(trajectory: Trajectory) -> dict[str, object]:
         "jumps": list(trajectory.jumps),
         "contacts": [asdict(contact) for contact in trajectory.contacts],
         **_pictures(trajectory),
-        **({"sayings": [to_plain(each) for each in trajectory.sayings]} if trajectory.sayings else {}),
+        **({"sayings": [to_plain(saying) for saying in trajectory.sayings]} if trajectory.sayings else {}),
     }
 
 
@@ -170,7 +170,7 @@ def _read(document: dict[str, Any]) -> Trajectory:
             Picture(t_ns=t_ns, png=b64decode(png, validate=True))
             for t_ns, png in document.get("pictures", ())
         ),
-        sayings=tuple(Saying(**each) for each in document.get("sayings", ())),
+        sayings=tuple(Saying(**saying) for saying in document.get("sayings", ())),
         commanded=None,
         **floats,
     )
@@ -194,7 +194,7 @@ def _written(numbers: Sequence[object]) -> msgspec.Raw:
 
 
 def _pictures(trajectory: Trajectory) -> dict[str, object]:
-    pictures = [[each.t_ns, b64encode(each.png).decode("ascii")] for each in trajectory.pictures]
+    pictures = [[picture.t_ns, b64encode(picture.png).decode("ascii")] for picture in trajectory.pictures]
     return {"pictures": pictures} if pictures else {}
 
 

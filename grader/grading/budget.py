@@ -35,13 +35,13 @@ def outputs_within_budget(outputs: Iterable[CaseOutput]) -> tuple[CaseOutput, ..
     whole = tuple(outputs)
     share = REPORT_TEXT_BYTES // (2 * max(len(whole), 1))
     return tuple(
-        replace(one, stdout=_cut_stream(one.stdout, share), stderr=_cut_stream(one.stderr, share))
-        for one in whole
+        replace(output, stdout=_cut_stream(output.stdout, share), stderr=_cut_stream(output.stderr, share))
+        for output in whole
     )
 
 
 def _surely_fits(outcome: RunOutcome, share: int) -> bool:
-    errors = [one for one in (outcome.error, outcome.cleanup_error) if one is not None]
+    errors = [error for error in (outcome.error, outcome.cleanup_error) if error is not None]
     texts = chain(
         (outcome.stdout.text, outcome.stderr.text, outcome.detail),
         chain.from_iterable((error.type, error.message, error.traceback) for error in errors),
@@ -105,12 +105,14 @@ def _cut(outcome: RunOutcome, share: int) -> RunOutcome:
         "error": purse.error("error", outcome.error),
         "cleanup_error": purse.error("cleanup_error", outcome.cleanup_error),
         "detail": purse.text("detail", outcome.detail, share // 20),
-        "notes": purse.first("notes", outcome.notes, ((one.code, one.text) for one in outcome.notes)),
-        "nodes": purse.first("nodes", outcome.nodes, ((one,) for one in outcome.nodes)),
+        "notes": purse.first("notes", outcome.notes, ((note.code, note.text) for note in outcome.notes)),
+        "nodes": purse.first("nodes", outcome.nodes, ((node,) for node in outcome.nodes)),
         "endpoints": purse.first(
-            "endpoints", outcome.endpoints, ((one.node, one.name, one.type) for one in outcome.endpoints)
+            "endpoints",
+            outcome.endpoints,
+            ((endpoint.node, endpoint.name, endpoint.type) for endpoint in outcome.endpoints),
         ),
-        "logs": purse.first("logs", outcome.logs, ((one.name, one.message) for one in outcome.logs)),
+        "logs": purse.first("logs", outcome.logs, ((log.name, log.message) for log in outcome.logs)),
     }
     for name in ("stdout", "stderr"):
         stream: Stream = getattr(outcome, name)

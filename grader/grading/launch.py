@@ -58,11 +58,7 @@ def launch_ahead() -> None:
 
 
 def launch() -> Child:
-    """Return a process started ahead, or start one.
-
-    Raises:
-        OSError: it could not be started.
-    """
+    """Return a process started ahead, or start one. Raises OSError: it could not be started."""
     return _ahead.pop() if _ahead else _start()
 
 

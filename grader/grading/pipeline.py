@@ -138,11 +138,7 @@ class Pipeline:
             self._with_pybullet.close()
 
     def prepare(self, assignment: Assignment) -> None:
-        """Get ready to run another script of the same assignment.
-
-        Raises:
-            SandboxError: as `Sandbox.prepare`.
-        """
+        """Get ready to run another script of the same assignment. Raises as `Sandbox.prepare`."""
         self._sandbox_for(assignment).prepare(assignment.limits)
 
     def _sandbox_for(self, assignment: Assignment) -> Sandbox:
@@ -309,9 +305,9 @@ class Pipeline:
 
             link: Link = jail
             if on_progress is not None:
-                from grader.grading.telling import TellingLink
+                from grader.grading.progress import ProgressLink
 
-                link = TellingLink(jail, episode, on_progress, assignment.release)
+                link = ProgressLink(jail, episode, on_progress, assignment.release)
             result, report = episode.run(link, meanwhile, on_note, jail.take_turns), jail.close()
         if result.recorded is not None:
             from grader.grading.replaying import with_replay
@@ -390,12 +386,12 @@ def _told(runs: Sequence[Run], marks: "Marks") -> list[Run]:
     """Return the runs, with notes on both motions where one tells that commands waited for long."""
     from grader.checks.remarks import notes_of_both
 
-    told = list(runs)
+    remaining = list(runs)
     for i, run in enumerate(runs):
         if any(note.code == WAIT_NOTE for note in run.outcome.notes):
             notes = notes_of_both(run, as_commanded=marks.as_commanded)
-            told[i] = replace(run, outcome=replace(run.outcome, notes=(*run.outcome.notes, *notes)))
-    return told
+            remaining[i] = replace(run, outcome=replace(run.outcome, notes=(*run.outcome.notes, *notes)))
+    return remaining
 
 
 def _explained(assignment: Assignment, marks: "Marks") -> Scoring:

@@ -138,7 +138,7 @@ class PracticeRuns:
 
     def _ended(self, answer: "Future[GradingResult]") -> None:
         with self._lock:
-            self._under_way = [one for one in self._under_way if one.answer is not answer]
+            self._under_way = [run for run in self._under_way if run.answer is not answer]
 
     def _work(self) -> None:
         """Take runs one by one, with a grader that is made for the first and closed after `idle_s` without any."""

@@ -80,7 +80,7 @@ class Channel:
             OSError: the other end is closed, or (TimeoutError) did not take it within `budget_s`.
         """
         if blobs:
-            message = {**message, "blobs": [len(one) for one in blobs]}
+            message = {**message, "blobs": [len(blob) for blob in blobs]}
         data = json.dumps(message, ensure_ascii=False, default=to_plain).encode()
         view = memoryview(b"".join((len(data).to_bytes(_LENGTH_BYTES, "little"), data, *blobs)))
         deadline_s = _deadline(budget_s)
@@ -290,7 +290,7 @@ class Slot:
                 trajectories=dict(zip(answer["trajectories"], trajectories, strict=True)),
                 measurements=from_plain(Measurements, answer["measurements"]),
                 requests={
-                    case: tuple(from_plain(WorldRequest, one) for one in requests)
+                    case: tuple(from_plain(WorldRequest, request) for request in requests)
                     for case, requests in answer["requests"].items()
                 },
                 unmet=tuple(map(str, answer["unmet"])),
@@ -406,11 +406,7 @@ def _deadline(budget_s: float | None) -> float | None:
 
 
 def _wait(descriptor: int, event: int, deadline_s: float | None) -> None:
-    """Wait until `descriptor` is ready.
-
-    Raises:
-        TimeoutError: it was not by `deadline_s`.
-    """
+    """Wait until `descriptor` is ready. Raises TimeoutError: it was not by `deadline_s`."""
     poll = select.poll()
     poll.register(descriptor, event)
     left_ms = None if deadline_s is None else max(0.0, deadline_s - time.monotonic()) * 1e3

@@ -258,8 +258,8 @@ class Search:
         error = now.outcome.error
         if now.outcome.status is RunStatus.SYNTAX_ERROR and error is not None:
             return syntax_candidates(text, error)
-        seen = self._situation(text, now)
-        return iter(()) if seen is None else candidates(seen)
+        situation = self._situation(text, now)
+        return iter(()) if situation is None else candidates(situation)
 
     def _cause(self, text: str, now: Graded) -> StatedCause | None:
         seen = self._situation(text, now)
@@ -352,8 +352,8 @@ def _proven(candidate: Candidate, text: str, now: Graded, after: Graded) -> Prov
         code=candidate.proposal.code,
         text=_told(candidate.proposal, now.score, after.score),
         lines=tuple(
-            ChangedText(number=one.number, before=one.before, after=one.after)
-            for one in changed_lines(text, candidate.text)
+            ChangedText(number=line.number, before=line.before, after=line.after)
+            for line in changed_lines(text, candidate.text)
         ),
         before=now.score,
         after=after.score,

@@ -141,11 +141,7 @@ class _Program(ctypes.Structure):
 
 
 def read_filter(machine: str = MACHINE, directory: str = FILTER_DIRECTORY) -> bytes:
-    """Return the filter shipped for `machine`.
-
-    Raises:
-        OSError: there is none for this architecture.
-    """
+    """Return the filter shipped for `machine`. Raises OSError: there is none for this architecture."""
     with open(filter_path(machine, directory), "rb") as file:
         return file.read()
 

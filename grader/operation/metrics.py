@@ -199,12 +199,14 @@ def _queue(state: ServiceState) -> Iterable[Metric]:
 
 
 def _workers(workers: tuple[WorkerState, ...]) -> Iterable[Metric]:
-    ready = [one for one in workers if one.sandbox_ready and one.slots > 0]
+    ready = [worker for worker in workers if worker.sandbox_ready and worker.slots > 0]
     yield GaugeMetricFamily("grader_workers_alive", "Workers heard of lately.", value=len(workers))
     yield GaugeMetricFamily(
         "grader_sandbox_ready", "1 while some worker has a working sandbox.", value=int(bool(ready))
     )
     yield GaugeMetricFamily(
-        "grader_slots", "Gradings that can run at once.", value=sum(one.slots for one in ready)
+        "grader_slots", "Gradings that can run at once.", value=sum(worker.slots for worker in ready)
     )
-    yield GaugeMetricFamily("grader_slots_busy", "Gradings that run.", value=sum(one.busy for one in workers))
+    yield GaugeMetricFamily(
+        "grader_slots_busy", "Gradings that run.", value=sum(worker.busy for worker in workers)
+    )

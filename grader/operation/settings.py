@@ -334,7 +334,9 @@ def load(**overrides: Any) -> Settings:
         return Settings(**{name: value for name, value in overrides.items() if value is not None})
     except ValidationError as error:
         problems = error.errors()
-        en, zh = ("\n".join(_sentence(one, language) for one in problems) for language in ("en", "zh"))
+        en, zh = (
+            "\n".join(_sentence(problem, language) for problem in problems) for language in ("en", "zh")
+        )
         raise SettingsError(en, zh) from None
 
 

@@ -15,7 +15,7 @@ _LONGEST_LOG_LINES = 20
 
 def without_logs(stream: Stream, logs: Sequence[LogRecord]) -> Stream:
     """Return captured output without the log messages that are shown by themselves."""
-    shown = {(one.level_name, one.name, *one.message.split("\n")) for one in logs}
+    shown = {(log.level_name, log.name, *log.message.split("\n")) for log in logs}
     lines = stream.text.split("\n")
     kept, at = [], 0
     while at < len(lines):

@@ -104,8 +104,8 @@ class Film:
         return Text(("\n" if lines > 1 else "  ").join(values), overflow="ellipsis", no_wrap=lines == 1)
 
     def _log(self, t_ns: int, most: int) -> Iterator[Text]:
-        said = [record for record in self._logs if record.t_ns <= t_ns]
-        for record in said[-max(most, 1) :]:
+        records = [record for record in self._logs if record.t_ns <= t_ns]
+        for record in records[-max(most, 1) :]:
             line = f"{record.t_ns * _NANO:.2f} [{record.level_name}] {visible_line(record.message, 200)}"
             yield Text(line, overflow="ellipsis", no_wrap=True)
 

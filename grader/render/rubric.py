@@ -30,9 +30,9 @@ def render_list(assignments: Sequence[Assignment], *, language: Language) -> Ren
     table.add_column("id", no_wrap=True)
     table.add_column(word("assignment", language), ratio=1)
     table.add_column(word("worth_points", language), justify="right", no_wrap=True)
-    for one in assignments:
-        title = Prose(visible_line(one.title.get(language)))
-        table.add_row(one.id, title, quantity.points(one.max_score))
+    for assignment in assignments:
+        title = Prose(visible_line(assignment.title.get(language)))
+        table.add_row(assignment.id, title, quantity.points(assignment.max_score))
     return table
 
 

@@ -37,7 +37,7 @@ def steps(report: GradeReport, explanation: Explanation, level: Hints) -> tuple[
     items, cause = {item.id: item for item in report.items}, explanation.cause
     if not explanation.changes and cause is not None and level is not Hints.FACT:
         return (HintStep(fact=cause.text),)
-    return tuple(_step(one, items, level) for one in explanation.changes)
+    return tuple(_step(change, items, level) for change in explanation.changes)
 
 
 def _step(change: ProvenChange, items: Mapping[str, RubricItem], level: Hints) -> HintStep:
@@ -87,15 +87,15 @@ def told(report: GradeReport, explanation: Explanation, level: Hints, own: Mappi
 
     Below `Hints.CHANGE` everything else that says what to do is left out.
     """
-    found = steps(report, explanation, level)
-    if level is Hints.CHANGE and not found:
+    explained = steps(report, explanation, level)
+    if level is Hints.CHANGE and not explained:
         return report
     gains = {id_ for change in explanation.changes for id_ in change.gains}
     items = tuple(
         replace(item, hint=own.get(item.id, EMPTY)) if level is not Hints.CHANGE or item.id in gains else item
         for item in report.items
     )
-    said = dict.fromkeys((*own.values(), *(_next(step) for step in found)))
+    said = dict.fromkeys((*own.values(), *(_next(step) for step in explained)))
     hint = Text(zh="\n".join(one.zh for one in said), en="\n".join(one.en for one in said))
     if level is not Hints.CHANGE:
         return replace(report, items=items, hint=hint, mistakes=())

@@ -20,8 +20,8 @@ _LABELS: Final = 2  # sayings of a lane that are written out: the first one, and
 def _lanes(scene: Scene) -> dict[str, list[Saying]]:
     """Return what was said by topic, service or action, in the order in which they first occur."""
     lanes: dict[str, list[Saying]] = {}
-    for each in scene.trajectory.sayings if scene.trajectory is not None else ():
-        lanes.setdefault(each.name, []).append(each)
+    for saying in scene.trajectory.sayings if scene.trajectory is not None else ():
+        lanes.setdefault(saying.name, []).append(saying)
     return dict(list(lanes.items())[:_MOST_LANES])
 
 
@@ -44,21 +44,21 @@ def draw_talk(axes: Axes, scene: Scene) -> None:
     axes.tick_params(axis="y", length=0)
     for i, said in enumerate(lanes.values()):
         axes.axhline(-i, color=palette.FAINT, lw=0.8, zorder=1)
-        for each in said:
-            _mark(axes, each, -i)
+        for saying in said:
+            _mark(axes, saying, -i)
         _label(axes, said, -i, end_s)
 
 
-def _mark(axes: Axes, said: Saying, y: float) -> None:
-    at_s = said.t_ns * _NANO
-    if said.way in ("in", "out"):
-        marker, colour = ("v", palette.COMMAND) if said.way == "in" else ("o", palette.PASSED)
+def _mark(axes: Axes, saying: Saying, y: float) -> None:
+    at_s = saying.t_ns * _NANO
+    if saying.way in ("in", "out"):
+        marker, colour = ("v", palette.COMMAND) if saying.way == "in" else ("o", palette.PASSED)
         axes.plot([at_s], [y], marker, color=colour, ms=6, mec="white", mew=0.6, zorder=4)
-    elif said.until_ns is None:
+    elif saying.until_ns is None:
         axes.plot([at_s], [y], "X", color=palette.FAILED, ms=8, mec="white", zorder=4)
     else:
-        colour = palette.COMMAND if said.way == "call" else palette.PASSED
-        until_s = said.until_ns * _NANO
+        colour = palette.COMMAND if saying.way == "call" else palette.PASSED
+        until_s = saying.until_ns * _NANO
         axes.annotate(
             "", xy=(until_s, y), xytext=(at_s, y), zorder=3,
             arrowprops={"arrowstyle": "->", "color": colour, "lw": 1.6, "shrinkA": 0, "shrinkB": 0},
@@ -68,10 +68,10 @@ def _mark(axes: Axes, said: Saying, y: float) -> None:
 
 def _label(axes: Axes, said: Sequence[Saying], y: float, end_s: float) -> None:
     silent = [each for each in said if each.way in ("call", "ask") and each.until_ns is None]
-    for each in list(dict.fromkeys([said[0], *silent[:1]]))[:_LABELS]:
-        at_s = each.t_ns * _NANO
+    for saying in list(dict.fromkeys([said[0], *silent[:1]]))[:_LABELS]:
+        at_s = saying.t_ns * _NANO
         left = at_s < 0.5 * end_s
         axes.annotate(
-            clipped(drawable(each.text), _TEXT_COLUMNS), xy=(at_s, y), xytext=(0, 9), textcoords="offset points",
+            clipped(drawable(saying.text), _TEXT_COLUMNS), xy=(at_s, y), xytext=(0, 9), textcoords="offset points",
             va="bottom", ha="left" if left else "right", fontsize=9.0, color=palette.INK, zorder=5,
         )  # fmt: skip

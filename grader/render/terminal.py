@@ -189,9 +189,9 @@ def _next_steps(report: GradeReport, language: Language) -> Iterator[RenderableT
         ("", report.hint),
         *((item.id.rpartition("/")[2], item.hint) for item in report.items),
     ):
-        said = visible(hint.get(language))
-        if said and said not in hints.values():
-            hints.setdefault(name, said)
+        line = visible(hint.get(language))
+        if line and line not in hints.values():
+            hints.setdefault(name, line)
     if hints:
         yield next_steps(hints.values(), language)
 

@@ -84,11 +84,11 @@ def _events(
 
 def _sayings(track: Trajectory, language: Language) -> Iterator[TimelineEntry]:
     """Yield what was said: to the script with an arrow to the right, by it with one to the left."""
-    for each in track.sayings:
-        arrow = "←" if each.way in ("out", "ask") else "→"
-        text = f"{arrow} {visible_line(each.name, 80)}  {visible_line(each.text, 200)}"
-        if each.way in ("call", "ask"):
-            took_ns = None if each.until_ns is None else each.until_ns - each.t_ns
+    for saying in track.sayings:
+        arrow = "←" if saying.way in ("out", "ask") else "→"
+        text = f"{arrow} {visible_line(saying.name, 80)}  {visible_line(saying.text, 200)}"
+        if saying.way in ("call", "ask"):
+            took_ns = None if saying.until_ns is None else saying.until_ns - saying.t_ns
             told = word("no_answer", language)
             if took_ns is not None:
                 told = word(
@@ -96,7 +96,7 @@ def _sayings(track: Trajectory, language: Language) -> Iterator[TimelineEntry]:
                 )
             text += f"  {told}"
         yield TimelineEntry(
-            each.t_ns, text, "green" if arrow == "←" else "blue", may_repeat=each.way == "out"
+            saying.t_ns, text, "green" if arrow == "←" else "blue", may_repeat=saying.way == "out"
         )
 
 

@@ -197,13 +197,13 @@ def _store(settings: Settings, who: str, connections: int, others: int) -> Itera
 
     `connections`: most of its own; `others`: that will be opened besides.
     """
-    database = Database(settings.database_url, connections)
-    try:
-        with up_to_date(database, who, wait=True), checkpoints(database):
-            check_room(database, connections + others)
-            yield database
-    finally:
-        database.close()
+    with (
+        closing(Database(settings.database_url, connections)) as database,
+        up_to_date(database, who, wait=True),
+        checkpoints(database),
+    ):
+        check_room(database, connections + others)
+        yield database
 
 
 @contextmanager

@@ -66,11 +66,7 @@ class _Message(NamedTuple):
 
 
 def bag(run: BagContents) -> bytes:
-    """Return the file.
-
-    Raises:
-        RefusedError: the package ``mcap`` is not installed.
-    """
+    """Return the file. Raises RefusedError: the package ``mcap`` is not installed."""
     try:
         from mcap.writer import CompressionType, Writer
     except ImportError as error:

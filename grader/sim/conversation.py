@@ -30,19 +30,8 @@ from grader.contracts.conversation import (
 )
 from grader.contracts.errors import AssignmentError, ProtocolError
 from grader.contracts.formula import FormulaError, formula
+from grader.sim import frames
 from grader.sim.cdr import decode, encode
-from grader.sim.frames import (
-    CLIENT,
-    NODE,
-    PUBLISHER,
-    REQUEST_EVENT,
-    SERVICE,
-    SUBSCRIPTION,
-    Entity,
-    Event,
-    Request,
-    Response,
-)
 from grader.sim.interfaces import with_interfaces
 from grader.sim.script_graph import ScriptGraph
 from grader.sim.simulated_world import SimulatedWorld
@@ -60,11 +49,11 @@ EVENTS: Final = ("/parameter_events", "rcl_interfaces/msg/ParameterEvent")
 _FRAMES: Final = {"/tf": "tf2_msgs/msg/TFMessage", "/tf_static": "tf2_msgs/msg/TFMessage"}
 _STATES: Final = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED", "ABORTED")
 _PARTIES: Final[Mapping[int, PartyKind]] = {
-    NODE: "node",
-    PUBLISHER: "publisher",
-    SUBSCRIPTION: "subscription",
-    SERVICE: "service",
-    CLIENT: "client",
+    frames.NODE: "node",
+    frames.PUBLISHER: "publisher",
+    frames.SUBSCRIPTION: "subscription",
+    frames.SERVICE: "service",
+    frames.CLIENT: "client",
 }
 _PARAMETERS: Final = {
     name: f"rcl_interfaces/srv/{kind}"
@@ -166,21 +155,21 @@ class Talk:
         self._later: list[
             tuple[int, int, str]
         ] = []  # when which exchange is cancelled, or which request answered
-        self._waiting: list[tuple[int, Event]] = []
+        self._waiting: list[tuple[int, frames.Event]] = []
         self._served: list[Served] = []
         self._parties: dict[int, Party] = {}
         self._sampled_ns = -SAMPLE_NS
 
     def _look_at(self, expectations: Iterable[Expectation]) -> None:
-        for one in expectations:
-            if one.kind == "topic" and one.type:
-                self._heard.setdefault((one.target, one.type), _Heard(one.type))
-            elif one.kind == "frame":
+        for expectation in expectations:
+            if expectation.kind == "topic" and expectation.type:
+                self._heard.setdefault((expectation.target, expectation.type), _Heard(expectation.type))
+            elif expectation.kind == "frame":
                 for topic, kind in _FRAMES.items():
                     self._heard.setdefault((topic, kind), _Heard(kind))
-            elif one.kind == "parameter" and not one.step:
+            elif expectation.kind == "parameter" and not expectation.step:
                 self._heard.setdefault(EVENTS, _Heard(EVENTS[1]))
-            if one.kind in ("turtle", "frame") or _OF_TURTLES.search(str(one)):
+            if expectation.kind in ("turtle", "frame") or _OF_TURTLES.search(str(expectation)):
                 self._turtles.setdefault("", [])
         for course in self._courses:
             if course.step.kind == "goal":
@@ -225,7 +214,7 @@ class Talk:
     def add_to(self, world: dict[str, Any]) -> None:
         """Add to START's ``world`` what the conversation publishes, hears, calls and serves."""
         qos = world.setdefault("qos", {})
-        world["listens"] = [list(each) for each in self._heard]
+        world["listens"] = [list(party) for party in self._heard]
         calls = world.setdefault("calls", [])
         for step in (course.step for course in self._courses):
             if step.kind == "publish" and self._world.type_of(step.target) is None:
@@ -238,7 +227,7 @@ class Talk:
 
     # What the script does.
 
-    def meet(self, entity: Entity) -> None:
+    def meet(self, entity: frames.Entity) -> None:
         """Take a new entity of the script, and connect it."""
         self._parties[entity.id] = Party(
             id=entity.id,
@@ -251,16 +240,16 @@ class Talk:
             depth=entity.depth,
             since_ns=entity.t_ns,
         )
-        if entity.what == SUBSCRIPTION:
+        if entity.what == frames.SUBSCRIPTION:
             for course in self._courses:
                 if self._reaches(course.step, entity):
                     self._world.outbox.subscribe(entity.name, entity.id)
                     if course.kept is not None and entity.transient_local:
-                        kept = Event(1, entity.id, 0, entity.t_ns, course.kept)
+                        kept = frames.Event(1, entity.id, 0, entity.t_ns, course.kept)
                         self._world.outbox.add(kept)
                     break
 
-    def _reaches(self, step: Step, entity: Entity) -> bool:
+    def _reaches(self, step: Step, entity: frames.Entity) -> bool:
         """Whether a subscription hears what a step publishes; not what the world publishes itself."""
         return (
             step.kind == "publish"
@@ -275,13 +264,13 @@ class Talk:
         if identity in self._parties:
             self._parties[identity] = replace(self._parties[identity], until_ns=t_ns)
 
-    def hear(self, entity: Entity, times_ns: Sequence[int], payload: bytes) -> None:
+    def hear(self, entity: frames.Entity, times_ns: Sequence[int], payload: bytes) -> None:
         """Take a message that the script published once or several times in a row."""
         heard = self._heard.get((entity.name, entity.type))
         if heard is not None:
             heard.take(times_ns, payload, entity.id)
 
-    def request(self, client: Entity, frame: Request) -> bool:
+    def request(self, client: frames.Entity, frame: frames.Request) -> bool:
         """Take a request to a service that a step offers; false if there is none.
 
         A request for which the answer's formula has no value is never answered.
@@ -303,10 +292,10 @@ class Talk:
         self._served.append(
             Served(step=step.id, t_ns=frame.t_ns, values=asked, answered_ns=due_ns, answer=answer)
         )
-        self._waiting.append((due_ns, Event(2, frame.id, frame.sequence, due_ns, payload)))
+        self._waiting.append((due_ns, frames.Event(2, frame.id, frame.sequence, due_ns, payload)))
         return True
 
-    def answer(self, response: Response) -> None:
+    def answer(self, response: frames.Response) -> None:
         """Take the script's answer to a request.
 
         Raises:
@@ -371,18 +360,18 @@ class Talk:
             for course in self._courses
             if course.sent < len(course.payloads) and self._meets(course)
         ]
-        due += [each[0] for each in self._later]
-        due += [each[0] for each in self._waiting]
+        due += [entry[0] for entry in self._later]
+        due += [entry[0] for entry in self._waiting]
         if self._turtles:
             due.append(self._sampled_ns + SAMPLE_NS)
         return min(due, default=None)
 
     def run(self, t_ns: int) -> None:
         """Do what is due at `t_ns`; the world has been advanced until then."""
-        for due_ns, event in [each for each in self._waiting if each[0] <= t_ns]:
+        for due_ns, event in [entry for entry in self._waiting if entry[0] <= t_ns]:
             self._waiting.remove((due_ns, event))
             self._world.outbox.add(event)
-        for each in [each for each in self._later if each[0] <= t_ns]:
+        for each in [entry for entry in self._later if entry[0] <= t_ns]:
             self._later.remove(each)
             if not self._exchanges[each[1]].status:
                 self._change(each[1], cancelled_ns=t_ns)
@@ -439,7 +428,7 @@ class Talk:
             return
         self._sequence += 1
         self._asked[self._sequence] = _Asked(index, what, name)
-        self._world.outbox.add(Event(REQUEST_EVENT, identity, self._sequence, t_ns, payload))
+        self._world.outbox.add(frames.Event(frames.REQUEST_EVENT, identity, self._sequence, t_ns, payload))
 
     # What came of it.
 
@@ -451,7 +440,7 @@ class Talk:
             heard[topic] = (*heard.get(topic, ()), *self._messages(each))
             lost[topic] = lost.get(topic, 0) + each.lost
         return Conversation(
-            exchanges=tuple(self._with_feedback(each, heard) for each in self._exchanges),
+            exchanges=tuple(self._with_feedback(exchange, heard) for exchange in self._exchanges),
             heard={topic: messages for topic, messages in heard.items() if "/_action/" not in topic},
             lost={topic: count for topic, count in lost.items() if count},
             parties=tuple(self._parties.values()),
@@ -470,14 +459,14 @@ class Talk:
         ]
 
     def _with_feedback(self, exchange: Sent, heard: Mapping[str, tuple[Message, ...]]) -> Sent:
-        course = next(each for each in self._courses if each.step.id == exchange.step)
+        course = next(other for other in self._courses if other.step.id == exchange.step)
         if course.step.kind != "goal":
             return exchange
         uuid = _uuid(exchange.step, exchange.n)
         feedback = [
-            Message(each.t_ns, each.values["feedback"], each.party)
-            for each in heard.get(f"{course.step.target}/_action/feedback", ())
-            if each.values is not None and each.values["goal_id"]["uuid"] == uuid
+            Message(message.t_ns, message.values["feedback"], message.party)
+            for message in heard.get(f"{course.step.target}/_action/feedback", ())
+            if message.values is not None and message.values["goal_id"]["uuid"] == uuid
         ]
         return replace(exchange, feedback=tuple(feedback))
 
@@ -489,7 +478,7 @@ class Talk:
             return None
 
     def _step_of(self, index: int) -> Step:
-        return next(each.step for each in self._courses if each.step.id == self._exchanges[index].step)
+        return next(course.step for course in self._courses if course.step.id == self._exchanges[index].step)
 
     def _change(self, index: int, **fields: Any) -> None:
         self._exchanges[index] = replace(self._exchanges[index], **fields)
@@ -534,7 +523,7 @@ def computed(values: Any, names: Mapping[str, Any], source: Random, step: str) -
     if isinstance(values, dict):
         return {name: computed(each, names, source, step) for name, each in values.items()}
     if isinstance(values, list | tuple):
-        return [computed(each, names, source, step) for each in values]
+        return [computed(value, names, source, step) for value in values]
     if not isinstance(values, str) or not values.startswith(FORMULA_MARK):
         return values
     try:

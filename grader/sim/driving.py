@@ -68,11 +68,7 @@ class Car:
     """
 
     def __init__(self, *, has_body: bool = True) -> None:
-        """Make the car, and the world of its body.
-
-        Raises:
-            InfrastructureError: PyBullet failed.
-        """
+        """Make the car, and the world of its body. Raises InfrastructureError: PyBullet failed."""
         self._body = _body() if has_body else None
         self._walls = False
         self._rough: RoughDrive | None = None

@@ -14,37 +14,11 @@ from grader.contracts.grading import WorldRequest
 from grader.contracts.outcome import Endpoint, LogRecord, Note
 from grader.contracts.record import Record
 from grader.contracts.trajectory import Trajectory
+from grader.sim import frames
 from grader.sim.car import NS_PER_S, UPDATE_NS, UPDATE_S
 from grader.sim.cdr import HEADER
 from grader.sim.cdr import decode as read
 from grader.sim.driving import Car
-from grader.sim.frames import (
-    CLIENT,
-    INTERRUPTED_NOTE,
-    LEDGER,
-    PUBLISHER,
-    SERVICE,
-    STARTED_NOTE,
-    SUBSCRIPTION,
-    SYNTAX_ERROR,
-    THREADS_NOTE,
-    TREE,
-    Advance,
-    CallsFrame,
-    CarState,
-    Entity,
-    Exit,
-    Facts,
-    Frame,
-    Gone,
-    Link,
-    NoteFrame,
-    Publish,
-    RareFrame,
-    Repeat,
-    Request,
-    Response,
-)
 from grader.sim.recorder import LOG, Journal, ReceivedCommands, Recorder
 from grader.sim.script_graph import ScriptGraph
 from grader.sim.simulated_world import SimulatedWorld
@@ -130,7 +104,7 @@ class EpisodeResult(Record):
     """
 
     trajectory: Trajectory
-    exit: Exit | None
+    exit: frames.Exit | None
     violation: str | None
     duration_ns: int
     nodes: tuple[str, ...]
@@ -176,14 +150,15 @@ class Episode:
         self._journal = Journal()
         self._talk = _talk(spec, self._world, self._graph) if spec.said or spec.expectations else None
         self._sinks: dict[int, Callable[[Sequence[int], bytes], None]] = {}
-        self._published: Publish | None = None  # the last one, as long as only its REPEATs have followed
+        # the last one, as long as only its REPEATs have followed
+        self._published: frames.Publish | None = None
         self._now_ns = 0
         self._requests: list[WorldRequest] = []
         self._in_turn_ns: int | None = None  # of the last ADVANCE, while script and world take turns
-        self._exit: Exit | None = None
+        self._exit: frames.Exit | None = None
         self._has_started = False
         self._may_have_run = False
-        self._facts = {TREE: b"", LEDGER: b""}
+        self._facts = {frames.TREE: b"", frames.LEDGER: b""}
 
     @property
     def now_ns(self) -> int:
@@ -192,7 +167,7 @@ class Episode:
 
     def run(
         self,
-        link: Link,
+        link: frames.Link,
         meanwhile: Callable[[], None] = lambda: None,
         on_note: Callable[[str], None] = lambda code: None,
         take_turns: Callable[[bool], None] = lambda in_turns: None,
@@ -237,7 +212,7 @@ class Episode:
             "distro": spec.distro,
             "output_bytes": spec.output_bytes,
             "steps": spec.steps,
-            "interfaces": [each.lines for each in spec.interfaces],
+            "interfaces": [interface.lines for interface in spec.interfaces],
             "world": self._start_world(),
         }
 
@@ -255,57 +230,57 @@ class Episode:
             return int.from_bytes(hashlib.sha256(self._spec.source).digest()[:4], "big")
         return self._spec.world.seed
 
-    def _take(self, frame: Frame, link: Link) -> None:
+    def _take(self, frame: frames.Frame, link: frames.Link) -> None:
         """Act on one frame; its time must not be earlier than that of the one before."""
-        if isinstance(frame, Publish):
+        if isinstance(frame, frames.Publish):
             self._published = frame
             self._publish(*frame)
-        elif isinstance(frame, Repeat):
+        elif isinstance(frame, frames.Repeat):
             self._repeat(frame)
         else:
             self._published = None
             self._take_other(frame, link)
 
-    def _take_other(self, frame: RareFrame, link: Link) -> None:
-        if isinstance(frame, NoteFrame):
+    def _take_other(self, frame: frames.RareFrame, link: frames.Link) -> None:
+        if isinstance(frame, frames.NoteFrame):
             self._note(frame)
-        elif isinstance(frame, Advance):
+        elif isinstance(frame, frames.Advance):
             self._check_time(frame.t_ns)
             self._advance(frame, link)
-        elif isinstance(frame, CallsFrame):
+        elif isinstance(frame, frames.CallsFrame):
             self._take_calls(frame)
-        elif isinstance(frame, Facts):
+        elif isinstance(frame, frames.Facts):
             self._take_facts(frame)
         else:
             self._pass_time(frame.t_ns)
-            if isinstance(frame, Exit):
+            if isinstance(frame, frames.Exit):
                 # A syntax error costs no attempt, so a script that has run must not be able to claim one.
-                if frame.reason == SYNTAX_ERROR and self._has_started:
+                if frame.reason == frames.SYNTAX_ERROR and self._has_started:
                     raise ProtocolError("EXIT.reason is a syntax error, but the script had started")
                 self._exit = frame
             elif frame.t_ns <= self._spec.horizon_ns:
                 self._graph_change(frame)
 
-    def _note(self, frame: NoteFrame) -> None:
-        if frame.code == STARTED_NOTE:  # from now on, frames may be the script's own
+    def _note(self, frame: frames.NoteFrame) -> None:
+        if frame.code == frames.STARTED_NOTE:  # from now on, frames may be the script's own
             self._may_have_run = True
             return
         self._on_note(frame.code)
-        if frame.code == THREADS_NOTE:  # says nothing of how the script drives
+        if frame.code == frames.THREADS_NOTE:  # says nothing of how the script drives
             return
         better = Note(code="sensor_qos", text=frame.text)  # the script cannot tell a sensor from other topics
         if frame.code != "incompatible_qos" or better not in self._journal.notes:
             self._journal.note(frame.code, frame.text)
 
-    def _take_calls(self, frame: CallsFrame) -> None:
+    def _take_calls(self, frame: frames.CallsFrame) -> None:
         self._pass_time(frame.t_ns)
         if self._bullet is None:
             raise ProtocolError("CALLS came in a world without PyBullet")
         self._bullet.take(frame.recorded)
 
-    def _take_facts(self, frame: Facts) -> None:
+    def _take_facts(self, frame: frames.Facts) -> None:
         """Keep a piece of the tree, until the script runs, or of the ledger."""
-        if not self._spec.facts or (frame.what == TREE and self._may_have_run):
+        if not self._spec.facts or (frame.what == frames.TREE and self._may_have_run):
             raise ProtocolError("FACTS.what came where nobody asked for it")
         self._facts[frame.what] += frame.piece
         if len(self._facts[frame.what]) > MAX_FACTS_BYTES:
@@ -315,13 +290,13 @@ class Episode:
         self._pass_time(t_ns)
         if t_ns > self._now_ns:  # beyond the horizon
             return
-        entity = self._graph.get(identity, PUBLISHER)
+        entity = self._graph.get(identity, frames.PUBLISHER)
         if self._talk is not None:
             self._talk.hear(entity, (t_ns,), payload)
         if sink := self._sinks.get(identity):
             sink((t_ns,), payload)
 
-    def _repeat(self, frame: Repeat) -> None:
+    def _repeat(self, frame: frames.Repeat) -> None:
         """Take a message that was published again and again, with nothing else between."""
         identity, times_ns = frame
         if self._published is None or self._published.id != identity:
@@ -333,7 +308,7 @@ class Episode:
         self._pass_time(times_ns[-1])
         if not (taken := _up_to(self._spec.horizon_ns, times_ns)):
             return
-        entity = self._graph.get(identity, PUBLISHER, uses=len(taken))
+        entity = self._graph.get(identity, frames.PUBLISHER, uses=len(taken))
         if self._talk is not None:
             self._talk.hear(entity, taken, payload)
         if sink := self._sinks.get(identity):
@@ -364,28 +339,28 @@ class Episode:
         if t_ns < self._now_ns:
             raise ProtocolError(f"time went back from {self._now_ns} to {t_ns} ns")
 
-    def _graph_change(self, frame: Entity | Gone | Request | Response) -> None:
+    def _graph_change(self, frame: frames.Entity | frames.Gone | frames.Request | frames.Response) -> None:
         self._world.take_back(frame.t_ns)
-        if isinstance(frame, Entity):
+        if isinstance(frame, frames.Entity):
             self._graph.add(frame)
             self._connect(frame)
             if self._talk is not None:
                 self._talk.meet(frame)
-        elif isinstance(frame, Gone):
+        elif isinstance(frame, frames.Gone):
             self._graph.remove(frame.id)
             if self._talk is not None:
                 self._talk.part(frame.id, frame.t_ns)
             self._sinks.pop(frame.id, None)
             self._world.outbox.unsubscribe(frame.id)
-        elif isinstance(frame, Request):
-            self._request(self._graph.get(frame.id, CLIENT), frame)
+        elif isinstance(frame, frames.Request):
+            self._request(self._graph.get(frame.id, frames.CLIENT), frame)
         else:
-            self._graph.get(frame.id, SERVICE)
+            self._graph.get(frame.id, frames.SERVICE)
             if self._talk is None:
                 raise ProtocolError(f"RESPONSE.sequence {frame.sequence} was never asked")
             self._talk.answer(frame)
 
-    def _request(self, client: Entity, frame: Request) -> None:
+    def _request(self, client: frames.Entity, frame: frames.Request) -> None:
         """Hand a request to the world, if it offers the service."""
         if self._talk is not None and self._talk.request(client, frame):
             return
@@ -398,19 +373,23 @@ class Episode:
         if not self._world.request(client.name, frame):
             self._journal.note("too_many_requests", client.name)
 
-    def _connect(self, entity: Entity) -> None:
+    def _connect(self, entity: frames.Entity) -> None:
         """Connect a publisher or subscription with the world where topic, type and QoS agree."""
-        if (entity.what, entity.name, entity.type) == (PUBLISHER, ROSOUT, LOG):
+        if (entity.what, entity.name, entity.type) == (frames.PUBLISHER, ROSOUT, LOG):
             self._sinks[entity.id] = self._log
             return
-        kind = self._world.type_of(entity.name) if entity.what in (PUBLISHER, SUBSCRIPTION) else None
-        if kind is None or (kind == TWIST) != (entity.what == PUBLISHER):
+        kind = (
+            self._world.type_of(entity.name)
+            if entity.what in (frames.PUBLISHER, frames.SUBSCRIPTION)
+            else None
+        )
+        if kind is None or (kind == TWIST) != (entity.what == frames.PUBLISHER):
             return
         if entity.type != kind:
             self._journal.note("type_mismatch", entity.name)
-        elif entity.what == PUBLISHER and entity.reliable:
+        elif entity.what == frames.PUBLISHER and entity.reliable:
             self._sinks[entity.id] = partial(self._command, entity.name)
-        elif entity.what == PUBLISHER:
+        elif entity.what == frames.PUBLISHER:
             self._journal.note("incompatible_qos", entity.name)
         elif (note := self._world.qos_note(entity)) is not None:
             self._journal.note(note, entity.name)
@@ -440,7 +419,7 @@ class Episode:
         _, x, y, _, _, _, turn = _TWIST.unpack(payload)
         self._world.command(topic, times_ns, x, y, turn)
 
-    def _advance(self, frame: Advance, link: Link) -> None:
+    def _advance(self, frame: frames.Advance, link: frames.Link) -> None:
         """Answer ADVANCE: run to the first instant at which something is due, or as far as is asked."""
         outbox, t_ns = self._world.outbox, frame.t_ns
         self._world.take_back(self._now_ns)
@@ -463,7 +442,7 @@ class Episode:
             self._in_turn_ns = self._now_ns
         link.send(encode_events(self._now_ns, quiet_ns, events, car))
 
-    def _let_reckon(self) -> CarState | None:
+    def _let_reckon(self) -> frames.CarState | None:
         """Return what the script needs to compute the poses itself; None if anything else may become due."""
         must_ask = self._talk is not None or len(self._sinks) > MAX_DRIVERS
         car = None if must_ask else self._world.let_reckon()
@@ -490,13 +469,15 @@ class Episode:
 
     def _finish(self, violation: str | None) -> EpisodeResult:
         received, journal = self._world.received, self._journal
-        noted = any(note.code == INTERRUPTED_NOTE for note in journal.notes)
+        noted = any(note.code == frames.INTERRUPTED_NOTE for note in journal.notes)
         if noted if self._exit is None else self._exit.after_interrupt:
             self._now_ns = self._spec.horizon_ns  # Ctrl+C comes there, whenever a script says it came
         end_ns, violation = self._come_to_rest(violation)
         self._world.finish(end_ns)
         conversation = None if self._talk is None else self._talk.result()
-        said = () if conversation is None else sayings(conversation, {one.id: one for one in self._spec.said})
+        said = (
+            () if conversation is None else sayings(conversation, {step.id: step for step in self._spec.said})
+        )
         trajectory = self._recorder.finish(end_ns)
         commanded = self._world.as_commanded(trajectory)
         trajectory = replace(trajectory, sayings=said, commanded=commanded)
@@ -520,8 +501,8 @@ class Episode:
             most_steps=self._spec.steps,
             requests=tuple(self._requests),
             recorded=None if self._bullet is None else self._bullet.calls,
-            tree=self._facts[TREE],
-            ledger=self._facts[LEDGER],
+            tree=self._facts[frames.TREE],
+            ledger=self._facts[frames.LEDGER],
             heard=self._has_started,
         )
 
@@ -576,7 +557,7 @@ def _seen_in(received: ReceivedCommands, trajectory: Trajectory) -> Iterator[str
     """Yield the codes of the notes on commands that the car could not, or hardly, follow."""
     if received.lateral:
         yield "lateral_command"
-    if received.motions and not any(each.v_mps or each.w_radps for each in trajectory.commands):
+    if received.motions and not any(command.v_mps or command.w_radps for command in trajectory.commands):
         yield "stopped_at_once"
     if received.contested >= _CONTESTED:
         yield "contested"

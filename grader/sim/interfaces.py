@@ -47,7 +47,7 @@ def ros_types() -> Types:
 
 def with_interfaces(own: Iterable[InterfaceDefinition]) -> Types:
     """Return the types that an assignment's calls may have: its own interfaces, and all of ROS's."""
-    lines = [each.lines for each in own]
+    lines = [interface.lines for interface in own]
     return Types((*standard_entries(), *lines)) if lines else ros_types()
 
 
@@ -76,5 +76,5 @@ def _ros_type(idl: str) -> str:
 def _plain(value: Any) -> Any:
     """Return a default as plain data; an octet is a number."""
     if isinstance(value, list):
-        return [_plain(each) for each in value]
+        return [_plain(element) for element in value]
     return value[0] if isinstance(value, bytes) else value

@@ -13,16 +13,10 @@ class PybulletWorld(SimulatedWorld):
     """
 
     def __init__(self, recorder: Recorder, horizon_ns: int) -> None:
-        super().__init__()
-        self._received = ReceivedCommands(recorder)
+        super().__init__(ReceivedCommands(recorder))  # none come: there is no car
         self.calls = RecordedCalls()
         self._recorder = recorder
         self._horizon_ns = horizon_ns
-
-    @property
-    def received(self) -> ReceivedCommands:
-        """No commands: there is no car."""
-        return self._received
 
     @property
     def steps_run(self) -> int:

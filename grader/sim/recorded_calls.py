@@ -240,11 +240,7 @@ class RecordedCalls:
         self._is_over = False  # by a reset or disconnection that no step has followed
 
     def take(self, data: bytes, horizon_ns: int) -> None:
-        """Take the calls of one frame.
-
-        Raises:
-            ProtocolError: they are not calls, or too many.
-        """
+        """Take the calls of one frame. Raises ProtocolError: they are not calls, or too many."""
         self._bytes += len(data)
         if self._bytes > MOST_BYTES:
             raise ProtocolError(f"CALLS: more than {MOST_BYTES} bytes were recorded")
@@ -266,7 +262,7 @@ class RecordedCalls:
     def first_step(self, world: int, refused: Container[int]) -> int:
         """Return the number of the first step from call `world` on; of the end, if there is none."""
         first = bisect_left(self._step_calls, world)
-        return next((one for one in self._step_calls[first:] if one not in refused), self.count)
+        return next((call for call in self._step_calls[first:] if call not in refused), self.count)
 
     def _note(self, call: Call) -> None:
         if not call.is_of_first_client:
@@ -349,7 +345,7 @@ def _places(call: Call, started: bool) -> TrickKind | None:
 
 def _ties(call: Call, _: bool) -> TrickKind | None:
     """Allow the gears of one body; any other constraint holds or pulls."""
-    parent, child = (call.number(f"{one}BodyUniqueId", _WORLD) for one in ("parent", "child"))
+    parent, child = (call.number(f"{side}BodyUniqueId", _WORLD) for side in ("parent", "child"))
     return None if parent == child and call.number("jointType") == _JOINT_GEAR else "constraint"
 
 
@@ -362,7 +358,7 @@ def _changes_nature(call: Call, started: bool) -> TrickKind | None:
     """Allow what changes how a body rubs and bounces, not what it is; nor may a brake begin later."""
     names = (*_NATURE, *_BRAKES) if started else _NATURE
     changed = (call.value(name) for name in names)
-    return "dynamics" if any(isinstance(one, list) or not _is_default(one) for one in changed) else None
+    return "dynamics" if any(isinstance(value, list) or not _is_default(value) for value in changed) else None
 
 
 def _is_default(value: Value) -> bool:

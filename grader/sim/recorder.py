@@ -135,11 +135,7 @@ class Journal:
         return tuple(self._notes)
 
     def log(self, t_ns: int, payload: bytes) -> None:
-        """Take a message on /rosout.
-
-        Raises:
-            ProtocolError: it is not a readable log message.
-        """
+        """Take a message on /rosout. Raises ProtocolError: it is not a readable log message."""
         if len(self._logs) >= MAX_LOGS or self._log_characters >= MAX_LOG_TEXT:
             self.logs_dropped += 1
             return
@@ -152,11 +148,7 @@ class Journal:
         self._logs.append(LogRecord(t_ns=t_ns, level=level, name=name, message=message))
 
     def note(self, code: str, text: str = "") -> None:
-        """Make a note; the same one twice is made once.
-
-        Raises:
-            ProtocolError: `code` is not a plain word.
-        """
+        """Make a note; the same one twice is made once. Raises ProtocolError: `code` is not a plain word."""
         if not _CODE.fullmatch(code):
             raise ProtocolError("NOTE.code is not a plain word")
         if len(self._notes) < MAX_NOTES:

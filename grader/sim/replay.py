@@ -260,31 +260,38 @@ class Replay:
         `end` says how a replay ended whose process could not say so itself.
         """
         world = _world_that_counts(self._samples)
-        samples = _in_order([one for one in self._samples if one.world == world])
+        samples = _in_order([sample for sample in self._samples if sample.world == world])
         finite = next((i for i, one in enumerate(samples) if not one.is_finite), len(samples))
         ended = end or self._end or "crashed"
         if finite < len(samples) or (ended == "complete" and self._recorded.not_finite is not None):
             ended = "not_finite"
         samples = samples[:finite]
         bodies, tricks = self._found(world, samples)
-        places, links = _rows([one.object for one in samples], 14), _rows([one.link for one in samples], 10)
+        places, links = (
+            _rows([sample.object for sample in samples], 14),
+            _rows([sample.link for sample in samples], 10),
+        )
         return Replayed(
             end=ended,
             steps=samples[-1].steps if samples else 0,
             calls=self._recorded.count,
             gravity=samples[0].gravity if samples else (0.0, 0.0, 0.0),
-            t_ns=np.array([one.t_ns for one in samples], dtype=np.int64),
-            calls_at=np.array([one.calls for one in samples], dtype=np.int64),
+            t_ns=np.array([sample.t_ns for sample in samples], dtype=np.int64),
+            calls_at=np.array([sample.calls for sample in samples], dtype=np.int64),
             object=places[:, :13],
-            object_joints=_rows([one.joints for one in samples]),
+            object_joints=_rows([sample.joints for sample in samples]),
             power_w=places[:, 13],
             link=links[:, :7],
             base=links[:, 7:],
-            robot_joints=_rows([one.robot_joints for one in samples]),
-            pushes=tuple(one.pushes for one in samples),
+            robot_joints=_rows([sample.robot_joints for sample in samples]),
+            pushes=tuple(sample.pushes for sample in samples),
             bodies=bodies,
             tricks=tricks,
-            pictures=tuple(_finished(*one) for one in self._pictures if len(one[3]) == 3 * one[1] * one[2]),
+            pictures=tuple(
+                _finished(*picture)
+                for picture in self._pictures
+                if len(picture[3]) == 3 * picture[1] * picture[2]
+            ),
             state=self._state,
         )
 
@@ -304,7 +311,7 @@ class Replay:
             if (kind := suspect.before if suspect.call < start else suspect.after) is not None
             if suspect.concerns(watched.values(), gravity)
         )
-        calls = [one.calls for one in samples]
+        calls = [sample.calls for sample in samples]
         tricks = [
             Trick(
                 kind=kind,
@@ -315,7 +322,9 @@ class Replay:
             )
             for suspect, kind in islice(suspects, _MOST_TRICKS)
         ]
-        unsteady = next((one for one in samples if one.steps and not is_usual_step(one.step_s)), None)
+        unsteady = next(
+            (sample for sample in samples if sample.steps and not is_usual_step(sample.step_s)), None
+        )
         if unsteady is not None and not any(trick.kind == "time_step" for trick in tricks):
             name = "setTimeStep"  # in a world before this one: a reset keeps it
             tricks.insert(0, Trick(kind="time_step", name=name, call=world, t_ns=0, before_start=True))
@@ -324,7 +333,7 @@ class Replay:
 
 def _world_that_counts(samples: list[_Sample]) -> int:
     """Return the first call of the last world in which a step was taken."""
-    stepped = [one.world for one in samples if one.steps]
+    stepped = [sample.world for sample in samples if sample.steps]
     return stepped[-1] if stepped else samples[-1].world if samples else 0
 
 

@@ -73,8 +73,7 @@ class RobotWorld(SimulatedWorld):
     def __init__(self, body: RobotBody, recorder: Recorder, world: World, horizon_ns: int) -> None:
         if world.room is None:
             raise AssignmentError("a robot needs world.room")
-        super().__init__(world.cmd_vel_topic)
-        self._received = ReceivedCommands(recorder)
+        super().__init__(ReceivedCommands(recorder), world.cmd_vel_topic)
         self._body = body
         self._recorder = recorder
         self._world = world
@@ -103,11 +102,6 @@ class RobotWorld(SimulatedWorld):
             "/clock": _Feed("rosgraph_msgs/msg/Clock", CLOCK_BEATS, messages.clock, reliable=False),
         }
         self._feeds = {world.topics.get(topic, topic): feed for topic, feed in feeds.items()}
-
-    @property
-    def received(self) -> ReceivedCommands:
-        """The commands that came."""
-        return self._received
 
     @property
     def steps_run(self) -> int:
@@ -162,7 +156,7 @@ class RobotWorld(SimulatedWorld):
         for t_ns in times_ns:
             self.advance(t_ns)
             update = last_beat_at(t_ns) // DRIVE_BEATS
-            self._received.take([t_ns], [update], (linear_x, linear_y, angular_z), obeyed)
+            self.received.take([t_ns], [update], (linear_x, linear_y, angular_z), obeyed)
             self._body.command(obeyed[0], obeyed[1])
 
     def next_due(self) -> int | None:

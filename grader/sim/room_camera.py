@@ -41,10 +41,10 @@ class RoomCamera(Client):
         self._show(_bullet.GEOM_BOX, (x, y, -0.05), 0.0, _FLOOR, halfExtents=half)
         for stripe in room.stripes:
             for (x0, y0), (x1, y1) in itertools.pairwise(stripe.points_m):
-                long = math.hypot(x1 - x0, y1 - y0) + stripe.width_m
-                size = (long / 2.0, stripe.width_m / 2.0, _STRIPE_M)
-                middle, turn = ((x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0), math.atan2(y1 - y0, x1 - x0)
-                self._show(_bullet.GEOM_BOX, middle, turn, (*stripe.colour, 1.0), halfExtents=size)
+                length_m = math.hypot(x1 - x0, y1 - y0) + stripe.width_m
+                size = (length_m / 2.0, stripe.width_m / 2.0, _STRIPE_M)
+                middle, heading_rad = ((x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0), math.atan2(y1 - y0, x1 - x0)
+                self._show(_bullet.GEOM_BOX, middle, heading_rad, (*stripe.colour, 1.0), halfExtents=size)
         for solid in room.solids:
             self._stand(solid)
         up_deg = math.degrees(2.0 * math.atan(math.tan(ACROSS_RAD / 2.0) * HEIGHT / WIDTH))
@@ -72,24 +72,26 @@ class RoomCamera(Client):
 
     def _stand(self, solid: Solid) -> None:
         at = (solid.x_m, solid.y_m, solid.height_m / 2.0)
-        turn, colour = math.radians(solid.heading_deg), _COLOURS[solid.kind]
+        heading_rad, colour = math.radians(solid.heading_deg), _COLOURS[solid.kind]
         if solid.kind == "cylinder":
             size = {"radius": solid.length_m / 2.0, "length": solid.height_m}
-            self._show(_bullet.GEOM_CYLINDER, at, turn, colour, **size)
+            self._show(_bullet.GEOM_CYLINDER, at, heading_rad, colour, **size)
         else:
             # a ramp is drawn as the flat box it covers: its slope tells a camera little
-            high = solid.height_m / (4.0 if solid.kind == "ramp" else 2.0)
-            half = (solid.length_m / 2.0, solid.width_m / 2.0, high)
-            self._show(_bullet.GEOM_BOX, (solid.x_m, solid.y_m, high), turn, colour, halfExtents=half)
+            half_height_m = solid.height_m / (4.0 if solid.kind == "ramp" else 2.0)
+            half = (solid.length_m / 2.0, solid.width_m / 2.0, half_height_m)
+            self._show(
+                _bullet.GEOM_BOX, (solid.x_m, solid.y_m, half_height_m), heading_rad, colour, halfExtents=half
+            )
 
     def _show(
         self,
         shape: int,
         at: tuple[float, float, float],
-        turn: float,
+        heading_rad: float,
         colour: tuple[float, ...],
         **size: object,
     ) -> None:
         visual = _bullet.createVisualShape(shape, rgbaColor=colour, physicsClientId=self._client, **size)
-        turned = (0.0, 0.0, math.sin(turn / 2.0), math.cos(turn / 2.0))
-        _bullet.createMultiBody(0.0, -1, visual, at, turned, physicsClientId=self._client)
+        quaternion = (0.0, 0.0, math.sin(heading_rad / 2.0), math.cos(heading_rad / 2.0))
+        _bullet.createMultiBody(0.0, -1, visual, at, quaternion, physicsClientId=self._client)

@@ -40,7 +40,7 @@ class RoomScanner:
         sides = [side for solid in high if solid.kind != "cylinder" for side in _sides(corners(solid))]
         self._sides = sides
         self._round = [
-            (each.x_m, each.y_m, (each.length_m / 2.0) ** 2) for each in high if each.kind == "cylinder"
+            (solid.x_m, solid.y_m, (solid.length_m / 2.0) ** 2) for solid in high if solid.kind == "cylinder"
         ]
 
     def ranges_m(self, x_m: float, y_m: float, heading_rad: float, most_m: float) -> Ranges:

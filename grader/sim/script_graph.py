@@ -47,11 +47,7 @@ class ScriptGraph:
         self._services: dict[tuple[str, str], list[int]] = {}
 
     def add(self, entity: Entity) -> None:
-        """Take a new entity.
-
-        Raises:
-            ProtocolError: its id was used before, or there are too many.
-        """
+        """Take a new entity. Raises ProtocolError: its id was used before, or there are too many."""
         if entity.id in self._entries:
             raise ProtocolError(f"ENTITY.id {entity.id} is used twice")
         if len(self._entries) >= MAX_ENTITIES:
@@ -89,7 +85,9 @@ class ScriptGraph:
     def on(self, topics: frozenset[str]) -> list[Entity]:
         """Return the living publishers and subscriptions on these topics."""
         living = (entry.entity for entry in self._entries.values() if entry.alive)
-        return [one for one in living if one.what in (PUBLISHER, SUBSCRIPTION) and one.name in topics]
+        return [
+            entity for entity in living if entity.what in (PUBLISHER, SUBSCRIPTION) and entity.name in topics
+        ]
 
     def service(self, name: str, kind: str) -> int | None:
         """Return the id of the script's living service of that name and type."""

@@ -20,18 +20,15 @@ class SimulatedWorld:
         on_change: called with the topics that came or went.
         services: types by name.
         carried: every topic on which commands were taken at any time.
+        received: the commands that came for what is graded.
     """
 
-    def __init__(self, *command_topics: str) -> None:
+    def __init__(self, received: ReceivedCommands, *command_topics: str) -> None:
+        self.received = received
         self.outbox = Outbox()
         self.on_change: Callable[[frozenset[str]], None] = lambda topics: None
         self.services: dict[str, str] = {}
         self.carried = set(command_topics)
-
-    @property
-    def received(self) -> ReceivedCommands:
-        """The commands that came for what is graded."""
-        raise NotImplementedError
 
     @property
     def steps_run(self) -> int:

@@ -17,7 +17,6 @@ from grader.sim.cdr import Values, decode, encode
 from grader.sim.feeds import Feeds, Pen
 from grader.sim.frames import GRAPH_EVENT, CarState, Entity, Event, Request
 from grader.sim.parameters import Parameters
-from grader.sim.recorder import ReceivedCommands
 from grader.sim.rotate_action import RotateAction
 from grader.sim.simulated_world import SimulatedWorld
 from grader.sim.turtle import Turtle, spawned
@@ -93,7 +92,7 @@ class TurtleWorld(SimulatedWorld):
     """
 
     def __init__(self, turtle: Turtle, world: World, epoch_ns: int, distro: Distro = "humble") -> None:
-        super().__init__(world.cmd_vel_topic)
+        super().__init__(turtle.commands, world.cmd_vel_topic)
         self.turtle = turtle
         self._walls = world.walls
         self._epoch_ns = epoch_ns
@@ -146,11 +145,6 @@ class TurtleWorld(SimulatedWorld):
     def type_of(self, topic: str) -> str | None:
         """Return the type the world publishes or subscribes to on `topic`, None when it does neither."""
         return TWIST if topic in self._commands else self._topics.get(topic)
-
-    @property
-    def received(self) -> ReceivedCommands:
-        """The commands that came for the graded turtle."""
-        return self.turtle.commands
 
     @property
     def steps_run(self) -> int:
@@ -219,8 +213,8 @@ class TurtleWorld(SimulatedWorld):
 
     def forget_commands(self) -> None:
         """Drop the commands that wait for any turtle."""
-        for each in self._present.values():
-            each.turtle.forget()
+        for turtle in self._present.values():
+            turtle.turtle.forget()
 
     def forget_requests(self) -> None:
         """Drop every waiting request: a script that broke the protocol is served no more."""
@@ -230,7 +224,7 @@ class TurtleWorld(SimulatedWorld):
         """Return the next instant at which something may become due for the script, None when never."""
         if self._heard_at != self.outbox.changes:
             self._heard_at = self.outbox.changes
-            self._heard = any(each.feeds.heard for each in self._present.values())
+            self._heard = any(turtle.feeds.heard for turtle in self._present.values())
         if (self._heard and not self._reckoned) or self._busy:
             return next_update(self._now_ns) * UPDATE_NS
         return None
@@ -262,8 +256,8 @@ class TurtleWorld(SimulatedWorld):
             self._serve(due_ns)
             self._move(due_ns)
             self._now_ns = due_ns
-            for each in self._present.values():
-                each.feeds.emit(due_ns)
+            for turtle in self._present.values():
+                turtle.feeds.emit(due_ns)
         if t_ns > self._now_ns:
             self._move(t_ns)
             self._now_ns = t_ns
@@ -287,21 +281,21 @@ class TurtleWorld(SimulatedWorld):
         """Whether the next update has something to serve."""
         if self._pending:
             return True
-        for each in self._present.values():  # noqa: SIM110 - asked for each command: a generator costs more
-            if each.action.busy:
+        for turtle in self._present.values():  # noqa: SIM110 - asked for each command: a generator costs more
+            if turtle.action.busy:
                 return True
         return False
 
     def _serve(self, t_ns: int) -> None:
         """Do what the update of `t_ns` does before it moves the turtles, in the order of rclcpp's executor."""
-        for each in self._present.values():
-            if each.turtle.take(t_ns):
-                each.action.interrupt()
+        for turtle in self._present.values():
+            if turtle.turtle.take(t_ns):
+                turtle.action.interrupt()
         if self._pending:
             for served in self._turns:
                 self._serve_one(served, t_ns)
-        for each in self._present.values():
-            each.action.tick(t_ns)
+        for turtle in self._present.values():
+            turtle.action.tick(t_ns)
 
     def _serve_one(self, services: Collection[str], t_ns: int) -> None:
         """Answer the oldest request of the first of `services` that has one."""
@@ -338,17 +332,17 @@ class TurtleWorld(SimulatedWorld):
         self._heard_at = -1
         self.services = dict(_WINDOW_SERVICES)
         self._topics, self._commands = {}, {}
-        for each in self._present.values():
-            self.services |= each.services
-            self._topics |= each.topics
-            self._commands[each.command_topic] = each
+        for turtle in self._present.values():
+            self.services |= turtle.services
+            self._topics |= turtle.topics
+            self._commands[turtle.command_topic] = turtle
         present = self._present.values()
         self._pending = {name: those for name, those in self._pending.items() if name in self.services}
-        own = [f"/{each.name}/{service}" for each in present for service in _TURTLE_SERVICES]
+        own = [f"/{turtle.name}/{service}" for turtle in present for service in _TURTLE_SERVICES]
         # Of what an action is asked, one thing is done in an update; a service is asked one thing.
         self._turns = [
             *((service,) for service in (*_WINDOW_SERVICES, *own)),
-            *(tuple(each.action.services) for each in present),
+            *(tuple(turtle.action.services) for turtle in present),
         ]
 
     def _appear(self, name: str, pose: PlanarPose, t_ns: int) -> None:
@@ -383,8 +377,8 @@ class TurtleWorld(SimulatedWorld):
     # Services, as TurtleFrame and Turtle of turtlesim 1.4 serve them.
 
     def _clear(self, _values: Values, _t_ns: int) -> Values:
-        for each in self._present.values():
-            each.feeds.pen.cleared_at = each.turtle.pose
+        for turtle in self._present.values():
+            turtle.feeds.pen.cleared_at = turtle.turtle.pose
         return {}
 
     def _reset(self, _values: Values, t_ns: int) -> Values:

@@ -14,28 +14,7 @@ from typing import Any, Final
 
 from grader.contracts.assignment import TOPIC_PATTERN
 from grader.contracts.errors import ProtocolError
-from grader.sim.frames import (
-    CLIENT,
-    FINISHED,
-    LEDGER,
-    NODE,
-    TOO_MANY_STEPS,
-    TREE,
-    Advance,
-    CallsFrame,
-    CarState,
-    Entity,
-    Event,
-    Exit,
-    Facts,
-    Frame,
-    Gone,
-    NoteFrame,
-    Publish,
-    Repeat,
-    Request,
-    Response,
-)
+from grader.sim import frames
 
 PROTOCOL: Final = 6
 MAX_NAME_BYTES: Final = 1_024
@@ -64,7 +43,7 @@ _EVENT_HEAD: Final = struct.Struct("<BHIqI")
 _CAR: Final = struct.Struct("<q7dqBd")
 
 
-def decode(body: bytes) -> Frame:
+def decode(body: bytes) -> frames.Frame:
     """Read one frame of the jail.
 
     Raises:
@@ -84,7 +63,9 @@ def encode_start(fields: Mapping[str, Any], source: bytes) -> bytes:
     return _U8.pack(START) + _U32.pack(len(text)) + text + source
 
 
-def encode_events(now_ns: int, quiet_ns: int, events: Iterable[Event], car: CarState | None = None) -> bytes:
+def encode_events(
+    now_ns: int, quiet_ns: int, events: Iterable[frames.Event], car: frames.CarState | None = None
+) -> bytes:
     """Build EVENTS, the answer to ADVANCE; before `quiet_ns` nothing more becomes due by itself.
 
     With `car`, nothing but its poses does until the script does more than drive.
@@ -96,7 +77,7 @@ def encode_events(now_ns: int, quiet_ns: int, events: Iterable[Event], car: CarS
     return head + b"".join(chunks) + (b"" if car is None else _car(car))
 
 
-def _car(car: CarState) -> bytes:
+def _car(car: frames.CarState) -> bytes:
     ids = b"".join(
         struct.pack(f"<{1 + len(those)}H", len(those), *those)
         for those in (car.subscriptions, car.publishers)
@@ -162,11 +143,11 @@ class _Cursor:
         return ProtocolError(f"{self._frame}.{field} {what}")
 
 
-def _read_entity(body: bytes) -> Entity:
+def _read_entity(body: bytes) -> frames.Entity:
     cursor = _Cursor("ENTITY", body)
-    entity = Entity(
+    entity = frames.Entity(
         id=cursor.number("id", _U16),
-        what=cursor.choice("what", range(NODE, CLIENT + 1)),
+        what=cursor.choice("what", range(frames.NODE, frames.CLIENT + 1)),
         t_ns=cursor.time(),
         node=cursor.name("node", _NAME, MAX_NODE_NAME_BYTES),
         name=cursor.name("name", _NAME),
@@ -179,24 +160,24 @@ def _read_entity(body: bytes) -> Entity:
     return entity
 
 
-def _read_gone(body: bytes) -> Gone:
+def _read_gone(body: bytes) -> frames.Gone:
     cursor = _Cursor("GONE", body)
-    gone = Gone(id=cursor.number("id", _U16), t_ns=cursor.time())
+    gone = frames.Gone(id=cursor.number("id", _U16), t_ns=cursor.time())
     cursor.end()
     return gone
 
 
-def _read_publish(body: bytes) -> Publish:
+def _read_publish(body: bytes) -> frames.Publish:
     try:
         _, identity, t_ns = _PUBLISH_HEAD.unpack_from(body)
     except struct.error:
         raise ProtocolError("PUBLISH.t is cut off") from None
     if t_ns < 0:
         raise ProtocolError("PUBLISH.t is negative")
-    return Publish(identity, t_ns, body[_PUBLISH_HEAD.size :])
+    return frames.Publish(identity, t_ns, body[_PUBLISH_HEAD.size :])
 
 
-def _read_repeat(body: bytes) -> Repeat:
+def _read_repeat(body: bytes) -> frames.Repeat:
     """Read REPEAT: one time for each message, all the same as the one before."""
     try:
         _, identity, count = _REPEAT_HEAD.unpack_from(body)
@@ -207,7 +188,7 @@ def _read_repeat(body: bytes) -> Repeat:
         raise ProtocolError("REPEAT.times is empty or has a negative one")
     if left := len(body) - _REPEAT_HEAD.size - count * _I64.size:
         raise ProtocolError(f"REPEAT.end is followed by {left} bytes")
-    return Repeat(identity, times_ns)
+    return frames.Repeat(identity, times_ns)
 
 
 def _read_call(name: str, body: bytes) -> tuple[int, int, int, bytes]:
@@ -220,53 +201,53 @@ def _read_call(name: str, body: bytes) -> tuple[int, int, int, bytes]:
     return identity, sequence, t_ns, body[_CALL_HEAD.size :]
 
 
-def _read_request(body: bytes) -> Request:
-    return Request(*_read_call("REQUEST", body))
+def _read_request(body: bytes) -> frames.Request:
+    return frames.Request(*_read_call("REQUEST", body))
 
 
-def _read_response(body: bytes) -> Response:
-    return Response(*_read_call("RESPONSE", body))
+def _read_response(body: bytes) -> frames.Response:
+    return frames.Response(*_read_call("RESPONSE", body))
 
 
-def _read_advance(body: bytes) -> Advance:
+def _read_advance(body: bytes) -> frames.Advance:
     if len(body) == _ADVANCE.size:  # the most frequent frame of a script that listens
         _, t_ns, together_ns = _ADVANCE.unpack(body)
         if t_ns >= 0 and together_ns >= 0:
-            return Advance(t_ns, together_ns)
+            return frames.Advance(t_ns, together_ns)
     cursor = _Cursor("ADVANCE", body)
-    advance = Advance(t_ns=cursor.time(), together_ns=cursor.time("together"))
+    advance = frames.Advance(t_ns=cursor.time(), together_ns=cursor.time("together"))
     cursor.end()
     return advance
 
 
-def _read_note(body: bytes) -> NoteFrame:
+def _read_note(body: bytes) -> frames.NoteFrame:
     cursor = _Cursor("NOTE", body)
-    note = NoteFrame(cursor.text("code"), cursor.text("text", MAX_MESSAGE_BYTES))
+    note = frames.NoteFrame(cursor.text("code"), cursor.text("text", MAX_MESSAGE_BYTES))
     cursor.end()
     return note
 
 
-def _read_calls(body: bytes) -> CallsFrame:
+def _read_calls(body: bytes) -> frames.CallsFrame:
     """Read the head of CALLS; `recorded_calls` reads the calls themselves."""
     if len(body) <= _CALLS_HEAD.size:
         raise ProtocolError("CALLS.t is cut off, or no call follows")
     _, t_ns = _CALLS_HEAD.unpack_from(body)
     if t_ns < 0:
         raise ProtocolError("CALLS.t is negative")
-    return CallsFrame(t_ns, body[_CALLS_HEAD.size :])
+    return frames.CallsFrame(t_ns, body[_CALLS_HEAD.size :])
 
 
-def _read_facts(body: bytes) -> Facts:
+def _read_facts(body: bytes) -> frames.Facts:
     cursor = _Cursor("FACTS", body)
-    what = cursor.choice("what", range(TREE, LEDGER + 1))
-    return Facts(what, body[2:])
+    what = cursor.choice("what", range(frames.TREE, frames.LEDGER + 1))
+    return frames.Facts(what, body[2:])
 
 
-def _read_exit(body: bytes) -> Exit:
+def _read_exit(body: bytes) -> frames.Exit:
     cursor = _Cursor("EXIT", body)
-    ended = Exit(
+    ended = frames.Exit(
         t_ns=cursor.time(),
-        reason=cursor.choice("reason", range(FINISHED, TOO_MANY_STEPS + 1)),
+        reason=cursor.choice("reason", range(frames.FINISHED, frames.TOO_MANY_STEPS + 1)),
         after_interrupt=cursor.choice("after_interrupt", range(2)) == 1,
         exit_code=cursor.number("exit_code", _I32),
         exception_type=cursor.text("exception_type"),
@@ -278,7 +259,7 @@ def _read_exit(body: bytes) -> Exit:
     return ended
 
 
-_READERS: Final[dict[int, Callable[[bytes], Frame]]] = {
+_READERS: Final[dict[int, Callable[[bytes], frames.Frame]]] = {
     ENTITY: _read_entity,
     GONE: _read_gone,
     PUBLISH: _read_publish,

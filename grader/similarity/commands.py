@@ -32,10 +32,10 @@ def drive_of(runs: Iterable[Iterable[Command]]) -> SentCommands:
         commands = tuple(run)
         start_ns = commands[0].t_ns if commands else 0
         before = (0.0, 0.0)
-        for one in commands:
-            velocity = (one.v_mps, one.w_radps)
+        for command in commands:
+            velocity = (command.v_mps, command.w_radps)
             changes += velocity != before
             before = velocity
-        sent = [(one.t_ns - start_ns, one.v_mps + 0.0, one.w_radps + 0.0) for one in commands]
+        sent = [(command.t_ns - start_ns, command.v_mps + 0.0, command.w_radps + 0.0) for command in commands]
         digest.update(json.dumps(sent).encode() + b"\n")
     return SentCommands(digest.hexdigest(), changes)

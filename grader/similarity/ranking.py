@@ -112,7 +112,7 @@ class _Own:
 
     def __init__(self, scripts: Sequence[Script], given: Hashes, few: int) -> None:
         self._students = len(scripts)
-        different = [np.unique(one.fingerprints.hashes) for one in scripts]
+        different = [np.unique(script.fingerprints.hashes) for script in scripts]
         hashes = np.concatenate([np.zeros(0, dtype=np.uint64), *different])
         owners = np.repeat(np.arange(len(scripts)), [len(one) for one in different])
         unknown = ~np.isin(hashes, given)

@@ -76,33 +76,21 @@ class Appeals(StorePart):
             return _appeal(row, submission)
 
     def withdraw(self, submission_id: str, item: str, signed: Signature) -> None:
-        """Take an open appeal back.
-
-        Raises:
-            RefusedError: there is none, or it is not open any more.
-        """
+        """Take an open appeal back. Raises RefusedError: there is none, or it is not open any more."""
         with self._database.writing() as session:
             row = _open_one(session, submission_id, item)
             row.state = AppealState.WITHDRAWN.value
             _record(session, signed, "withdraw", row)
 
     def pass_on(self, submission_id: str, item: str, note: str, signed: Signature) -> None:
-        """Leave an open appeal to the instructors.
-
-        Raises:
-            RefusedError: as `withdraw`.
-        """
+        """Leave an open appeal to the instructors. Raises as `withdraw`."""
         with self._database.writing() as session:
             row = _open_one(session, submission_id, item)
             row.passed_on_by, row.note = signed.actor, note
             _record(session, signed, "pass_on", row, after={"comment": note})
 
     def answer(self, submission_id: str, item: str, state: AppealState, text: str, signed: Signature) -> None:
-        """Answer an open appeal, leaving the points as they are.
-
-        Raises:
-            RefusedError: as `withdraw`.
-        """
+        """Answer an open appeal, leaving the points as they are. Raises as `withdraw`."""
         with self._database.writing() as session:
             _answer(session, _open_one(session, submission_id, item), state, text, signed)
 

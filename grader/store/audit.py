@@ -30,11 +30,7 @@ class Signature:
     actor: str
 
     def in_course(self) -> str:
-        """Return the course.
-
-        Raises:
-            CourseError: there is none.
-        """
+        """Return the course. Raises CourseError: there is none."""
         if self.course is None:
             raise no_course()
         return self.course

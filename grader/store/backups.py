@@ -34,7 +34,7 @@ def back_up(database: Database, file: Path) -> None:
         copy_file(Path(database.name), file)
         return
     with _folder_beside(file) as folder:
-        with _opened(folder / "rows.db") as rows:
+        with closing(Database(sqlite_address(folder / "rows.db"))) as rows:
             migrate(rows)
             transfer(database, rows)
         copy_file(folder / "rows.db", file)
@@ -56,7 +56,7 @@ def restore_file(backup: Path, database: Path) -> Path | None:
     try:
         _forget_log(new)  # of an earlier restore that was killed
         copy_file(backup, new)
-        with _opened(new) as opened:
+        with closing(Database(sqlite_address(new))) as opened:
             migrate(opened)
         _settle(new)
         old = None
@@ -82,7 +82,7 @@ def restore_file(backup: Path, database: Path) -> Path | None:
 def _free_name(file: Path) -> Path:
     """Return `file`, with a number behind its name if there is one: what an earlier restore kept stays."""
     numbered = (file.with_name(f"{file.name}.{number}") for number in itertools.count(2))
-    return file if not file.exists() else next(one for one in numbered if not one.exists())
+    return file if not file.exists() else next(backup for backup in numbered if not backup.exists())
 
 
 def restore_rows(backup: Path, database: Database, *, replace: bool) -> int:
@@ -94,11 +94,11 @@ def restore_rows(backup: Path, database: Database, *, replace: bool) -> int:
     """
     with tempfile.TemporaryDirectory(prefix="grader-restore-") as folder:
         copy_file(backup, Path(folder) / "rows.db")
-        with _opened(Path(folder) / "rows.db") as rows:
+        with closing(Database(sqlite_address(Path(folder) / "rows.db"))) as rows:
             migrate(rows)
             migrate(database)
             copied = transfer(rows, database, replace=replace)
-    return next(one.rows for one in copied if one.table == "submission")
+    return next(table.rows for table in copied if table.table == "submission")
 
 
 def copy_file(source: Path, target: Path) -> None:
@@ -197,12 +197,3 @@ def _pass_on_access(old: Path, new: Path) -> None:
 def _forget_log(database: Path) -> None:
     for log in ("-wal", "-shm", "-journal"):
         Path(f"{database}{log}").unlink(missing_ok=True)
-
-
-@contextmanager
-def _opened(file: Path) -> Iterator[Database]:
-    database = Database(sqlite_address(file))
-    try:
-        yield database
-    finally:
-        database.close()

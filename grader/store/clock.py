@@ -60,11 +60,7 @@ class ServerClock:
     """The database server's clock: asked now and then, extrapolated in between. Reading it asks no server."""
 
     def __init__(self, database: Database, elapsed_s: Callable[[], float] = _elapsed_s) -> None:
-        """Ask for the first time.
-
-        Raises:
-            InfrastructureError: the database does not answer.
-        """
+        """Ask for the first time. Raises InfrastructureError: the database does not answer."""
         self._database = database
         self._elapsed_s = elapsed_s
         self._known, _ = self._asked()
@@ -75,11 +71,7 @@ class ServerClock:
         return instant + timedelta(seconds=self._elapsed_s() - at_s)
 
     def set(self) -> None:
-        """Ask again; a slow answer is not used.
-
-        Raises:
-            InfrastructureError: the database does not answer.
-        """
+        """Ask again; a slow answer is not used. Raises InfrastructureError: the database does not answer."""
         answer, took_s = self._asked()
         if took_s <= _SLOWEST_S:
             self._known = answer

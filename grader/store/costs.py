@@ -34,18 +34,18 @@ class Costs(TimedPart):
         for one in self._rows(statement):
             by_person[one.course, one.student].append(one)
         costs = (_cost(*person, rows, now) for person, rows in by_person.items())
-        return tuple(sorted(costs, key=lambda one: (-one.slot_s, -one.waiting, one.student)))
+        return tuple(sorted(costs, key=lambda cost: (-cost.slot_s, -cost.waiting, cost.student)))
 
 
 def _cost(course: str | None, student: str, rows: list[Row[Any]], now: datetime) -> PersonCost:
-    begun = [one for one in rows if one.state != SubmissionState.QUEUED.value and one.started_at is not None]
-    spans = ((one.finished_at or now) - one.started_at for one in begun)
+    begun = [row for row in rows if row.state != SubmissionState.QUEUED.value and row.started_at is not None]
+    spans = ((row.finished_at or now) - row.started_at for row in begun)
     return PersonCost(
         course=course,
         student=student,
         slot_s=sum(max(span.total_seconds(), 0.0) for span in spans),
         gradings=len(begun),
-        waiting=sum(one.state == SubmissionState.QUEUED.value for one in rows),
-        tries=sum(one.tries for one in rows),
-        given_up=sum(one.state == SubmissionState.INFRASTRUCTURE_ERROR.value for one in rows),
+        waiting=sum(row.state == SubmissionState.QUEUED.value for row in rows),
+        tries=sum(row.tries for row in rows),
+        given_up=sum(row.state == SubmissionState.INFRASTRUCTURE_ERROR.value for row in rows),
     )

@@ -109,11 +109,7 @@ class CourseLife(TimedPart):
             return as_contract(row, Course)
 
     def work_of(self, course: str, person: str) -> int:
-        """Return how many submissions `forget` would erase.
-
-        Raises:
-            CourseError: as `forget`.
-        """
+        """Return how many submissions `forget` would erase. Raises as `forget`."""
         own = col(SubmissionRow.course) == course, col(SubmissionRow.student) == person
         with self._database.reading() as session:
             _require_student(session, course, person)

@@ -138,11 +138,7 @@ class Courses(TimedPart):
         self._begun.add(course_id)
 
     def get(self, course_id: str) -> Course:
-        """Return a course.
-
-        Raises:
-            CourseError: no course has that id.
-        """
+        """Return a course. Raises CourseError: no course has that id."""
         row = self._get(CourseRow, course_id)
         if row is None:
             raise unknown_course(course_id)
@@ -171,11 +167,7 @@ class Courses(TimedPart):
             return _alike(entries, _members(session, course_id))
 
     def preview_roster(self, course_id: str, entries: Sequence[RosterEntry]) -> RosterChange:
-        """Return what `import_roster` would do now.
-
-        Raises:
-            CourseError: as `import_roster`.
-        """
+        """Return what `import_roster` would do now. Raises as `import_roster`."""
         with self._database.reading() as session:
             return _roster_change(session, course_id, entries)
 
@@ -267,20 +259,20 @@ def add_course(session: Session, new: Course, actor: str, copy_of: str | None = 
 
 def add_members(session: Session, signed: Signature, members: Sequence[Member]) -> None:
     """Add people who are not in it yet to the course of `signed`."""
-    record_all(session, signed, "member.add", {f"member {one.id}": _audited(one) for one in members})
+    record_all(session, signed, "member.add", {f"member {member.id}": _audited(member) for member in members})
     session.add_all(
         MemberRow(
-            course=one.course,
-            person=one.id,
-            name=one.name,
-            role=one.role.value,
-            email=one.email,
+            course=member.course,
+            person=member.id,
+            name=member.name,
+            role=member.role.value,
+            email=member.email,
             created_at=signed.at,
         )
-        for one in members
+        for member in members
     )
     session.flush()  # before what refers to them
-    session.add_all(section for one in members for section in _sections(one))
+    session.add_all(section for member in members for section in _sections(member))
 
 
 def bound_to(session: Session, course: str, assistant: str) -> frozenset[str] | None:
@@ -301,8 +293,8 @@ def bound_to(session: Session, course: str, assistant: str) -> frozenset[str] | 
 def sections_of(session: Session, course: str) -> dict[str, list[str]]:
     """Return the sections of each person of a course who has any, by id."""
     sections: dict[str, list[str]] = {}
-    for one in session.execute(select(SectionRow).where(col(SectionRow.course) == course)).scalars():
-        sections.setdefault(one.person, []).append(one.section)
+    for row in session.execute(select(SectionRow).where(col(SectionRow.course) == course)).scalars():
+        sections.setdefault(row.person, []).append(row.section)
     return sections
 
 
@@ -350,36 +342,36 @@ def _roster_change(session: Session, course: str, entries: Sequence[RosterEntry]
     if alike := _alike(entries, members):
         en, zh = ("\n".join(why.get(language) for why in alike.values()) for language in ("en", "zh"))
         raise CourseError(f"nobody was added or changed:\n{en}", f"没有添加或修改任何人：\n{zh}", "id")
-    after = [_put_into(members.get(one.id), course, one) for one in entries]
-    _check_instructor(members, members | {one.id: one for one in after})
-    added = tuple(one for one in after if one.id not in members)
+    after = [_put_into(members.get(entry.id), course, entry) for entry in entries]
+    _check_instructor(members, members | {member.id: member for member in after})
+    added = tuple(member for member in after if member.id not in members)
     return RosterChange(
         added=added,
         changed=tuple(
-            MemberChange(before=members[one.id], after=one)
-            for one in after
-            if one.id in members and members[one.id] != one
+            MemberChange(before=members[member.id], after=member)
+            for member in after
+            if member.id in members and members[member.id] != member
         ),
-        unchanged=sum(members.get(one.id) == one for one in after),
+        unchanged=sum(members.get(member.id) == member for member in after),
         gone=_gone(members, after, entries),
-        returning=_removed_before(session, course, [one.id for one in added]),
+        returning=_removed_before(session, course, [member.id for member in added]),
     )
 
 
 def _gone(
     before: Mapping[str, Member], after: Sequence[Member], entries: Sequence[RosterEntry]
 ) -> tuple[Member, ...]:
-    listed = {one.id for one in after}
+    listed = {member.id for member in after}
     students = [(one, entry) for one, entry in zip(after, entries, strict=True) if one.role is Role.STUDENT]
     whole = not all(entry.sections for _, entry in students)
     sections = {name for one, _ in students for name in one.sections}
     return tuple(
-        one
-        for one in before.values()
+        member
+        for member in before.values()
         if students
-        and one.role is Role.STUDENT
-        and one.id not in listed
-        and (whole or not one.sections or sections.intersection(one.sections))
+        and member.role is Role.STUDENT
+        and member.id not in listed
+        and (whole or not member.sections or sections.intersection(member.sections))
     )
 
 
@@ -388,7 +380,7 @@ def _removed_before(session: Session, course: str, people: Sequence[str]) -> tup
         col(AuditRow.course) == course, col(AuditRow.action) == "member.remove"
     )
     removed = set(session.execute(removals).scalars()) if people else set()
-    return tuple(one for one in people if f"member {one}" in removed)
+    return tuple(person for person in people if f"member {person}" in removed)
 
 
 def _put_into(member: Member | None, course: str, entry: RosterEntry) -> Member:
@@ -405,11 +397,11 @@ def _put_into(member: Member | None, course: str, entry: RosterEntry) -> Member:
 
 def _alike(entries: Sequence[RosterEntry], members: Mapping[str, Member]) -> dict[str, Text]:
     """Return what to say of new ids that differ from a member's only in case, or in leading zeros."""
-    folded = {folded_id(one): one for one in members}
+    folded = {folded_id(member): member for member in members}
     clashes = {
-        one.id: folded[folded_id(one.id)]
-        for one in entries
-        if one.id not in members and folded_id(one.id) in folded
+        entry.id: folded[folded_id(entry.id)]
+        for entry in entries
+        if entry.id not in members and folded_id(entry.id) in folded
     }
     return {
         new: Text(
@@ -422,7 +414,7 @@ def _alike(entries: Sequence[RosterEntry], members: Mapping[str, Member]) -> dic
 
 def _check_instructor(before: Mapping[str, Member], after: Mapping[str, Member]) -> None:
     """Refuse a change that leaves a course without its last instructor."""
-    had, has = (any(one.role is Role.INSTRUCTOR for one in them.values()) for them in (before, after))
+    had, has = (any(member.role is Role.INSTRUCTOR for member in them.values()) for them in (before, after))
     if had and not has:
         raise CourseError(
             "the course would have no instructor: make somebody else one first",
@@ -433,12 +425,12 @@ def _check_instructor(before: Mapping[str, Member], after: Mapping[str, Member])
 
 def _audited(member: Member) -> dict[str, object]:
     """Return a member as the audit log records it, without an address or sections if there are none."""
-    said: dict[str, object] = {"name": member.name, "role": member.role.value}
+    values: dict[str, object] = {"name": member.name, "role": member.role.value}
     if member.email:
-        said["email"] = member.email
+        values["email"] = member.email
     if member.sections:
-        said["sections"] = list(member.sections)
-    return said
+        values["sections"] = list(member.sections)
+    return values
 
 
 def _change(session: Session, signed: Signature, change: MemberChange) -> None:
@@ -454,7 +446,9 @@ def _change(session: Session, signed: Signature, change: MemberChange) -> None:
 
 
 def _sections(member: Member) -> list[SectionRow]:
-    return [SectionRow(course=member.course, person=member.id, section=one) for one in member.sections]
+    return [
+        SectionRow(course=member.course, person=member.id, section=section) for section in member.sections
+    ]
 
 
 def _checked_zone(name: str) -> str:

@@ -199,11 +199,11 @@ def _window(session: Session, course: str | None, since: datetime) -> _Window:
     row = SubmissionRow
     shown = (row.student, row.assignment, row.attempt, row.graded_attempt, row.state)
     # of all courses: the databases would look for those of one by an index of that, which has all its submissions
-    columns = (col(row.id), col(row.course), col(row.regrade), *(col(one) for one in shown))
+    columns = (col(row.id), col(row.course), col(row.regrade), *(col(column) for column in shown))
     open_ = select(*columns).where(col(row.state).in_(_OPEN))
     ended = select(*columns).where(col(row.finished_at) >= since)
-    found = session.execute(union_all(open_, ended))
-    rows = {id_: tuple(values) for id_, of, regrade, *values in found if of == course and regrade is None}
+    recent = session.execute(union_all(open_, ended))
+    rows = {id_: tuple(values) for id_, of, regrade, *values in recent if of == course and regrade is None}
     submissions = select(func.count()).select_from(row).where(col(row.course) == course)
     # their number, not the newest: on PostgreSQL an older one may be committed later
     changes = select(func.count()).select_from(AuditRow).where(col(AuditRow.course) == course)
@@ -240,14 +240,15 @@ def _state(
             of_assignment[assignment].append(cell)
     students = {} if before is None else dict(before.students)
     assignments = {} if before is None else dict(before.assignments)
-    for one in changed_students:
-        students.pop(one, None)
-    for one in changed_assignments:
-        assignments.pop(one, None)
+    for student in changed_students:
+        students.pop(student, None)
+    for assignment in changed_assignments:
+        assignments.pop(assignment, None)
     students |= {
-        one: StudentState(progress=tuple(cell.progress for cell in own)) for one, own in of_student.items()
+        student: StudentState(progress=tuple(cell.progress for cell in own))
+        for student, own in of_student.items()
     }
-    assignments |= {one: _assignment_state(own) for one, own in of_assignment.items()}
+    assignments |= {assignment: _assignment_state(own) for assignment, own in of_assignment.items()}
     return ClassState(
         students=dict(sorted(students.items())), assignments=dict(sorted(assignments.items())), mark=mark
     )
@@ -266,13 +267,13 @@ def _failures(cells: Iterable[CountedCell]) -> tuple[ItemFailures, ...]:
         ever.update(cell.failed)
         still.update(cell.still)
     failures = (ItemFailures(item=item, ever=count, still=still[item]) for item, count in ever.items())
-    return tuple(sorted(failures, key=lambda one: (-one.ever, one.item)))
+    return tuple(sorted(failures, key=lambda failure: (-failure.ever, failure.item)))
 
 
 def _mistakes(cells: Iterable[CountedCell]) -> tuple[MistakeCount, ...]:
     students_of = Counter(code for cell in cells for code in cell.mistakes)
     counts = (MistakeCount(code=code, students=count) for code, count in students_of.items())
-    return tuple(sorted(counts, key=lambda one: (-one.students, one.code)))
+    return tuple(sorted(counts, key=lambda count: (-count.students, count.code)))
 
 
 def counted(
@@ -374,13 +375,13 @@ def _failed_items(among: ColumnElement[bool]) -> Select[str, str]:
 def _failed(session: Session, among: ColumnElement[bool]) -> dict[str, list[str]]:
     """Return the failed items of latest gradings by submission, with what people gave."""
     failed = _by_submission(session, _failed_items(among))
-    given = (
+    judged_rows = (
         select(JudgementRow)
         .join(SubmissionRow, col(JudgementRow.submission_id) == col(SubmissionRow.id))
         .where(among)
     )
     judgements: dict[str, list[Judgement]] = defaultdict(list)
-    for row in session.execute(given).scalars():
+    for row in session.execute(judged_rows).scalars():
         judgements[row.submission_id].append(judgement(row))
     machine: dict[str, list[ItemScore]] = defaultdict(list)
     for submission, *values in session.execute(_judged_items(among)) if judgements else ():
@@ -441,7 +442,7 @@ def _progress(own: list[Any], rules: CourseRules) -> StudentProgress:
     return StudentProgress(
         student=latest.student,
         assignment=latest.assignment,
-        attempts=sum(one.costs for one in attempts),
+        attempts=sum(attempt.costs for attempt in attempts),
         best_score=None if best is None else best.score,
         max_score=None if best is None else best.max_score,
         best_submission=None if best is None else best.id,

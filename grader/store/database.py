@@ -217,11 +217,7 @@ class _Turns:
 
     @contextmanager
     def mine(self) -> Iterator[None]:
-        """Wait for a turn and hold it.
-
-        Raises:
-            InfrastructureError: it does not come.
-        """
+        """Wait for a turn and hold it. Raises InfrastructureError: it does not come."""
         self._wait()
         try:
             yield

@@ -49,7 +49,7 @@ def is_known(session: Session, course: str, person: str) -> bool:
         ),
         select(col(AuditRow.id)).where(_about(course, person)),
     )
-    return any(session.execute(one.limit(1)).first() is not None for one in places)
+    return any(session.execute(place.limit(1)).first() is not None for place in places)
 
 
 def rename_everywhere(
@@ -88,10 +88,10 @@ def _rename(
     for row in session.execute(select(*keys, *texts).where(own)).all():
         values = row._asdict()
         changed = {
-            one.name: new
-            for one in texts
-            if (old := values[one.name])
-            and (new := _renamed(old, renamed) if one.name in _DOCUMENTS else scrub(old)) != old
+            text.name: new
+            for text in texts
+            if (old := values[text.name])
+            and (new := _renamed(old, renamed) if text.name in _DOCUMENTS else scrub(old)) != old
         }
         if changed:
             session.execute(update(table).where(*(key == values[key.name] for key in keys)).values(changed))
@@ -99,9 +99,11 @@ def _rename(
 
 def naming_columns(table: Table) -> tuple[list[Column[Any]], list[Column[Any]]]:
     """Return the columns that hold nothing but the id of whoever did something, and those of texts to search."""
-    searched = [one for one in table.c if str(one) not in NAMES_NOBODY]
-    ids = [one for one in searched if one.name.endswith("_by") or one.name == "actor"]
-    texts = [one for one in searched if isinstance(one.type, PlainText | Text) or one.name == "subject"]
+    searched = [column for column in table.c if str(column) not in NAMES_NOBODY]
+    ids = [column for column in searched if column.name.endswith("_by") or column.name == "actor"]
+    texts = [
+        column for column in searched if isinstance(column.type, PlainText | Text) or column.name == "subject"
+    ]
     return ids, texts
 
 
@@ -133,7 +135,7 @@ def known_as(session: Session, course: str, person: str) -> set[str]:
     for document in (json.loads(text) for entry in entries for text in entry):
         if isinstance(document, dict):
             names |= {str(document.get(name) or "") for name in ("name", "email")}
-    return {one for one in names if len(one) >= _LEAST or one == person}
+    return {name for name in names if len(name) >= _LEAST or name == person}
 
 
 def _renamed(document: str, renamed: tuple[str, str]) -> str:
@@ -143,7 +145,7 @@ def _renamed(document: str, renamed: tuple[str, str]) -> str:
 
 def _scrubber(names: Iterable[str], pseudonym: str) -> Callable[[str], str]:
     longest_first = sorted(names, key=len, reverse=True)
-    pattern = re.compile("|".join(_whole(one) for one in longest_first), re.IGNORECASE)
+    pattern = re.compile("|".join(_whole(name) for name in longest_first), re.IGNORECASE)
 
     def scrub(text: str) -> str:
         if text[:1] in ("{", "[", '"'):
@@ -172,7 +174,7 @@ def _walked(document: Any, change: Callable[[str], str]) -> Any:
         case str():
             return change(document)
         case list():
-            return [_walked(one, change) for one in document]
+            return [_walked(value, change) for value in document]
         case dict():
             return {name: _walked(one, change) for name, one in document.items()}
         case _:

@@ -169,4 +169,4 @@ class Identities(TimedPart):
 
 def _small(address: str) -> str:
     """Return an address with small Latin letters. No other letter becomes one, as the Kelvin sign would."""
-    return "".join(one.lower() if one.isascii() else one for one in address)
+    return "".join(letter.lower() if letter.isascii() else letter for letter in address)

@@ -36,7 +36,7 @@ from grader.contracts.python import UTC
 from grader.contracts.report import GradeStatus
 from grader.contracts.rules import Attempt, Extension, Refusal, Rules
 from grader.contracts.submission import NewSubmission, Submission, SubmissionState
-from grader.contracts.text import Text
+from grader.contracts.text import EMPTY, Text
 from grader.store.audit import Signature, record
 from grader.store.database import StorePart, add_once, one_at_a_time
 from grader.store.own_assignments import still_used
@@ -254,7 +254,7 @@ def take_in(session: Session, upload: NewSubmission, now: datetime) -> tuple[Sub
     # after the student's own lock, and no other one after it: so no two uploads wait for each other
     one_at_a_time(session, "team", upload.course, upload.assignment, state.team)
     team = members_of(session, upload.course, upload.assignment, state.team)
-    mates = [one for one in team if one != upload.student]
+    mates = [member for member in team if member != upload.student]
     row, repeated = _take_in(
         session, upload, _state_of(session, upload), now, first, first if mates else None
     )
@@ -270,9 +270,9 @@ def _take_in_for(session: Session, upload: NewSubmission, now: datetime, team_up
     try:
         _take_in(session, upload, _state_of(session, upload), now, new_id(now), team_upload)
     except RefusedError as refused:
-        said = refused.detail or Text(zh="", en="")
-        zh = f"这是队友 {upload.student} 的限制：文件要算作全队每个人的提交。{said.zh}"
-        en = f"That holds for {upload.student} of your team: the file would count for all of you. {said.en}"
+        detail = refused.detail or EMPTY
+        zh = f"这是队友 {upload.student} 的限制：文件要算作全队每个人的提交。{detail.zh}"
+        en = f"That holds for {upload.student} of your team: the file would count for all of you. {detail.en}"
         raise RefusedError(refused.code, Text(zh=zh, en=en.strip()), **refused.members) from None
 
 
@@ -326,13 +326,13 @@ def as_attempts(submissions: Iterable[Any]) -> tuple[Attempt, ...]:
     """
     return tuple(
         Attempt(
-            id=one.id,
-            received_at=one.received_at,
-            score=one.score,
-            costs=one.state != SubmissionState.INFRASTRUCTURE_ERROR.value
-            and one.verdict != GradeStatus.SYNTAX_ERROR.value,
+            id=submission.id,
+            received_at=submission.received_at,
+            score=submission.score,
+            costs=submission.state != SubmissionState.INFRASTRUCTURE_ERROR.value
+            and submission.verdict != GradeStatus.SYNTAX_ERROR.value,
         )
-        for one in submissions
+        for submission in submissions
     )
 
 
@@ -380,8 +380,12 @@ def _state_of(
         rules,
         extension,
         zone,
-        next((one for one in reversed(own) if one.assignment == assignment), None),
-        [one for one in own if one.finished_at is None or one.finished_at >= recent],
+        next((submission for submission in reversed(own) if submission.assignment == assignment), None),
+        [
+            submission
+            for submission in own
+            if submission.finished_at is None or submission.finished_at >= recent
+        ],
         timedelta(seconds=explained_s or 0.0),
         team if rules.team_size > 1 else None,
     )
@@ -464,8 +468,11 @@ def _turn(session: Session, upload: NewSubmission, state: _State, now: datetime)
     the end of the student's own. So the newest upload is graded first, and no other student waits longer for it.
     """
     last = now + _behind(state, now)
-    of_assignment = (one for one in state.lately if one.assignment == upload.assignment)
-    if not any(one.state == SubmissionState.QUEUED.value and one.priority == 0 for one in of_assignment):
+    of_assignment = (submission for submission in state.lately if submission.assignment == upload.assignment)
+    if not any(
+        submission.state == SubmissionState.QUEUED.value and submission.priority == 0
+        for submission in of_assignment
+    ):
         return last
     statement = select(_row.id, _row.turn_at).where(
         _row.assignment == upload.assignment,
@@ -491,13 +498,13 @@ def _turn(session: Session, upload: NewSubmission, state: _State, now: datetime)
 def _behind(state: _State, now: datetime) -> timedelta:
     """Return how far behind its arrival an upload is placed."""
     waits, cost = 0, state.explained
-    for one in state.lately:
-        if one.priority:
+    for submission in state.lately:
+        if submission.priority:
             continue  # a re-grade, which nobody asked of the student
-        if one.state == SubmissionState.QUEUED.value:
+        if submission.state == SubmissionState.QUEUED.value:
             waits += 1
-        elif one.started_at is not None:
-            cost += max((one.finished_at or now) - one.started_at, timedelta())
+        elif submission.started_at is not None:
+            cost += max((submission.finished_at or now) - submission.started_at, timedelta())
     return handicap(waits, cost)
 
 

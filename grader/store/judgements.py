@@ -215,9 +215,9 @@ def _judge_too(session: Session, row: SubmissionRow, wanted: Sequence[Given], si
 
 def _item(report: GradeReport, given: Given) -> RubricItem:
     """Return the item that points are given for, once it is sure that they may be."""
-    item = next((one for one in report.items if one.id == given.item), None)
+    item = next((other for other in report.items if other.id == given.item), None)
     if item is None:
-        allowed = [one.id for one in report.items if given.corrects or _is_manual(one)]
+        allowed = [other.id for other in report.items if given.corrects or _is_manual(other)]
         raise RefusedError("item_not_found", field="item", allowed=allowed)
     if not (_is_manual(item) or given.corrects):
         raise RefusedError("forbidden")

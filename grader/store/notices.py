@@ -67,7 +67,7 @@ class Notices(TimedPart):
     def webhooks(self, course: str) -> dict[Outlet, Webhook]:
         """Return the webhooks of a course by outlet."""
         mine = select(WebhookRow).where(col(WebhookRow.course) == course).order_by(col(WebhookRow.outlet))
-        return {one.outlet: one for one in map(_webhook, self._scalars(mine))}
+        return {webhook.outlet: webhook for webhook in map(_webhook, self._scalars(mine))}
 
     def wishes(self, course: str) -> MailWishes:
         """Return what a course has e-mailed."""
@@ -120,11 +120,11 @@ class Notices(TimedPart):
             RefusedError: the course is archived.
         """
         course = signed.course or ""
-        after = {one.value: getattr(wishes, one.value) for one in NoticeKind}
+        after = {kind.value: getattr(wishes, kind.value) for kind in NoticeKind}
         with self._database.writing() as session:
             one_at_a_time(session, "course", course)
             row = session.get(MailWishesRow, course)
-            before = {one.value: row is not None and getattr(row, one.value) for one in NoticeKind}
+            before = {kind.value: row is not None and getattr(row, kind.value) for kind in NoticeKind}
             if before == after:
                 return
             session.merge(MailWishesRow(course=course, changed_at=signed.at, **after))
@@ -136,7 +136,7 @@ class Notices(TimedPart):
     def notified_states(self, course: str, outlet: Outlet) -> dict[tuple[str, str], str]:
         """Return the states that notices have been made of, by person and subject."""
         mine = select(ToldRow).where(col(ToldRow.course) == course, col(ToldRow.outlet) == outlet.value)
-        return {(one.person, one.about): one.state for one in self._scalars(mine)}
+        return {(row.person, row.about): row.state for row in self._scalars(mine)}
 
     def made_since(self, course: str, since: datetime) -> dict[tuple[Outlet, NoticeKind, str], datetime]:
         """Return by outlet, kind and person when the latest notice was made, of those made since."""
@@ -144,7 +144,9 @@ class Notices(TimedPart):
         lately = col(row.made_at) > since, col(row.made_at) <= self._clock()
         mine = select(NoticeRow).where(col(row.course) == course, *lately).order_by(col(row.made_at))
         rows = self._scalars(mine)
-        return {(Outlet(one.outlet), NoticeKind(one.kind), one.person): one.made_at for one in rows}
+        return {
+            (Outlet(notice.outlet), NoticeKind(notice.kind), notice.person): notice.made_at for notice in rows
+        }
 
     def add(self, course: str, drafts: Iterable[Draft]) -> int:
         """Add what is to be sent, in one transaction; return how many notices that are.

@@ -232,14 +232,14 @@ def _sharing(database: Database, who: str) -> Iterator[None]:
 
 
 def _wait_until_free(enter: Callable[[], None]) -> None:
-    said = False
+    is_told = False
     while True:
         try:
             return enter()
         except _ReplacedError as error:
-            if not said:
+            if not is_told:
                 _log.warning("%s: waiting until that has ended", error)
-                said = True
+                is_told = True
             time.sleep(_LOOK_S)
 
 

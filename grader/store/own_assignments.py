@@ -90,7 +90,7 @@ class OwnAssignments(TimedPart):
         """Return by assignment the folders that a course uses, as zips."""
         ready = col(_row.course) == course, col(_row.state) == OwnState.READY.value
         rows = self._scalars(select(_row).where(*ready).order_by(col(_row.number)))
-        return {one.assignment: one.content for one in rows}
+        return {row.assignment: row.content for row in rows}
 
     def content(self, course: str, assignment: str) -> bytes | None:
         """Return the folder of the latest upload as a zip; None when there is none."""
@@ -246,7 +246,7 @@ def copy_own_assignments(session: Session, course: str, signed: Signature) -> No
     ready = col(_row.course) == course, col(_row.state) == OwnState.READY.value
     fresh = {"course": signed.course, "number": 1, "uploaded_at": signed.at, "uploaded_by": signed.actor}
     for row in session.execute(select(_row).where(*ready)).scalars().all():
-        values = {one.name: getattr(row, one.name) for one in table_of(_row).columns}
+        values = {column.name: getattr(row, column.name) for column in table_of(_row).columns}
         session.add(OwnAssignmentRow(**{**values, **fresh}))
 
 

@@ -53,14 +53,14 @@ class PlatformScores(TimedPart):
         row = PlatformScoreRow
         mine = col(row.platform) == link.platform, col(row.resource) == link.resource
         rows = self._scalars(select(PlatformScoreRow).where(*mine))
-        return {one.person: as_contract(one, PlatformScore) for one in rows}
+        return {score.person: as_contract(score, PlatformScore) for score in rows}
 
     def troubles(self, course: str) -> tuple[PlatformScore, ...]:
         """Return what platforms do not take of a course."""
         row = PlatformScoreRow
         statement = select(PlatformScoreRow).where(col(row.course) == course, col(row.trouble) != "")
         rows = self._scalars(statement.order_by(col(row.person), col(row.resource)))
-        return tuple(as_contract(one, PlatformScore) for one in rows)
+        return tuple(as_contract(score, PlatformScore) for score in rows)
 
     def claim(self, link: PlatformLink, course: str, person: str, sha256: str) -> PlatformScore | None:
         """Claim the sending of the score of that digest; return what was known of it.

@@ -129,7 +129,7 @@ class Platforms(TimedPart):
         conditions += [col(row.deployment) == deployment] if deployment else []
         ordered = select(PlatformRow).where(*conditions).order_by(col(row.created_at), col(row.id))
         rows = self._scalars(ordered)
-        is_one = len({one.client_id for one in rows}) == 1
+        is_one = len({platform.client_id for platform in rows}) == 1
         return as_contract(rows[0], Platform) if is_one else None
 
     def use(self, message: str, expires_at: datetime) -> bool:
@@ -263,7 +263,7 @@ class Platforms(TimedPart):
             one_at_a_time(session, "platform_key")
             keys = self._newest_keys(session)
             if keys and not anew:
-                return tuple(one.secret for one in keys)
+                return tuple(key.secret for key in keys)
             if at_once:
                 session.execute(delete(row))
             elif keys:

@@ -222,7 +222,7 @@ class Regrades(StorePart):
                     "failed": outcome.failed,
                     "same": outcome.same,
                     "kept": outcome.kept,
-                    "changes": [asdict(one) for one in outcome.changes],
+                    "changes": [asdict(change) for change in outcome.changes],
                 }
             )
             session.flush()
@@ -394,24 +394,24 @@ def _trials_of(session: Session, regrade_id: str) -> list[_Trial]:
     originals = list(session.execute(statement).scalars())
     latest = {one.id: one.graded_attempt for one in (*originals, *trials.values())}
     scores = item_scores(session, {id_: attempt for id_, attempt in latest.items() if attempt is not None})
-    judgements = judgements_by(session, [one.id for one in originals])
+    judgements = judgements_by(session, [original.id for original in originals])
 
     def standing_of(row: SubmissionRow) -> StandingScores:
         return StandingScores(items=tuple(scores.get(row.id, ())), score=row.score)
 
     return [
         _Trial(
-            trials[one.id],
-            one,
+            trials[original.id],
+            original,
             score_change(
-                one.id,
-                one.student,
-                standing_of(one),
-                standing_of(trials[one.id]),
-                judgements.get(one.id, ()),
+                original.id,
+                original.student,
+                standing_of(original),
+                standing_of(trials[original.id]),
+                judgements.get(original.id, ()),
             ),
         )
-        for one in originals
+        for original in originals
     ]
 
 

@@ -267,15 +267,17 @@ def rules_of(session: Session, course: str | None) -> CourseRules:
     extended = select(ExtensionRow).where(col(ExtensionRow.course) == course)
     rows, extensions = session.execute(ruled).scalars(), session.execute(extended).scalars()
     zone = _UTC if row is None else row.time_zone
-    by_assignment = {one.assignment: _read(one.document, zone) for one in rows}
+    by_assignment = {stored.assignment: _read(stored.document, zone) for stored in rows}
     return CourseRules(
         zone=ZoneInfo(zone),
         archived=row is not None and row.archived_at is not None,
         by_assignment=by_assignment,
         sections=sections_of(session, course)
-        if any(one.by_section for one in by_assignment.values())
+        if any(assignment_rules.by_section for assignment_rules in by_assignment.values())
         else {},
-        extensions={(one.assignment, one.person): _extension(one) for one in extensions},
+        extensions={
+            (extension.assignment, extension.person): _extension(extension) for extension in extensions
+        },
         distro=None if row is None else cast("Distro", row.distro),
         runs_as=None if row is None else cast("RunsAs", row.runs_as),
         begun_with=None if row is None else _begun_with(row),
@@ -319,17 +321,13 @@ def _plain(value: Any, zone: tzinfo | None = None) -> Any:
         case dict():
             return {name: _plain(one, zone) for name, one in value.items()}
         case list() | tuple():
-            return [_plain(one, zone) for one in value]
+            return [_plain(element, zone) for element in value]
         case _:
             return value
 
 
 def from_document(document: dict[str, Any]) -> Rules:
-    """Return the rules that `to_document` wrote.
-
-    Raises:
-        ValueError: `to_document` wrote no such document.
-    """
+    """Return the rules that `to_document` wrote. Raises ValueError: `to_document` wrote no such document."""
     if unknown := document.keys() - kinds_of(Rules).keys():  # msgspec ignores them in a dataclass
         raise ValueError(f"the rules have no field {min(unknown)}")
     return from_plain(Rules, document)
@@ -340,7 +338,9 @@ def _read(document: str, zone: str | None) -> Rules:
     """Return stored rules, due dates on the clock of `zone`: by it days of lateness are counted."""
     rules, clock = from_document(json.loads(document)), ZoneInfo(zone or _UTC)
     due = None if rules.due is None else rules.due.astimezone(clock)
-    sections = tuple(replace(one, due=one.due.astimezone(clock)) for one in rules.by_section)
+    sections = tuple(
+        replace(section_rule, due=section_rule.due.astimezone(clock)) for section_rule in rules.by_section
+    )
     return replace(rules, due=due, by_section=sections)
 
 

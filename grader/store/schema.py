@@ -49,7 +49,7 @@ def up_to_date(
     if wait:
         _await_server(database)
     before: str | None = None
-    said = ""
+    last_reason = ""
     until_s = math.inf if wait else time.monotonic() + _LEAVING_S
     while True:
         with in_use(database, who):
@@ -64,9 +64,9 @@ def up_to_date(
             reason = f"the tables are of an older version, but {error}"
             if time.monotonic() >= until_s:
                 raise OccupiedError(reason, f"表结构是旧版本的，但{error.zh}") from error
-            if wait and reason != said:
+            if wait and reason != last_reason:
                 _log.warning("waiting: %s", reason)
-                said = reason
+                last_reason = reason
             time.sleep(_LOOK_S)
 
 

@@ -47,8 +47,8 @@ def judgements_by(session: Session, submissions: Iterable[str]) -> dict[str, lis
     """Return by submission what people decided about it; nothing where nobody did."""
     judgements: dict[str, list[Judgement]] = {}
     for part in in_lots(submissions):
-        for one in judgements_of(session, part):
-            judgements.setdefault(one.submission, []).append(one)
+        for judgement in judgements_of(session, part):
+            judgements.setdefault(judgement.submission, []).append(judgement)
     return judgements
 
 
@@ -81,4 +81,4 @@ def _earned(items: Sequence[ItemScore]) -> dict[str, float]:
 
 def _judged(items: Sequence[ItemScore], judgements: Sequence[Judgement]) -> tuple[str, ...]:
     """Return the items that a person's judgement counts for."""
-    return tuple(one.item for one in items if standing(one.item, one.points, judgements) is not None)
+    return tuple(item.item for item in items if standing(item.item, item.points, judgements) is not None)

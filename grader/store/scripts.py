@@ -61,12 +61,12 @@ class Scripts(StorePart):
     def recordings(self, handed_in: Collection[HandedIn]) -> Iterator[tuple[HandedIn, tuple[bytes, ...]]]:
         """Yield what the runs of the gradings that stand recorded, in order of the cases: gzip of JSON."""
         row = TrajectoryRow
-        graded = sorted((one for one in handed_in if one.graded_attempt is not None), key=_grading)
+        graded = sorted((script for script in handed_in if script.graded_attempt is not None), key=_grading)
         for some in in_lots(graded, _AT_ONCE):
-            by_grading = {_grading(one): one for one in some}
+            by_grading = {_grading(script): script for script in some}
             theirs = (
-                and_(col(row.submission_id) == one.submission, col(row.attempt) == one.graded_attempt)
-                for one in some
+                and_(col(row.submission_id) == script.submission, col(row.attempt) == script.graded_attempt)
+                for script in some
             )
             statement = (
                 select(col(row.submission_id), col(row.attempt), col(row.content))

@@ -175,7 +175,7 @@ class Submissions(StorePart):
             statement = statement.where(col(row.id) > after)
         with self._database.reading() as session:
             rows = session.execute(statement.order_by(col(row.id)).limit(limit)).scalars()
-            return tuple(submission_of(one) for one in rows)
+            return tuple(submission_of(submission) for submission in rows)
 
     def neighbour(
         self, submission: Submission, students: frozenset[str] | None = None, *, after: bool

@@ -111,7 +111,7 @@ def bytes_column() -> Column[bytes]:
 
 
 def _one_of(kinds: type[StrEnum], column: str, name: str) -> CheckConstraint:
-    values = ", ".join(f"'{one.value}'" for one in kinds)
+    values = ", ".join(f"'{kind.value}'" for kind in kinds)
     return CheckConstraint(f"{column} IN ({values})", name=name)
 
 
@@ -765,7 +765,7 @@ OF_MEMBERS: Final = (
 
 def as_contract(row: SQLModel, contract: type[_Contract], **others: Any) -> _Contract:
     """Return the contract whose fields are the columns of the same names; `others` are the fields that differ."""
-    same = (one.name for one in fields(contract) if one.name not in others)  # type: ignore[arg-type]
+    same = (field.name for field in fields(contract) if field.name not in others)  # type: ignore[arg-type]
     return contract(**{name: getattr(row, name) for name in same}, **others)
 
 

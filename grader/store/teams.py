@@ -111,7 +111,7 @@ def locked_upload(session: Session, submission_id: str) -> tuple[SubmissionRow |
         col(SubmissionRow.id)
     ).with_for_update()  # or two wait for each other in a circle
     rows = session.execute(in_order.execution_options(populate_existing=True)).scalars().all()
-    return row, [one for one in rows if one is not row]
+    return row, [other for other in rows if other is not row]
 
 
 def _teams(session: Session, course: str | None, assignment: str) -> tuple[Team, ...]:
@@ -133,7 +133,7 @@ def _teams_to_change(session: Session, course: str, assignment: str) -> tuple[Te
 
 
 def _team_with(teams: Iterable[Team], person: str) -> Team | None:
-    return next((one for one in teams if person in one.members), None)
+    return next((team for team in teams if person in team.members), None)
 
 
 def _of(course: str | None, assignment: str, *person: str) -> list[ColumnElement[bool]]:
@@ -149,7 +149,7 @@ def _row(course: str, assignment: str, person: str, team: Team) -> TeamMemberRow
 
 
 def _joinable(teams: Iterable[Team], code: str, most: int, person: str) -> Team:
-    team = next((one for one in teams if one.code == code and not one.by_staff), None)
+    team = next((other for other in teams if other.code == code and not other.by_staff), None)
     if team is None:
         raise RefusedError("team_not_found", field="code")
     if len(team.members) >= most and person not in team.members:

@@ -69,11 +69,11 @@ class Tokens(TimedPart):
             if unknown := rows.keys() - set(session.execute(members).scalars()):
                 raise unknown_members(course, *sorted(unknown))
             session.add_all(rows.values())
-            said = {
+            details = {
                 f"member {person}": {"token": row.id, "expires_at": row.expires_at.isoformat()}
                 for person, row in rows.items()
             }
-            record_all(session, Signature(now, course, actor), "token.issue", said)
+            record_all(session, Signature(now, course, actor), "token.issue", details)
             return [(as_contract(row, TokenInfo), codes[person]) for person, row in rows.items()]
 
     def caller(self, secret: str) -> Caller | None:
@@ -129,7 +129,9 @@ class Tokens(TimedPart):
         """Return who in a course has a token that opens something now."""
         now = self._clock()
         tokens = self.of_course(course)
-        return frozenset(one.person for one in tokens if one.revoked_at is None and one.expires_at > now)
+        return frozenset(
+            token.person for token in tokens if token.revoked_at is None and token.expires_at > now
+        )
 
     def revoke(
         self, course: str, actor: str, *, token_id: str | None = None, person: str | None = None

@@ -33,7 +33,7 @@ def undo(session: Session, regrade_id: str) -> list[ScoreChange]:
     for row in rows:
         old = StandingScores(items=tuple(now[row.id]), score=row.score)
         grading = gradings.get(row.id)
-        _stand(row, grading, sum(one.status is ItemStatus.NEEDS_MANUAL for one in then.get(row.id, ())))
+        _stand(row, grading, sum(item.status is ItemStatus.NEEDS_MANUAL for item in then.get(row.id, ())))
         new = StandingScores(items=tuple(then.get(row.id, ())), score=row.score)
         changes.append(score_change(row.id, row.student, old, new, judgements.get(row.id, ())))
     session.flush()

@@ -77,9 +77,9 @@ def ask(services: Services, caller: Caller, submission_id: str, item: str, reaso
     if not services.rules.of(caller.course).of(submission.assignment).may_appeal_at(services.clock()):
         raise RefusedError("appeals_closed")
     items = judged(stored).items
-    measured = next((one for one in items if one.id == item), None)
+    measured = next((rubric_item for rubric_item in items if rubric_item.id == item), None)
     if measured is None:
-        raise RefusedError("item_not_found", field="item", allowed=[one.id for one in items])
+        raise RefusedError("item_not_found", field="item", allowed=[rubric_item.id for rubric_item in items])
     if not _can_gain(measured):
         waits = measured.status is ItemStatus.NEEDS_MANUAL
         raise RefusedError("invalid_request", _WAITS if waits else _FULL, field="item")
@@ -117,10 +117,10 @@ def appeals_of(services: Services, caller: Caller, submission_id: str) -> tuple[
 def look(services: Services, caller: Caller, submission: Submission) -> dict[str, Appeal]:
     """Return the appeals about a submission by item, and note that its student has seen the answers."""
     appeals = _shown(services, caller, submission)
-    news = [one.item for one in appeals if one.state in ANSWERS and not one.seen]
+    news = [appeal.item for appeal in appeals if appeal.state in ANSWERS and not appeal.seen]
     if news and caller.role is Role.STUDENT:
         services.appeals.seen(submission.id, news, services.clock())
-    return {one.item: one for one in appeals}
+    return {appeal.item: appeal for appeal in appeals}
 
 
 def open_to(
@@ -137,7 +137,7 @@ def open_to(
     if rules.archived or not rules.of(submission.assignment).may_appeal_at(services.clock()):
         return frozenset()
     asked = {item for item, one in appeals.items() if one.state is not AppealState.WITHDRAWN}
-    return frozenset(one.id for one in judged(stored).items if _can_gain(one) and one.id not in asked)
+    return frozenset(item.id for item in judged(stored).items if _can_gain(item) and item.id not in asked)
 
 
 def pending(services: Services, caller: Caller) -> Pending | None:
@@ -148,9 +148,12 @@ def pending(services: Services, caller: Caller) -> Pending | None:
     if not appeals:
         return None
     rules, now = services.rules.of(caller.course), services.clock()
-    shown = [one for one in appeals if not is_hidden(one.item, rules.of(one.assignment).hidden_at(now))]
+    shown = [
+        appeal for appeal in appeals if not is_hidden(appeal.item, rules.of(appeal.assignment).hidden_at(now))
+    ]
     appeal_page = Pending(
-        open=[one for one in shown if one.is_open], answered=[one for one in shown if not one.is_open]
+        open=[appeal for appeal in shown if appeal.is_open],
+        answered=[appeal for appeal in shown if not appeal.is_open],
     )
     return appeal_page if shown else None
 
@@ -203,7 +206,7 @@ def answer(  # noqa: PLR0913
     text = checked_text(given.text, LONGEST_TEXT, _TEXT)
     if given.state not in ANSWERS or (given.points is not None) is not (given.state is AppealState.CORRECTED):
         raise RefusedError("invalid_request", _POINTS, field="points")
-    appeals = {one.item: one for one in services.appeals.of(submission.id)}
+    appeals = {appeal.item: appeal for appeal in services.appeals.of(submission.id)}
     if item not in appeals:
         raise RefusedError("appeal_not_found")
     if not appeals[item].is_open:
@@ -234,7 +237,7 @@ def _shown(services: Services, caller: Caller, submission: Submission) -> tuple[
     if not appeals or caller.is_staff:
         return appeals
     hidden = services.rules.of(submission.course).of(submission.assignment).hidden_at(services.clock())
-    return tuple(one for one in appeals if not is_hidden(one.item, hidden))
+    return tuple(appeal for appeal in appeals if not is_hidden(appeal.item, hidden))
 
 
 def _can_gain(item: RubricItem) -> bool:

@@ -104,7 +104,9 @@ def checklist(services: Services, caller: Caller) -> tuple[Assignment, ...]:
     course_rules, now = services.rules.of(caller.course), services.clock()
     is_student = caller.role is Role.STUDENT
     every = services.assignments.of(caller.course).all()
-    visible = [one for one in every if not is_student or course_rules.of(one.id).shown_at(now)]
+    visible = [
+        assignment for assignment in every if not is_student or course_rules.of(assignment.id).shown_at(now)
+    ]
     return shown_assignments(services, caller, visible)
 
 
@@ -112,7 +114,9 @@ def in_course(services: Services, caller: Caller) -> tuple[Assignment, ...]:
     """Return the assignments of the caller's course, except drafts, with all their items."""
     course_rules = services.rules.of(caller.course)
     every = services.assignments.of(caller.course).all()
-    return tuple(one for one in every if course_rules.of(one.id).shown is not Shown.DRAFT)
+    return tuple(
+        assignment for assignment in every if course_rules.of(assignment.id).shown is not Shown.DRAFT
+    )
 
 
 def terms_of(services: Services, caller: Caller, assignment_id: str) -> Terms:
@@ -131,14 +135,16 @@ def all_terms(services: Services, caller: Caller) -> dict[str, Terms]:
         () if caller.person is None else services.submissions.of_student(caller.person, course=caller.course)
     )
     # In order of arrival, as `submissions.attempts` has those of one assignment.
-    attempts = as_attempts(sorted(submissions, key=lambda one: (one.received_at, one.id)))
-    assignment_of = {one.id: one.assignment for one in submissions}
+    attempts = as_attempts(
+        sorted(submissions, key=lambda submission: (submission.received_at, submission.id))
+    )
+    assignment_of = {submission.id: submission.assignment for submission in submissions}
     return {
         assignment.id: _terms(
             course_rules,
             caller,
             assignment.id,
-            [one for one in attempts if assignment_of[one.id] == assignment.id],
+            [attempt for attempt in attempts if assignment_of[attempt.id] == assignment.id],
             now,
         )
         for assignment in services.assignments.of(caller.course).all()
@@ -156,7 +162,7 @@ def _terms(
         rules=rules,
         zone=course_rules.zone,
         due=rules.due_for(extension),
-        attempts_used=sum(one.costs for one in attempts),
+        attempts_used=sum(attempt.costs for attempt in attempts),
         attempts_left=rules.attempts_left(extension, attempts),
         counted=None if is_student and hides else rules.counting(extension, attempts),
         refusal=_refusal(course_rules, rules, extension, attempts, now) if is_student else None,

@@ -90,7 +90,7 @@ def _meant(value: object, zone: ZoneInfo) -> object:
     if isinstance(value, datetime) and value.tzinfo is None:
         return value.replace(tzinfo=zone)
     if isinstance(value, list):
-        return tuple(_meant(one, zone) for one in value)
+        return tuple(_meant(element, zone) for element in value)
     return value.meant(zone) if isinstance(value, Described) else value
 
 
@@ -104,8 +104,8 @@ def _of(contract: type) -> Callable[[type[_Body]], type[_Body]]:
     def decorate(empty: type[_Body]) -> type[_Body]:
         kinds, hints = kinds_of(contract), get_type_hints(contract)
         defined: Any = {
-            one.name: _field(kinds[one.name], hints[one.name], one.default)
-            for one in dataclasses.fields(contract)
+            field.name: _field(kinds[field.name], hints[field.name], field.default)
+            for field in dataclasses.fields(contract)
         }
         body = create_model(
             empty.__name__, __base__=empty, __doc__=empty.__doc__, __module__=empty.__module__, **defined
@@ -180,11 +180,7 @@ class ExtensionBody(Described):
 
 
 def rules_from(body: RulesBody, zone: ZoneInfo) -> Rules:
-    """Return the rules that `body` states.
-
-    Raises:
-        RefusedError: they contradict each other.
-    """
+    """Return the rules that `body` states. Raises RefusedError: they contradict each other."""
     for section in vars(body)["by_section"]:  # else who only moves a date would make lateness free
         for name in {"late", "accept_late_s"} - section.model_fields_set:
             setattr(section, name, getattr(body, name))

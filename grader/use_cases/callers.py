@@ -107,21 +107,13 @@ class Callers:
 
 
 def require_staff(caller: Caller) -> None:
-    """Require an assistant or instructor.
-
-    Raises:
-        RefusedError: the caller is neither.
-    """
+    """Require an assistant or instructor. Raises RefusedError: the caller is neither."""
     if not caller.is_staff:
         raise RefusedError("unauthorized" if caller.role is None else "forbidden")
 
 
 def require_instructor(caller: Caller) -> None:
-    """Require an instructor.
-
-    Raises:
-        RefusedError: the caller is no instructor.
-    """
+    """Require an instructor. Raises RefusedError: the caller is no instructor."""
     require_staff(caller)
     if not caller.is_instructor:
         raise RefusedError("forbidden")
@@ -313,11 +305,7 @@ class Allowances:
         )
 
     def request(self, caller: Caller) -> None:
-        """Count a request of a student.
-
-        Raises:
-            RefusedError: there are too many.
-        """
+        """Count a request of a student. Raises RefusedError: there are too many."""
         if caller.role is Role.STUDENT:
             self.requests.take(f"{caller.course}/{caller.person}")
 

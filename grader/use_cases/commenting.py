@@ -30,11 +30,7 @@ class Unread:
 
 
 def comments(services: Services, caller: Caller, submission_id: str) -> tuple[Comment, ...]:
-    """Return the comments on a submission, oldest first.
-
-    Raises:
-        RefusedError: the caller may not see it.
-    """
+    """Return the comments on a submission, oldest first. Raises RefusedError: the caller may not see it."""
     return services.comments.of(visible_submission(services, caller, submission_id).id)
 
 
@@ -99,5 +95,5 @@ def author_names(services: Services, comments: tuple[Comment, ...], course: str 
     """Return the names of the authors of comments, by id."""
     if course is None:
         return {}
-    members = {one.by: services.courses.member(course, one.by) for one in comments}
+    members = {comment.by: services.courses.member(course, comment.by) for comment in comments}
     return {id_: id_ if member is None else member.name or id_ for id_, member in members.items()}

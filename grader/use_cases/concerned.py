@@ -61,18 +61,20 @@ def concerned(
     if concern.item is not None:
         _check_item(concern.item, assignment, own.values())
     _check_codes(concern, own.values())
-    roster = {one.id: one for one in members(services, caller, Role.STUDENT)}
+    roster = {member.id: member for member in members(services, caller, Role.STUDENT)}
     fits = _fits(concern)
     students = [
         _concerned(roster.get(student), cell, concern)
         for student, cell in own.items()
         if caller.looks_after(student) and fits(cell)
     ]
-    return tuple(sorted(students, key=lambda one: (not one.still, -one.progress.attempts, one.student)))
+    return tuple(
+        sorted(students, key=lambda student: (not student.still, -student.progress.attempts, student.student))
+    )
 
 
 def _check_item(item: str, assignment: Assignment | None, cells: Iterable[CountedCell]) -> None:
-    ids = [] if assignment is None else [one.id for one in assignment.items]
+    ids = [] if assignment is None else [rubric_item.id for rubric_item in assignment.items]
     failed = {one for cell in cells for one in cell.failed}  # also by an earlier version of it
     if item not in failed and item.rpartition("/")[2] not in ids:
         detail = Text(zh="没有这个评分项。", en="There is no such item.")
@@ -80,7 +82,7 @@ def _check_item(item: str, assignment: Assignment | None, cells: Iterable[Counte
 
 
 def _check_codes(concern: Concern, cells: Iterable[CountedCell]) -> None:
-    statuses = [one.value for one in (*SubmissionState, *GradeStatus)]
+    statuses = [state.value for state in (*SubmissionState, *GradeStatus)]
     recognised = {one for cell in cells for one in cell.mistakes}  # also what an earlier version recognised
     mistake = concern.mistake
     if mistake is not None and mistake not in recognised and template("en", f"mistake.{mistake}") is None:

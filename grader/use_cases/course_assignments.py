@@ -101,7 +101,7 @@ class _OfCourse:
 
     def all(self) -> tuple[Assignment, ...]:
         own = {id_: one for id_, one in self.uploaded.items() if isinstance(one, Assignment)}
-        shared = (one for one in self.shared.all() if one.id not in own)
+        shared = (assignment for assignment in self.shared.all() if assignment.id not in own)
         return tuple(sorted((*shared, *own.values()), key=lambda one: (one.order, one.id)))
 
     def get(self, assignment_id: str) -> Assignment:
@@ -111,7 +111,9 @@ class _OfCourse:
         try:
             return self.shared.get(assignment_id)
         except UnknownAssignmentError:
-            raise UnknownAssignmentError.among((one.id for one in self.all()), assignment_id) from None
+            raise UnknownAssignmentError.among(
+                (assignment.id for assignment in self.all()), assignment_id
+            ) from None
 
     def troubles(self) -> Mapping[str, Text]:
         own = {id_: one for id_, one in self.uploaded.items() if isinstance(one, Text)}
@@ -128,6 +130,6 @@ class _OfCourse:
         return {} if folder is None else unpacked(folder)
 
     def given_code(self) -> tuple[bytes, ...]:
-        folders = [unpacked(one) for one in self.stored.in_use(self.course).values()]
+        folders = [unpacked(folder) for folder in self.stored.in_use(self.course).values()]
         own = tuple(files[name] for files in folders for name in _GIVEN_FILES if name in files)
         return (*self.shared.given_code(), *own)

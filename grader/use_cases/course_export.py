@@ -94,7 +94,10 @@ class _Export:
         services, course = self._services, self._course.id
         head = ("id", "name", "role", "email", "sections")
         people = services.courses.members(course)
-        rows = [(one.id, one.name, one.role.value, one.email, "；".join(one.sections)) for one in people]
+        rows = [
+            (person.id, person.name, person.role.value, person.email, "；".join(person.sections))
+            for person in people
+        ]
         yield "members.csv", csv_table([head, *rows]).encode()
         yield "gradebook.csv", gradebook_csv(services, self._caller, "plain").encode()
         course_rules = services.rules.of(course)
@@ -106,7 +109,7 @@ class _Export:
         yield "rules.json", _json({"rules": rules, "extensions": extensions})
         for name, content in sorted(services.own_assignments.in_use(course).items()):
             yield f"assignments/{name}.zip", content
-        yield "audit.json", _json([_plain(asdict(one)) for one in self._audit()])
+        yield "audit.json", _json([_plain(asdict(entry)) for entry in self._audit()])
 
     def _audit(self) -> Iterator[Any]:
         before: int | None = None

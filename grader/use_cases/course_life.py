@@ -123,9 +123,9 @@ def counted_space(services: Services, caller: Caller) -> tuple[datetime, Space, 
         counted.at,
         spaces.get(course.id, Space()),
         Space(
-            submissions=sum(one.submissions for one in others),
-            sources_bytes=sum(one.sources_bytes for one in others),
-            reports_bytes=sum(one.reports_bytes for one in others),
-            trajectories_bytes=sum(one.trajectories_bytes for one in others),
+            submissions=sum(other.submissions for other in others),
+            sources_bytes=sum(other.sources_bytes for other in others),
+            reports_bytes=sum(other.reports_bytes for other in others),
+            trajectories_bytes=sum(other.trajectories_bytes for other in others),
         ),
     )

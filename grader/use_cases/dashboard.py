@@ -27,7 +27,8 @@ from grader.use_cases.services import ServiceHealth, Services
 _BINS = 10
 _KEPT_STUDENTS, _KEPT_ASSIGNMENTS = 20_000, 1_000  # of all courses; beyond these, counted at each look
 _NOBODY = AssignmentState(progress=(), failures=(), mistakes=())
-_PROGRESS = tuple(one.name for one in fields(StudentProgress))  # asked once: a class has thousands of cells
+# asked once: a class has thousands of cells
+_PROGRESS = tuple(field.name for field in fields(StudentProgress))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,7 +131,7 @@ class _Done:
 def costs(services: Services, caller: Caller) -> tuple[PersonCost, ...]:
     """Return what the gradings of each of the class cost in the last hour, whoever cost most first. For staff."""
     require_staff(caller)
-    return tuple(one for one in services.costs.lately(caller.course) if caller.looks_after(one.student))
+    return tuple(cost for cost in services.costs.lately(caller.course) if caller.looks_after(cost.student))
 
 
 def overview(services: Services, caller: Caller, state: ClassState, language: Language) -> Overview:
@@ -145,7 +146,7 @@ def overview(services: Services, caller: Caller, state: ClassState, language: La
     nothing = _statistics(_NOBODY, pass_fraction)
     assignments = {assignment.id: assignment for assignment in in_course(services, caller)}
     ids = [*assignments, *sorted(set(statistics) - set(assignments))]
-    roster = {one.id: one for one in members(services, caller, Role.STUDENT)}
+    roster = {member.id: member for member in members(services, caller, Role.STUDENT)}
     lines = [_student(student, done, roster.get(student)) for student, done in students.items()]
     at_risk = risks(
         {student: done.cells for student, done in students.items()},
@@ -164,7 +165,7 @@ def overview(services: Services, caller: Caller, state: ClassState, language: La
         at_risk=at_risk,
         total_at_risk=len(at_risk),
         next_offset=None,
-        waiting_for_person=sum(one.waiting_for_person for one in statistics.values()),
+        waiting_for_person=sum(statistic.waiting_for_person for statistic in statistics.values()),
         assignments=[
             _named(statistics.get(id_, nothing), id_, assignments.get(id_), language) for id_ in ids
         ],
@@ -180,13 +181,13 @@ def class_state(services: Services, caller: Caller) -> ClassState:
 
 def selected(whole: Overview, selection: Selection) -> Overview:
     """Return a page of the overview with the chosen students only; whoever is at risk is chosen in any case."""
-    risky, wanted = {one.student for one in whole.at_risk}, selection.search.strip().casefold()
+    risky, wanted = {risk.student for risk in whole.at_risk}, selection.search.strip().casefold()
     fitting = [
-        one
-        for one in whole.students
-        if (wanted in one.student.casefold() or wanted in one.name.casefold())
-        and (not selection.section or selection.section in one.sections)
-        and (not selection.at_risk or one.student in risky)
+        student
+        for student in whole.students
+        if (wanted in student.student.casefold() or wanted in student.name.casefold())
+        and (not selection.section or selection.section in student.sections)
+        and (not selection.at_risk or student.student in risky)
     ]
     end = selection.offset + selection.limit
     return replace(
@@ -207,14 +208,14 @@ def _mean_attempts_to_pass(progress: Iterable[StudentProgress], pass_fraction: f
         next(
             (
                 i
-                for i, share in enumerate(one.shares, start=1)
+                for i, share in enumerate(cell.shares, start=1)
                 if share is not None and share >= pass_fraction
             ),
             None,
         )
-        for one in progress
+        for cell in progress
     ]
-    passed = [one for one in needed if one is not None]
+    passed = [count for count in needed if count is not None]
     return round(fmean(passed), 2) if passed else None
 
 
@@ -231,10 +232,10 @@ def _student(student: str, done: _Done, member: Member | None) -> StudentLine:
 @lru_cache(maxsize=_KEPT_STUDENTS)
 def _done(student: StudentState, pass_fraction: float) -> _Done:
     """Return what a student has done. Most students are the same at the next look."""
-    cells = [_cell(one, pass_fraction) for one in student.progress]
+    cells = [_cell(cell, pass_fraction) for cell in student.progress]
     return _Done(
-        cells={one.assignment: one for one in cells},
-        total_score=summed(one.counted_score for one in cells if one.counted_score is not None),
+        cells={cell.assignment: cell for cell in cells},
+        total_score=summed(cell.counted_score for cell in cells if cell.counted_score is not None),
     )
 
 
@@ -258,7 +259,8 @@ def _named(
         title=assignment_id if assignment is None else assignment.title.get(language),
         max_score=None if assignment is None else assignment.max_score,
         most_failed_items=[
-            replace(one, title=item_title(assignment, one.id, language)) for one in overview.most_failed_items
+            replace(item, title=item_title(assignment, item.id, language))
+            for item in overview.most_failed_items
         ],
     )
 
@@ -267,23 +269,24 @@ def _named(
 def _statistics(state: AssignmentState, pass_fraction: float) -> AssignmentOverview:
     """Return the statistics of an assignment without its texts. Most assignments are the same at the next look."""
     students = len(state.progress)
-    passed = sum(_passed(one, pass_fraction) for one in state.progress)
-    scored = sum(one.counted_score is not None for one in state.progress)
-    scores = [one.best_score for one in state.progress if one.best_score is not None]
+    passed = sum(_passed(cell, pass_fraction) for cell in state.progress)
+    scored = sum(cell.counted_score is not None for cell in state.progress)
+    scores = [cell.best_score for cell in state.progress if cell.best_score is not None]
     return AssignmentOverview(
         id="",
         title="",
         max_score=None,
         students=students,
-        waiting_for_person=sum(one.waits_for_person for one in state.progress),
-        submissions=sum(one.attempts for one in state.progress),
+        waiting_for_person=sum(cell.waits_for_person for cell in state.progress),
+        submissions=sum(cell.attempts for cell in state.progress),
         passed=passed,
         pass_rate=passed / scored if scored else None,
         mean_score=round(fmean(scores), 2) if scores else None,
         score_distribution=_distribution(state.progress),
         mean_attempts_to_pass=_mean_attempts_to_pass(state.progress, pass_fraction),
         most_failed_items=[
-            FailedItem(id=one.item, title="", count=one.ever, still=one.still) for one in state.failures
+            FailedItem(id=failure.item, title="", count=failure.ever, still=failure.still)
+            for failure in state.failures
         ],
         most_common_mistakes=state.mistakes,
     )
@@ -291,9 +294,9 @@ def _statistics(state: AssignmentState, pass_fraction: float) -> AssignmentOverv
 
 def _distribution(progress: Iterable[StudentProgress]) -> list[Bin]:
     counts = [0] * _BINS
-    for one in progress:
-        if one.best_score is not None and one.max_score:
-            counts[min(int(one.best_score / one.max_score * _BINS), _BINS - 1)] += 1
+    for cell in progress:
+        if cell.best_score is not None and cell.max_score:
+            counts[min(int(cell.best_score / cell.max_score * _BINS), _BINS - 1)] += 1
     width = 100 // _BINS
     return [
         Bin(from_percent=number * width, to_percent=(number + 1) * width, students=count)

@@ -90,5 +90,5 @@ def told_of(
 
 
 def _published(services: Services, submission: Submission) -> Assignment | None:
-    known = services.assignments.of(submission.course).all()
-    return next((one for one in known if one.id == submission.assignment), None)
+    assignments = services.assignments.of(submission.course).all()
+    return next((other for other in assignments if other.id == submission.assignment), None)

@@ -229,7 +229,7 @@ class Watching:
                 watches = list(self._watches)
             begun_s = time.monotonic()
             with_classes = looks % _CLASS_EVERY == 0
-            self._notify([one for one in watches if with_classes or one.subject[0] != "class"])
+            self._notify([watch for watch in watches if with_classes or watch.subject[0] != "class"])
             took_s = time.monotonic() - begun_s
             looks += 1
             self._doorbell.wait(heard, self.limits.poll_s)

@@ -39,10 +39,10 @@ def book(services: Services, caller: Caller, section: str = "") -> tuple[Sequenc
     """
     require_staff(caller)
     progress = services.dashboard.state(caller.course, caller.students).progress
-    members = people.members(services, caller, Role.STUDENT) or _seen({one.student for one in progress})
+    members = people.members(services, caller, Role.STUDENT) or _seen({cell.student for cell in progress})
     if section:
-        members = tuple(one for one in members if section in one.sections)
-    return members, {(one.student, one.assignment): one for one in progress}
+        members = tuple(member for member in members if section in member.sections)
+    return members, {(cell.student, cell.assignment): cell for cell in progress}
 
 
 def gradebook_csv(services: Services, caller: Caller, format: Format, section: str = "") -> str:
@@ -59,7 +59,9 @@ def gradebook_workbook(services: Services, caller: Caller, language: Language, s
     members, scores = book(services, caller, section)
     assignments = in_course(services, caller)
     heading = partial(on_page, language)
-    titles = [f"{one.title.get(language)} ({written(one.max_score)})" for one in assignments]
+    titles = [
+        f"{assignment.title.get(language)} ({written(assignment.max_score)})" for assignment in assignments
+    ]
     head = [
         heading("people.id"),
         heading("people.name"),
@@ -71,7 +73,7 @@ def gradebook_workbook(services: Services, caller: Caller, language: Language, s
     percent = percentages(services, caller, members, scores)
     rows: list[list[Cell]] = [[*head]]
     for member in members:
-        reached = [_counted(scores.get((member.id, one.id))) for one in assignments]
+        reached = [_counted(scores.get((member.id, assignment.id))) for assignment in assignments]
         total = summed(points for points in reached if points is not None)
         rows.append([member.id, member.name, ", ".join(member.sections), *reached, total, percent[member.id]])
     notes: list[list[Cell]] = [
@@ -101,7 +103,7 @@ def registry_workbook(  # noqa: PLR0913
     """
     members, points = _points_of(services, caller, assignment, section)
     head: list[Cell] = [on_page(language, "people.id"), on_page(language, "people.name"), column]
-    rows = [head, *([one.id, one.name, points[one.id]] for one in members)]
+    rows = [head, *([member.id, member.name, points[member.id]] for member in members)]
     return workbook([(on_page(language, "nav.gradebook"), rows)])
 
 
@@ -110,8 +112,7 @@ def fill_in(
 ) -> FilledSheet:
     """Return a teacher's own sheet with points in the column called `column`; the rest as `registry_workbook`.
 
-    Raises:
-        RefusedError: as `registry_workbook`; or the sheet cannot be read, or has no such column.
+    Raises as `registry_workbook`; or the sheet cannot be read, or has no such column.
     """
     _, points = _points_of(services, caller, assignment, "")
     try:
@@ -126,7 +127,7 @@ def _points_of(
     members, scores = book(services, caller, section)
     if assignment:
         require_published(services, caller, assignment)
-        return members, {one.id: _counted(scores.get((one.id, assignment))) for one in members}
+        return members, {member.id: _counted(scores.get((member.id, assignment))) for member in members}
     return members, percentages(services, caller, members, scores)
 
 
@@ -139,16 +140,21 @@ def percentages(
     None for whoever has no points at all; 0 where nothing counts.
     """
     rules, assignments = services.rules.of(caller.course), in_course(services, caller)
-    weights = {one.id: rules.of(one.id).weight for one in assignments}
+    weights = {assignment.id: rules.of(assignment.id).weight for assignment in assignments}
     shares = {
-        one.id: (Decimal(repr(one.max_score)), Decimal(repr(one.max_score if weight is None else weight)))
-        for one in assignments
-        if one.max_score and ((weight := weights[one.id]) is None or weight)
+        assignment.id: (
+            Decimal(repr(assignment.max_score)),
+            Decimal(repr(assignment.max_score if weight is None else weight)),
+        )
+        for assignment in assignments
+        if assignment.max_score and ((weight := weights[assignment.id]) is None or weight)
     }
     whole = sum((weight for _, weight in shares.values()), Decimal(0))
     by_student: dict[str, float | None] = {}
     for member in members:
-        reached = {one.id: _counted(scores.get((member.id, one.id))) for one in assignments}
+        reached = {
+            assignment.id: _counted(scores.get((member.id, assignment.id))) for assignment in assignments
+        }
         earned = (
             Decimal(repr(points)) * shares[id_][1] / shares[id_][0]
             for id_, points in reached.items()
@@ -205,7 +211,7 @@ def plain(
         reached = [scores.get((member.id, assignment.id)) for assignment in assignments]
         for progress in reached:
             cells += [_points(progress), "0" if progress is None else str(progress.attempts)]
-        total = summed(one.counted_score or 0.0 for one in reached if one is not None)
+        total = summed(cell.counted_score or 0.0 for cell in reached if cell is not None)
         share = percent.get(member.id)
         rows.append([*cells, written(total), "" if share is None else written(share)])
     return csv_table(rows, safe=False)
@@ -223,8 +229,15 @@ def canvas(members: Sequence[Member], assignments: Sequence[Assignment], scores:
     first cell must not be quoted, though.
     """
     head = ["Student", "ID", "SIS User ID", "SIS Login ID", "Section"]
-    titles = [as_text(f"{one.title.en} [{one.id}]") for one in assignments]
-    possible = ["    Points Possible", "", "", "", "", *(written(one.max_score) for one in assignments)]
+    titles = [as_text(f"{assignment.title.en} [{assignment.id}]") for assignment in assignments]
+    possible = [
+        "    Points Possible",
+        "",
+        "",
+        "",
+        "",
+        *(written(assignment.max_score) for assignment in assignments),
+    ]
     rows = [[*head, *titles], possible]
     for member in members:
         person = [
@@ -234,12 +247,14 @@ def canvas(members: Sequence[Member], assignments: Sequence[Assignment], scores:
             as_text(member.id),
             as_text(" and ".join(member.sections)),
         ]
-        rows.append([*person, *(_points(scores.get((member.id, one.id))) for one in assignments)])
+        rows.append(
+            [*person, *(_points(scores.get((member.id, assignment.id))) for assignment in assignments)]
+        )
     return csv_table(rows, safe=False)
 
 
 def _seen(students: set[str]) -> tuple[Member, ...]:
-    return tuple(Member(course="", id=one, name="", role=Role.STUDENT) for one in sorted(students))
+    return tuple(Member(course="", id=student, name="", role=Role.STUDENT) for student in sorted(students))
 
 
 def _points(progress: StudentProgress | None) -> str:

@@ -89,7 +89,9 @@ def _taken_in(
         checked = _checked(services, caller, new, owner, upload.arrived_at)
         submission, repeated = services.intake.accept(checked, upload.arrived_at)
     if new.ruled and new.course is not None:
-        services.courses.begin(new.course, [one.id for one in services.assignments.of(new.course).all()])
+        services.courses.begin(
+            new.course, [assignment.id for assignment in services.assignments.of(new.course).all()]
+        )
     return submission, repeated
 
 
@@ -127,11 +129,7 @@ def _checked(
 
 
 def checked_student(student: str) -> str:
-    """Return a well-formed student id.
-
-    Raises:
-        RefusedError: it is not one.
-    """
+    """Return a well-formed student id. Raises RefusedError: it is not one."""
     if not is_person_id(student):
         raise RefusedError("invalid_student", field="student")
     return student

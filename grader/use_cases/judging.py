@@ -152,8 +152,7 @@ def give_several(
 ) -> None:
     """Keep points for several items with one comment, each as `give` does, all of them or none.
 
-    Raises:
-        RefusedError: as `give`, naming the item; or one is named twice, or none at all.
+    Raises as `give`, naming the item; or one is named twice, or none at all.
     """
     give_each(services, caller, submission_id, [(*one, comment) for one in wanted])
 
@@ -182,17 +181,17 @@ def _give(
     require_staff(caller)
     submission = visible_submission(services, caller, submission_id)
     corrects = may_correct(services, caller, submission.assignment)
-    given = []
+    judgements = []
     for item, points, seen, comment in wanted:
         if not math.isclose(points, round(points, 2), abs_tol=1e-9):
             raise RefusedError("invalid_points", _DECIMALS, field="points")
         text = comment.replace("\r\n", "\n")
         one = Given(item=item, points=round(points, 2), comment=text, corrects=corrects, answers=answers)
-        given.append((one, seen))
-    before = {one.id: one for one in judged_items(graded(services, caller, submission_id)[1])}
-    asked = {one.item for one in services.appeals.of(submission_id) if one.is_open}
-    services.judgements.judge_all(submission_id, given, services.signature(caller))
-    corrected = [(before[one.item], one) for one, _ in given if one.item not in asked]
+        judgements.append((one, seen))
+    before = {item.id: item for item in judged_items(graded(services, caller, submission_id)[1])}
+    asked = {appeal.item for appeal in services.appeals.of(submission_id) if appeal.is_open}
+    services.judgements.judge_all(submission_id, judgements, services.signature(caller))
+    corrected = [(before[one.item], one) for one, _ in judgements if one.item not in asked]
     _announce(services, caller, submission, corrected)
 
 
@@ -223,7 +222,7 @@ def may_correct(services: Services, caller: Caller, assignment: str) -> bool:
 
 
 def _judged(item: RubricItem, stored: StoredReport) -> JudgedItem:
-    own = tuple(one for one in stored.judgements if one.item == item.id)
+    own = tuple(judgement for judgement in stored.judgements if judgement.item == item.id)
     return JudgedItem(
         id=item.id,
         title=item.title,

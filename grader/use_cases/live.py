@@ -35,11 +35,7 @@ async def open_car(services: Services, caller: Caller, now_s: float) -> OpenCar:
 
 
 def car_of(services: Services, caller: Caller, now_s: float) -> OpenCar:
-    """Return the caller's car.
-
-    Raises:
-        RefusedError: there is none.
-    """
+    """Return the caller's car. Raises RefusedError: there is none."""
     place = services.live.of(_owner(caller))
     if place is None:
         raise RefusedError("live_not_found")

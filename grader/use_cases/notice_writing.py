@@ -91,9 +91,9 @@ def write_notices(services: Services, course: str) -> int:
     look = _look(services, course)
     lately = services.notices.made_since(course, look.now - _GATHERED)
     drafts = [
-        one
-        for one in (*_for_groups(look, set(groups)), *_for_people(look, wishes))
-        if not _is_to_be_gathered(one) or (one.outlet, one.kind, one.person) not in lately
+        draft
+        for draft in (*_for_groups(look, set(groups)), *_for_people(look, wishes))
+        if not _is_to_be_gathered(draft) or (draft.outlet, draft.kind, draft.person) not in lately
     ]
     return services.notices.add(course, drafts) if drafts else 0
 
@@ -102,7 +102,7 @@ def count_as_told(services: Services, course: str, group: Outlet | None, wishes:
     """Count the present state as reported, so that a new outlet gets no old news."""
     look = _look(services, course)
     drafts = (*_for_groups(look, set() if group is None else {group}), *_for_people(look, wishes))
-    services.notices.add(course, [replace(one, body="") for one in drafts if _is_to_be_gathered(one)])
+    services.notices.add(course, [replace(draft, body="") for draft in drafts if _is_to_be_gathered(draft)])
 
 
 def _is_to_be_gathered(draft: Draft) -> bool:
@@ -119,10 +119,12 @@ def _look(services: Services, course: str) -> _Look:
         title=services.courses.get(course).title,
         now=services.clock(),
         rules=services.rules.of(course),
-        students=[one for one in members if one.role is Role.STUDENT],
-        instructors=[one for one in members if one.role is Role.INSTRUCTOR],
-        assignments={one.id: one for one in services.assignments.of(course).all()},
-        progress={(one.student, one.assignment): one for one in services.dashboard.state(course).progress},
+        students=[member for member in members if member.role is Role.STUDENT],
+        instructors=[member for member in members if member.role is Role.INSTRUCTOR],
+        assignments={assignment.id: assignment for assignment in services.assignments.of(course).all()},
+        progress={
+            (cell.student, cell.assignment): cell for cell in services.dashboard.state(course).progress
+        },
     )
 
 
@@ -158,14 +160,14 @@ def _due_for_all(look: _Look, notified: Mapping[tuple[str, str], str]) -> Iterat
         rules = look.rules.of(id_)
         if not rules.shown_at(look.now):
             continue
-        dates = {look.rules.of(id_, one.id).due for one in look.students}
-        soon = sorted(one for one in dates if one is not None and look.is_soon(one))
-        state = _digest(*(one.astimezone(look.zone).isoformat() for one in soon))
+        dates = {look.rules.of(id_, student.id).due for student in look.students}
+        soon = sorted(date for date in dates if date is not None and look.is_soon(date))
+        state = _digest(*(instant.astimezone(look.zone).isoformat() for instant in soon))
         if not soon or notified.get(("", f"due/{id_}")) == state:
             continue
         states[f"due/{id_}"] = state
         for due in soon:
-            sections = [one.section for one in rules.by_section if one.due == due]
+            sections = [section_rule.section for section_rule in rules.by_section if section_rule.due == due]
             key = "notices.due.line_sections" if sections and len(dates) > 1 else "notices.due.line"
             values = {"title": look.titled(id_), "due": look.local(due), "sections": ", ".join(sections)}
             lines.append(on_page(look.language, key, **values))
@@ -312,7 +314,7 @@ def _faults(
 
 def _is_stalled(look: _Look) -> bool:
     """Return whether work of the course waits for long, and nobody is there to grade it."""
-    if not any(one.state is SubmissionState.QUEUED for one in look.progress.values()):
+    if not any(cell.state is SubmissionState.QUEUED for cell in look.progress.values()):
         return False
     health = look.services.health()
     oldest = health.queue.oldest_queued_at

@@ -53,14 +53,14 @@ def setup_of(services: Services, caller: Caller) -> Setup:
     webhooks = services.notices.webhooks(course).values()
     return Setup(
         webhooks={
-            one.outlet: ShownWebhook(
-                outlet=one.outlet,
-                vendor=one.vendor,
-                host=urlsplit(one.address).netloc,
-                signed=bool(one.secret),
-                changed_at=one.changed_at,
+            webhook.outlet: ShownWebhook(
+                outlet=webhook.outlet,
+                vendor=webhook.vendor,
+                host=urlsplit(webhook.address).netloc,
+                signed=bool(webhook.secret),
+                changed_at=webhook.changed_at,
             )
-            for one in webhooks
+            for webhook in webhooks
         },
         mail=services.notices.wishes(course),
         can_mail=services.mail is not None,
@@ -108,7 +108,7 @@ def set_mail(services: Services, caller: Caller, wishes: MailWishes) -> None:
     if wishes and services.mail is None:
         raise RefusedError("mail_not_set_up")
     before = services.notices.wishes(course)
-    new = {one.value: getattr(wishes, one) and not getattr(before, one) for one in NoticeKind}
+    new = {kind.value: getattr(wishes, kind) and not getattr(before, kind) for kind in NoticeKind}
     count_as_told(services, course, None, MailWishes(**new))
     services.notices.set_wishes(wishes, services.signature(caller))
 

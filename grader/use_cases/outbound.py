@@ -28,20 +28,20 @@ class Sender:
         if services.providers.public_url:  # without it no platform leads here
             what.append(("scores", send_scores, _SCORES_EVERY_S))
         self._threads = [
-            threading.Thread(target=self._run, args=each, name=f"{each[0]} sender", daemon=True)
-            for each in what
+            threading.Thread(target=self._run, args=work, name=f"{work[0]} sender", daemon=True)
+            for work in what
         ]
 
     def __enter__(self) -> None:
         """Begin."""
-        for one in self._threads:
-            one.start()
+        for thread in self._threads:
+            thread.start()
 
     def __exit__(self, *_: object) -> None:
         """End after what is being sent; what takes too long is sent again by the next process."""
         self._stopped.set()
-        for one in self._threads:
-            one.join(_END_S)
+        for thread in self._threads:
+            thread.join(_END_S)
 
     def _run(self, name: str, send: _Send, every_s: float) -> None:
         while not self._stopped.wait(every_s):

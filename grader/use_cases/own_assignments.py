@@ -40,11 +40,15 @@ def own_troubles(services: Services, caller: Caller) -> dict[str, Text]:
     For staff.
     """
     troubles = dict(services.assignments.of(caller.course).troubles())
-    for one in own_assignments(services, caller):
-        if one.state is OwnState.REFUSED:
-            lines = [(place_of(each), each.told) for each in one.examined.misfits]
-            lines += [(each.script, each.problem) for each in one.examined.verdicts if each.problem != EMPTY]
-            troubles[one.assignment] = _listed(lines)
+    for upload in own_assignments(services, caller):
+        if upload.state is OwnState.REFUSED:
+            lines = [(place_of(misfit), misfit.told) for misfit in upload.examined.misfits]
+            lines += [
+                (verdict.script, verdict.problem)
+                for verdict in upload.examined.verdicts
+                if verdict.problem != EMPTY
+            ]
+            troubles[upload.assignment] = _listed(lines)
     return troubles
 
 
@@ -140,14 +144,17 @@ def _require_fit(services: Services, caller: Caller, new: Assignment) -> None:
 
 
 def _refused(misfits: tuple[Misfit, ...]) -> RefusedError:
-    detail = _listed([(place_of(one), one.told) for one in misfits])
+    detail = _listed([(place_of(misfit), misfit.told) for misfit in misfits])
     return RefusedError("invalid_assignment", detail, field="file", misfits=misfits)
 
 
 def _listed(lines: Sequence[tuple[str, Text]]) -> Text:
     """Return several texts as lines of one, each behind its place."""
-    said = {one: "\n".join(f"{place}: {told.get(one)}" for place, told in lines) for one in LANGUAGES}
-    return Text(**said)
+    texts = {
+        language: "\n".join(f"{place}: {told.get(language)}" for place, told in lines)
+        for language in LANGUAGES
+    }
+    return Text(**texts)
 
 
 def place_of(one: Misfit) -> str:

@@ -54,7 +54,11 @@ def members(services: Services, caller: Caller, role: Role | None = None) -> Seq
     """
     require_staff(caller)
     members_of_role = services.courses.members(caller.course, role)
-    return tuple(one for one in members_of_role if one.role is not Role.STUDENT or caller.looks_after(one.id))
+    return tuple(
+        member
+        for member in members_of_role
+        if member.role is not Role.STUDENT or caller.looks_after(member.id)
+    )
 
 
 def change_course(  # noqa: PLR0913
@@ -133,7 +137,7 @@ def import_list(  # noqa: PLR0913
         entries = plan.roster.entries if skip else plan.roster.checked()
         change = services.courses.import_roster(course, entries, actor)
         if remove and change.gone:
-            services.courses.remove(course, [one.id for one in change.gone], actor)
+            services.courses.remove(course, [member.id for member in change.gone], actor)
     except CourseError as error:
         raise RefusedError("invalid_roster", error.text, field="file") from None
     return ImportPlan(roster=plan.roster, change=change)
@@ -142,8 +146,7 @@ def import_list(  # noqa: PLR0913
 def add_member(services: Services, caller: Caller, entry: RosterEntry) -> Member:
     """Add somebody who is not in the course; return the member.
 
-    Raises:
-        RefusedError: as `set_member`, or there is such a member.
+    Raises as `set_member`, or there is such a member.
     """
     course = taught_course(caller)
     if services.courses.member(course, entry.id) is not None:
@@ -207,7 +210,7 @@ def without_token(services: Services, caller: Caller) -> list[Member]:
     """
     course = taught_course(caller)
     served = services.tokens.holders(course)
-    return [one for one in services.courses.members(course) if one.id not in served]
+    return [member for member in services.courses.members(course) if member.id not in served]
 
 
 def give_tokens(

@@ -57,7 +57,9 @@ def desk_of(services: Services, secret: str) -> PickingDesk:
         raise RefusedError("picking_by_instructors")
     offered, now = services.assignments.of(platform.course).all(), services.clock()
     of_course = services.rules.of(platform.course)
-    hidden = frozenset(one.id for one in offered if not of_course.of(one.id).shown_at(now))
+    hidden = frozenset(
+        assignment.id for assignment in offered if not of_course.of(assignment.id).shown_at(now)
+    )
     return PickingDesk(platform=platform, asked=asked, known=True, offered=offered, hidden=hidden)
 
 
@@ -83,15 +85,14 @@ def show_token(services: Services, secret: str, token: str) -> bool:
 def choose(services: Services, secret: str, chosen: Collection[str], language: Language) -> Chosen:
     """Return what the platform is answered: activities of the assignments `chosen`, titled in a language.
 
-    Raises:
-        RefusedError: as `desk_of`; or nothing was chosen, more than the platform takes, or what is not offered.
+    Raises as `desk_of`; or nothing was chosen, more than the platform takes, or what is not offered.
     """
     desk = desk_of(services, secret)
-    taken = [one for one in desk.offered if one.id in chosen]
+    taken = [assignment for assignment in desk.offered if assignment.id in chosen]
     if not taken or len(taken) != len(set(chosen)) or (len(taken) > 1 and not desk.asked.several):
         raise RefusedError("nothing_picked")
     address = f"{public_url(services)}/"
-    items = [activity(one, language, address, scored=desk.asked.scored) for one in taken]
+    items = [activity(assignment, language, address, scored=desk.asked.scored) for assignment in taken]
     claims = answer(desk.platform, desk.asked, items, services.clock().timestamp())
     return Chosen(back=desk.asked.back, message=services.platform_channel.signed(claims))
 
@@ -106,5 +107,5 @@ def _opened(services: Services, secret: str) -> tuple[Platform, OpenPicking]:
 
 def _member(services: Services, platform: Platform, asked: OpenPicking) -> Member | None:
     identities = services.identities.of_subject(platform.provider, asked.subject)
-    person = next((one.person for one in identities if one.course == platform.course), None)
+    person = next((identity.person for identity in identities if identity.course == platform.course), None)
     return None if person is None else services.courses.member(platform.course, person)

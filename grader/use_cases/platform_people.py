@@ -67,8 +67,7 @@ def plan(services: Services, caller: Caller, platform_id: str) -> PeoplePlan:
 def add(services: Services, caller: Caller, platform_id: str, seen: Seen) -> PeoplePlan:
     """Take the people in whom `plan` shows; return whom that added.
 
-    Raises:
-        RefusedError: as `plan`, or the plan is not the one that was `seen`.
+    Raises as `plan`, or the plan is not the one that was `seen`.
     """
     planned = plan(services, caller, platform_id)
     if not seen.includes(planned.tag):
@@ -79,7 +78,7 @@ def add(services: Services, caller: Caller, platform_id: str, seen: Seen) -> Peo
 
 
 def _planned(services: Services, platform: Platform, listed: Iterable[Listed]) -> PeoplePlan:
-    here = {one.id.casefold() for one in services.courses.members(platform.course)}
+    here = {member.id.casefold() for member in services.courses.members(platform.course)}
     bound = services.identities.subjects(platform.provider)
     added: dict[str, tuple[str, RosterEntry]] = {}  # with the platform's name for the person
     taken: set[str] = set()

@@ -160,7 +160,7 @@ def remove_platform(services: Services, caller: Caller, platform_id: str) -> Non
 
 def _opened(services: Services, platform: Platform, launch: Launch) -> str:
     """Remember the activity; return the assignment where it leads, if the course has that one."""
-    offered = {one.id for one in services.assignments.of(platform.course).all()}
+    offered = {assignment.id for assignment in services.assignments.of(platform.course).all()}
     link = services.platforms.open_link(
         PlatformLink(
             platform=platform.id,

@@ -98,8 +98,7 @@ async def picture(  # noqa: PLR0913, PLR0917
 def film(services: Services, caller: Caller, submission_id: str, case: str | None) -> DrawnRun:
     """Return the pictures of one run in a PyBullet world, as one that moves.
 
-    Raises:
-        RefusedError: as `picture`, or the run has none.
+    Raises as `picture`, or the run has none.
     """
     from grader.render.film import film as animated
 
@@ -113,8 +112,7 @@ def film(services: Services, caller: Caller, submission_id: str, case: str | Non
 def bag(services: Services, caller: Caller, submission_id: str, case: str | None) -> BaggedRun:
     """Return one run as a ROS bag, with nothing in it that the caller may not see.
 
-    Raises:
-        RefusedError: as `picture`, or what writes such files is not installed.
+    Raises as `picture`, or what writes such files is not installed.
     """
     from grader.use_cases.bags import bagged
 

@@ -47,8 +47,7 @@ def check(services: Services, secret: str, configuration: str) -> None:
 def add_by_registration(services: Services, secret: str, configuration: str, token: str) -> Platform:
     """Register with the platform of a `configuration`, which knows its request by `token`, and add it.
 
-    Raises:
-        RefusedError: as `check`; the platform cannot be registered with, or is there already.
+    Raises as `check`; the platform cannot be registered with, or is there already.
     """
     check(services, secret, configuration)
     signed = _invited(services, secret)

@@ -36,10 +36,10 @@ def open_regrade(services: Services, caller: Caller, wanted: Wanted) -> Regrade:
     require_instructor(caller)
     require_published(services, caller, wanted.assignment, field="assignment")
     uploads = () if caller.course is None else services.own_assignments.of(caller.course)
-    if any(one.assignment == wanted.assignment and one.state is OwnState.WAITING for one in uploads):
+    if any(upload.assignment == wanted.assignment and upload.state is OwnState.WAITING for upload in uploads):
         raise RefusedError("invalid_request", _EXAMINED, field="assignment")
     roster = names(services, caller)
-    if unknown := [one for one in wanted.students if roster and one not in roster]:
+    if unknown := [student for student in wanted.students if roster and student not in roster]:
         listed = ", ".join(unknown[:10])
         detail = Text(zh=f"没有这些学号：{listed}", en=f"No student has these ids: {listed}")
         raise RefusedError("unknown_student", detail, field="students")
@@ -55,7 +55,7 @@ def all_regrades(services: Services, caller: Caller) -> tuple[Regrade, ...]:
     """
     require_staff(caller)
     regrades = services.regrades.all(caller.course)
-    return tuple(_of_caller(caller, one) for one in regrades if _concerns(caller, one))
+    return tuple(_of_caller(caller, regrade) for regrade in regrades if _concerns(caller, regrade))
 
 
 def regrade_of(services: Services, caller: Caller, regrade_id: str) -> Regrade:
@@ -74,15 +74,15 @@ def regrade_of(services: Services, caller: Caller, regrade_id: str) -> Regrade:
 def _concerns(caller: Caller, regrade: Regrade) -> bool:
     """Whether a re-grade is of everybody, or of a student whom the caller looks after."""
     named = regrade.wanted.students
-    return not named or any(caller.looks_after(one) for one in named)
+    return not named or any(caller.looks_after(name) for name in named)
 
 
 def _of_caller(caller: Caller, regrade: Regrade) -> Regrade:
     """Return a re-grade with the changes of students that the caller looks after."""
     if caller.students is None:
         return regrade
-    changes = tuple(one for one in regrade.changes if caller.looks_after(one.student))
-    students = tuple(one for one in regrade.wanted.students if caller.looks_after(one))
+    changes = tuple(change for change in regrade.changes if caller.looks_after(change.student))
+    students = tuple(student for student in regrade.wanted.students if caller.looks_after(student))
     return replace(regrade, changes=changes, wanted=replace(regrade.wanted, students=students))
 
 
@@ -116,8 +116,7 @@ def history(services: Services, caller: Caller, submission_id: str) -> tuple[Pas
 def past_grading(services: Services, caller: Caller, submission_id: str, attempt: int) -> StoredReport:
     """Return one grading of a submission by its number.
 
-    Raises:
-        RefusedError: as `history`, or there is no grading of that number.
+    Raises as `history`, or there is no grading of that number.
     """
     require_staff(caller)
     visible_submission(services, caller, submission_id)
@@ -155,7 +154,7 @@ def told_changes(services: Services, caller: Caller, submission_id: str) -> tupl
 def look_at_changes(services: Services, caller: Caller, submission: Submission) -> tuple[ToldChange, ...]:
     """Return what `told_changes` does, and note that the submission's student has seen it."""
     changes = _shown_changes(services, caller, submission)
-    if caller.role is Role.STUDENT and any(not one.seen for one in changes):
+    if caller.role is Role.STUDENT and any(not change.seen for change in changes):
         services.regrades.seen(submission.id, services.clock())
     return changes
 
@@ -168,8 +167,8 @@ def unseen_changes(services: Services, caller: Caller) -> tuple[str, ...]:
     if not changes:
         return ()
     rules, now = services.rules.of(caller.course), services.clock()
-    shown = (_without(one, rules.of(one.assignment).hidden_at(now)) for one in changes)
-    return tuple(dict.fromkeys(one.submission for one in shown if one is not None))
+    shown = (_without(change, rules.of(change.assignment).hidden_at(now)) for change in changes)
+    return tuple(dict.fromkeys(change.submission for change in shown if change is not None))
 
 
 def _shown_changes(services: Services, caller: Caller, submission: Submission) -> tuple[ToldChange, ...]:
@@ -177,8 +176,8 @@ def _shown_changes(services: Services, caller: Caller, submission: Submission) -
     if not changes or caller.role is not Role.STUDENT:
         return changes
     hidden = services.rules.of(submission.course).of(submission.assignment).hidden_at(services.clock())
-    shown = (_without(one, hidden) for one in changes)
-    return tuple(one for one in shown if one is not None)
+    shown = (_without(change, hidden) for change in changes)
+    return tuple(change for change in shown if change is not None)
 
 
 def _without(whole: ToldChange, hidden: frozenset[str]) -> ToldChange | None:
@@ -186,9 +185,9 @@ def _without(whole: ToldChange, hidden: frozenset[str]) -> ToldChange | None:
     if not hidden:
         return whole
     change = whole.change
-    items = tuple(one for one in change.items if not is_hidden(one.item, hidden))
+    items = tuple(item for item in change.items if not is_hidden(item.item, hidden))
     kept, void = (
-        tuple(one for one in named if not is_hidden(one, hidden)) for named in (change.kept, change.void)
+        tuple(name for name in named if not is_hidden(name, hidden)) for named in (change.kept, change.void)
     )
     shown = replace(change, before=None, after=None, items=items, kept=kept, void=void)
     return replace(whole, change=shown) if items else None

@@ -72,18 +72,27 @@ def risks(  # noqa: PLR0913, PLR0917
     `cells` by student and assignment; `assignments`: those that students see.
     """
     refusals = _since_accepted(cells, refused)
-    dated = {one for one in assignments if rules.of(one).due is not None or rules.of(one).by_section}
+    dated = {
+        assignment
+        for assignment in assignments
+        if rules.of(assignment).due is not None or rules.of(assignment).by_section
+    }
     urgent = []
     for student in {**roster, **cells}:
         own, tries = cells.get(student, {}), refusals.get(student, Counter())
         concerned = own.keys() | tries.keys() | (dated if student in roster else set())
-        each = (_risk(student, one, own.get(one), tries[one], rules, now) for one in concerned)
-        at_risk = [one for one in each if one is not None]
+        each = (
+            _risk(student, assignment, own.get(assignment), tries[assignment], rules, now)
+            for assignment in concerned
+        )
+        at_risk = [risk for risk in each if risk is not None]
         if at_risk:
             urgent.append(min(at_risk, key=lambda one: one.urgency))
         elif not own:
             urgent.append(Risk(student=student, reason="not_started"))
-    named = (replace(one, name=roster[one.student].name) if one.student in roster else one for one in urgent)
+    named = (
+        replace(risk, name=roster[risk.student].name) if risk.student in roster else risk for risk in urgent
+    )
     return sorted(named, key=lambda one: one.urgency)
 
 
@@ -102,9 +111,9 @@ def _risk(  # noqa: PLR0913, PLR0917
 
 def mark_of(refused: Sequence[RefusedUpload], rules: CourseRules, now: datetime) -> tuple[object, ...]:
     """Return what changes whenever `risks` does and what was handed in does not: refusals, and dates that pass."""
-    dues = [one.due for one in rules.by_assignment.values()]
-    dues += [one.due for rule in rules.by_assignment.values() for one in rule.by_section]
-    dues += [one.due for one in rules.extensions.values()]
+    dues = [rule.due for rule in rules.by_assignment.values()]
+    dues += [section_rule.due for rule in rules.by_assignment.values() for section_rule in rule.by_section]
+    dues += [extension.due for extension in rules.extensions.values()]
     passed = [(due <= now) + (due - _SOON <= now) for due in dues if due is not None]
     return len(refused), refused[:1], sum(passed)
 
@@ -114,10 +123,10 @@ def _since_accepted(
 ) -> dict[str, Counter[str]]:
     """Return how many uploads were refused since the latest that was accepted, by student and assignment."""
     counts: dict[str, Counter[str]] = {}
-    for one in refused:
-        cell = cells.get(one.person, {}).get(one.assignment)
-        if cell is None or one.at > cell.last_activity_at:
-            counts.setdefault(one.person, Counter())[one.assignment] += 1
+    for refusal in refused:
+        cell = cells.get(refusal.person, {}).get(refusal.assignment)
+        if cell is None or refusal.at > cell.last_activity_at:
+            counts.setdefault(refusal.person, Counter())[refusal.assignment] += 1
     return counts
 
 

@@ -56,7 +56,9 @@ def change_rubric(
     spec: dict[str, Any] = yaml.safe_load(files[SPEC_NAME])
     if len(items) != len(spec["items"]):
         raise RefusedError("changed_meanwhile")
-    uploads = [one.version for one in own_assignments(services, caller) if one.assignment == assignment_id]
+    uploads = [
+        upload.version for upload in own_assignments(services, caller) if upload.assignment == assignment_id
+    ]
     spec["version"] = max(assignment.version, *uploads, 0) + 1
     spec["brief"] = _languages(brief)
     for item, change in zip(spec["items"], items, strict=True):

@@ -75,8 +75,7 @@ def extend(  # noqa: PLR0913, PLR0917
 ) -> None:
     """Put an extension in place of what a student and the student's team had; an empty one takes it back.
 
-    Raises:
-        RefusedError: as `course_rules`; or there is no such student, or somebody else changed what they have.
+    Raises as `course_rules`; or there is no such student, or somebody else changed what they have.
     """
     course_rules(services, caller, assignment_id)
     signed = services.signature(caller)

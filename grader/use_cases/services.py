@@ -77,7 +77,7 @@ class ServiceHealth:
     @property
     def ready(self) -> tuple[WorkerState, ...]:
         """Return the workers that grade; while there are none, uploads are only kept."""
-        return tuple(one for one in self.workers if one.sandbox_ready and one.slots > 0)
+        return tuple(worker for worker in self.workers if worker.sandbox_ready and worker.slots > 0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -34,11 +34,7 @@ class Arrival:
 
 
 def send_away(services: Services, provider: Provider, attempt: SignInAttempt) -> str:
-    """Return where a browser goes to be recognised.
-
-    Raises:
-        RefusedError: nobody can sign in now.
-    """
+    """Return where a browser goes to be recognised. Raises RefusedError: nobody can sign in now."""
     _require_courses(services)
     with services.allowances.sign_ins.one_more(provider.id):
         try:
@@ -131,8 +127,8 @@ def unbind(services: Services, caller: Caller, person: str, identity: str) -> No
 
 def _enter(services: Services, held: str, course: str) -> str:
     provider, subject = _recognised(services, held)
-    for one in services.identities.of_subject(provider, subject):
-        if one.course == course and (session := services.identities.open_session(one)) is not None:
+    for identity in services.identities.of_subject(provider, subject):
+        if identity.course == course and (session := services.identities.open_session(identity)) is not None:
             services.identities.let_go(held)
             return session
     raise RefusedError("signin_expired")
@@ -160,7 +156,7 @@ def _within(services: Services, provider: str) -> str | None:
 
 
 def _titled(services: Services, identities: tuple[Identity, ...]) -> tuple[tuple[str, str], ...]:
-    return tuple((one.course, services.courses.get(one.course).title) for one in identities)
+    return tuple((identity.course, services.courses.get(identity.course).title) for identity in identities)
 
 
 def _require_courses(services: Services) -> None:

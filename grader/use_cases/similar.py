@@ -53,8 +53,7 @@ async def side_by_side(
 ) -> SideBySide:
     """Return two scripts by the ids of their submissions, in either order.
 
-    Raises:
-        RefusedError: as `similar`, or these two are not, or no longer, among the similar ones.
+    Raises as `similar`, or these two are not, or no longer, among the similar ones.
     """
     require_staff(caller)
 
@@ -80,14 +79,14 @@ def _shown(caller: Caller, similar: Similar) -> Similar:
 
     def own(pairs: Sequence[SimilarPair]) -> tuple[SimilarPair, ...]:
         return tuple(
-            one
-            for one in pairs
-            if caller.looks_after(one.first.student) and caller.looks_after(one.second.student)
+            pair
+            for pair in pairs
+            if caller.looks_after(pair.first.student) and caller.looks_after(pair.second.student)
         )
 
     return replace(
         similar,
-        too_little=tuple(one for one in similar.too_little if caller.looks_after(one)),
+        too_little=tuple(script for script in similar.too_little if caller.looks_after(script)),
         pairs=own(similar.pairs),
         same_drives=own(similar.same_drives),
     )
@@ -100,22 +99,26 @@ def is_compared(assignment: Assignment | None) -> bool:
 
 def _similar(services: Services, caller: Caller, assignment_id: str) -> Similar:
     state = services.dashboard.state(caller.course)
-    own = [one for one in state.progress if one.assignment == assignment_id]
+    own = [cell for cell in state.progress if cell.assignment == assignment_id]
     look = published if own else require_published
     assignment = look(services, caller, assignment_id)
     if not is_compared(assignment):
         raise RefusedError("no_scripts")
     latest = sorted(own, key=lambda one: (one.last_activity_at, one.student), reverse=True)[:MOST_SCRIPTS]
-    every = services.comparer.scripts.of([one.counted_submission or one.latest_submission for one in latest])
-    scripts = tuple({one.team_upload or one.submission: one for one in reversed(every)}.values())[::-1]
+    every = services.comparer.scripts.of(
+        [cell.counted_submission or cell.latest_submission for cell in latest]
+    )
+    scripts = tuple({script.team_upload or script.submission: script for script in reversed(every)}.values())[
+        ::-1
+    ]
     teams = services.teams.of(caller.course, assignment_id)
-    mates = {person: one.code for one in teams for person in one.members}
+    mates = {person: team.code for team in teams for person in team.members}
     staff = services.comparer.scripts.of_staff(caller.course, assignment_id)
-    given = services.assignments.of(caller.course).given_code()
-    key = (caller.course, assignment_id, scripts, staff, _digest(given), len(own))
+    given_code = services.assignments.of(caller.course).given_code()
+    key = (caller.course, assignment_id, scripts, staff, _digest(given_code), len(own))
     kept = services.comparer.results.find(key)
     if kept is None:
-        compared = _compared(services, assignment_id, scripts, staff, given)
+        compared = _compared(services, assignment_id, scripts, staff, given_code)
         kept = services.comparer.results.keep(key, replace(compared, not_compared=len(own) - len(every)))
     return _without_mates(kept, mates)
 
@@ -126,7 +129,7 @@ def _without_mates(similar: Similar, team_of: Mapping[str, str]) -> Similar:
         return similar
 
     def of_two(pairs: Sequence[SimilarPair]) -> tuple[SimilarPair, ...]:
-        teams = ((team_of.get(one.first.student), team_of.get(one.second.student), one) for one in pairs)
+        teams = ((team_of.get(pair.first.student), team_of.get(pair.second.student), pair) for pair in pairs)
         return tuple(one for first, second, one in teams if first is None or first != second)
 
     return replace(similar, pairs=of_two(similar.pairs), same_drives=of_two(similar.same_drives))
@@ -141,13 +144,13 @@ def _compared(
 ) -> Similar:
     prints, drives = _fingerprints(services, scripts), _drives(services, (*scripts, *staff))
     ranking = rank(
-        [Script(one.sha256, prints[one.sha256], drives.get(one.submission)) for one in scripts],
+        [Script(script.sha256, prints[script.sha256], drives.get(script.submission)) for script in scripts],
         _grams(services, staff, given),
-        frozenset(drives[one.submission].digest for one in staff if one.submission in drives),
+        frozenset(drives[script.submission].digest for script in staff if script.submission in drives),
     )
 
     def pairs(found: Sequence[Pair]) -> tuple[SimilarPair, ...]:
-        return tuple(SimilarPair(scripts[one.first], scripts[one.second], one) for one in found)
+        return tuple(SimilarPair(scripts[pair.first], scripts[pair.second], pair) for pair in found)
 
     return Similar(
         assignment=assignment_id,
@@ -163,13 +166,13 @@ def _compared(
 
 def _grams(services: Services, staff: Collection[HandedIn], given: Sequence[bytes]) -> Hashes:
     """Return every run of tokens in the code that all were given; what staff handed in is such code."""
-    handed_in = {one.sha256 for one in staff}
+    handed_in = {script.sha256 for script in staff}
     key = (frozenset(handed_in), _digest(given))
     kept = services.comparer.grams.find(key)
     if kept is not None:
         return kept
     theirs = [source for _, source in services.comparer.scripts.sources(handed_in)]
-    every = [grams(tokens_of(code_of(one))) for one in (*given, *theirs)]
+    every = [grams(tokens_of(code_of(script))) for script in (*given, *theirs)]
     common = np.unique(np.concatenate([np.zeros(0, dtype=np.uint64), *every]))
     return services.comparer.grams.keep(key, common)
 
@@ -177,21 +180,23 @@ def _grams(services: Services, staff: Collection[HandedIn], given: Sequence[byte
 def _fingerprints(services: Services, scripts: Collection[HandedIn]) -> dict[str, Fingerprints]:
     """Return what is compared of files, by their digests."""
     kept = services.comparer.fingerprints
-    digests = {one.sha256 for one in scripts}
-    found = {one: known for one in digests if (known := kept.find(one)) is not None}
-    for sha256, source in services.comparer.scripts.sources(digests - found.keys()):
-        found[sha256] = kept.keep(sha256, fingerprints(tokens_of(code_of(source))))
-    return found
+    digests = {script.sha256 for script in scripts}
+    known_prints = {digest: known for digest in digests if (known := kept.find(digest)) is not None}
+    for sha256, source in services.comparer.scripts.sources(digests - known_prints.keys()):
+        known_prints[sha256] = kept.keep(sha256, fingerprints(tokens_of(code_of(source))))
+    return known_prints
 
 
 def _drives(services: Services, scripts: Collection[HandedIn]) -> dict[str, SentCommands]:
     """Return by submission how the scripts drove that were graded."""
     kept = services.comparer.drives
-    found = {one: known for one in scripts if (known := kept.find(one)) is not None}
-    for one, runs in services.comparer.scripts.recordings([one for one in scripts if one not in found]):
-        found[one] = kept.keep(one, drive_of(decode_commands(gzip.decompress(run)) for run in runs))
-    return {one.submission: drive for one, drive in found.items()}
+    known_prints = {script: known for script in scripts if (known := kept.find(script)) is not None}
+    for one, runs in services.comparer.scripts.recordings(
+        [script for script in scripts if script not in known_prints]
+    ):
+        known_prints[one] = kept.keep(one, drive_of(decode_commands(gzip.decompress(run)) for run in runs))
+    return {one.submission: drive for one, drive in known_prints.items()}
 
 
 def _digest(files: Sequence[bytes]) -> bytes:
-    return hashlib.sha256(b"".join(hashlib.sha256(one).digest() for one in files)).digest()
+    return hashlib.sha256(b"".join(hashlib.sha256(file).digest() for file in files)).digest()

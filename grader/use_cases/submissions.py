@@ -160,11 +160,7 @@ def place(services: Services, submission: Submission) -> tuple[int | None, datet
 
 
 def read_source(services: Services, caller: Caller, submission_id: str) -> tuple[Submission, bytes]:
-    """Return a submission and its file, byte for byte.
-
-    Raises:
-        RefusedError: the caller may not see it.
-    """
+    """Return a submission and its file, byte for byte. Raises RefusedError: the caller may not see it."""
     submission = visible_submission(services, caller, submission_id)
     return submission, services.submissions.source(submission_id) or b""
 
@@ -198,8 +194,12 @@ def course_progress(services: Services, caller: Caller, student: str) -> CourseP
     def is_done(one: Assignment) -> bool:
         return one.id in best and (best[one.id].score or 0.0) >= one.max_score
 
-    left = [one for one in every if not is_done(one)]
-    waiting = (one for one in left if one.id not in terms or terms[one.id].refusal is None)
+    left = [assignment for assignment in every if not is_done(assignment)]
+    waiting = (
+        assignment
+        for assignment in left
+        if assignment.id not in terms or terms[assignment.id].refusal is None
+    )
     return CourseProgress(done=len(every) - len(left), count=len(every), next=next(waiting, None))
 
 
@@ -228,33 +228,35 @@ def history(
     listed, rules = attempts(services, caller, student, assignment), services.rules.of(caller.course)
     counted = set() if caller.course is None else _counted(listed, rules, caller, services.clock())
     return tuple(
-        PastAttempt(submission=one, lateness=_lateness(one, rules), counts=one.id in counted)
-        for one in listed
+        PastAttempt(
+            submission=submission, lateness=_lateness(submission, rules), counts=submission.id in counted
+        )
+        for submission in listed
     )
 
 
 def _counted(listed: Iterable[Submission], rules: CourseRules, caller: Caller, now: datetime) -> set[str]:
     """Return the ids of the attempts that count; of none with items that are hidden from the caller."""
     own: dict[str, list[Submission]] = defaultdict(list)
-    for one in listed:
-        if caller.is_staff or not rules.of(one.assignment).hidden_at(now):
-            own[one.assignment].append(one)
+    for submission in listed:
+        if caller.is_staff or not rules.of(submission.assignment).hidden_at(now):
+            own[submission.assignment].append(submission)
     counting = (
         rules.of(assignment, some[0].student).counting(
             rules.extension(assignment, some[0].student), as_attempts(some)
         )
         for assignment, some in own.items()
     )
-    return {one.attempt.id for one in counting if one is not None}
+    return {attempt.attempt.id for attempt in counting if attempt is not None}
 
 
 def best_of(submissions: Iterable[Submission]) -> dict[str, Submission]:
     """Return the submission with the best score by assignment; the first of several, nothing without a score."""
     best: dict[str, Submission] = {}
-    for one in submissions:
-        other = best.get(one.assignment)
-        if one.score is not None and (other is None or one.score > (other.score or 0)):
-            best[one.assignment] = one
+    for submission in submissions:
+        other = best.get(submission.assignment)
+        if submission.score is not None and (other is None or submission.score > (other.score or 0)):
+            best[submission.assignment] = submission
     return best
 
 

@@ -33,8 +33,8 @@ def team_size(services: Services, caller: Caller, assignment_id: str) -> int:
 
 def people_of(services: Services, caller: Caller, members: Sequence[str]) -> list[str]:
     """Return the members of a team with their names, to somebody of the team or staff."""
-    names = {one.id: one.name for one in services.courses.members(caller.course)}
-    return [person(names, one) for one in members]
+    names = {member.id: member.name for member in services.courses.members(caller.course)}
+    return [person(names, member) for member in members]
 
 
 def join_team(services: Services, caller: Caller, assignment_id: str, code: str | None) -> Team:
@@ -76,7 +76,7 @@ def teams_of(services: Services, caller: Caller, assignment_id: str) -> tuple[Te
     require_staff(caller)
     require_published(services, caller, assignment_id)
     teams = services.teams.of(caller.course, assignment_id)
-    return tuple(one for one in teams if any(map(caller.looks_after, one.members)))
+    return tuple(team for team in teams if any(map(caller.looks_after, team.members)))
 
 
 def set_teams(
@@ -94,8 +94,10 @@ def set_teams(
     require_published(services, caller, assignment_id)
     if caller.course is None:
         raise RefusedError("no_course")
-    students = {one.id for one in services.courses.members(caller.course) if one.role is Role.STUDENT}
-    counted = Counter(one for team in wanted for one in team)
+    students = {
+        member.id for member in services.courses.members(caller.course) if member.role is Role.STUDENT
+    }
+    counted = Counter(member for team in wanted for member in team)
     unknown = sorted(counted.keys() - students)
     if unknown:
         text = Text(zh=f"课程里没有这个学生：{unknown[0]}。", en=f"The course has no student {unknown[0]}.")

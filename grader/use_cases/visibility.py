@@ -74,11 +74,7 @@ def found(services: Services, caller: Caller, submission_id: str) -> tuple[Submi
 def found_by_rules(
     services: Services, caller: Caller, submission_id: str
 ) -> tuple[Submission, StoredReport | None, CourseRules]:
-    """Return what `found` does, and the rules that concern the submission.
-
-    Raises:
-        RefusedError: as `found`.
-    """
+    """Return what `found` does, and the rules that concern the submission. Raises as `found`."""
     submission, report = services.submissions.with_report(submission_id) or (None, None)
     submission = _seen(caller, submission)
     rules = services.rules.about(submission.course, submission.student, submission.assignment)
@@ -89,8 +85,7 @@ def found_by_rules(
 def graded(services: Services, caller: Caller, submission_id: str) -> tuple[Submission, StoredReport]:
     """Return a submission and its latest grading, as the caller may see them.
 
-    Raises:
-        RefusedError: as `found`, or there is no grading yet.
+    Raises as `found`, or there is no grading yet.
     """
     submission, report = found(services, caller, submission_id)
     if report is None:
@@ -122,10 +117,10 @@ def shown_assignments(
     hides = caller.role is Role.STUDENT
     return tuple(
         _without_items(
-            one.of_course(rules.distro, rules.runs_as),
-            rules.of(one.id).hidden_at(now) if hides else frozenset(),
+            assignment.of_course(rules.distro, rules.runs_as),
+            rules.of(assignment.id).hidden_at(now) if hides else frozenset(),
         )
-        for one in assignments
+        for assignment in assignments
     )
 
 
@@ -137,7 +132,9 @@ def hint_level(services: Services, caller: Caller, assignment_id: str, rules: Co
     if rule is not HintRule.ASSIGNMENT:
         return Hints(rule.value)
     assignments = services.assignments.of(caller.course).all()
-    return next((one.hints for one in assignments if one.id == assignment_id), Hints.CHANGE)
+    return next(
+        (assignment.hints for assignment in assignments if assignment.id == assignment_id), Hints.CHANGE
+    )
 
 
 def _veil(services: Services, caller: Caller, assignment_id: str, rules: CourseRules) -> _Veil:
@@ -146,7 +143,7 @@ def _veil(services: Services, caller: Caller, assignment_id: str, rules: CourseR
     if hint_level(services, caller, assignment_id, rules) is Hints.CHANGE:
         return _Veil(hidden)
     items = services.assignments.of(caller.course).get(assignment_id).items
-    return _Veil(hidden, {one.id: to_plain(one.hint) for one in items if one.hint != EMPTY})
+    return _Veil(hidden, {item.id: to_plain(item.hint) for item in items if item.hint != EMPTY})
 
 
 def _shown(
@@ -163,7 +160,9 @@ def _shown(
         stored,
         content=content,
         sha256=digest,
-        judgements=tuple(one for one in stored.judgements if not is_hidden(one.item, hidden)),
+        judgements=tuple(
+            judgement for judgement in stored.judgements if not is_hidden(judgement.item, hidden)
+        ),
     )
     if submission.to_judge is None and not copy.judgements:
         return shown, copy
@@ -185,8 +184,8 @@ def shown_list(
 ) -> tuple[Submission, ...]:
     """Return submissions as the caller may see them: scores without hidden items."""
     listed = tuple(submissions)
-    veils = _veils(services, caller, *{one.assignment for one in listed})
-    return tuple(_listed(services, one, veils[one.assignment]) for one in listed)
+    veils = _veils(services, caller, *{submission.assignment for submission in listed})
+    return tuple(_listed(services, submission, veils[submission.assignment]) for submission in listed)
 
 
 def _listed(services: Services, submission: Submission, veil: _Veil) -> Submission:
@@ -200,7 +199,7 @@ def _veils(services: Services, caller: Caller, *assignments: str) -> dict[str, _
     if caller.is_staff:
         return dict.fromkeys(assignments, _Veil())
     rules = services.rules.of(caller.course)
-    return {one: _veil(services, caller, one, rules) for one in assignments}
+    return {assignment: _veil(services, caller, assignment, rules) for assignment in assignments}
 
 
 def _without_items(assignment: Assignment, hidden: frozenset[str]) -> Assignment:
@@ -209,8 +208,8 @@ def _without_items(assignment: Assignment, hidden: frozenset[str]) -> Assignment
     items = tuple(
         replace(
             item,
-            needs=tuple(one for one in item.needs if one not in hidden),
-            scaled_by=tuple(one for one in item.scaled_by if one not in hidden),
+            needs=tuple(needed for needed in item.needs if needed not in hidden),
+            scaled_by=tuple(scaling for scaling in item.scaled_by if scaling not in hidden),
         )
         for item in assignment.items
         if item.id not in hidden
@@ -225,10 +224,10 @@ def _veiled(report: dict[str, Any], veil: _Veil) -> dict[str, Any]:
     if own is None:
         return shown
     items = [
-        {**one, "hint": _EMPTY if one["hint"] == _EMPTY else own.get(one["id"].rpartition("/")[2], _EMPTY)}
-        for one in shown["items"]
+        {**item, "hint": _EMPTY if item["hint"] == _EMPTY else own.get(item["id"].rpartition("/")[2], _EMPTY)}
+        for item in shown["items"]
     ]
-    first = next((one["hint"] for one in items if one["hint"] != _EMPTY), _EMPTY)
+    first = next((item["hint"] for item in items if item["hint"] != _EMPTY), _EMPTY)
     return {**shown, "items": items, "hint": first, "mistakes": []}
 
 

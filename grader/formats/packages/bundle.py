@@ -32,8 +32,7 @@ _UNNAMED: Final = "package"
 def bundled(content: bytes, bounds: ZipBounds = BOUNDS) -> bytes:
     """Return an uploaded zip in the form in which it is kept.
 
-    Raises:
-        RefusedError: as `grader.formats.packages.zips.read_zip`; ``no_package``: nothing in it is a package.
+    Raises as `grader.formats.packages.zips.read_zip`, and ``no_package`` where nothing in it is a package.
     """
     files = read_zip(content, _own_or_inner, bounds)
     if len(files) == 1 and next(iter(files)).lower().endswith(".zip"):  # somebody zipped the zip

@@ -45,8 +45,8 @@ def read_bounded(path: Path, most: int) -> bytes:
         content = file.read(most + 1)
     if len(content) > most:
         kib = most // 1024
-        told = Text(zh=f"{path}：超过 {kib} KiB", en=f"{path}: more than {kib} KiB")
-        raise RefusedError("too_large", told, field="file")
+        text = Text(zh=f"{path}：超过 {kib} KiB", en=f"{path}: more than {kib} KiB")
+        raise RefusedError("too_large", text, field="file")
     return content
 
 

@@ -42,26 +42,22 @@ class Mounted(Record):
 
 
 def mounted(source: bytes, wanted: WantedPackage | None, distro: str) -> Mounted:
-    """Return a kept package as a run gets it.
-
-    Raises:
-        RefusedError: it is none.
-    """
+    """Return a kept package as a run gets it. Raises RefusedError: it is none."""
     packages, files = read_packages(source)
     chosen = choose(packages, wanted or ANY_PACKAGE)
     order = sorted(files)
     site = "lib/python3.10/site-packages" if distro == "humble" else "lib/python3.12/site-packages"
     fields = {
         "files": [[path, len(files[path])] for path in order],
-        "modules": [each for package in packages for each in _modules(package, site)],
-        "shared": [each for package in packages for each in _shared(package, site)],
+        "modules": [module for package in packages for module in _modules(package, site)],
+        "shared": [shared for package in packages for shared in _shared(package, site)],
         "packages": {
             name: package.name for package in packages if package.is_built for name in package.marked
         },
         "executables": [
-            [each.package, each.name, each.module, each.function]
+            [executable.package, executable.name, executable.module, executable.function]
             for package in packages
-            for each in package.executables
+            for executable in package.executables
         ],
         "run": [] if chosen is None else [chosen.package, chosen.name],
         "launch": "" if wanted is None else wanted.launch,
@@ -83,14 +79,14 @@ def mounted(source: bytes, wanted: WantedPackage | None, distro: str) -> Mounted
 
 def _interfaces(packages: Sequence[Package], files: Mapping[str, bytes]) -> dict[str, str]:
     """Return the definitions that packages of CMake would generate, by place: ``my_msgs/msg/Name.msg``."""
-    found = {}
+    modules = {}
     for package in packages:
         if not package.has_setup and "CMakeLists.txt" in package.paths:
             lists = decoded(files[f"{package.folder}/CMakeLists.txt"])
             generated = {each for call in _GENERATES.findall(lists) for each in _DEFINITION.findall(call)}
             for path in sorted(generated & set(package.paths)):
-                found[f"{package.name}/{path}"] = decoded(files[f"{package.folder}/{path}"])
-    return found
+                modules[f"{package.name}/{path}"] = decoded(files[f"{package.folder}/{path}"])
+    return modules
 
 
 def entry_path(packages: Sequence[Package], chosen: Executable) -> str:

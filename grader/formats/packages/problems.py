@@ -32,8 +32,10 @@ def problems(
     packages: Sequence[Package], files: Mapping[str, bytes], wanted: WantedPackage
 ) -> tuple[PackageProblem, ...]:
     """Return what is wrong, the first cause first; of several packages in the one that is wanted, or in all."""
-    looked_at = [each for each in packages if wanted.name and wanted.name in (each.name, each.setup_name)]
-    looked_at = looked_at or [each for each in packages if not _is_cpp(each)] or list(packages)
+    looked_at = [
+        package for package in packages if wanted.name and wanted.name in (package.name, package.setup_name)
+    ]
+    looked_at = looked_at or [package for package in packages if not _is_cpp(package)] or list(packages)
     chosen = choose(packages, wanted)
     every = (problem for package in looked_at for problem in _of_package(package, files, chosen))
     found = list(islice(every, _MOST_LOOKED_AT))
@@ -66,10 +68,10 @@ def _of_package(
     yield from _names(package)
     yield from _config(package)
     yield from _entries(package)
-    known: dict[str, set[str] | None] = {}
+    names_by_package: dict[str, set[str] | None] = {}
     run = [script for script in package.scripts if chosen is None or script.name == chosen.name]
     for script in run:  # nobody starts the others
-        yield from _script(package, script, files, known)
+        yield from _script(package, script, files, names_by_package)
     yield from _shared(package)
 
 
@@ -120,7 +122,7 @@ def _config(package: Package) -> Iterator[PackageProblem]:
 
 
 def _entries(package: Package) -> Iterator[PackageProblem]:
-    well_formed = {(each.name, each.module, each.function) for each in package.scripts}
+    well_formed = {(script.name, script.module, script.function) for script in package.scripts}
     for line in package.entries:
         if line.count("=") > 1:
             yield _fatal("package_entry_joined", ENTRY, line=line[:100])
@@ -165,9 +167,9 @@ def _defined(source: bytes) -> set[str] | None:
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
             names.add(node.name)
         elif isinstance(node, ast.Import | ast.ImportFrom):
-            if any(each.name == "*" for each in node.names):
+            if any(name.name == "*" for name in node.names):
                 return None
-            names.update((each.asname or each.name).partition(".")[0] for each in node.names)
+            names.update((name.asname or name.name).partition(".")[0] for name in node.names)
         elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
             names.add(node.id)
     return names
@@ -207,10 +209,10 @@ def _unmatched(
     """Yield why nothing is run of packages without another fatal mistake."""
     if any(problem.fatal for problem in found):
         return
-    every = sorted({each.name for package in packages for each in package.executables})
+    every = sorted({executable.name for package in packages for executable in package.executables})
     if wanted.name and all(package.name != wanted.name for package in packages):
-        given = ", ".join(package.name for package in packages)
-        yield _fatal("package_other_name", NAMES, name=wanted.name, given=given)
+        names = ", ".join(package.name for package in packages)
+        yield _fatal("package_other_name", NAMES, name=wanted.name, given=names)
     elif wanted.launch and not any(
         path.rpartition("/")[2] == wanted.launch for package in packages for path in package.shared
     ):

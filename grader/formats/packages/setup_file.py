@@ -70,7 +70,7 @@ class SetupFile:
         lines = points.get("console_scripts", [])
         if isinstance(lines, str):
             lines = [line.strip() for line in lines.splitlines() if line.strip()]
-        if isinstance(lines, list | tuple) and all(isinstance(each, str) for each in lines):
+        if isinstance(lines, list | tuple) and all(isinstance(line, str) for line in lines):
             return list(lines)
         return None
 
@@ -84,7 +84,7 @@ class SetupFile:
             if not (isinstance(each, list | tuple) and len(each) == 2 and isinstance(each[0], str)):
                 return None
             files = each[1]
-            if not (isinstance(files, list | tuple) and all(isinstance(one, str) for one in files)):
+            if not (isinstance(files, list | tuple) and all(isinstance(file, str) for file in files)):
                 return None
             targets.append((each[0], list(files)))
             if sum(len(paths) for _, paths in targets) > _LONGEST_VALUE:
@@ -157,11 +157,11 @@ class SetupFile:
         if _name_of(function) == "setup":
             self._take_arguments(call)
         elif isinstance(function, ast.Attribute) and isinstance(function.value, ast.Name):
-            known = self._names.get(function.value.id)
-            if isinstance(known, list) and function.attr in ("append", "extend") and len(call.args) == 1:
+            module = self._names.get(function.value.id)
+            if isinstance(module, list) and function.attr in ("append", "extend") and len(call.args) == 1:
                 value = self._value(call.args[0])
                 added = [value] if function.attr == "append" else value
-                self._names[function.value.id] = self._sum(known, added)
+                self._names[function.value.id] = self._sum(module, added)
 
     def _take_arguments(self, call: ast.Call) -> None:
         self.calls_setup = True
@@ -223,22 +223,24 @@ class SetupFile:
 
     def _called(self, call: ast.Call) -> Any:
         name = _name_of(call.func)
-        arguments = [self._value(each) for each in call.args]
-        options = {each.arg: self._value(each.value) for each in call.keywords if each.arg is not None}
+        arguments = [self._value(arg) for arg in call.args]
+        options = {
+            keyword.arg: self._value(keyword.value) for keyword in call.keywords if keyword.arg is not None
+        }
         if name == "find_packages":
             return self._found_packages(arguments, options)
         if name in ("glob", "iglob", "join", "str", "list", "sorted") and arguments:
             if name == "glob" and isinstance(arguments[0], str):
                 return self._globbed(arguments[0])
-            if name == "join" and all(isinstance(each, str) for each in arguments):
+            if name == "join" and all(isinstance(argument, str) for argument in arguments):
                 return _bounded(_joined_path(arguments))
             return arguments[0] if name in ("str", "list", "sorted") else UNKNOWN
         return UNKNOWN
 
     def _found_packages(self, arguments: list[Any], options: Mapping[str, Any]) -> Any:
-        given = {**dict(zip(("where", "exclude", "include"), arguments, strict=False)), **options}
-        where, excluded = given.get("where", "."), given.get("exclude", [])
-        included = given.get("include", ["*"])
+        values = {**dict(zip(("where", "exclude", "include"), arguments, strict=False)), **options}
+        where, excluded = values.get("where", "."), values.get("exclude", [])
+        included = values.get("include", ["*"])
         if not (isinstance(where, str) and isinstance(excluded, list) and isinstance(included, list)):
             return UNKNOWN
         if not self._may(self._names_of_paths * (1 + len(excluded) + len(included))):

@@ -106,24 +106,24 @@ class Package(Record):
         owner = self.script_folder.removeprefix("lib/")
         if not self.is_built or not self.script_folder.startswith("lib/") or owner not in self.marked:
             return ()
-        return tuple(Executable(owner, each.name, each.module, each.function) for each in self.scripts)
+        return tuple(
+            Executable(owner, script.name, script.module, script.function) for script in self.scripts
+        )
 
 
 def read_packages(source: bytes) -> tuple[tuple[Package, ...], dict[str, bytes]]:
-    """Return the packages of a kept archive, and its files.
-
-    Raises:
-        RefusedError: it is no kept archive.
-    """
+    """Return the packages of a kept archive, and its files. Raises RefusedError: it is no kept archive."""
     files = files_of(source)
     return tuple(_package(folder, files) for folder in package_folders(list(files))), files
 
 
 def choose(packages: Sequence[Package], wanted: WantedPackage) -> Executable | None:
     """Return the executable that is run: the one of the wanted name, or the only one."""
-    every = [each for package in packages for each in package.executables]
+    every = [executable for package in packages for executable in package.executables]
     named = [
-        each for each in every if wanted.executable in ("", each.name) and wanted.name in ("", each.package)
+        executable
+        for executable in every
+        if wanted.executable in ("", executable.name) and wanted.name in ("", executable.package)
     ]
     return named[0] if len(named) == 1 or (named and wanted.executable) else None
 
@@ -136,18 +136,18 @@ def _package(folder: str, files: Mapping[str, bytes]) -> Package:
     setup = SetupFile(own.get(SETUP, b""), own)
     scripts, data = setup.console_scripts(), setup.data_files()
     packages, modules = setup.strings("packages"), setup.strings("py_modules")
-    known: dict[str, object] = {
+    constants: dict[str, object] = {
         "entry_points": scripts, "data_files": data, "packages": packages, "py_modules": modules,
     }  # fmt: skip
-    known["package_dir"] = placed = setup.package_dir()
+    constants["package_dir"] = placed = setup.package_dir()
     sources = (placed or {}).get("", "")
     names = _folders(own, f"{sources}/".removeprefix("/")) if packages is None else packages
     folders = {name: _folder(name, placed or {}) for name in names}
-    known["package_data"] = beside = setup.package_data(folders)
-    unread = [name for name, value in known.items() if value is None]
+    constants["package_data"] = beside = setup.package_data(folders)
+    unread = [name for name, value in constants.items() if value is None]
     if SETUP in own and not (setup.is_python and setup.calls_setup):
         unread = ["setup"]
-    found = [match for match in map(_ENTRY.fullmatch, scripts or ()) if match is not None]
+    entries = [match for match in map(_ENTRY.fullmatch, scripts or ()) if match is not None]
     return Package(
         folder=folder,
         paths=tuple(sorted(own)),
@@ -158,7 +158,7 @@ def _package(folder: str, files: Mapping[str, bytes]) -> Package:
         setup_name=setup.text("name"),
         script_folder=_script_folder(own.get("setup.cfg", b"")),
         entries=tuple(scripts or ()),
-        scripts=tuple(Executable(setup.text("name"), each[1], each[2], each[3]) for each in found),
+        scripts=tuple(Executable(setup.text("name"), entry[1], entry[2], entry[3]) for entry in entries),
         modules=_modules(folders, {name: _folder(name, placed or {}) for name in modules or ()}, own),
         sources=f"{sources}/".removeprefix("/"),
         data=_data(folders, beside or {}),
@@ -182,7 +182,7 @@ def _manifest(content: bytes) -> Manifest:
     return Manifest(
         name=_text(root.find("name")),
         build_type=_text(kind),
-        depends=tuple(_text(each) for tag in _DEPENDS for each in root.findall(tag)),
+        depends=tuple(_text(element) for tag in _DEPENDS for element in root.findall(tag)),
     )
 
 
@@ -260,13 +260,13 @@ def _folders(own: Mapping[str, bytes], start: str) -> list[str]:
 
 def _all_shared(name: str, own: Mapping[str, bytes]) -> dict[str, str]:
     """Return what ``setup`` probably shares where it does not say so readably: all that is no module."""
-    found = {
+    entries = {
         f"share/{name}/{path}": path
         for path in own
         if not path.startswith((f"{name}/", "resource/", "test/"))
     }
     marker = f"resource/{name}"
-    return {**found, f"{_INDEX}/{name}": marker} if marker in own else found
+    return {**entries, f"{_INDEX}/{name}": marker} if marker in own else entries
 
 
 def _shared(data: list[tuple[str, list[str]]], own: Mapping[str, bytes]) -> dict[str, str]:

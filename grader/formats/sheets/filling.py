@@ -244,11 +244,7 @@ def _cells(
 
 
 def _target(table: ListedTable, wanted: str) -> _Target:
-    """Return where to fill a sheet.
-
-    Raises:
-        CourseError: one of the two columns is missing.
-    """
+    """Return where to fill a sheet. Raises CourseError: one of the two columns is missing."""
     ids, header = _ids(table)
     if ids < 0:
         raise CourseError(
@@ -279,7 +275,7 @@ def _ids(table: ListedTable) -> tuple[int, int]:
 def _sheet_names(given: list[str]) -> list[str]:
     """Return names that Excel takes, of which no two are the same."""
     names = [_NOT_IN_A_NAME.sub(" ", one)[:31].strip() or "成绩" for one in given]
-    unique = len({one.casefold() for one in names}) == len(names)
+    unique = len({name.casefold() for name in names}) == len(names)
     return names if unique else [f"{number} {one}"[:31] for number, one in enumerate(names, 1)]
 
 

@@ -90,7 +90,7 @@ def read_table(content: bytes, is_header: Callable[[Sequence[str]], bool]) -> Li
     if content.removeprefix(codecs.BOM_UTF8).lstrip().startswith((_MARKUP, _PDF)):
         raise refused(DAMAGED)
     if content.startswith((_ZIP, _OLE)):
-        tables: Iterator[ListedTable] = (_of_sheet(one) for one in _workbook(content) if one.visible)
+        tables: Iterator[ListedTable] = (_of_sheet(sheet) for sheet in _workbook(content) if sheet.visible)
     else:
         tables = _of_csv(content)
     first: ListedTable | None = None
@@ -150,7 +150,7 @@ def _check_zip(content: bytes) -> None:
             members = archive.infolist()
     except (zipfile.BadZipFile, ValueError, NotImplementedError):
         raise refused(DAMAGED) from None
-    if len(members) > _MAX_MEMBERS or sum(one.file_size for one in members) > _MAX_UNPACKED_BYTES:
+    if len(members) > _MAX_MEMBERS or sum(member.file_size for member in members) > _MAX_UNPACKED_BYTES:
         raise refused(LARGE)
 
 

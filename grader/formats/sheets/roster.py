@@ -101,7 +101,7 @@ class Roster(Record):
             CourseError: rows were skipped; the message has a line for each.
         """
         if self.skipped:
-            rows = [(one.place.words, one.reason) for one in self.skipped]
+            rows = [(row.place.words, row.reason) for row in self.skipped]
             raise CourseError(
                 "\n".join(["nothing was imported:", *(f"{at.en}: {why.en}" for at, why in rows)]),
                 "\n".join(["没有导入任何人：", *(f"{at.zh}：{why.zh}" for at, why in rows)]),
@@ -111,7 +111,7 @@ class Roster(Record):
     def without(self, wrong: Mapping[str, Text]) -> "Roster":
         """Return the list with more rows that cannot be imported: those of the ids in `wrong`, for its reasons."""
         rows = [SkippedRow(place=self.places[person], reason=why) for person, why in wrong.items()]
-        entries = tuple(one for one in self.entries if one.id not in wrong)
+        entries = tuple(entry for entry in self.entries if entry.id not in wrong)
         skipped = sorted((*self.skipped, *rows), key=lambda one: (one.place.sheet, one.place.number))
         return replace(self, entries=entries, skipped=tuple(skipped))
 
@@ -121,8 +121,10 @@ def as_csv(entries: Sequence[RosterEntry]) -> str:
     out = io.StringIO()
     table = csv.writer(out, lineterminator="\n")
     table.writerow(("id", "name", "role", "email", "section"))
-    for one in entries:
-        table.writerow((one.id, one.name, one.role or "", one.email or "", "；".join(one.sections or ())))
+    for entry in entries:
+        table.writerow(
+            (entry.id, entry.name, entry.role or "", entry.email or "", "；".join(entry.sections or ()))
+        )
     return out.getvalue()
 
 
@@ -164,7 +166,7 @@ def _sheets(table: ListedTable) -> tuple[list[ListedTable], list[SkippedRow]]:
     listed = set(map(folded_id, _ids(table)))
     for other in table.others:
         ids = _ids(other)
-        missing = [one for one in ids if folded_id(one) not in listed]
+        missing = [id_ for id_ in ids if folded_id(id_) not in listed]
         if 2 * len(missing) > len(ids):
             sheets.append(other)
             listed.update(map(folded_id, ids))
@@ -185,8 +187,8 @@ def _ids(table: ListedTable) -> list[str]:
     if not columns:
         return []
     cells = (row.cells[columns["id"]] for row in table.rows[start:] if columns["id"] < len(row.cells))
-    ids = (unicodedata.normalize("NFKC", one).strip() for one in cells)
-    return [one for one in ids if is_person_id(one)]
+    ids = (unicodedata.normalize("NFKC", cell).strip() for cell in cells)
+    return [id_ for id_ in ids if is_person_id(id_)]
 
 
 class _People:
@@ -261,8 +263,8 @@ def _header(table: ListedTable) -> tuple[int, dict[str, int]]:
 
 
 def _found_header(table: ListedTable) -> tuple[int, dict[str, int]]:
-    found = ((index, _columns(row.cells)) for index, row in enumerate(table.rows[:HEADER_ROWS], 1))
-    return next(((start, columns) for start, columns in found if columns), (0, {}))
+    candidates = ((index, _columns(row.cells)) for index, row in enumerate(table.rows[:HEADER_ROWS], 1))
+    return next(((start, columns) for start, columns in candidates if columns), (0, {}))
 
 
 def _columns(cells: Sequence[str]) -> dict[str, int]:

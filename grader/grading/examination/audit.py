@@ -45,18 +45,19 @@ class Audit:
         """Return how many lie in each of `BANDS`."""
         lows, highs = BANDS, (float("inf"), *BANDS[:-1])
         return tuple(
-            sum(low <= one.pct < high for one in self.graded) for low, high in zip(lows, highs, strict=True)
+            sum(low <= mutant.pct < high for mutant in self.graded)
+            for low, high in zip(lows, highs, strict=True)
         )
 
     @property
     def unseen(self) -> tuple[GradedMutant, ...]:
         """Return those that keep all points and do not move alike."""
-        return tuple(one for one in self.graded if one.pct >= 100.0 and not one.moves_alike)
+        return tuple(mutant for mutant in self.graded if mutant.pct >= 100.0 and not mutant.moves_alike)
 
     @property
     def lost(self) -> tuple[GradedMutant, ...]:
         """Return those that ran and lose nearly all points."""
-        return tuple(one for one in self.graded if one.ran and one.pct <= NOTHING_PCT)
+        return tuple(mutant for mutant in self.graded if mutant.ran and mutant.pct <= NOTHING_PCT)
 
 
 def audited(assignment: Assignment, solution: OwnScript, grader: Grader, most: int) -> Audit:

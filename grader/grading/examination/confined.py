@@ -58,9 +58,9 @@ def _read(folder: Path) -> Reading:
 
 
 def _check(catalog: Catalog, assignment: Assignment) -> None:
-    found = [(catalog.place(assignment.id, field), told) for field, told in misfits(assignment)]
-    if found:
-        raise refusals(found)
+    misfits_at = [(catalog.place(assignment.id, field), told) for field, told in misfits(assignment)]
+    if misfits_at:
+        raise refusals(misfits_at)
 
 
 def _confine(folder: Path) -> None:

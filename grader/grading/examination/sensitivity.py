@@ -226,11 +226,11 @@ def _scaled(kind: str, *, only_first: bool = False, turning: bool = True) -> Spo
             left = left and not (only_first and found == kind)
             spoilt += [
                 Command(
-                    t_ns=one.t_ns,
-                    v_mps=one.v_mps * factor,
-                    w_radps=one.w_radps * (factor if turning else 1.0),
+                    t_ns=command.t_ns,
+                    v_mps=command.v_mps * factor,
+                    w_radps=command.w_radps * (factor if turning else 1.0),
                 )
-                for one in stretch
+                for command in stretch
             ]
         return spoilt
 
@@ -245,7 +245,10 @@ def _veering(commands: Commands, error: float) -> list[Command]:
         end_ns = stretches[i + 1][1][0].t_ns if i + 1 < len(stretches) else stretch[-1].t_ns + 1_000_000_000
         turn_rad = error * 1.5707963 if kind == "run" else 0.0
         rate = turn_rad / max((end_ns - stretch[0].t_ns) * 1e-9, 1e-3)
-        spoilt += [Command(t_ns=one.t_ns, v_mps=one.v_mps, w_radps=one.w_radps + rate) for one in stretch]
+        spoilt += [
+            Command(t_ns=command.t_ns, v_mps=command.v_mps, w_radps=command.w_radps + rate)
+            for command in stretch
+        ]
     return spoilt
 
 
@@ -259,11 +262,11 @@ def _longer_rests(commands: Commands, error: float) -> list[Command]:
         stretched = error if kind == "rest" and i + 1 < len(stretches) else 0.0
         spoilt += [
             Command(
-                t_ns=one.t_ns + shift_ns + round((one.t_ns - begin_ns) * stretched),
-                v_mps=one.v_mps,
-                w_radps=one.w_radps,
+                t_ns=command.t_ns + shift_ns + round((command.t_ns - begin_ns) * stretched),
+                v_mps=command.v_mps,
+                w_radps=command.w_radps,
             )
-            for one in stretch
+            for command in stretch
         ]
         if stretched:
             shift_ns += round((stretches[i + 1][1][0].t_ns - begin_ns) * stretched)

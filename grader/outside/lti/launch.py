@@ -131,7 +131,7 @@ def _launch(claims: Mapping[str, Any], platform: Platform) -> Launch:
         "version": claims.get(f"{CLAIM}version") != "1.3.0",
         "deployment_id": claims.get(f"{CLAIM}deployment_id") != platform.deployment,
         "message_type": kind not in (_LINK, _PICK),
-        "roles": not isinstance(roles, list) or not all(isinstance(one, str) for one in roles),
+        "roles": not isinstance(roles, list) or not all(isinstance(role, str) for role in roles),
         "resource_link": kind != _PICK and not 1 <= len(_text(resource.get("id"))) <= _LONGEST_RESOURCE,
         "deep_linking_settings": kind == _PICK and picking is None,
     }
@@ -145,7 +145,7 @@ def _launch(claims: Mapping[str, Any], platform: Platform) -> Launch:
     may_score = isinstance(scopes, list) and SCORE_SCOPE in scopes
     return Launch(
         subject=claims["sub"],
-        claimed=tuple(dict.fromkeys(text for one in named if (text := _text(one)))),
+        claimed=tuple(dict.fromkeys(text for name in named if (text := _text(name)))),
         resource=_text(resource.get("id")),
         title=_line(resource.get("title")),
         assignment=_text(custom.get("assignment")),
@@ -168,5 +168,7 @@ def _text(value: object) -> str:
 def _line(value: object) -> str:
     """Return what people wrote as one line, with spaces for what cannot be printed."""
     return (
-        _text("".join(one if one.isprintable() else " " for one in value)) if isinstance(value, str) else ""
+        _text("".join(letter if letter.isprintable() else " " for letter in value))
+        if isinstance(value, str)
+        else ""
     )

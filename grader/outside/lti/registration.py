@@ -136,4 +136,4 @@ def _tool(public_url: str, name: str) -> dict[str, Any]:
 
 def _words(content: bytes) -> str:
     text = content[:_LONGEST].decode(errors="replace")
-    return "".join(one if one.isprintable() else " " for one in text)
+    return "".join(letter if letter.isprintable() else " " for letter in text)

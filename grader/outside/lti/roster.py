@@ -38,8 +38,8 @@ class Listed:
 
 def address_in(claims: Mapping[str, Any]) -> str:
     """Return the address at which the platform lists the people of its course; empty: there is none."""
-    said = claims.get(ROSTER_CLAIM)
-    address = said.get("context_memberships_url") if isinstance(said, dict) else None
+    claim = claims.get(ROSTER_CLAIM)
+    address = claim.get("context_memberships_url") if isinstance(claim, dict) else None
     fits = isinstance(address, str) and len(address) <= _LONGEST and is_confidential(address)
     return str(address) if fits else ""
 
@@ -76,9 +76,9 @@ def people_in(content: bytes) -> Iterator[Listed]:
         raise UnreachableError(f"the class list cannot be read: {error}") from None
     if not isinstance(members, list):
         raise UnreachableError("the class list has no members")
-    for one in members:
-        if isinstance(one, dict):
-            yield _listed(one)
+    for member in members:
+        if isinstance(member, dict):
+            yield _listed(member)
 
 
 def _listed(said: Mapping[str, Any]) -> Listed:
@@ -86,7 +86,7 @@ def _listed(said: Mapping[str, Any]) -> Listed:
     named = (said.get("lis_person_sourcedid"), said.get("ext_user_username"))
     return Listed(
         subject=_text(said.get("user_id")),
-        claimed=tuple(dict.fromkeys(text for one in named if (text := _text(one)))),
+        claimed=tuple(dict.fromkeys(text for name in named if (text := _text(name)))),
         name=_name(said),
         email=_text(said.get("email")),
         learns=_learns(roles) and said.get("status", "Active") == "Active",
@@ -102,8 +102,8 @@ def _name(said: Mapping[str, Any]) -> str:
 
 
 def _learns(roles: object) -> bool:
-    said: Sequence[object] = roles if isinstance(roles, list) else ()
-    return any(isinstance(one, str) and _LEARNER.fullmatch(one) is not None for one in said)
+    names: Sequence[object] = roles if isinstance(roles, list) else ()
+    return any(isinstance(role, str) and _LEARNER.fullmatch(role) is not None for role in names)
 
 
 def _text(value: object) -> str:

@@ -84,7 +84,7 @@ class Signer:
     def __init__(self, secrets_: tuple[str, ...]) -> None:
         from joserfc.jwk import KeySet, RSAKey
 
-        self._keys = [RSAKey.import_key(msgspec.json.decode(one)) for one in secrets_]
+        self._keys = [RSAKey.import_key(msgspec.json.decode(secret)) for secret in secrets_]
         self._set = KeySet(list(self._keys))
 
     def public(self) -> dict[str, Any]:

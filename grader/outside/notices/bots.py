@@ -97,11 +97,7 @@ class BotChannel:
         self._private = private
 
     def send(self, webhook: NewWebhook, text: str) -> None:
-        """Send a message.
-
-        Raises:
-            NotSentError: the bot does not answer, or refuses the message.
-        """
+        """Send a message. Raises NotSentError: the bot does not answer, or refuses the message."""
         address, body = _signed(webhook, _bounded(text), self._clock_s())
         content = msgspec.json.encode(body)
         shown = urlsplit(webhook.address).netloc

@@ -64,11 +64,7 @@ class MailChannel:
         )
 
     def send(self, letter: Letter) -> None:
-        """Send an e-mail.
-
-        Raises:
-            NotSentError: the server does not answer, or does not take it.
-        """
+        """Send an e-mail. Raises NotSentError: the server does not answer, or does not take it."""
         message = self._message(letter)
         try:
             with self._connected() as connection:
@@ -134,4 +130,4 @@ def _of_letter(code: int) -> Failure:
 
 def _one_line(code: int, words: bytes | str) -> str:
     text = words.decode(errors="replace") if isinstance(words, bytes) else words
-    return f"{code} {''.join(one if one.isprintable() else ' ' for one in text)}"[:_LONGEST_DETAIL]
+    return f"{code} {''.join(letter if letter.isprintable() else ' ' for letter in text)}"[:_LONGEST_DETAIL]

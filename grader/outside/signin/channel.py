@@ -81,8 +81,7 @@ def get(address: str, parameters: Mapping[str, str] | None = None, *, public_onl
 def get_page(address: str, media_type: str, token: str, *, public_only: bool) -> tuple[bytes, str]:
     """Return what an address answers to who shows `token`, and its header Link, which names what follows.
 
-    Raises:
-        UnreachableError: as `get`.
+    Raises as `get`.
     """
     headers = {"Accept": media_type, "Authorization": f"Bearer {token}"}
     answer = _exchange("GET", address, public_only=public_only, headers=headers)
@@ -94,8 +93,7 @@ def post_form(
 ) -> tuple[int, bytes]:
     """Send a form, with a client's credentials (RFC 6749, 2.3.1); return status and answer.
 
-    Raises:
-        UnreachableError: as `get`; but a refusal, which is status 400 or 401, is an answer.
+    Raises as `get`; but a refusal, which is status 400 or 401, is an answer.
     """
     answer = _exchange(
         "POST", address, accepted=(200, 400, 401), public_only=public_only, data=form, auth=credentials
@@ -132,11 +130,7 @@ def post_json(  # noqa: PLR0913
 
 
 def decoded(content: bytes, kind: type[_T]) -> _T:
-    """Return what somebody else wrote as JSON.
-
-    Raises:
-        ValueError: it is none, or not of this kind.
-    """
+    """Return what somebody else wrote as JSON. Raises ValueError: it is none, or not of this kind."""
     try:
         return from_json(kind, content)
     except RecursionError:
@@ -168,8 +162,8 @@ def _exchange(
     except TimeoutError:
         raise UnreachableError(f"{address} answers for longer than {_LONGEST_S:.0f} s") from None
     except (httpx.HTTPError, httpx.InvalidURL, ValueError) as error:  # ValueError: no host, no header's text
-        told = _SOCKET_ADDRESS.sub("", str(error))  # whoever reads this need not know where a name leads
-        raise UnreachableError(f"{address}: {type(error).__name__}: {told}") from error
+        reason = _SOCKET_ADDRESS.sub("", str(error))  # whoever reads this need not know where a name leads
+        raise UnreachableError(f"{address}: {type(error).__name__}: {reason}") from error
     if answer.status not in accepted:
         raise UnreachableError(f"{address} answers {answer.status}")
     if len(answer.content) > MOST_BYTES:
@@ -222,7 +216,7 @@ def _public(host: str, port: int) -> str:
         addresses = [str(one[4][0]) for one in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)]
     except OSError as error:
         raise UnreachableError(f"{host}: {error}") from error
-    private = [one for one in addresses if not _is_public(one)]
+    private = [address for address in addresses if not _is_public(address)]
     if private:
         raise UnreachableError(f"{host} is in a private network (allow_private_platforms)")
     return addresses[0]

@@ -150,8 +150,8 @@ class SignInConfig(BaseModel):
 
     @model_validator(mode="after")
     def _names_differ(self) -> Self:
-        ids = [one.id for one in self.providers]
-        twice = {one for one in ids if ids.count(one) > 1}
+        ids = [provider.id for provider in self.providers]
+        twice = {id_ for id_ in ids if ids.count(id_) > 1}
         if twice:
             raise ValueError(
                 f"providers: the id {min(twice)} is used twice", f"providers：id {min(twice)} 用了两次"
@@ -172,7 +172,7 @@ def read_config(path: Path) -> SignInConfig:
     try:
         return SignInConfig.model_validate(document)
     except ValidationError as error:
-        errors = {".".join(map(str, one["loc"])): one for one in error.errors()}
+        errors = {".".join(map(str, problem["loc"])): problem for problem in error.errors()}
         wrong = [_wrong(path, place, said(one, "en"), said(one, "zh")) for place, one in errors.items()]
         en, zh = ("\n".join(one.told(language) for one in wrong) for language in ("en", "zh"))
         raise SettingsError(en, zh) from None

@@ -91,7 +91,7 @@ class KeySet:
         with self._lock:
             now_s = self._clock_s()
             keys = () if self._keys is None else self._keys.keys
-            missing = kid is not None and kid not in {one.kid for one in keys}
+            missing = kid is not None and kid not in {key.kid for key in keys}
             age_s = now_s - self._fetched_s
             if self._keys is None or not 0.0 <= age_s < _DAY_S or (missing and age_s >= _MINUTE_S):
                 self._keys, self._fetched_s = self._fetched(), now_s
@@ -208,10 +208,10 @@ class Oidc:
 
     def _person(self, claims: Mapping[str, Any], attempt: SignInAttempt) -> Person:
         check_token(claims, self._entry.issuer, self._entry.client_id, attempt.nonce, self._clock_s())
-        said = _text(claims.get(self._entry.claim))
+        entry = _text(claims.get(self._entry.claim))
         if self._entry.claim != "email":
-            return Person(subject=claims["sub"], claimed=said)
-        return Person(subject=claims["sub"], email=said if claims.get("email_verified") is True else "")
+            return Person(subject=claims["sub"], claimed=entry)
+        return Person(subject=claims["sub"], email=entry if claims.get("email_verified") is True else "")
 
 
 def oidc(entry: OidcEntry, clock_s: Callable[[], float]) -> Oidc:

@@ -14,12 +14,12 @@ def opened(config: SignInConfig, clock_s: Callable[[], float]) -> Providers:
     Raises:
         SettingsError: a secret cannot be read, or the packages for OpenID Connect are not installed.
     """
-    sending = [one for one in config.providers if not isinstance(one, HeaderEntry)]
+    sending = [provider for provider in config.providers if not isinstance(provider, HeaderEntry)]
     return Providers(
         public_url=config.public_url,
         private_platforms=config.allow_private_platforms,
         away=tuple(_made(one, clock_s) for one in sending),
-        headers=tuple(one for one in config.providers if isinstance(one, HeaderEntry)),
+        headers=tuple(provider for provider in config.providers if isinstance(provider, HeaderEntry)),
     )
 
 

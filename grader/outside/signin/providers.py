@@ -109,8 +109,8 @@ class Providers:
 
     def sending(self, id_: str) -> Provider | None:
         """Return the provider of that id that sends browsers away."""
-        return next((one for one in self.away if one.id == id_), None)
+        return next((provider for provider in self.away if provider.id == id_), None)
 
     def header(self, id_: str) -> HeaderEntry | None:
         """Return the proxies' header of that id."""
-        return next((one for one in self.headers if one.id == id_), None)
+        return next((provider for provider in self.headers if provider.id == id_), None)

@@ -115,8 +115,8 @@ def parameters(dependant: Dependant, kind: Literal["query_params", "body_params"
     own = {one.alias: one.field_info.is_required() for one in getattr(dependant, kind)}
     return own | {
         name: is_required
-        for one in dependant.dependencies
-        for name, is_required in parameters(one, kind).items()
+        for dependency in dependant.dependencies
+        for name, is_required in parameters(dependency, kind).items()
     }
 
 
@@ -145,8 +145,8 @@ def refuse(where: Literal["query", "body"], problems: Sequence[tuple[str, str]])
 def _refuse_unknown_parameters(request: Request) -> None:
     """Refuse an address with a parameter that is not read: a misspelt filter would show everything."""
     if given := request.query_params:
-        known = {_LANGUAGE: False} | parameters(request.scope["route"].dependant, "query_params")
-        refuse("query", unknown(given, known) + sent_twice(given))
+        names = {_LANGUAGE: False} | parameters(request.scope["route"].dependant, "query_params")
+        refuse("query", unknown(given, names) + sent_twice(given))
 
 
 async def _errand(
@@ -280,10 +280,10 @@ def _known_section(
     errand: StaffDep,
     section: Annotated[str, Query(max_length=64, description="Only students of this section.")] = "",
 ) -> str:
-    known = sections_of(members(errand.services, errand.caller)) if section else []
-    if section and section not in known:
+    sections = sections_of(members(errand.services, errand.caller)) if section else []
+    if section and section not in sections:
         detail = Text(zh="没有这个分组。", en="There is no such section.")
-        raise RefusedError("invalid_request", detail, field="section", allowed=known)
+        raise RefusedError("invalid_request", detail, field="section", allowed=sections)
     return section
 
 

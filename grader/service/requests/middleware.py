@@ -291,12 +291,12 @@ async def known_parts(request: Request) -> None:
         RequestValidationError: there is one.
     """
     form = await request.form()
-    known = parameters(request.scope["route"].dependant, "body_params")
+    names = parameters(request.scope["route"].dependant, "body_params")
     problems = sent_twice(form)
-    if misspelt := unknown(form, known):
+    if misspelt := unknown(form, names):
         problems += misspelt
         problems += [
-            ("missing", name) for name, is_required in known.items() if is_required and name not in form
+            ("missing", name) for name, is_required in names.items() if is_required and name not in form
         ]
     refuse("body", problems)
 
@@ -360,8 +360,8 @@ def _on_this_host(address: str) -> str:
 
 
 def _request_id(headers: Headers) -> str:
-    given = headers.get(HEADER, "")
-    return given if _WELL_FORMED.fullmatch(given) else uuid.uuid4().hex
+    request_id = headers.get(HEADER, "")
+    return request_id if _WELL_FORMED.fullmatch(request_id) else uuid.uuid4().hex
 
 
 def _note(scope: Scope, status: int, duration_s: float) -> None:

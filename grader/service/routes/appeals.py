@@ -113,8 +113,8 @@ def read_appeals(  # noqa: PLR0913
     """Return the appeals of the class."""
     wanted = AppealsWanted(open=state == "open", assignment=assignment, section=section or None)
     page = appealing.queue(errand.services, errand.caller, wanted, offset=offset, limit=limit)
-    told = [_view(errand, one, language) for one in page.appeals]
-    return AppealQueue(total=page.total, waiting=page.waiting, appeals=told)
+    views = [_view(errand, appeal, language) for appeal in page.appeals]
+    return AppealQueue(total=page.total, waiting=page.waiting, appeals=views)
 
 
 @of_submission.get(
@@ -122,8 +122,8 @@ def read_appeals(  # noqa: PLR0913
 )
 def read_own(errand: ErrandDep, language: LanguageDep, submission_id: SubmissionId) -> AppealList:
     """Return what its student asked and what staff answered. Reading it here does not mark answers as seen."""
-    found = appealing.appeals_of(errand.services, errand.caller, submission_id)
-    return AppealList(appeals=[_view(errand, one, language) for one in found])
+    appeals = appealing.appeals_of(errand.services, errand.caller, submission_id)
+    return AppealList(appeals=[_view(errand, appeal, language) for appeal in appeals])
 
 
 @of_submission.post(
@@ -141,8 +141,8 @@ def ask(
 
     Only the submission's student may. Items that are hidden, wait for a person, or have all points take none.
     """
-    made = appealing.ask(errand.services, errand.caller, submission_id, body.item, body.reason)
-    return _view(errand, made, language)
+    appeal = appealing.ask(errand.services, errand.caller, submission_id, body.item, body.reason)
+    return _view(errand, appeal, language)
 
 
 @of_submission.delete(
@@ -185,10 +185,10 @@ def answer(  # noqa: PLR0913
     Points are given as by `PUT …/judgements/{item}`, with the same If-Match; who may not correct the item is
     refused. Whoever gives points there answers the item's open appeal, too.
     """
-    given = AppealAnswer(state=AppealState(body.state), text=body.text, points=body.points)
-    appealing.answer(errand.services, errand.caller, submission_id, item, given, seen=seen(if_match))
-    found = appealing.appeals_of(errand.services, errand.caller, submission_id)
-    return _view(errand, next(one for one in found if one.item == item), language)
+    reply = AppealAnswer(state=AppealState(body.state), text=body.text, points=body.points)
+    appealing.answer(errand.services, errand.caller, submission_id, item, reply, seen=seen(if_match))
+    appeals = appealing.appeals_of(errand.services, errand.caller, submission_id)
+    return _view(errand, next(appeal for appeal in appeals if appeal.item == item), language)
 
 
 def _view(errand: Errand, appeal: Appeal, language: Language) -> AppealView:

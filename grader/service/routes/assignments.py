@@ -90,8 +90,8 @@ def list_all(errand: ErrandDep, response: Response, language: LanguageDep) -> As
     _set_language(response, language)
     return AssignmentList(
         assignments=[
-            AssignmentSummary.of(one, **_summary(one, language))
-            for one in checklist(errand.services, errand.caller)
+            AssignmentSummary.of(assignment, **_summary(assignment, language))
+            for assignment in checklist(errand.services, errand.caller)
         ]
     )
 

@@ -59,8 +59,8 @@ class CommentList(View):
 )
 def read_comments(errand: ErrandDep, submission_id: SubmissionId) -> CommentList:
     """Return the comments of staff and student. Reading them here does not mark them as seen."""
-    found = commenting.comments(errand.services, errand.caller, submission_id)
-    return CommentList(comments=[CommentView.of(one) for one in found])
+    comments = commenting.comments(errand.services, errand.caller, submission_id)
+    return CommentList(comments=[CommentView.of(comment) for comment in comments])
 
 
 @router.post(

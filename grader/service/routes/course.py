@@ -101,8 +101,8 @@ def read_course(errand: StaffDep) -> CourseView:
 def copy_course(errand: InstructorDep, body: NewCourseBody) -> NewCourseView:
     """Make a course with the same rules and published assignments, without its people and work."""
     new = NewCourse(id=body.id, title=body.title, move_days=body.move_days)
-    made = course_life.copy_course(errand.services, errand.caller, new)
-    return NewCourseView(course=CourseView.of(made.course), person=made.instructor, token=made.token)
+    copied = course_life.copy_course(errand.services, errand.caller, new)
+    return NewCourseView(course=CourseView.of(copied.course), person=copied.instructor, token=copied.token)
 
 
 @router.put(
@@ -140,8 +140,8 @@ def erase_old_work(errand: InstructorDep, body: OldWorkBody) -> OldWorkView:
 )
 def forget_student(errand: InstructorDep, person: PersonId, body: ForgetBody) -> ForgottenView:
     """Erase what a student handed in and every trace of who they are; this cannot be undone."""
-    found = course_life.forget_student(errand.services, errand.caller, person, body.reason)
-    return ForgottenView.of(found)
+    forgotten = course_life.forget_student(errand.services, errand.caller, person, body.reason)
+    return ForgottenView.of(forgotten)
 
 
 @router.get(

@@ -193,7 +193,7 @@ def read_costs(errand: StaffDep, response: Response, offset: Offset = 0, limit: 
     """Return how long the gradings of each student took in the last hour, and how many wait."""
     response.headers["Cache-Control"] = "no-store"
     students = costs(errand.services, errand.caller)[offset : offset + limit]
-    return CostsView(students=[CostView.of(one) for one in students])
+    return CostsView(students=[CostView.of(student) for student in students])
 
 
 @router.get(
@@ -250,7 +250,8 @@ def _tag(errand: Errand, state: ClassState, language: Language, selection: Selec
     alive = worker_views(errand.services.workers.alive(errand.services.settings.silent_s))
     workers = [worker.model_dump(mode="json", exclude={"seen_at"}) for worker in alive]
     versions = [
-        (one.id, one.version, one.title.get(language)) for one in in_course(errand.services, errand.caller)
+        (assignment.id, assignment.version, assignment.title.get(language))
+        for assignment in in_course(errand.services, errand.caller)
     ]
     queue = asdict(errand.services.queue.state())
     services, course = errand.services, errand.caller.course
@@ -286,7 +287,9 @@ def read_concerned(  # noqa: PLR0913
     limit: Limit = _PAGE,
 ) -> ConcernedList:
     """Return the students who handed in for an assignment and fit: who still fails, and tried most, first."""
-    found = concerned(
+    students = concerned(
         errand.services, errand.caller, assignment_id, Concern(item=item, mistake=mistake, status=status)
     )
-    return ConcernedList(students=[ConcernedView.of(one) for one in found[offset : offset + limit]])
+    return ConcernedList(
+        students=[ConcernedView.of(student) for student in students[offset : offset + limit]]
+    )

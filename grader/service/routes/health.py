@@ -99,7 +99,7 @@ def _of_disk(health: ServiceHealth) -> str:
 
 def worker_views(workers: Iterable[WorkerState]) -> list[WorkerView]:
     """Return workers as the interface shows them."""
-    return [WorkerView.of(one, sandbox=_sandbox((one,))) for one in workers]
+    return [WorkerView.of(worker, sandbox=_sandbox((worker,))) for worker in workers]
 
 
 def _sandbox(workers: Sequence[WorkerState]) -> SandboxView:

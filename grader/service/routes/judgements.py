@@ -233,15 +233,15 @@ def judge_several(
     errand: StaffDep, language: LanguageDep, submission_id: SubmissionId, body: JudgementsBody
 ) -> ManualItemsView:
     """Add a judgement for each item that is named, with the same comment, all of them or none."""
-    wanted = [(one.item, one.points, seen(one.etag)) for one in body.items]
-    judging.give_several(errand.services, errand.caller, submission_id, wanted, body.comment)
+    points = [(item.item, item.points, seen(item.etag)) for item in body.items]
+    judging.give_several(errand.services, errand.caller, submission_id, points, body.comment)
     return _all_items(errand, language, submission_id)
 
 
 def _all_items(errand: Errand, language: Language, submission_id: str) -> ManualItemsView:
     submission, items = judging.items_of(errand.services, errand.caller, submission_id)
     own = SUBMISSIONS + submission.id
-    shown = [_item(one, language) for one in items]
+    shown = [_item(item, language) for item in items]
     return ManualItemsView.of(submission, submission=own, source=f"{own}/source", items=shown)
 
 
@@ -296,37 +296,41 @@ def _tagged(
     errand: Errand, language: Language, response: Response, submission_id: str, item: str
 ) -> ManualItemView:
     _, items = judging.items_of(errand.services, errand.caller, submission_id)
-    found = next((one for one in items if one.id == item), None)
-    if found is None:
-        raise RefusedError("item_not_found", field="item", allowed=[one.id for one in items])
-    response.headers.update({"ETag": etag(found.tag), "Cache-Control": "no-store"})
-    return _item(found, language)
+    judged = next((judged_item for judged_item in items if judged_item.id == item), None)
+    if judged is None:
+        raise RefusedError("item_not_found", field="item", allowed=[judged_item.id for judged_item in items])
+    response.headers.update({"ETag": etag(judged.tag), "Cache-Control": "no-store"})
+    return _item(judged, language)
 
 
 def _waiting(errand: Errand, page: WaitingPage, language: Language, *, anonymous: bool) -> WaitingList:
-    known = {one.id: one for one in errand.services.assignments.of(errand.caller.course).all()}
+    assignments = {
+        assignment.id: assignment for assignment in errand.services.assignments.of(errand.caller.course).all()
+    }
     return WaitingList(
         total=page.total,
         questions=[
             QuestionView(
                 assignment=assignment,
-                assignment_title=known[assignment].title.get(language) if assignment in known else assignment,
+                assignment_title=assignments[assignment].title.get(language)
+                if assignment in assignments
+                else assignment,
                 item=item,
-                title=item_title(known.get(assignment), item, language),
+                title=item_title(assignments.get(assignment), item, language),
                 waiting=count,
             )
             for (assignment, item), count in page.questions.items()
         ],
         waiting=[
             WaitingView.of(
-                one,
-                submission=SUBMISSIONS + one.submission,
-                source=f"{SUBMISSIONS}{one.submission}/source",
-                judgement=f"{SUBMISSIONS}{one.submission}/judgements/{one.item}",
-                student=None if anonymous else one.student,
-                title=item_title(known.get(one.assignment), one.item, language),
+                answer,
+                submission=SUBMISSIONS + answer.submission,
+                source=f"{SUBMISSIONS}{answer.submission}/source",
+                judgement=f"{SUBMISSIONS}{answer.submission}/judgements/{answer.item}",
+                student=None if anonymous else answer.student,
+                title=item_title(assignments.get(answer.assignment), answer.item, language),
             )
-            for one in page.answers
+            for answer in page.answers
         ],
     )
 

@@ -85,9 +85,9 @@ class NoticesView(View):
 def read_notices(errand: InstructorDep, response: Response) -> NoticesView:
     """Return where notices go and how the latest fared."""
     response.headers.update(PRIVATE)
-    found = notices.setup_of(errand.services, errand.caller)
-    latest = [NoticeView.of(one, waits=bool(one.body)) for one in found.latest]
-    return NoticesView.of(found, webhooks=list(found.webhooks.values()), latest=latest)
+    setup = notices.setup_of(errand.services, errand.caller)
+    latest = [NoticeView.of(notice, waits=bool(notice.body)) for notice in setup.latest]
+    return NoticesView.of(setup, webhooks=list(setup.webhooks.values()), latest=latest)
 
 
 @router.put(

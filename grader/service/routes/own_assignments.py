@@ -68,8 +68,8 @@ class OwnAssignmentList(View):
 def read_all(errand: StaffDep, language: LanguageDep, response: Response) -> OwnAssignmentList:
     """Return what was uploaded, whether it can be used, and what its scripts scored."""
     response.headers.update(PRIVATE)
-    found = own_assignments.own_assignments(errand.services, errand.caller)
-    return OwnAssignmentList(assignments=[_view(one, language) for one in found])
+    uploads = own_assignments.own_assignments(errand.services, errand.caller)
+    return OwnAssignmentList(assignments=[_view(one, language) for one in uploads])
 
 
 @router.post(
@@ -132,10 +132,10 @@ def _view(one: OwnAssignment, language: Language) -> OwnAssignmentView:
     return OwnAssignmentView.of(
         one,
         scripts=[
-            VerdictView.of(each, problem="" if each.problem == EMPTY else each.problem.get(language))
-            for each in examined.verdicts
+            VerdictView.of(verdict, problem="" if verdict.problem == EMPTY else verdict.problem.get(language))
+            for verdict in examined.verdicts
         ],
         begun=examined.begun,
         in_all=examined.scripts,
-        misfits=[MisfitView.of(each, detail=each.told.get(language)) for each in examined.misfits],
+        misfits=[MisfitView.of(misfit, detail=misfit.told.get(language)) for misfit in examined.misfits],
     )

@@ -225,8 +225,8 @@ def read_members(
 ) -> MemberList:
     """Return who is in the caller's course; nobody while there are no courses."""
     response.headers.update(PRIVATE)
-    found = members(errand.services, errand.caller, role)
-    return MemberList(members=[MemberView.of(one) for one in found])
+    listed = members(errand.services, errand.caller, role)
+    return MemberList(members=[MemberView.of(member) for member in listed])
 
 
 @router.post(
@@ -252,8 +252,8 @@ def import_members(  # noqa: PLR0913, PLR0917
     else:
         plan = people.import_list(errand.services, errand.caller, content, skip=skip, remove=remove)
     skipped = [
-        SkippedView(sheet=one.place.sheet, row=one.place.number, reason=one.reason.get(language))
-        for one in plan.roster.skipped
+        SkippedView(sheet=row.place.sheet, row=row.place.number, reason=row.reason.get(language))
+        for row in plan.roster.skipped
     ]
     return ImportView.of(plan.change, skipped=skipped, dry_run=dry_run)
 
@@ -310,8 +310,8 @@ def read_identities(errand: InstructorDep, person: PersonId, response: Response)
     """Return what sign-in providers call a member."""
     response.headers.update(PRIVATE)
     member = people.member_of(errand.services, errand.caller, person)
-    found = signing_in.ways_of(errand.services, errand.caller, member.id)
-    return IdentityList(identities=[IdentityView.of(one) for one in found])
+    identities = signing_in.ways_of(errand.services, errand.caller, member.id)
+    return IdentityList(identities=[IdentityView.of(identity) for identity in identities])
 
 
 @router.delete(
@@ -345,5 +345,5 @@ def read_audit(
     """Return changes of grades and settings in the caller's course."""
     response.headers.update(PRIVATE)
     entries, more = changes(errand.services, errand.caller, before, limit)
-    shown = [AuditView.of(one) for one in entries]
+    shown = [AuditView.of(entry) for entry in entries]
     return AuditPage(entries=shown, next_before=more)

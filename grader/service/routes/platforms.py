@@ -87,12 +87,14 @@ def read_platforms(errand: InstructorDep, response: Response) -> PlatformsView:
     """Return the platforms, which activities there lead here, and which scores they do not take."""
     response.headers.update(PRIVATE)
     return PlatformsView(
-        platforms=[PlatformView.of(one) for one in platforms.platforms_of(errand.services, errand.caller)],
-        activities=[
-            ActivityView.of(one, takes_scores=bool(one.line_item))
-            for one in platforms.links_of(errand.services, errand.caller)
+        platforms=[
+            PlatformView.of(platform) for platform in platforms.platforms_of(errand.services, errand.caller)
         ],
-        unsent=[UnsentView.of(one) for one in platforms.troubles_of(errand.services, errand.caller)],
+        activities=[
+            ActivityView.of(activity, takes_scores=bool(activity.line_item))
+            for activity in platforms.links_of(errand.services, errand.caller)
+        ],
+        unsent=[UnsentView.of(score) for score in platforms.troubles_of(errand.services, errand.caller)],
     )
 
 

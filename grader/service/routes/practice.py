@@ -94,11 +94,11 @@ UnderWayDep = Annotated[UnderWay, Depends(_begun)]
 @router.post("", summary="Run a script for practice", responses=responses(*_PROBLEMS, "practice_waits"))
 async def run(run: UnderWayDep, language: LanguageDep, response: Response) -> PracticeView:
     """Run a script in the sandbox in virtual time and tell what was seen. It costs no attempt; nothing is kept."""
-    seen = await run.result()
+    practice = await run.result()
     response.headers.update(
         {"Content-Language": language, "Vary": "Accept-Language", "Cache-Control": "no-store"}
     )
-    return _view(seen, language)
+    return _view(practice, language)
 
 
 @router.post(
@@ -126,11 +126,11 @@ async def events(
     async for where in run.where():
         yield _where(where)
     try:
-        seen = await run.result()
+        practice = await run.result()
     except (RefusedError, InfrastructureError) as error:
         yield ServerSentEvent(data=await problem_of(request, error), event="refused")
         return
-    yield ServerSentEvent(data=await run_in_threadpool(view, seen), event="seen")
+    yield ServerSentEvent(data=await run_in_threadpool(view, practice), event="seen")
 
 
 def _where(where: RunProgress | int) -> ServerSentEvent:

@@ -361,7 +361,7 @@ def _refused(request: Request, error: RefusedError) -> JSONResponse:
     if (misfits := members.pop("misfits", None)) is not None:
         language = language_of(request)
         members["errors"] = [
-            FieldError(field=place_of(one), detail=one.told.get(language)) for one in misfits
+            FieldError(field=place_of(misfit), detail=misfit.told.get(language)) for misfit in misfits
         ]
     return _answer(request, error.code, error.detail, headers=headers, **members)
 
@@ -381,21 +381,21 @@ async def _on_http_error(request: Request, error: Exception) -> JSONResponse:
 def _methods(request: Request) -> list[str]:
     """Return the methods that the address takes; none where no route decides about them (static files)."""
     routes = request.app.router.routes
-    found = [
+    matching = [
         method
         for method in _METHODS
-        if any(one.matches({**request.scope, "method": method})[0] is Match.FULL for one in routes)
+        if any(route.matches({**request.scope, "method": method})[0] is Match.FULL for route in routes)
     ]
-    return [] if request.method in found else found
+    return [] if request.method in matching else matching
 
 
 async def _on_invalid(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RequestValidationError)
     language = language_of(request)
-    found = [_field_error(problem, language) for problem in error.errors()]
-    detail = " ".join(f"{one.field}: {one.detail}" for one in found)
-    field = found[0].field if found else None
-    return _answer(request, "invalid_request", detail, field=field, errors=found)
+    errors = [_field_error(problem, language) for problem in error.errors()]
+    detail = " ".join(f"{one.field}: {one.detail}" for one in errors)
+    field = errors[0].field if errors else None
+    return _answer(request, "invalid_request", detail, field=field, errors=errors)
 
 
 def _field_error(problem: Any, language: Language) -> FieldError:

@@ -188,7 +188,9 @@ def start(errand: InstructorDep, response: Response, order: RegradeOrder) -> Reg
 def read_all(errand: StaffDep) -> RegradeList:
     """Return the re-grades of the caller's course."""
     return RegradeList(
-        regrades=[RegradeSummary.of(one) for one in regrading.all_regrades(errand.services, errand.caller)]
+        regrades=[
+            RegradeSummary.of(regrade) for regrade in regrading.all_regrades(errand.services, errand.caller)
+        ]
     )
 
 
@@ -258,8 +260,8 @@ def read_changes(errand: ErrandDep, submission_id: SubmissionId) -> ToldChanges:
 
     Items that are hidden from the caller are left out. Reading it here does not mark it as seen.
     """
-    found = regrading.told_changes(errand.services, errand.caller, submission_id)
-    return ToldChanges(changes=[ToldChangeView.of(one) for one in found])
+    changes = regrading.told_changes(errand.services, errand.caller, submission_id)
+    return ToldChanges(changes=[ToldChangeView.of(change) for change in changes])
 
 
 @of_submission.get(
@@ -269,8 +271,8 @@ def read_changes(errand: ErrandDep, submission_id: SubmissionId) -> ToldChanges:
 )
 def read_history(errand: StaffDep, submission_id: SubmissionId) -> History:
     """Return when, with which versions and why a submission was graded, and by whom again."""
-    found = regrading.history(errand.services, errand.caller, submission_id)
-    return History(gradings=[PastGradingView.of(one) for one in found])
+    gradings = regrading.history(errand.services, errand.caller, submission_id)
+    return History(gradings=[PastGradingView.of(grading) for grading in gradings])
 
 
 def _view(regrade: Regrade, shown: slice = slice(None)) -> RegradeView:

@@ -128,8 +128,8 @@ def change_rules(
 @router.get("/extensions", summary="Who got more", responses=responses(*_ON_READ, "forbidden"))
 def read_extensions(errand: StaffDep, assignment_id: AssignmentId) -> ExtensionList:
     """Return all extensions of an assignment."""
-    found = use_case.extensions(errand.services, errand.caller, assignment_id)
-    return ExtensionList(extensions=[_extension(student, one) for student, one in found])
+    extensions = use_case.extensions(errand.services, errand.caller, assignment_id)
+    return ExtensionList(extensions=[_extension(student, one) for student, one in extensions])
 
 
 @router.put(

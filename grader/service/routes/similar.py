@@ -78,13 +78,13 @@ async def read(errand: StaffDep, assignment_id: AssignmentId) -> Response:
 
     It takes a second for a class of 300, and is kept until a script or a grading changes.
     """
-    found = await similar(errand.services, errand.caller, assignment_id)
-    body = await run_in_threadpool(_json, found)
+    pairs = await similar(errand.services, errand.caller, assignment_id)
+    body = await run_in_threadpool(_json, pairs)
     return Response(body, media_type="application/json", headers={"Cache-Control": "no-store"})
 
 
 def _json(found: Similar) -> str:
-    pairs, same_drives = ([_pair(one) for one in listed] for listed in (found.pairs, found.same_drives))
+    pairs, same_drives = ([_pair(pair) for pair in listed] for listed in (found.pairs, found.same_drives))
     return SimilarView.of(found, pairs=pairs, same_commands=same_drives).model_dump_json()
 
 

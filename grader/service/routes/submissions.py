@@ -321,8 +321,8 @@ def read_all(  # noqa: PLR0913
         since=since,
         after=None if after is None else str(after),
     )
-    found, more = submissions.listed(errand.services, errand.caller, wanted, limit)
-    lines = [SubmissionLine.of(one) for one in found]
+    page, more = submissions.listed(errand.services, errand.caller, wanted, limit)
+    lines = [SubmissionLine.of(submission) for submission in page]
     return SubmissionPage(submissions=lines, next_after=more)
 
 
@@ -444,14 +444,14 @@ def read(  # noqa: PLR0913, PLR0917
 def _headers(shown: ShownSubmission, language: Language, now: datetime) -> dict[str, str]:
     """Return the headers of a submission's answer. Its weak ETag leaves out the estimate, which always moves."""
     grading = shown.grading
-    made = None if grading is None else (grading.sha256, grading.judgements)
-    said = None if shown.told is None else (shown.told.report.hint, shown.told.steps)
-    told = repr((shown.submission, made, shown.position, shown.lateness, said, language))
+    grading_state = None if grading is None else (grading.sha256, grading.judgements)
+    explained = None if shown.told is None else (shown.told.report.hint, shown.told.steps)
+    state = repr((shown.submission, grading_state, shown.position, shown.lateness, explained, language))
     headers = {
         "Content-Language": language,
         "Vary": "Accept-Language, Authorization",
         "Cache-Control": "private, no-cache",
-        "ETag": f'W/"{hashlib.sha256(told.encode()).hexdigest()[:32]}"',
+        "ETag": f'W/"{hashlib.sha256(state.encode()).hexdigest()[:32]}"',
     }
     if submissions.is_open(shown.submission):
         finish = shown.estimated_finish_at
@@ -520,7 +520,7 @@ def _view(read: ShownSubmission, language: Language) -> SubmissionView:
     """Return a submission and its latest grading in `language`."""
     submission, stored, lateness = read.submission, read.grading, read.lateness
     report: Mapping[str, Any] = {} if read.told is None else read.told.report.to_dict()
-    found = () if read.told is None else read.told.steps
+    steps = () if read.told is None else read.told.steps
     return SubmissionView.of(
         submission,
         status=submission.state,
@@ -532,7 +532,7 @@ def _view(read: ShownSubmission, language: Language) -> SubmissionView:
         summary=_in_language(report.get("summary"), language),
         hint=_in_language(report.get("hint"), language),
         mistakes=report.get("mistakes", []),
-        steps=[_step_view(one, language) for one in found],
+        steps=[_step_view(step, language) for step in steps],
         rubric=[item_view(item, language) for item in report.get("items", [])],
         runs=[run_view(run) for run in report.get("runs", [])],
         graded_at=None if stored is None else stored.finished_at,
@@ -551,7 +551,7 @@ def _step_view(step: HintStep, language: Language) -> StepView:
         fact=step.fact.get(language),
         line=step.line.get(language),
         change=step.change.get(language),
-        lines=[ChangedLineView(**to_plain(one)) for one in step.lines],
+        lines=[ChangedLineView(**to_plain(line)) for line in step.lines],
     )
 
 

@@ -89,7 +89,7 @@ def leave(errand: ErrandDep, assignment_id: AssignmentId) -> None:
 def read_all(errand: StaffDep, assignment_id: AssignmentId) -> TeamList:
     """Return the teams; to an assistant those with a student whom they look after."""
     teams = use_case.teams_of(errand.services, errand.caller, assignment_id)
-    return TeamList(teams=[TeamView.of(one) for one in teams])
+    return TeamList(teams=[TeamView.of(team) for team in teams])
 
 
 @router.put(

@@ -221,11 +221,7 @@ def seen(errand: PageErrand, submission_id: str) -> tuple[Submission, StoredRepo
 
 
 def require_sight(errand: PageErrand, submission_id: str) -> Submission:
-    """Return a submission, without its grading, to somebody who may see it.
-
-    Raises:
-        RefusedError: as `seen`.
-    """
+    """Return a submission, without its grading, to somebody who may see it. Raises as `seen`."""
     submission = visible_submission(errand.services, errand.caller, submission_id)
     require_own(errand.visitor, submission)
     return submission

@@ -142,7 +142,7 @@ class Examiner:
         )  # the solution and the starter come first
         examination = examine(own, grader, before_each=lambda: self._give_way(claim, next(steps)))
         verdicts = _verdicts(examination)
-        fine = all(one.problem == EMPTY for one in verdicts)
+        fine = all(verdict.problem == EMPTY for verdict in verdicts)
         changed = None if assignment is reading.assignment else replace(reading, assignment=assignment)
         self._finish(claim, Examined(verdicts=verdicts), ready=fine, reading=changed)
 
@@ -156,10 +156,10 @@ class Examiner:
         name = "solution.py"
         trace = traced(assignment, name, files[name], grader)
         whole = replace(assignment, path=replace(assignment.path, trace=trace))
-        found = misfits_with_check(whole)
-        if found:
+        misfits = misfits_with_check(whole)
+        if misfits:
             error = AssignmentError()
-            error.problems = tuple(found)
+            error.problems = tuple(misfits)
             raise error
         return whole
 
@@ -213,8 +213,10 @@ class Examiner:
 
 def _verdicts(examination: Examination) -> tuple[ScriptVerdict, ...]:
     return tuple(
-        ScriptVerdict(script=one.script, score=one.score, max_score=one.max_score, problem=one.problem)
-        for one in examination.findings
+        ScriptVerdict(
+            script=finding.script, score=finding.score, max_score=finding.max_score, problem=finding.problem
+        )
+        for finding in examination.findings
     )
 
 

@@ -98,13 +98,13 @@ class Explainer:
         nothing = Explanation(hidden=tuple(sorted(hidden)))
         try:
             if claim.tries > MOST_TRIES:  # whoever looked before ended without a word
-                found, took_s = nothing, 0.0
+                explanation, took_s = nothing, 0.0
             else:
-                found, took_s = self._explained(claim, hidden)
+                explanation, took_s = self._explained(claim, hidden)
         except Exception as error:  # no fault of the script's, whatever it is; its marks stand
             self._give_up(claim, error, nothing)
         else:
-            self._explaining.explanations.finish(claim, replace(found, hidden=nothing.hidden), took_s)
+            self._explaining.explanations.finish(claim, replace(explanation, hidden=nothing.hidden), took_s)
         self._doorbell.ring()
         return True
 
@@ -169,11 +169,7 @@ class _Pauses:
         self._renewed_s = time.monotonic()
 
     def take(self) -> None:
-        """Wait until nobody else waits.
-
-        Raises:
-            _LostError: the claim is lost, or the worker stops.
-        """
+        """Wait until nobody else waits. Raises _LostError: the claim is lost, or the worker stops."""
         begun_s = time.monotonic()
         while self._others_wait():
             time.sleep(_GLANCE_S)

@@ -210,8 +210,8 @@ class WorkerSlot:
         begun_s = time.monotonic()
         running = threading.Event()
         try:
-            known = self._parts.assignments.of(claim.course)
-            assignment = known.get(claim.assignment).of_course(claim.distro, claim.runs_as)
+            assignments = self._parts.assignments.of(claim.course)
+            assignment = assignments.get(claim.assignment).of_course(claim.distro, claim.runs_as)
             job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
             self._grader.start()
             result = _checked(self._grader.grade(job, running.set), claim)

@@ -57,18 +57,16 @@ class Worker:
     def start(self) -> None:
         """Try the sandbox, then begin to take work."""
         self._heart.start()
-        for thread in self._threads:
+        for thread in (*self._threads, *self._behind):
             thread.start()
-        for one in self._behind:
-            one.start()
 
     def stop(self) -> None:
         """Take no more work, let running gradings finish, and return to the queue what takes too long."""
         for slot in self._slots:
             slot.stop()
         self._work.drain()
-        for one in self._behind:
-            one.stop(_ABORT_S)
+        for background in self._behind:
+            background.stop(_ABORT_S)
         self._join(self._config.drain_s)
         self._heart.stop(_ABORT_S)
         with _database_may_be_away():

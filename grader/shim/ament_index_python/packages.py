@@ -40,20 +40,12 @@ def get_package_prefix(package_name: str) -> str:
 
 
 def get_package_share_directory(package_name: str, print_warning: bool = True) -> str:
-    """Return the share folder of a package.
-
-    Raises:
-        PackageNotFoundError, ValueError: as `get_package_prefix`.
-    """
+    """Return the share folder of a package. Raises as `get_package_prefix`."""
     return os.path.join(get_package_prefix(package_name), "share", package_name)
 
 
 def get_package_share_path(package_name: str, print_warning: bool = True) -> Path:
-    """Return the share folder of a package as a path.
-
-    Raises:
-        PackageNotFoundError, ValueError: as `get_package_prefix`.
-    """
+    """Return the share folder of a package as a path. Raises as `get_package_prefix`."""
     from pathlib import Path
 
     return Path(get_package_share_directory(package_name))
@@ -61,8 +53,8 @@ def get_package_share_path(package_name: str, print_warning: bool = True) -> Pat
 
 def get_packages_with_prefixes() -> dict[str, str]:
     """Return the prefixes of all packages by their names."""
-    found = {name: _ros() for name in sorted({*_OF_ROS, *PACKAGES})}
-    return {**found, **{name: workspace.prefix_of(name) for name in workspace.names}}
+    prefixes = {name: _ros() for name in sorted({*_OF_ROS, *PACKAGES})}
+    return {**prefixes, **{name: workspace.prefix_of(name) for name in workspace.names}}
 
 
 def _ros() -> str:

@@ -86,11 +86,7 @@ class LaunchContext:
         self.handlers.insert(len(self.handlers) if append else 0, event_handler)
 
     def unregister_event_handler(self, event_handler: Any) -> None:
-        """Let a handler answer no more events.
-
-        Raises:
-            ValueError: it is not registered.
-        """
+        """Let a handler answer no more events. Raises ValueError: it is not registered."""
         if event_handler not in self.handlers:
             raise ValueError("deque.remove(x): x not in deque")
         self.handlers.remove(event_handler)

@@ -25,22 +25,14 @@ class LaunchService:
         """Take an event."""
 
     def run(self, *, shutdown_when_idle: bool = True) -> int:
-        """Refuse.
-
-        Raises:
-            NotImplementedError: always.
-        """
+        """Refuse. Raises NotImplementedError: always."""
         raise NotImplementedError(
             "LaunchService.run() starts processes, and none can be started here: "
             "hand in the package with the launch file, which is then launched as by ros2 launch"
         )
 
     async def run_async(self, *, shutdown_when_idle: bool = True) -> int:
-        """Refuse.
-
-        Raises:
-            NotImplementedError: always.
-        """
+        """Refuse. Raises NotImplementedError: always."""
         return self.run(shutdown_when_idle=shutdown_when_idle)
 
     def shutdown(self, force_sync: bool = False) -> None:
@@ -51,9 +43,5 @@ class LaunchIntrospector:
     """Refuses to print descriptions."""
 
     def format_launch_description(self, launch_description: Any) -> str:
-        """Refuse.
-
-        Raises:
-            NotImplementedError: always.
-        """
+        """Refuse. Raises NotImplementedError: always."""
         raise NotImplementedError("descriptions are not printed here")

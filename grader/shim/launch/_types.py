@@ -58,30 +58,30 @@ def coerce_to_type(value: str, data_type: Any = None) -> Any:
     scalar, is_list = extract_type(data_type)
     if is_list:
         failure = f"Cannot convert value '{value}' to a list of '{scalar}'"
-        found = _as_yaml(value, failure)
-        if not isinstance(found, list):
+        value_read = _as_yaml(value, failure)
+        if not isinstance(value_read, list):
             raise ValueError(failure)
-        if not all(isinstance(each, scalar) for each in found):
-            raise ValueError(f"{failure}, got {found}")
-        return found
+        if not all(isinstance(each, scalar) for each in value_read):
+            raise ValueError(f"{failure}, got {value_read}")
+        return value_read
     if scalar is not bool:
         return scalar(value)
-    found = _as_yaml(value, f"Failed to convert '{value}' to '{bool}'")
-    if not isinstance(found, bool):
+    value_read = _as_yaml(value, f"Failed to convert '{value}' to '{bool}'")
+    if not isinstance(value_read, bool):
         raise ValueError(f"Cannot convert value '{value}' to '{bool}'")
-    return found
+    return value_read
 
 
 def _as_yaml(text: str, failure: str) -> Any:
     if not text:
         return text
     try:
-        found = yaml().safe_load(text)
+        content = yaml().safe_load(text)
     except Exception as error:
         raise ValueError(f"{failure}: yaml.safe_load() failed\n{error}") from error
-    if not is_instance_of(found):
-        raise ValueError(f"{failure}: output type is not allowed, got {type(found)}")
-    return found
+    if not is_instance_of(content):
+        raise ValueError(f"{failure}: output type is not allowed, got {type(content)}")
+    return content
 
 
 def is_substitution(x: Any) -> bool:

@@ -61,9 +61,9 @@ class Executable:
         self.final_env = env
 
     def _prefix(self, context: LaunchContext, program: str) -> list[str]:
-        given = context.launch_configurations
+        configurations = context.launch_configurations
         if self.prefix is not None:
             return shlex.split(perform(context, self.prefix))
-        if re.match(given.get("launch-prefix-filter", ""), os.path.basename(program)):
-            return shlex.split(given.get("launch-prefix", ""))
+        if re.match(configurations.get("launch-prefix-filter", ""), os.path.basename(program)):
+            return shlex.split(configurations.get("launch-prefix", ""))
         return []

@@ -65,12 +65,12 @@ class OnProcessIO(_OnProcessEvent):
         **kwargs: Any,
     ) -> None:
         def answer(event: ProcessIO, _: LaunchContext) -> Any:
-            given = (
+            actions = (
                 (event.from_stdout, on_stdout),
                 (event.from_stderr, on_stderr),
                 (event.from_stdin, on_stdin),
             )
-            return next((call(event) for holds, call in given if holds and call is not None), None)
+            return next((call(event) for holds, call in actions if holds and call is not None), None)
 
         super().__init__(target_action, answer, ProcessIO, **kwargs)
 

@@ -47,11 +47,7 @@ class InvalidFrontendLaunchFileError(InvalidLaunchFileError):
 
 
 def load_python_launch_file_as_module(python_launch_file_path: str) -> ModuleType:
-    """Return a launch file in Python as a module.
-
-    Raises:
-        OSError: there is no such file.
-    """
+    """Return a launch file in Python as a module. Raises OSError: there is no such file."""
     with open(python_launch_file_path, "rb") as file:
         source = file.read()
     module = ModuleType("launch_file")
@@ -73,12 +69,12 @@ def get_launch_description_from_python_launch_file(python_launch_file_path: str)
         raise InvalidPythonLaunchFileError(
             f"launch file at '{path}' does not contain the required function 'generate_launch_description()'"
         )
-    found = generate()
-    if not isinstance(found, LaunchDescription):
+    description = generate()
+    if not isinstance(description, LaunchDescription):
         raise InvalidPythonLaunchFileError(
-            f"generate_launch_description() of '{path}' returns {found!r}, no LaunchDescription"
+            f"generate_launch_description() of '{path}' returns {description!r}, no LaunchDescription"
         )
-    return found
+    return description
 
 
 def get_launch_description_from_frontend_launch_file(frontend_launch_file_path: str) -> LaunchDescription:

@@ -22,11 +22,11 @@ class _Screen(_logging.Handler):
 
 def get_logger(name: str | None = None) -> _logging.Logger:
     """Return the logger of a name, which prints from INFO on."""
-    known = name or "root"
-    if known not in _loggers:
-        _loggers[known] = _logging.Logger(known, launch_config.level)
-        _loggers[known].addHandler(_Screen())
-    return _loggers[known]
+    logger_name = name or "root"
+    if logger_name not in _loggers:
+        _loggers[logger_name] = _logging.Logger(logger_name, launch_config.level)
+        _loggers[logger_name].addHandler(_Screen())
+    return _loggers[logger_name]
 
 
 class LaunchConfig:

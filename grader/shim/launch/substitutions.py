@@ -55,7 +55,7 @@ class PathJoinSubstitution(Substitution):
         self.substitutions = substitutions
 
     def perform(self, context: LaunchContext) -> str:
-        return os.path.join(*(perform(context, each) for each in self.substitutions))
+        return os.path.join(*(perform(context, substitution) for substitution in self.substitutions))
 
 
 class EnvironmentVariable(Substitution):
@@ -235,7 +235,7 @@ class AllSubstitution(Substitution):
 
     def _holding(self, context: LaunchContext) -> list[bool]:
         # All of them: each may be neither true nor false.
-        return [_holds(context, each) for each in self.args]
+        return [_holds(context, arg) for arg in self.args]
 
     def perform(self, context: LaunchContext) -> str:
         return str(all(self._holding(context))).lower()
@@ -259,10 +259,10 @@ class EqualsSubstitution(Substitution):
 
     def _same(self, context: LaunchContext) -> bool:
         texts = [perform(context, each) for each in (self.left, self.right)]
-        if all(each.lower() in ("true", "false", "1", "0") for each in texts):
-            return len({each.lower() in ("true", "1") for each in texts}) == 1
+        if all(text.lower() in ("true", "false", "1", "0") for text in texts):
+            return len({text.lower() in ("true", "1") for text in texts}) == 1
         try:
-            return math.isclose(*(float(each) for each in texts))
+            return math.isclose(*(float(text) for text in texts))
         except ValueError:
             return texts[0] == texts[1]
 
@@ -275,11 +275,7 @@ class NotEqualsSubstitution(EqualsSubstitution):
 
 
 class IfElseSubstitution(Substitution):
-    """One of two texts.
-
-    Raises:
-        RuntimeError: neither is given.
-    """
+    """One of two texts. Raises RuntimeError: neither is given."""
 
     def __init__(self, condition: Any, if_value: Any = "", else_value: Any = "") -> None:
         if if_value == else_value == "":

@@ -23,7 +23,7 @@ __all__ = [
 
 def perform_substitutions(context: LaunchContext, subs: Iterable[Any]) -> str:
     """Return the joined texts of substitutions."""
-    return "".join([perform(context, each) for each in subs])
+    return "".join([perform(context, sub) for sub in subs])
 
 
 def normalize_to_list_of_substitutions(subs: Any) -> list[Substitution]:
@@ -33,20 +33,16 @@ def normalize_to_list_of_substitutions(subs: Any) -> list[Substitution]:
         TypeError: it is something else.
     """
     checked(subs)
-    given = [subs] if isinstance(subs, (str, Substitution)) else subs
-    return [TextSubstitution(text=each) if isinstance(each, str) else each for each in given]
+    sequence = [subs] if isinstance(subs, (str, Substitution)) else subs
+    return [TextSubstitution(text=each) if isinstance(each, str) else each for each in sequence]
 
 
 def ensure_argument_type(argument: Any, types: Any, argument_name: str, caller: str | None = None) -> None:
-    """Check the type of an argument.
-
-    Raises:
-        TypeError: it is of none of these types.
-    """
-    known = tuple(types) if isinstance(types, Iterable) else (types,)
-    if not isinstance(argument, known):
+    """Check the type of an argument. Raises TypeError: it is of none of these types."""
+    classes = tuple(types) if isinstance(types, Iterable) else (types,)
+    if not isinstance(argument, classes):
         start = "E" if caller is None else f"'{caller}' e"
-        kinds = ", ".join(str(each) for each in known)
+        kinds = ", ".join(str(each) for each in classes)
         raise TypeError(
             f"{start}xpected '{argument_name}' to be one of [{kinds}], "
             f"but got '{argument}' of type '{type(argument)}'"

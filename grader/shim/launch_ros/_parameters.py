@@ -45,22 +45,22 @@ def normalize_parameter_dict(
     Raises:
         TypeError: a value can be none of a parameter.
     """
-    found: dict[tuple[Substitution, ...], Any] = {}
+    flat: dict[tuple[Substitution, ...], Any] = {}
     for key, value in given.items():
         name = (*before, *normalize_to_list_of_substitutions(key))
         if isinstance(value, dict):
-            found |= normalize_parameter_dict(value, (*name, TextSubstitution(text=".")))
+            flat |= normalize_parameter_dict(value, (*name, TextSubstitution(text=".")))
         elif isinstance(value, str):
-            found[name] = (TextSubstitution(text=yaml().dump(value)),)
+            flat[name] = (TextSubstitution(text=yaml().dump(value)),)
         elif isinstance(value, Substitution):
-            found[name] = (value,)
+            flat[name] = (value,)
         elif isinstance(value, (ParameterValue, float, bool, int, bytes)):
-            found[name] = value
+            flat[name] = value
         elif isinstance(value, (list, tuple)):
-            found[name] = _normalized_list(value)
+            flat[name] = _normalized_list(value)
         else:
             raise TypeError(f"Unexpected type for parameter value {value!r}")
-    return found
+    return flat
 
 
 def _normalized_list(value: Any) -> tuple[Any, ...]:
@@ -90,12 +90,12 @@ def evaluate_parameter_dict(context: LaunchContext, given: dict[Any, Any]) -> di
     Raises:
         TypeError: the text of one is no YAML, or neither a scalar nor a list of one kind.
     """
-    found = {}
+    values = {}
     for key, value in given.items():
         name = perform(context, key)
         evaluated = _evaluated(context, name, value)
-        found[name] = list(evaluated) if isinstance(evaluated, tuple) else evaluated
-    return found
+        values[name] = list(evaluated) if isinstance(evaluated, tuple) else evaluated
+    return values
 
 
 def _evaluated(context: LaunchContext, name: str, value: Any) -> Any:

@@ -30,13 +30,13 @@ class OnStateTransition(EventHandler):
         matcher: Any = None,
         **options: Any,
     ) -> None:
-        wanted = {"transition": transition, "start_state": start_state, "goal_state": goal_state}
+        conditions = {"transition": transition, "start_state": start_state, "goal_state": goal_state}
 
         def matches(event: Any) -> bool:
             return (
                 isinstance(event, StateTransition)
                 and target_lifecycle_node in (None, event.action)
-                and all(value in (None, getattr(event, name)) for name, value in wanted.items())
+                and all(value in (None, getattr(event, name)) for name, value in conditions.items())
             )
 
         super().__init__(matcher=matcher or matches, entities=entities, **options)

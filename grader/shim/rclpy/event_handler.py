@@ -141,9 +141,9 @@ class QoSEventHandler(EventHandler):
 
 def _or_type_warning(callbacks: Any, handle: EndpointHandle, topic_name: str) -> Callback | None:
     """Return the callback for another type; without one a warning is logged."""
-    given: Callback | None = callbacks.incompatible_type
-    if given or not callbacks.use_default_callbacks:
-        return given
+    callback: Callback | None = callbacks.incompatible_type
+    if callback or not callbacks.use_default_callbacks:
+        return callback
     logger = get_logger(handle.get_logger_name())
 
     def warn(_: Any) -> None:

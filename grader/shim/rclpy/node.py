@@ -183,8 +183,8 @@ class Node:
         def refusal() -> TypeError:
             kind = "rclpy._rclpy_pybind11"
             taken = f"arg0: str, arg1: str, arg2: {kind}.Context, arg3: object, arg4: bool, arg5: bool"
-            given = (name, namespace, context, cli_args, use_global, enable_rosout)
-            return wrong_arguments("__init__", f"{kind}.Node({taken})", *given)
+            arguments = (name, namespace, context, cli_args, use_global, enable_rosout)
+            return wrong_arguments("__init__", f"{kind}.Node({taken})", *arguments)
 
         text, space = text_or_null(name, refusal), text_or_null(namespace, refusal)
         if text is None:
@@ -646,18 +646,18 @@ class Node:
             TypeError: an entry has another form.
             ValueError: a type is given together with dynamic typing, or is NOT_SET.
         """
-        wanted: list[Parameter] = []
+        declared: list[Parameter] = []
         descriptors: dict[str, Any] = {}
         overrides = {} if ignore_override else self._parameter_overrides
         for index, entry in enumerate(parameters):
             name, value, descriptor = named_declaration(index, entry, namespace, overrides)
-            wanted.append(Parameter(name, value=value))
+            declared.append(Parameter(name, value=value))
             descriptors[name] = descriptor
-        known = [parameter.name for parameter in wanted if parameter.name in self._parameters]
-        if any(known):
-            raise ParameterAlreadyDeclaredException(known)
-        self._set_parameters(wanted, descriptors, raise_on_failure=True, allow_undeclared_parameters=True)
-        return [self._parameters[parameter.name] for parameter in wanted]
+        already = [parameter.name for parameter in declared if parameter.name in self._parameters]
+        if any(already):
+            raise ParameterAlreadyDeclaredException(already)
+        self._set_parameters(declared, descriptors, raise_on_failure=True, allow_undeclared_parameters=True)
+        return [self._parameters[parameter.name] for parameter in declared]
 
     def undeclare_parameter(self, name: str) -> None:
         """Forget a parameter; ParameterNotDeclaredException, ParameterImmutableException."""

@@ -76,8 +76,8 @@ class AsyncParameterClient:
     ) -> Future:
         """Ask for the names that begin with one of the prefixes, down to a depth."""
         fields: dict[str, Any] = {"prefixes": prefixes, "depth": depth}
-        given = {name: value for name, value in fields.items() if value}
-        return self._call(self._list_parameter_client, callback, **given)
+        values = {name: value for name, value in fields.items() if value}
+        return self._call(self._list_parameter_client, callback, **values)
 
     def get_parameters(self, names: list[str], callback: Done | None = None) -> Future:
         """Ask for values."""
@@ -108,15 +108,15 @@ class AsyncParameterClient:
         self, parameter_file: str, use_wildcard: bool = False, callback: Done | None = None
     ) -> Future:
         """Set the parameters of a YAML file one by one."""
-        found = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
-        return self.set_parameters(list(found.values()), callback)
+        parameters = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
+        return self.set_parameters(list(parameters.values()), callback)
 
     def load_parameter_file_atomically(
         self, parameter_file: str, use_wildcard: bool = False, callback: Done | None = None
     ) -> Future:
         """Set all parameters of a YAML file or none."""
-        found = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
-        return self.set_parameters_atomically(list(found.values()), callback)
+        parameters = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
+        return self.set_parameters_atomically(list(parameters.values()), callback)
 
     def on_parameter_event(
         self,

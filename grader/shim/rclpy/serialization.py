@@ -17,11 +17,7 @@ def serialize_message(message: Any) -> bytes:
 
 
 def deserialize_message(serialized_message: bytes, message_type: Any) -> Any:
-    """Return the message of `message_type` that the bytes hold.
-
-    Raises:
-        RMWError: they hold none.
-    """
+    """Return the message of `message_type` that the bytes hold. Raises RMWError: they hold none."""
     from rclpy._rcl.errors import RMWError, wrong_arguments
 
     check_for_type_support(message_type)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-from rclpy.qos import QoSHistoryPolicy, QoSPresetProfiles, QoSProfile
+from rclpy.qos import QoSHistoryPolicy, QoSPresetProfiles, QoSProfile, _checked, _same
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -19,17 +19,8 @@ class TopicEndpointTypeEnum(IntEnum):
     SUBSCRIPTION = 2
 
 
-def _text(name: str) -> property:
-    slot = "_" + name
-
-    def get(self: TopicEndpointInfo) -> str:
-        return getattr(self, slot)  # type: ignore[no-any-return]
-
-    def set_(self: TopicEndpointInfo, value: str) -> None:
-        assert isinstance(value, str)
-        setattr(self, slot, value)
-
-    return property(get, set_)
+def _profile(value: QoSProfile | dict[str, Any]) -> QoSProfile:
+    return QoSProfile(**value) if isinstance(value, dict) else value
 
 
 class TopicEndpointInfo:
@@ -51,22 +42,15 @@ class TopicEndpointInfo:
         self.node_name = kwargs.get("node_name", "")  # noqa: PLE0237 - a property
         self.node_namespace = kwargs.get("node_namespace", "")  # noqa: PLE0237 - a property
         self.topic_type = kwargs.get("topic_type", "")  # noqa: PLE0237 - a property
-        self.endpoint_type = kwargs.get("endpoint_type", TopicEndpointTypeEnum.INVALID)
+        self.endpoint_type = kwargs.get("endpoint_type", TopicEndpointTypeEnum.INVALID)  # noqa: PLE0237 - a property
         self.endpoint_gid = kwargs.get("endpoint_gid", [])
-        self.qos_profile = kwargs.get("qos_profile", QoSPresetProfiles.UNKNOWN.value)
+        self.qos_profile = kwargs.get("qos_profile", QoSPresetProfiles.UNKNOWN.value)  # noqa: PLE0237 - a property
 
-    node_name = _text("node_name")
-    node_namespace = _text("node_namespace")
-    topic_type = _text("topic_type")
-
-    @property
-    def endpoint_type(self) -> TopicEndpointTypeEnum:
-        return self._endpoint_type
-
-    @endpoint_type.setter
-    def endpoint_type(self, value: int) -> None:
-        assert isinstance(value, int)
-        self._endpoint_type = TopicEndpointTypeEnum(value)
+    node_name = _checked("node_name", str, _same)
+    node_namespace = _checked("node_namespace", str, _same)
+    topic_type = _checked("topic_type", str, _same)
+    endpoint_type = _checked("endpoint_type", int, TopicEndpointTypeEnum)
+    qos_profile = _checked("qos_profile", (QoSProfile, dict), _profile)
 
     @property
     def endpoint_gid(self) -> list[int]:
@@ -76,15 +60,6 @@ class TopicEndpointInfo:
     def endpoint_gid(self, value: list[int]) -> None:
         assert all(isinstance(x, int) for x in value)
         self._endpoint_gid = value
-
-    @property
-    def qos_profile(self) -> QoSProfile:
-        return self._qos_profile
-
-    @qos_profile.setter
-    def qos_profile(self, value: QoSProfile | dict[str, Any]) -> None:
-        assert isinstance(value, (QoSProfile, dict))
-        self._qos_profile = QoSProfile(**value) if isinstance(value, dict) else value
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, TopicEndpointInfo):

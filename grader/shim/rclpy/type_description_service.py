@@ -53,7 +53,7 @@ class TypeDescriptionService:
         from rclpy._jazzy.descriptions import describe, hash_of
 
         try:
-            found = describe(request.type_name)
+            description = describe(request.type_name)
         except (KeyError, ValueError):
             response.failure_reason = f"Type '{request.type_name}' not currently in use by this node"
             return response
@@ -62,6 +62,6 @@ class TypeDescriptionService:
             return response
         from rosidl_runtime_py.set_message import set_message_fields
 
-        set_message_fields(response.type_description, found)
+        set_message_fields(response.type_description, description)
         response.successful = True
         return response

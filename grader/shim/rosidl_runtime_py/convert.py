@@ -123,12 +123,12 @@ def _array_info(value: Any, kind: Any) -> str:
 
 
 def _leaves(msg: Any, show: _Shown) -> str:
-    found = []
+    lines = []
     for name, kind in get_message_slot_types(msg).items():
         value = getattr(msg, name)
         is_array = _elements(value) is not None
-        found.append(_array_info(value, kind) if is_array and show.no_arr else _leaf(value, show))
-    return _joined(found)
+        lines.append(_array_info(value, kind) if is_array and show.no_arr else _leaf(value, show))
+    return _joined(lines)
 
 
 def _leaf(value: Any, show: _Shown) -> str:

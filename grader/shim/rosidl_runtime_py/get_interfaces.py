@@ -38,12 +38,12 @@ def get_action_interfaces(package_names: Iterable[str] = ()) -> dict[str, list[s
 
 
 def _of_kind(kind: str, package_names: Iterable[str]) -> dict[str, list[str]]:
-    wanted = list(package_names)
-    for name in set(wanted) - get_packages_with_prefixes().keys():
+    packages = list(package_names)
+    for name in set(packages) - get_packages_with_prefixes().keys():
         raise LookupError(f"Unknown package '{name}'")
-    found: dict[str, list[str]] = {}
+    interfaces: dict[str, list[str]] = {}
     for full_name in definitions.INTERFACES:
         package, _, rest = full_name.partition("/")
-        if (not wanted or package in wanted) and (not kind or rest.startswith(f"{kind}/")):
-            found.setdefault(package, []).append(rest)
-    return found
+        if (not packages or package in packages) and (not kind or rest.startswith(f"{kind}/")):
+            interfaces.setdefault(package, []).append(rest)
+    return interfaces

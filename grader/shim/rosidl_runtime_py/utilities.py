@@ -96,7 +96,7 @@ def _namespaced(identifier: str, default: str = "") -> NamespacedType:
 def _imported(
     identifier: str, type_of: Callable[[str], NamespacedType], is_kind: Callable[[Any], bool], kind: str
 ) -> Any:
-    found = import_message_from_namespaced_type(type_of(identifier))
-    if not is_kind(found):
+    interface = import_message_from_namespaced_type(type_of(identifier))
+    if not is_kind(interface):
         raise ValueError(f"Expected the full name of {kind}, got '{identifier}'")
-    return found
+    return interface

@@ -39,9 +39,9 @@ def read_points(
     layout = _layout(cloud.fields, ">" if cloud.is_bigendian else "<", cloud.point_step)
     points = numpy.ndarray((cloud.width * cloud.height,), layout, bytes(cloud.data))
     if field_names is not None:
-        wanted = list(field_names)
-        assert set(wanted) <= set(layout.names), "Requests field is not in the fields of the PointCloud!"
-        points = points[wanted]
+        names = list(field_names)
+        assert set(names) <= set(layout.names), "Requests field is not in the fields of the PointCloud!"
+        points = points[names]
     if skip_nans and not cloud.is_dense:
         valid = numpy.ones(len(points), dtype=bool)
         for name in points.dtype.names:
@@ -65,11 +65,11 @@ def read_points_numpy(
 
     All fields must have one type; on Jazzy only those that are asked for.
     """
-    wanted = list(field_names) if field_names is not None else None
-    looked_at = wanted if _distro.chosen == _distro.JAZZY else None
+    names = list(field_names) if field_names is not None else None
+    looked_at = names if _distro.chosen == _distro.JAZZY else None
     kinds = {field.datatype for field in cloud.fields if looked_at is None or field.name in looked_at}
     assert len(kinds) <= 1, "All fields need to have the same datatype. Use `read_points()` otherwise."
-    points = read_points(cloud, wanted, skip_nans, uvs, reshape_organized_cloud)
+    points = read_points(cloud, names, skip_nans, uvs, reshape_organized_cloud)
     return _numpy().stack([points[name] for name in points.dtype.names], axis=-1)
 
 

@@ -95,11 +95,7 @@ class BufferCore:
         return self.can_transform_core(fixed_frame, source_frame, source_time) if known else (known, why)
 
     def get_latest_common_time(self, target_frame: str, source_frame: str) -> Any:
-        """Return the newest time at which both frames are known.
-
-        Raises:
-            TransformException: there is none.
-        """
+        """Return the newest time at which both frames are known. Raises TransformException: there is none."""
         from rclpy.time import Time
 
         for name in (target_frame, source_frame):
@@ -236,12 +232,12 @@ class BufferCore:
 
     def _ancestors(self, frame: str, stop: str) -> list[str]:
         """Return `frame` and the frames above it, up to `stop` or the root, as of their latest poses."""
-        found = [frame]
-        while found[-1] != stop and found[-1] in self._caches:
-            found.append(self._caches[found[-1]].latest.parent)
-            if len(found) > _MAX_DEPTH:
+        frames = [frame]
+        while frames[-1] != stop and frames[-1] in self._caches:
+            frames.append(self._caches[frames[-1]].latest.parent)
+            if len(frames) > _MAX_DEPTH:
                 raise LookupException(f"{_LOOP}\n{self.all_frames_as_string()}\n")
-        return found
+        return frames
 
     def _stamps(self, frame: str, end: str) -> list[int]:
         return [self._caches[name].latest_ns for name in self._ancestors(frame, end) if name != end]

@@ -29,7 +29,7 @@ def problems(child: str, sample: Sample, authority: str) -> list[tuple[int, str]
     parent, (translation, rotation) = sample.parent, sample.rigid
     is_nan = any(isnan(value) for value in (*translation, *rotation))
     is_unit = abs(sum(component**2 for component in rotation) - 1.0) < _NORM_TOLERANCE
-    told = {
+    state = {
         (211, child == parent): f'TF_SELF_TRANSFORM: Ignoring transform from authority "{authority}" with '
         f'frame_id and  child_frame_id "{child}" because they are the same',
         (219, not child): f'TF_NO_CHILD_FRAME_ID: Ignoring transform from authority "{authority}" '
@@ -43,7 +43,7 @@ def problems(child: str, sample: Sample, authority: str) -> list[tuple[int, str]
         f'from authority "{authority}" because of an invalid quaternion in the transform '
         "({:f} {:f} {:f} {:f})".format(*rotation),
     }
-    return [(line, text) for (line, wrong), text in told.items() if wrong]
+    return [(line, text) for (line, wrong), text in state.items() if wrong]
 
 
 def from_message(message: Any) -> Sample:

@@ -65,10 +65,10 @@ class BufferInterface:
         """
         do_transform = self.registration.get(type(object_stamped))
         header = object_stamped.header
-        found = self.lookup_transform_full(
+        looked_up = self.lookup_transform_full(
             target_frame, target_time, header.frame_id, header.stamp, fixed_frame, timeout
         )
-        moved = do_transform(object_stamped, found)
+        moved = do_transform(object_stamped, looked_up)
         return moved if new_type is None else convert(moved, new_type)
 
     def _not_implemented(self, *question: Any, **options: Any) -> Any:
@@ -97,11 +97,7 @@ class TransformRegistration:
         self._types[key] = callback
 
     def get(self, key: Any) -> Callable[[Any, Any], Any]:
-        """Return what was registered for a type.
-
-        Raises:
-            TypeException: nothing was.
-        """
+        """Return what was registered for a type. Raises TypeException: nothing was."""
         return _registered(self._types, key)
 
 
@@ -144,11 +140,7 @@ def _registered(table: dict[Any, Callable[..., Any]], key: Any) -> Callable[...,
 
 
 def convert(a: Any, b_type: Any) -> Any:
-    """Return `a` as an object of type `b_type`.
-
-    Raises:
-        TypeException: no conversion is registered.
-    """
+    """Return `a` as an object of type `b_type`. Raises TypeException: no conversion is registered."""
     registration = ConvertRegistration()
     try:
         return registration.get_convert((type(a), b_type))(a)

@@ -35,11 +35,11 @@ class StaticTransformBroadcaster:
 
     def sendTransform(self, transform: Any) -> None:
         """Publish one TransformStamped or several."""
-        given = as_list(transform)
+        transforms = as_list(transform)
         if _distro.chosen == _distro.HUMBLE:
-            self.pub_tf.publish(TFMessage(transforms=given))
+            self.pub_tf.publish(TFMessage(transforms=transforms))
             return
-        for each in given:
+        for each in transforms:
             if each.child_frame_id not in self._child_frame_ids:
                 self._child_frame_ids.add(each.child_frame_id)
                 self.net_message.transforms.append(each)

@@ -240,10 +240,10 @@ def _fixed_vector(matrix: Any, factor: float) -> Any:
     """
     numpy = _numpy()
     values, vectors = numpy.linalg.eig(matrix)
-    found = numpy.where(abs(values - factor) < _NEARLY)[0]
-    if not len(found):
+    indices = numpy.where(abs(values - factor) < _NEARLY)[0]
+    if not len(indices):
         raise ValueError(f"no eigenvector corresponding to eigenvalue {factor:g}")
-    return numpy.real(vectors[:, found[-1]])
+    return numpy.real(vectors[:, indices[-1]])
 
 
 def _numpy() -> Any:

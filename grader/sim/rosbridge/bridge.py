@@ -14,27 +14,8 @@ from grader.contracts.errors import ProtocolError
 from grader.sim.cdr import Values, decode
 from grader.sim.frames import APART, MESSAGE_EVENT, Event, Request
 from grader.sim.interfaces import Types
-from grader.sim.rosbridge import rosapi
+from grader.sim.rosbridge import frames, rosapi
 from grader.sim.rosbridge.actions import Goals, Reply
-from grader.sim.rosbridge.frames import (
-    MAX_FRAME_BYTES,
-    Advertise,
-    AdvertiseService,
-    CallService,
-    CancelActionGoal,
-    Fragment,
-    Frame,
-    FrameError,
-    Identity,
-    PublishFrame,
-    SendActionGoal,
-    ServiceResponse,
-    Subscribe,
-    Unadvertise,
-    UnadvertiseService,
-    Unsubscribe,
-    read_frame,
-)
 from grader.sim.rosbridge.graph import RosGraph
 from grader.sim.rosbridge.parameters import RosapiParameters
 from grader.sim.rosbridge.subscriptions import Subscription
@@ -84,7 +65,7 @@ class Out(NamedTuple):
 class _Client:
     subscriptions: dict[str, Subscription] = field(default_factory=dict)
     advertised: set[str] = field(default_factory=set)
-    fragments: dict[Identity, dict[int, str]] = field(default_factory=dict)
+    fragments: dict[frames.Identity, dict[int, str]] = field(default_factory=dict)
     errors: float = 0.0
     erred_ns: int = 0
     large: float = _LARGE_AT_ONCE
@@ -129,21 +110,23 @@ class Bridge:
         self._parameters = RosapiParameters(self, lambda: self._graph.services)
         self._out: list[Out] = []
         self._now_ns = 0
-        self._operations: dict[type[Frame], Callable[[int, Any], None]] = {
-            Advertise: self._advertise,
-            Unadvertise: self._unadvertise,
-            PublishFrame: self._publish,
-            Subscribe: self._subscribe,
-            Unsubscribe: self._unsubscribe,
-            CallService: self._call_service,
-            AdvertiseService: self._advertise_service,
-            UnadvertiseService: self._unadvertise_service,
-            ServiceResponse: self._service_response,
-            SendActionGoal: lambda client, frame: self._goals.send(client, frame, _full_name(frame.action)),
-            CancelActionGoal: lambda client, frame: self._goals.cancel(
+        self._operations: dict[type[frames.Frame], Callable[[int, Any], None]] = {
+            frames.Advertise: self._advertise,
+            frames.Unadvertise: self._unadvertise,
+            frames.PublishFrame: self._publish,
+            frames.Subscribe: self._subscribe,
+            frames.Unsubscribe: self._unsubscribe,
+            frames.CallService: self._call_service,
+            frames.AdvertiseService: self._advertise_service,
+            frames.UnadvertiseService: self._unadvertise_service,
+            frames.ServiceResponse: self._service_response,
+            frames.SendActionGoal: lambda client, frame: self._goals.send(
                 client, frame, _full_name(frame.action)
             ),
-            Fragment: self._fragment,
+            frames.CancelActionGoal: lambda client, frame: self._goals.cancel(
+                client, frame, _full_name(frame.action)
+            ),
+            frames.Fragment: self._fragment,
         }
 
     # ------------------------------------------------------------------------------------- what drives it
@@ -170,8 +153,8 @@ class Bridge:
         self._now_ns = t_ns
         if client in self._clients:
             try:
-                self._act(client, read_frame(text))
-            except FrameError as error:
+                self._act(client, frames.read_frame(text))
+            except frames.FrameError as error:
                 self._complain(client, error)
 
     def take_event(self, event: Event) -> None:
@@ -205,7 +188,7 @@ class Bridge:
 
     def next_due(self) -> int | None:
         """Return when `tick` has something to do, None when never."""
-        due_ns = min((one.until_ns for one in self._waiting.values()), default=_NEVER)
+        due_ns = min((request.until_ns for request in self._waiting.values()), default=_NEVER)
         return None if due_ns == _NEVER else due_ns
 
     def take(self) -> list[Out]:
@@ -215,16 +198,16 @@ class Bridge:
 
     # ------------------------------------------------------------------------------------------ frames
 
-    def _act(self, client: int, frame: Frame) -> None:
+    def _act(self, client: int, frame: frames.Frame) -> None:
         operation = self._operations.get(type(frame))
         if operation is None:  # set_level, status: nobody acts on them
             return
         try:
             operation(client, frame)
-        except FrameError as error:
-            raise FrameError(str(error), frame.id if error.id is None else error.id) from None
+        except frames.FrameError as error:
+            raise frames.FrameError(str(error), frame.id if error.id is None else error.id) from None
 
-    def _complain(self, client: int, error: FrameError) -> None:
+    def _complain(self, client: int, error: frames.FrameError) -> None:
         session = self._clients[client]
         passed_s = (self._now_ns - session.erred_ns) / 1e9
         session.errors = max(session.errors - passed_s * _ERRORS_PER_S, 0.0) + 1.0
@@ -235,22 +218,22 @@ class Bridge:
             return
         self.send(client, {"op": "status", "level": "error", "msg": str(error)}, error.id)
 
-    def _fragment(self, client: int, frame: Fragment) -> None:
+    def _fragment(self, client: int, frame: frames.Fragment) -> None:
         kept = self._clients[client].fragments
         parts = kept.setdefault(frame.id, {})
         parts[int(frame.num)] = frame.data
-        if len(kept) > MOST_FRAGMENTED or sum(map(len, parts.values())) > MAX_FRAME_BYTES:
+        if len(kept) > MOST_FRAGMENTED or sum(map(len, parts.values())) > frames.MAX_FRAME_BYTES:
             del kept[frame.id]
-            raise FrameError("too many fragments, or too long ones")
+            raise frames.FrameError("too many fragments, or too long ones")
         total = int(frame.total)
         if len(parts) < total:
             return
         del kept[frame.id]
         if any(number not in parts for number in range(total)):
-            raise FrameError("fragments are missing")
-        joined = read_frame("".join(parts[number] for number in range(total)))
-        if isinstance(joined, Fragment):
-            raise FrameError("a fragment in fragments")
+            raise frames.FrameError("fragments are missing")
+        joined = frames.read_frame("".join(parts[number] for number in range(total)))
+        if isinstance(joined, frames.Fragment):
+            raise frames.FrameError("a fragment in fragments")
         self._act(client, joined)
 
     # ------------------------------------------------------------------------------------------ topics
@@ -267,40 +250,40 @@ class Bridge:
         established = self._type_of(topic)
         kind = full_type(asked) if asked else established
         if kind is None:
-            raise FrameError(f"Cannot infer type of topic {topic} as it is not yet advertised")
+            raise frames.FrameError(f"Cannot infer type of topic {topic} as it is not yet advertised")
         if established is None:
             if kind not in self._graph.types.fields:
-                raise FrameError(f"Unable to find the type {kind}")
+                raise frames.FrameError(f"Unable to find the type {kind}")
             if len(self._relays) >= MOST_RELAYS:
-                raise FrameError(f"at most {MOST_RELAYS} topics besides those of the car")
+                raise frames.FrameError(f"at most {MOST_RELAYS} topics besides those of the car")
             established = self._relays[topic] = kind
         if kind != established:
-            raise FrameError(f"Topic {topic} is established with type {established}, not {kind}")
+            raise frames.FrameError(f"Topic {topic} is established with type {established}, not {kind}")
         return established
 
-    def _advertise(self, client: int, frame: Advertise) -> None:
+    def _advertise(self, client: int, frame: frames.Advertise) -> None:
         topic, own = _full_name(frame.topic), self._clients[client].advertised
         if topic not in own and len(own) >= MOST_TOPICS:
-            raise FrameError(f"at most {MOST_TOPICS} topics advertised by one client")
+            raise frames.FrameError(f"at most {MOST_TOPICS} topics advertised by one client")
         self._established(topic, frame.type)
         own.add(topic)
 
-    def _unadvertise(self, client: int, frame: Unadvertise) -> None:
+    def _unadvertise(self, client: int, frame: frames.Unadvertise) -> None:
         self._clients[client].advertised.discard(_full_name(frame.topic))
         self._drop_relays()
 
-    def _publish(self, client: int, frame: PublishFrame) -> None:
+    def _publish(self, client: int, frame: frames.PublishFrame) -> None:
         topic = _full_name(frame.topic)
         kind = self._type_of(topic)
         if kind is None:
-            raise FrameError(f"Cannot infer type of topic {topic} as it is not yet advertised")
+            raise frames.FrameError(f"Cannot infer type of topic {topic} as it is not yet advertised")
         now_ns = self._graph.epoch_ns + self._now_ns
         self._graph.publish(topic, self._now_ns, message(kind, frame.msg, self._graph.types, now_ns))
 
-    def _subscribe(self, client: int, frame: Subscribe) -> None:
+    def _subscribe(self, client: int, frame: frames.Subscribe) -> None:
         topic, own = _full_name(frame.topic), self._clients[client].subscriptions
         if topic not in own and len(own) >= MOST_TOPICS:
-            raise FrameError(f"at most {MOST_TOPICS} topics subscribed by one client")
+            raise frames.FrameError(f"at most {MOST_TOPICS} topics subscribed by one client")
         kind = self._established(topic, frame.type)
         subscription = own.get(topic) or Subscription(slot=self._hear(topic, kind).id)
         try:
@@ -313,7 +296,7 @@ class Bridge:
             remark = f"compression {frame.compression} is not offered: {topic} is sent as JSON"
             self.send(client, {"op": "status", "level": "warning", "msg": remark}, frame.id)
 
-    def _unsubscribe(self, client: int, frame: Unsubscribe) -> None:
+    def _unsubscribe(self, client: int, frame: frames.Unsubscribe) -> None:
         topic, own = _full_name(frame.topic), self._clients[client].subscriptions
         if topic in own and own[topic].remove(frame.id):
             del own[topic]
@@ -331,13 +314,17 @@ class Bridge:
     def _release(self, topic: str) -> None:
         """Hear a topic no longer unless somebody else does."""
         heard = self._heard.get(topic)
-        is_subscribed = any(topic in one.subscriptions for one in self._clients.values())
+        is_subscribed = any(topic in client.subscriptions for client in self._clients.values())
         if heard is not None and not is_subscribed and not heard.watchers:
             self._graph.unlisten(heard.id)
             del self._heard[topic], self._by_id[heard.id]
 
     def _drop_relays(self) -> None:
-        used = {topic for one in self._clients.values() for topic in (*one.subscriptions, *one.advertised)}
+        used = {
+            topic
+            for client in self._clients.values()
+            for topic in (*client.subscriptions, *client.advertised)
+        }
         self._relays = {topic: kind for topic, kind in self._relays.items() if topic in used}
 
     def _deliver(self, heard: _Heard, event: Event) -> None:
@@ -359,7 +346,7 @@ class Bridge:
         offered = {name: kind for name, (_, kind) in self._offered.items()}
         return {**self._graph.services, **offered, **rosapi.types(self._parameters.names)}
 
-    def _call_service(self, client: int, frame: CallService) -> None:
+    def _call_service(self, client: int, frame: frames.CallService) -> None:
         service = _full_name(frame.service)
         answer: dict[str, Any] = {"op": "service_response", "service": frame.service}
 
@@ -381,10 +368,10 @@ class Bridge:
                 fields = in_order(f"{self._required_type(service)}_Request", frame.args, self._graph.types)
                 limit_ns = round(frame.timeout * 1e9) if frame.timeout else _SERVICE_NS
                 self._request(client, service, fields, Reply(done, failed), limit_ns)
-        except FrameError as error:
+        except frames.FrameError as error:
             failed(str(error))
 
-    def _ask_rosapi(self, service: str, frame: CallService) -> dict[str, Any]:
+    def _ask_rosapi(self, service: str, frame: frames.CallService) -> dict[str, Any]:
         args = frame.args if isinstance(frame.args, dict) else {}
         graph = rosapi.KnownGraph(
             topics={**self._graph.topics, **self._relays},
@@ -396,7 +383,7 @@ class Bridge:
         )
         answer = rosapi.answer(service.removeprefix(rosapi.PREFIX), args, graph)
         if answer is None:
-            raise FrameError(f"Service {service} does not exist")
+            raise frames.FrameError(f"Service {service} does not exist")
         return answer
 
     def _node_of(self, name: str) -> str:
@@ -406,26 +393,26 @@ class Bridge:
         brought = name in self._relays or name in self._offered
         return rosapi.NODES[1] if brought or not self._graph.nodes else self._graph.nodes[0]
 
-    def _ask_client(self, client: int, service: str, frame: CallService, reply: Reply) -> None:
+    def _ask_client(self, client: int, service: str, frame: frames.CallService, reply: Reply) -> None:
         provider, kind = self._offered[service]
         until_ns = self._now_ns + _SERVICE_NS
         number = self._wait(_Waiting(client, provider, service, kind, until_ns, reply))
         request = {"op": "call_service", "service": service, "args": frame.args or {}}
         self.send(provider, request, f"service_request:{service}:{number}")
 
-    def _service_response(self, client: int, frame: ServiceResponse) -> None:
+    def _service_response(self, client: int, frame: frames.ServiceResponse) -> None:
         number = str(frame.id).rpartition(":")[2]
         key = int(number) if number.isascii() and number.isdecimal() and len(number) < 19 else -1
         waiting = self._waiting.get(key)
         if waiting is None or waiting.provider != client:
-            raise FrameError("nobody waits for this service_response")
+            raise frames.FrameError("nobody waits for this service_response")
         del self._waiting[key]
         if frame.result:
             waiting.reply.done(frame.values)
         else:
             waiting.reply.failed(str(frame.values)[:1_000])
 
-    def _advertise_service(self, client: int, frame: AdvertiseService) -> None:
+    def _advertise_service(self, client: int, frame: frames.AdvertiseService) -> None:
         service = _full_name(frame.service)
         offer = self._offered.get(service)
         if (
@@ -433,15 +420,15 @@ class Bridge:
             or service in self._graph.services
             or (offer and offer[0] != client)
         ):
-            raise FrameError(f"Service {service} exists already")
+            raise frames.FrameError(f"Service {service} exists already")
         if offer is None and len(self._offered) >= MOST_SERVICES:
-            raise FrameError(f"at most {MOST_SERVICES} services offered by clients")
+            raise frames.FrameError(f"at most {MOST_SERVICES} services offered by clients")
         self._offered[service] = client, full_type(frame.type or "", "srv")
 
-    def _unadvertise_service(self, client: int, frame: UnadvertiseService) -> None:
+    def _unadvertise_service(self, client: int, frame: frames.UnadvertiseService) -> None:
         service = _full_name(frame.service)
         if self._offered.get(service, (None, ""))[0] != client:
-            raise FrameError(f"Service {service} is not offered by this client")
+            raise frames.FrameError(f"Service {service} is not offered by this client")
         self._withdraw(service)
 
     def _withdraw(self, service: str) -> None:
@@ -472,12 +459,12 @@ class Bridge:
     def _required_type(self, service: str) -> str:
         kind = self.service_type(service)
         if kind is None:
-            raise FrameError(f"Service {service} does not exist")
+            raise frames.FrameError(f"Service {service} does not exist")
         return kind
 
     def _wait(self, waiting: _Waiting) -> int:
-        if sum(one.client == waiting.client for one in self._waiting.values()) >= MOST_WAITING:
-            raise FrameError(f"at most {MOST_WAITING} requests of one client at once")
+        if sum(request.client == waiting.client for request in self._waiting.values()) >= MOST_WAITING:
+            raise frames.FrameError(f"at most {MOST_WAITING} requests of one client at once")
         number = next(self._numbers)
         self._waiting[number] = waiting
         return number
@@ -504,7 +491,7 @@ class Bridge:
         """Send a request of a goal. `waits`: for as long as it takes."""
         self._request(client, service, values, reply, _NEVER if waits else _SERVICE_NS)
 
-    def send(self, client: int, frame: Mapping[str, Any], identity: Identity) -> None:
+    def send(self, client: int, frame: Mapping[str, Any], identity: frames.Identity) -> None:
         """Send a frame to a client, if it is still there; it has an id where its cause had one."""
         if client in self._clients:
             message = {**frame, "id": identity} if identity is not None else frame

@@ -47,11 +47,7 @@ class RosapiParameters:
         return tuple(self._handlers)
 
     def ask(self, client: int, name: str, args: Mapping[str, Any], reply: Reply) -> None:
-        """Answer one of `names`.
-
-        Raises:
-            FrameError: the request lacks what it needs.
-        """
+        """Answer one of `names`. Raises FrameError: the request lacks what it needs."""
         self._handlers[name](client, args, reply)
 
     def _get(self, client: int, args: Mapping[str, Any], reply: Reply) -> None:

@@ -104,14 +104,14 @@ def _service_providers(args: Mapping[str, Any], graph: KnownGraph) -> dict[str, 
 
 def _publishers(args: Mapping[str, Any], graph: KnownGraph) -> dict[str, Any]:
     topic = _asked(args, "topic")
-    told = topic in graph.topics and not topic.endswith("/cmd_vel")
-    return {"publishers": [graph.node_of(topic)] if told else []}
+    is_published = topic in graph.topics and not topic.endswith("/cmd_vel")
+    return {"publishers": [graph.node_of(topic)] if is_published else []}
 
 
 def _subscribers(args: Mapping[str, Any], graph: KnownGraph) -> dict[str, Any]:
     topic = _asked(args, "topic")
-    told = topic in graph.topics and topic.endswith("/cmd_vel")
-    return {"subscribers": [graph.node_of(topic)] if told else []}
+    is_heard = topic in graph.topics and topic.endswith("/cmd_vel")
+    return {"subscribers": [graph.node_of(topic)] if is_heard else []}
 
 
 def _details_of(part: str, kind: str) -> _Service:

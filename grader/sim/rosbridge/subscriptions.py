@@ -40,11 +40,7 @@ class Subscription:
     _wishes: dict[Identity, _Wish] = field(default_factory=dict)
 
     def add(self, frame: Subscribe) -> None:
-        """Take one more wish.
-
-        Raises:
-            FrameError: there are too many ids, or the fragments are too small.
-        """
+        """Take one more wish. Raises FrameError: there are too many ids, or the fragments are too small."""
         fragment = int(frame.fragment_size or 0)
         if 0 < fragment < LEAST_FRAGMENT:
             raise FrameError(f"fragment_size: at least {LEAST_FRAGMENT}", frame.id)
@@ -80,9 +76,9 @@ class Subscription:
 
     def _decide(self) -> None:
         wishes = self._wishes.values()
-        self._throttle_ns = min((one.throttle_ns for one in wishes), default=0)
-        self.depth = min((one.depth for one in wishes), default=USUAL_DEPTH)
-        fragments = [one.fragment or math.inf for one in wishes]
+        self._throttle_ns = min((wish.throttle_ns for wish in wishes), default=0)
+        self.depth = min((wish.depth for wish in wishes), default=USUAL_DEPTH)
+        fragments = [wish.fragment or math.inf for wish in wishes]
         least = min(fragments, default=math.inf)
         self.fragment = 0 if math.isinf(least) else int(least)
         self._due_ns = 0

@@ -115,7 +115,7 @@ class _Reader:
         most = int(count) if count else MAX_SEQUENCE_LENGTH
         if len(value) > most or (count and not upper and len(value) != most):
             raise FrameError(f"{path}: {text} cannot hold {len(value)} elements")
-        read = [self._value(base, bound, each, path) for each in value]
+        read = [self._value(base, bound, element, path) for element in value]
         return bytes(read) if base == "uint8" else read
 
     def _value(self, base: str, bound: int | None, value: Any, path: str) -> Any:

@@ -16,7 +16,7 @@ from grader.contracts.errors import CourseError, RefusedError
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.notice import Draft, NewWebhook, NoticeKind, Outlet, Vendor
-from grader.contracts.platform import NewPlatform, PlatformLink
+from grader.contracts.platform import PlatformLink
 from grader.contracts.regrade import RegradeState, Wanted
 from grader.contracts.rules import Rules
 from grader.contracts.submission import Claim, NewSubmission, Submission, SubmissionState
@@ -38,6 +38,7 @@ from grader.store.rules import StoredRules
 from grader.store.teams import Teams
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import assignment, grade
+from tests.fakes.platforms import new_platform
 from tests.fakes.submissions import Submissions
 
 THREADS = 8
@@ -212,7 +213,9 @@ def test_one_of_many_regrades_is_opened_and_decided_once(
 
     decided = at_once(decide_or_finish)
     assert [one.state for one in decided[1:] if not isinstance(one, Exception)] == [RegradeState.DISCARDED]
-    assert {getattr(one, "code", one) for one in decided[1:] if isinstance(one, Exception)} == {"decided"}
+    assert {getattr(one, "code", one) for one in decided[1:] if isinstance(one, Exception)} == {
+        "regrade_decided"
+    }
     assert isinstance(decided[0], bool)
     assert (count(database, "submission"), count(database, "grading")) == (1, 1)
     assert submissions.get(added.id).graded_attempt == 1
@@ -269,7 +272,10 @@ def test_an_appeal_is_answered_once(
 
     made = at_once(answer)
     assert made.count(None) == 1
-    assert {one.code for one in made if isinstance(one, RefusedError)} == {"appeal_decided", "judged_meanwhile"}
+    assert {one.code for one in made if isinstance(one, RefusedError)} == {
+        "appeal_decided",
+        "judged_meanwhile",
+    }
     (appeal,) = appeals.of(id_)
     corrected = made.index(None) % 2 == 0
     assert appeal.state is (AppealState.CORRECTED if corrected else AppealState.REFUSED)
@@ -437,16 +443,9 @@ def test_a_platform_is_removed_while_its_scores_are_sent(
 ) -> None:
     """Whoever sends while an instructor removes it has nothing to send, and hinders nobody."""
     platforms, scores = Platforms(database, clock), PlatformScores(database, clock)
-    signed, addresses = Signature(clock(), course, "wang"), ("login_url", "token_url", "keys_url")
+    signed = Signature(clock(), course, "wang")
     for round_ in range(5):
-        new = NewPlatform(
-            title="Moodle",
-            issuer="https://moodle.example",
-            client_id=str(round_),
-            deployment="1",
-            **dict.fromkeys(addresses, "https://moodle.example"),
-        )
-        platform = platforms.add(new, signed)
+        platform = platforms.add(new_platform(client_id=str(round_)), signed)
         assert Identities(database, clock).bind(platform.provider, "3", course, "li", by_token=True)
         links = [
             PlatformLink(

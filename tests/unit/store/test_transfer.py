@@ -16,7 +16,7 @@ from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import RosterEntry
 from grader.contracts.notice import Draft, MailWishes, NewWebhook, NoticeKind, Outlet, Vendor
-from grader.contracts.platform import NewPlatform, Picking, PlatformLink
+from grader.contracts.platform import Picking, PlatformLink
 from grader.contracts.regrade import Wanted
 from grader.contracts.rules import Extension, Rules
 from grader.contracts.submission import NewSubmission, WorkerState
@@ -50,6 +50,7 @@ from grader.store.workers import Workers
 from tests.fakes.clock import FakeClock
 from tests.fakes.essays import ANSWER, grade_essay, question
 from tests.fakes.grading import assignment, grade
+from tests.fakes.platforms import new_platform
 from tests.fakes.submissions import Submissions
 
 
@@ -65,8 +66,7 @@ def fill(database: Database) -> str:
     assert identities.bind("campus", "l1", "ros", "li", by_token=True)
     identities.hold("campus", "somebody")
     platforms = Platforms(database, clock)
-    texts = dict.fromkeys(NewPlatform.__dataclass_fields__, "https://a.example")
-    used = platforms.add(NewPlatform(**texts), signed)
+    used = platforms.add(new_platform(), signed)
     line = {"resource": "1", "title": "方", "assignment": "square", "line_item": ""}
     opened = platforms.open_link(PlatformLink(platform=used.id, used_at=clock(), **line))
     assert identities.bind(used.provider, "l1", "ros", "li", by_token=True)

@@ -116,7 +116,7 @@ def test_only_what_stands_can_be_undone(world: World, database: Database) -> Non
     world.undo(first)
     assert world.now.score == 5.0
     other = Signature(world.clock(), "other", "zhao")
-    assert refused(lambda: world.regrades.undo(first.id, other, "x")) == "unknown"
+    assert refused(lambda: world.regrades.undo(first.id, other, "x")) == "regrade_not_found"
 
 
 def test_corrections_stay_whenever_they_were_made(world: World) -> None:

@@ -81,11 +81,7 @@ class OpaqueCoroutine(Action):
 
 
 class TimerAction(Action):
-    """Actions that come later.
-
-    Raises:
-        TypeError: the time is an integer, or no time at all.
-    """
+    """Actions that come later. Raises TypeError: the time is an integer, or no time at all."""
 
     def __init__(self, *, period: Any, actions: Any, cancel_on_shutdown: Any = True, **options: Any) -> None:
         super().__init__(**options)
@@ -175,11 +171,7 @@ class UnregisterEventHandler(Action):
 
 
 class EmitEvent(Action):
-    """Lets an event happen.
-
-    Raises:
-        RuntimeError: it is none.
-    """
+    """Lets an event happen. Raises RuntimeError: it is none."""
 
     def __init__(self, *, event: Any, **options: Any) -> None:
         super().__init__(**options)

@@ -47,20 +47,25 @@ class DeclareLaunchArgument(Action):
 
 
 class _Named(Action):
-    """An action about something with a name, and mostly a value for it."""
+    """An action about something with a name."""
 
-    def __init__(self, name: Any, value: Any = None, **options: Any) -> None:
+    def __init__(self, name: Any, **options: Any) -> None:
         super().__init__(**options)
-        checked(name, value)
+        checked(name)
         self.name = name
+
+
+class _Valued(_Named):
+    """An action about something with a name and a value."""
+
+    def __init__(self, name: Any, value: Any, **options: Any) -> None:
+        super().__init__(name, **options)
+        checked(value)
         self.value = value
 
 
-class SetLaunchConfiguration(_Named):
+class SetLaunchConfiguration(_Valued):
     """Sets an argument."""
-
-    def __init__(self, name: Any, value: Any, **options: Any) -> None:
-        super().__init__(name, value, **options)
 
     def execute(self, context: LaunchContext) -> None:
         context.launch_configurations[perform(context, self.name)] = perform(context, self.value)
@@ -69,24 +74,18 @@ class SetLaunchConfiguration(_Named):
 class UnsetLaunchConfiguration(_Named):
     """Takes an argument away, if it is there."""
 
-    def __init__(self, name: Any, **options: Any) -> None:
-        super().__init__(name, **options)
-
     def execute(self, context: LaunchContext) -> None:
         context.launch_configurations.pop(perform(context, self.name), None)
 
 
-class SetEnvironmentVariable(_Named):
+class SetEnvironmentVariable(_Valued):
     """Sets an environment variable."""
-
-    def __init__(self, name: Any, value: Any, **options: Any) -> None:
-        super().__init__(name, value, **options)
 
     def execute(self, context: LaunchContext) -> None:
         context.environment[perform(context, self.name)] = perform(context, self.value)
 
 
-class AppendEnvironmentVariable(_Named):
+class AppendEnvironmentVariable(_Valued):
     """Adds to an environment variable, at its end or before it."""
 
     def __init__(
@@ -107,9 +106,6 @@ class AppendEnvironmentVariable(_Named):
 
 class UnsetEnvironmentVariable(_Named):
     """Takes an environment variable away, if it is there."""
-
-    def __init__(self, name: Any, **options: Any) -> None:
-        super().__init__(name, **options)
 
     def execute(self, context: LaunchContext) -> None:
         context.environment.pop(perform(context, self.name), None)
@@ -134,10 +130,12 @@ class ResetLaunchConfigurations(Action):
 
     def __init__(self, launch_configurations: Mapping[Any, Any] | None = None, **options: Any) -> None:
         super().__init__(**options)
-        self._given = launch_configurations or {}
+        self._configurations = launch_configurations or {}
 
     def execute(self, context: LaunchContext) -> None:
-        kept = {perform(context, name): perform(context, value) for name, value in self._given.items()}
+        kept = {
+            perform(context, name): perform(context, value) for name, value in self._configurations.items()
+        }
         context.launch_configurations.clear()
         context.launch_configurations.update(kept)
 
@@ -181,12 +179,12 @@ class GroupAction(Action):
         **options: Any,
     ) -> None:
         super().__init__(**options)
-        given = launch_configurations or {}
+        configurations = launch_configurations or {}
         entities = list(actions)
         if forwarding or not scoped:
-            entities[:0] = [SetLaunchConfiguration(name, value) for name, value in given.items()]
+            entities[:0] = [SetLaunchConfiguration(name, value) for name, value in configurations.items()]
         else:
-            entities[:0] = [ResetEnvironment(), ResetLaunchConfigurations(given)]
+            entities[:0] = [ResetEnvironment(), ResetLaunchConfigurations(configurations)]
         if scoped:
             entities = [PushLaunchConfigurations(), PushEnvironment(), *entities]
             entities += [PopEnvironment(), PopLaunchConfigurations()]

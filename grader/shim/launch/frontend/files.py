@@ -38,18 +38,14 @@ class Element:
         return None if value is None else parse_substitution(value)
 
     def required(self, name: str) -> Any:
-        """Return an attribute that must be there.
-
-        Raises:
-            AttributeError: it is not, as upstream says.
-        """
+        """Return an attribute that must be there. Raises AttributeError: it is not, as upstream says."""
         if name not in self.attributes:
             raise AttributeError(f"Attribute '{name}' of Entity '{self.tag}' not found")
         return self.text(name)
 
     def all(self, tag: str) -> Iterator[Element]:
         """Yield the elements of a kind in it."""
-        return (each for each in self.children if each.tag == tag)
+        return (child for child in self.children if child.tag == tag)
 
 
 def read_xml(text: str) -> Element:
@@ -114,12 +110,8 @@ def _element(tag: str, inner: Any) -> Element:
 
 
 def description(root: Element) -> LaunchDescription:
-    """Return what a file describes.
-
-    Raises:
-        RuntimeError: an element is not known here.
-    """
-    return LaunchDescription([_action(each) for each in root.children])
+    """Return what a file describes. Raises RuntimeError: an element is not known here."""
+    return LaunchDescription([_action(child) for child in root.children])
 
 
 def _action(element: Element) -> Any:
@@ -185,15 +177,15 @@ def _value(element: Element) -> Any:
 
 
 def _include(element: Element, options: dict[str, Any]) -> Any:
-    given = [
+    values = [
         (each.required("name"), each.required("value")) for each in (*element.all("arg"), *element.all("let"))
     ]
-    return actions.IncludeLaunchDescription(element.required("file"), launch_arguments=given, **options)
+    return actions.IncludeLaunchDescription(element.required("file"), launch_arguments=values, **options)
 
 
 def _group(element: Element, options: dict[str, Any]) -> Any:
     scoped = element.attributes.get("scoped", "true").lower() != "false"
-    return actions.GroupAction([_action(each) for each in element.children], scoped=scoped, **options)
+    return actions.GroupAction([_action(child) for child in element.children], scoped=scoped, **options)
 
 
 def _namespace(element: Element, options: dict[str, Any]) -> Any:
@@ -209,7 +201,7 @@ def _set_remap(element: Element, options: dict[str, Any]) -> Any:
 
 
 def _timer(element: Element, options: dict[str, Any]) -> Any:
-    inner = [_action(each) for each in element.children]
+    inner = [_action(child) for child in element.children]
     return actions.TimerAction(period=float(element.attributes["period"]), actions=inner, **options)
 
 

@@ -41,8 +41,8 @@ def parse_substitution(string_value: str) -> list[Substitution]:
         TypeError: it takes another number of arguments.
     """
     parser = _Parser(string_value)
-    found = parser.parts("")
-    return found or [TextSubstitution(text=string_value)]
+    parts = parser.parts("")
+    return parts or [TextSubstitution(text=string_value)]
 
 
 class _Parser:
@@ -101,8 +101,8 @@ def _made(name: str, arguments: list[list[Substitution]]) -> Substitution:
         from importlib import import_module
 
         of = import_module("launch_ros.substitutions")
-    made: Any = getattr(of, class_name)
+    substitution: Any = getattr(of, class_name)
     key = {"env": "default_value", "find-exec": "name", "var": "default"}.get(name)
     named = {key: arguments.pop()} if key and len(arguments) == most else {}
-    result: Substitution = made(*arguments, **named)
+    result: Substitution = substitution(*arguments, **named)
     return result

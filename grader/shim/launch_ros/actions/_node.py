@@ -47,8 +47,8 @@ class Node(ExecuteProcess):
     ) -> None:
         checked(package, executable, name, namespace)
         program = executable if package is None else _Program(package, executable)
-        given = [program, *(arguments or ()), *(["--ros-args", *ros_arguments] if ros_arguments else ())]
-        super().__init__(cmd=[*given, "--ros-args"], **{**options, "name": exec_name})
+        command = [program, *(arguments or ()), *(["--ros-args", *ros_arguments] if ros_arguments else ())]
+        super().__init__(cmd=[*command, "--ros-args"], **{**options, "name": exec_name})
         self.node_package = package
         self.node_executable = executable
         self.expanded_node_namespace = self.UNSPECIFIED_NODE_NAMESPACE
@@ -66,11 +66,7 @@ class Node(ExecuteProcess):
 
     @property
     def node_name(self) -> str:
-        """The name with the namespace in front.
-
-        Raises:
-            RuntimeError: it has not been started.
-        """
+        """The name with the namespace in front. Raises RuntimeError: it has not been started."""
         if self._full_name is None:
             raise RuntimeError("cannot access 'node_name' before executing action")
         return self._full_name
@@ -96,31 +92,31 @@ class Node(ExecuteProcess):
 
     def _of_ros(self, context: LaunchContext) -> list[str]:
         """Return what stands behind the last ``--ros-args``."""
-        found = []
+        arguments = []
         name = self.UNSPECIFIED_NODE_NAME
         if self._name is not None:
             name = perform(context, self._name)
-            found += ["-r", f"__node:={name}"]
+            arguments += ["-r", f"__node:={name}"]
         own = None if self._namespace is None else perform(context, self._namespace)
         namespace = joined_namespace(context.launch_configurations.get("ros_namespace"), own)
         if namespace is not None:
             self.expanded_node_namespace = namespace
-            found += ["-r", f"__ns:={namespace}"]
+            arguments += ["-r", f"__ns:={namespace}"]
             validate_namespace(namespace)
         self._full_name = f"{self.expanded_node_namespace.rstrip('/')}/{name}"
         node = self._full_name if self.is_node_name_fully_specified() else "/**"
-        given = context.launch_configurations
-        for each in given.get("global_params", ()):
+        configurations = context.launch_configurations
+        for each in configurations.get("global_params", ()):
             if isinstance(each, tuple):  # by SetParameter
-                found += ["-p", f"{each[0]}:={each[1]}"]
+                arguments += ["-p", f"{each[0]}:={each[1]}"]
             else:
-                found += ["--params-file", os.path.abspath(each)]
+                arguments += ["--params-file", os.path.abspath(each)]
         for each in self._parameters:
-            found += _parameter_arguments(context, each, node)
-        rules = list(given.get("ros_remaps", ()))
+            arguments += _parameter_arguments(context, each, node)
+        rules = list(configurations.get("ros_remaps", ()))
         rules += [(perform(context, source), perform(context, target)) for source, target in self._remappings]
         self.expanded_remapping_rules = rules or None
-        return found + [word for source, target in rules for word in ("-r", f"{source}:={target}")]
+        return arguments + [word for source, target in rules for word in ("-r", f"{source}:={target}")]
 
 
 class _Program(Substitution):

@@ -15,8 +15,8 @@ __all__ = ["ChangeState", "StateTransition", "matches_node_name"]
 
 def matches_node_name(node_name: str) -> Callable[[Any], bool]:
     """Return what recognises the action of a node by its name, with the namespace in front."""
-    wanted = node_name if node_name.startswith("/") else f"/{node_name}"
-    return lambda action: bool(action.node_name == wanted)
+    full_name = node_name if node_name.startswith("/") else f"/{node_name}"
+    return lambda action: bool(action.node_name == full_name)
 
 
 class ChangeState(Event):

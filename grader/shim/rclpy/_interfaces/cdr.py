@@ -62,8 +62,8 @@ def deserialize(data: bytes, message_class: type[_MessageT]) -> _MessageT:
         CdrError: the bytes do not begin with a message of that class.
     """
     unpack = _UNPACKERS.get(message_class) or _unpacker(message_class)
-    found: _MessageT = unpack(data)
-    return found
+    message: _MessageT = unpack(data)
+    return message
 
 
 def _read(message_class: type, data: bytes) -> Any:
@@ -227,7 +227,9 @@ def _count_objects(number: int, cls: type) -> None:
 
 def _objects(cls: type) -> int:
     fields = STRUCTURES[cls].fields
-    return 1 + sum(_objects(CLASSES[one.base]) for one in fields if one.is_message and not one.is_nested)
+    return 1 + sum(
+        _objects(CLASSES[field.base]) for field in fields if field.is_message and not field.is_nested
+    )
 
 
 def _write_messages(out: bytearray, values: list[Any], cls: type) -> None:

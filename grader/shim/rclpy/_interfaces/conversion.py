@@ -93,8 +93,8 @@ def _finder(cls: type) -> Callable[[Any], Fault | None]:
         lines += _lines_of(field, structure.full_name)
     source = "def find(m):\n    " + "\n    ".join([*lines, "return None"])
     exec(compile(source, f"<conversion of {structure.full_name}>", "exec"), names)  # noqa: S102 - our own source
-    found: Callable[[Any], Fault | None] = names["find"]
-    return found
+    find: Callable[[Any], Fault | None] = names["find"]
+    return find
 
 
 def _lines_of(field: Field, owner: str) -> list[str]:

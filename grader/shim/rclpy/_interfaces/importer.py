@@ -29,12 +29,12 @@ _by_module: dict[str, dict[str, Interface]] = {}
 
 def _interfaces_of(namespace: str) -> dict[str, Interface]:
     """Return the interfaces of e.g. ``geometry_msgs.msg`` by the names of their modules."""
-    found = _by_module.get(namespace)
-    if found is None:
+    interfaces = _by_module.get(namespace)
+    if interfaces is None:
         prefix = namespace.replace(".", "/") + "/"
         members = [interface for name, interface in INTERFACES.items() if name.startswith(prefix)]
-        found = _by_module[namespace] = {interface.module: interface for interface in members}
-    return found
+        interfaces = _by_module[namespace] = {interface.module: interface for interface in members}
+    return interfaces
 
 
 def _interface(module: str) -> Interface | None:

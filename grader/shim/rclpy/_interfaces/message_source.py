@@ -108,16 +108,16 @@ def _constructor(fields: list[Field]) -> list[str]:
 
 def _assignment(field: Field) -> list[str]:
     """Return the statements of a constructor that set a field from its argument."""
-    given = f"kwargs[{field.name!r}]"
+    argument = f"kwargs[{field.name!r}]"
     if field.default is not None or not (is_numeric(field) and field.is_nested):
-        return [f"self.{field.name} = {given}"]
+        return [f"self.{field.name} = {argument}"]
     code = ARRAY_CODES[field.base]
     if field.is_sequence:
-        return [f"self.{field.name} = _array({code!r}, {given})"]
+        return [f"self.{field.name} = _array({code!r}, {argument})"]
     return [
-        f"self._{field.name} = _pack({given}, {code!r}, {field.size})",
+        f"self._{field.name} = _pack({argument}, {code!r}, {field.size})",
         f"if self._{field.name} is None:",
-        f"    self.{field.name} = _to_numpy({given}, {numpy_type(field)!r})",
+        f"    self.{field.name} = _to_numpy({argument}, {numpy_type(field)!r})",
         f"    assert self.{field.name}.shape == ({field.size}, )",
     ]
 

@@ -55,8 +55,8 @@ def interface_class(full_name: str) -> type:
     """
     module = INTERFACES[full_name].module
     __import__(module)  # importlib, whose function is nicer, costs more than a message class
-    found: type = getattr(sys.modules[module], full_name.rpartition("/")[2])
-    return found
+    cls: type = getattr(sys.modules[module], full_name.rpartition("/")[2])
+    return cls
 
 
 def define(interface: Interface, namespace: dict[str, Any]) -> None:

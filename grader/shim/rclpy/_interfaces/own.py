@@ -42,11 +42,11 @@ Time: Any
 
 
 def __getattr__(name: str) -> Any:
-    wanted = "Log" if name == "LogType" else name
+    upstream_name = "Log" if name == "LogType" else name
     for package in _PACKAGES:
         for kind in ("msg", "srv"):
-            if f"{package}/{kind}/{wanted}" in INTERFACES:
-                found = interface_class(f"{package}/{kind}/{wanted}")
+            if f"{package}/{kind}/{upstream_name}" in INTERFACES:
+                found = interface_class(f"{package}/{kind}/{upstream_name}")
                 globals()[name] = found
                 return found
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -64,9 +64,9 @@ def _add(type_name: str, described: dict[str, dict[str, Any]]) -> None:
 
 
 def _structure(type_name: str) -> Structure:
-    found = {structure.full_name: structure for structure in structures_of(type_name)}
-    if type_name in found:
-        return found[type_name]
+    structures = {structure.full_name: structure for structure in structures_of(type_name)}
+    if type_name in structures:
+        return structures[type_name]
     service = Structure(type_name)  # of a service itself: its three messages
     for part in ("request", "response", "event"):
         service.fields.append(Field(f"{part}_message", f"{type_name}_{part.capitalize()}", None))

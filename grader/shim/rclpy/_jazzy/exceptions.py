@@ -36,8 +36,8 @@ class NotInitializedException(exceptions.NotInitializedException):
     """Something is used before rclpy.init()."""
 
     def __init__(self, message: str | None = None) -> None:
-        told = f" msg:{message}" if message else ""
-        Exception.__init__(self, f"rclpy.init() has not been called.{told}")
+        suffix = f" msg:{message}" if message else ""
+        Exception.__init__(self, f"rclpy.init() has not been called.{suffix}")
 
 
 @extends(exceptions.InvalidParameterTypeException)

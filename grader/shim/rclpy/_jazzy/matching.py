@@ -38,10 +38,10 @@ class Matches:
 
 def matches_of(endpoint: Any) -> Matches:
     """Return the partners of an endpoint."""
-    found: Matches | None = getattr(endpoint, "_matches", None)
-    if found is None:
-        found = endpoint._matches = Matches()
-    return found
+    matches: Matches | None = getattr(endpoint, "_matches", None)
+    if matches is None:
+        matches = endpoint._matches = Matches()
+    return matches
 
 
 def _fits(writer: Any, reader: Any) -> bool:

@@ -186,14 +186,14 @@ class Node(node.Node):
 
     def wait_for_node(self, fully_qualified_node_name: str, timeout: float) -> bool:
         """Look every 0.1 s, for `timeout` seconds, whether a node exists."""
-        wanted = fully_qualified_node_name
-        wanted = wanted if wanted.startswith("/") else f"/{wanted}"
+        full_name = fully_qualified_node_name
+        full_name = full_name if full_name.startswith("/") else f"/{full_name}"
         end_ns = kernel.now_ns + int(timeout * S_TO_NS)
-        found = False
-        while kernel.now_ns < end_ns and not found:
-            found = wanted in self.get_fully_qualified_node_names()
+        is_there = False
+        while kernel.now_ns < end_ns and not is_there:
+            is_there = full_name in self.get_fully_qualified_node_names()
             kernel.sleep_ns(_POLL_NS)
-        return found
+        return is_there
 
     def count_clients(self, service_name: str) -> int:
         """Return how many clients a service has."""

@@ -72,27 +72,27 @@ def parameter_dict_from_yaml_file(
         keys.extend(name for name in content if name != "/**")
     if not keys:
         raise RuntimeError("Param file does not contain selected parameters")
-    found: dict[str, Any] = {}
+    nested: dict[str, Any] = {}
     for node in keys:
         value = content[node]
         if not isinstance(value, dict) or "ros__parameters" not in value:
             raise RuntimeError(f"YAML file is not a valid ROS parameter file for node {node}")
-        found.update(value["ros__parameters"])
-    return _unpack_parameter_dict(namespace, found)
+        nested.update(value["ros__parameters"])
+    return _unpack_parameter_dict(namespace, nested)
 
 
 def _unpack_parameter_dict(namespace: str, parameter_dict: dict[str, Any]) -> dict[str, Any]:
     """Return the messages of nested values by their full names."""
     from rcl_interfaces.msg import Parameter as ParameterMsg
 
-    found: dict[str, Any] = {}
+    messages: dict[str, Any] = {}
     for key, value in parameter_dict.items():
         name = namespace + key
         if isinstance(value, dict):
-            found.update(_unpack_parameter_dict(name + PARAMETER_SEPARATOR_STRING, value))
+            messages.update(_unpack_parameter_dict(name + PARAMETER_SEPARATOR_STRING, value))
         else:
-            found[name] = ParameterMsg(name=name, value=get_parameter_value(str(value)))
-    return found
+            messages[name] = ParameterMsg(name=name, value=get_parameter_value(str(value)))
+    return messages
 
 
 def named_declaration(

@@ -142,13 +142,13 @@ _copies: list[tuple[dict[str, object], str, object]] = []
 
 def _replacements() -> dict[int, tuple[object, object]]:
     """Return original and replacement by the original's id."""
-    found: dict[int, tuple[object, object]] = {}
+    replaced: dict[int, tuple[object, object]] = {}
     for module, table in _REPLACED:
         for name, replacement in table.items():
             original = getattr(module, name, None)
             if original is not None:
-                found[id(original)] = (original, replacement)
-    return found
+                replaced[id(original)] = (original, replacement)
+    return replaced
 
 
 def _replace() -> None:

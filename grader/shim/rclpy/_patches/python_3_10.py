@@ -52,10 +52,10 @@ def _change_dataclasses(dataclasses: Any) -> None:
         if type(value).__hash__ is not None or isinstance(value, (list, dict, set)):
             return get_field(cls, name, *rest)
         setattr(owner, place, object())
-        found = get_field(cls, name, *rest)
-        found.default = value
+        field = get_field(cls, name, *rest)
+        field.default = value
         setattr(owner, place, value)
-        return found
+        return field
 
     dataclasses._get_field = get_any_field
 

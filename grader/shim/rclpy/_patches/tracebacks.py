@@ -214,13 +214,13 @@ def _suggestion(error: BaseException) -> str:
 
 def _add_texts(exception: Any) -> None:
     """Give each SyntaxError of the compiler in the chain its line, which Python looks up in the file."""
-    seen: set[int] = set()
+    ids: set[int] = set()
     waiting = [exception]
     while waiting:
         one = waiting.pop()
-        if one is None or id(one) in seen:
+        if one is None or id(one) in ids:
             continue
-        seen.add(id(one))
+        ids.add(id(one))
         name = getattr(one, "filename", None)
         if script.owns(name) and not getattr(one, "text", None):
             lines = script.lines(name)

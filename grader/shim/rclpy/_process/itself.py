@@ -24,10 +24,10 @@ def imports_itself(file_name: str, source: bytes) -> str:
     name = file_name.rpartition("/")[2].removesuffix(".py")
     if not name.isidentifier() or name in _LOADED_BY_PYTHON or name in sys.builtin_module_names:
         return ""
-    wanted = name.encode()
-    for line in source.splitlines() if wanted in source else ():
+    raw_name = name.encode()
+    for line in source.splitlines() if raw_name in source else ():
         words = line.translate(_ENDS).split()
-        if words[:1] in ([b"import"], [b"from"]) and wanted in words[1:2]:
+        if words[:1] in ([b"import"], [b"from"]) and raw_name in words[1:2]:
             return name
     return ""
 
@@ -37,7 +37,7 @@ def import_itself(module: ModuleType, name: str, code: CodeType) -> None:
 
     Only code of the script does: what the shim imports while the script runs is still the shim's.
     """
-    found: dict[str, ModuleType] = {}
+    modules: dict[str, ModuleType] = {}
     importing = builtins.__import__
 
     def import_as_at_home(
@@ -50,9 +50,9 @@ def import_itself(module: ModuleType, name: str, code: CodeType) -> None:
         if level or wanted.partition(".")[0] != name:
             return importing(wanted, names, local, taken, level)
         if wanted != name:
-            _load(found, name, code, own)
+            _load(modules, name, code, own)
             raise ModuleNotFoundError(f"No module named {wanted!r}; {name!r} is not a package", name=wanted)
-        return _load(found, name, code, own)
+        return _load(modules, name, code, own)
 
     own = {**vars(builtins), "__import__": import_as_at_home}
     module.__dict__["__builtins__"] = own

@@ -115,7 +115,7 @@ class Launched:
         """Whether something is to come when a process ends, or everything does."""
         from launch.event_handlers import OnProcessStart
 
-        later = [each for each in self._context.handlers if each not in self._own_handlers]
+        later = [handler for handler in self._context.handlers if handler not in self._own_handlers]
         return self._has_shut_down or any(
             not each.never and not isinstance(each, OnProcessStart) for each in later
         )
@@ -137,8 +137,7 @@ class Launched:
     def after(self, action: Any, code: int) -> list[Any]:
         """Do what is to come when the process of an action ends; return the nodes that start then.
 
-        Raises:
-            SubstitutionFailure, PackageNotFoundError: as `new_nodes`.
+        Raises as `new_nodes`.
         """
         self._context.delay_s = 0.0
         action.end(self._context, code)
@@ -156,11 +155,7 @@ class Launched:
 
 
 def _own(context: Any, started: list[tuple[Any, str, Any]], ignored: list[str]) -> list[Any]:
-    """Return the nodes of the workspace; note what else is not carried out.
-
-    Raises:
-        SubstitutionFailure, PackageNotFoundError: as `Launched.new_nodes`.
-    """
+    """Return the nodes of the workspace; note what else is not carried out. Raises as `Launched.new_nodes`."""
     from launch_ros.substitutions import ExecutableInPackage
 
     own = []

@@ -31,8 +31,7 @@ _BODIES = ("body", "orelse", "finalbody", "handlers", "cases")
 def compile_script(source: bytes, file_name: str) -> CodeType:
     """Compile `source` as Python does (PEP 263 codings, byte order mark, line ends), with checkpoints.
 
-    Raises:
-        SyntaxError, ValueError, RecursionError, MemoryError, OverflowError: as `compile` does.
+    Raises as `compile`.
     """
     if not any(word in source for word in _WORDS):
         return _compile(source, file_name)

@@ -76,7 +76,7 @@ class Workspace:
 
     def executables_of(self, package: str) -> list[str]:
         """Return the names of a package's executables, as they are installed."""
-        return [each[1] for each in self._executables if each[0] == package]
+        return [executable[1] for executable in self._executables if executable[0] == package]
 
     def launch_path(self) -> str:
         """Return where the launch file is installed; nothing where it is not."""
@@ -124,7 +124,7 @@ class Workspace:
         sys.exit(1)
 
     def _chosen(self) -> list[tuple[str, str, str, str]]:
-        return [each for each in self._executables if each[:2] == self._run][:1]
+        return [executable for executable in self._executables if executable[:2] == self._run][:1]
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
@@ -153,11 +153,7 @@ class Workspace:
 
     @staticmethod
     def get_data(path: str) -> bytes:
-        """Return what a file contains, for `pkgutil`.
-
-        Raises:
-            OSError: there is no such file.
-        """
+        """Return what a file contains, for `pkgutil`. Raises OSError: there is no such file."""
         with open(path, "rb") as file:
             return file.read()
 

@@ -271,7 +271,9 @@ def _join_threads() -> None:
         others = "the end of a node's program waits for its other threads"
         kernel.wait(
             lambda: all(
-                each.daemon for each in kernel.threads if each.program is me.program and each is not me
+                thread.daemon
+                for thread in kernel.threads
+                if thread.program is me.program and thread is not me
             ),
             None,
             others,
@@ -286,17 +288,19 @@ def _close(program: Program, code: int) -> None:
     program.ended = True
     me = kernel.running
     # `isinstance` asks an object for its class, and a proxy of something that is gone then raises
-    found = [each for each in gc.get_objects() if issubclass(type(each), (EndpointHandle, NodeHandle))]
-    endpoints = [each for each in found if isinstance(each, EndpointHandle) and _is_of(program, each.node)]
-    nodes = [each for each in found if isinstance(each, NodeHandle) and _is_of(program, each)]
-    endpoints.sort(key=lambda each: each.gid)
-    nodes.sort(key=lambda each: each.link_id)
-    for each in (*endpoints, *nodes):
-        if not each.doomed:
-            each.doomed = True
-            each._dispose()  # even if a thread is inside: it never goes on
-    kernel.threads[:] = [each for each in kernel.threads if each is me or each.program is not program]
-    kernel.called[:] = [each for each in kernel.called if each.program is not program]
+    handles = [thing for thing in gc.get_objects() if issubclass(type(thing), (EndpointHandle, NodeHandle))]
+    endpoints = [
+        handle for handle in handles if isinstance(handle, EndpointHandle) and _is_of(program, handle.node)
+    ]
+    nodes = [handle for handle in handles if isinstance(handle, NodeHandle) and _is_of(program, handle)]
+    endpoints.sort(key=lambda endpoint: endpoint.gid)
+    nodes.sort(key=lambda node: node.link_id)
+    for handle in (*endpoints, *nodes):
+        if not handle.doomed:
+            handle.doomed = True
+            handle._dispose()  # even if a thread is inside: it never goes on
+    kernel.threads[:] = [thread for thread in kernel.threads if thread is me or thread.program is not program]
+    kernel.called[:] = [call for call in kernel.called if call.program is not program]
     images.switch(program, None)
     me.program = None
     images.follow(program, code)

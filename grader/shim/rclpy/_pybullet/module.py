@@ -44,14 +44,14 @@ class Function(Builtin):
 
 def module_from(real: ModuleType) -> ModuleType:
     """Return the module that scripts import, made of the real extension."""
-    made = ModuleType("pybullet", real.__doc__)
+    module = ModuleType("pybullet", real.__doc__)
     names = {**vars(real), "__spec__": None, "__loader__": None}
     window = _Window(real)
     for name, value in vars(real).items():
         if isinstance(value, BuiltinFunctionType) and calls.KINDS.get(name) != "computes":
             names[name] = _replacement(name, value, window, real)
-    made.__dict__.update(names)
-    return made
+    module.__dict__.update(names)
+    return module
 
 
 def _replacement(name: str, real: Callee, window: _Window, extension: ModuleType) -> Function:
@@ -90,7 +90,7 @@ def _recorded(name: str, real: Callee) -> Callee:
         if recorder.live:
             recorder.catch_up()
         try:
-            plainly = [plain(each) for each in args]
+            plainly = [plain(arg) for arg in args]
             options = {key: plain(options[key]) for key in options}
             if not looks or _recomputes(plainly, options):
                 note(number, plainly, options)
@@ -183,7 +183,7 @@ class _Window:
 
     def _set(self, name: str, step: Any, options: dict[str, Any], args: tuple[Any, ...]) -> None:
         recorder.catch_up()
-        plainly = [calls.plain(each) for each in args], {key: calls.plain(options[key]) for key in options}
+        plainly = [calls.plain(arg) for arg in args], {key: calls.plain(options[key]) for key in options}
         recorder.note(calls.RECORDED.index(name), *plainly)
         getattr(self._real, name)(*plainly[0], **plainly[1])
         if float(step) > 0.0:

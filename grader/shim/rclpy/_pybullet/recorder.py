@@ -52,11 +52,7 @@ class Recorder:
         link.before_exit = self._stop
 
     def note(self, number: int, args: Sequence[Any], options: Mapping[str, Any]) -> None:
-        """Record a call.
-
-        Raises:
-            UnreadableError: an argument is nothing that PyBullet takes.
-        """
+        """Record a call. Raises UnreadableError: an argument is nothing that PyBullet takes."""
         if not self.active or kernel.interrupted:
             return
         call = calls.encode(number, args, options)

@@ -210,10 +210,8 @@ class Replay:
     def _role(self, body: int, file: str) -> int:
         """Return what a body is: the first one of its file has a role."""
         for role, key in ((OBJECT, "object"), (ROBOT, "robot")):
-            wanted = self._task[key]
-            fits = (
-                _drives(body) if wanted == _ANY_ROBOT else bool(wanted) and f"/{file}".endswith(f"/{wanted}")
-            )
+            text = self._task[key]
+            fits = _drives(body) if text == _ANY_ROBOT else bool(text) and f"/{file}".endswith(f"/{text}")
             if fits and role not in self._roles:
                 return role
         return NOBODY

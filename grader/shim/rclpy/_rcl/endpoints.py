@@ -121,9 +121,9 @@ class PublisherHandle(EndpointHandle):
 
     def _meet_world(self) -> None:
         """Decide whether messages are sent to the world, or only counted there."""
-        wanted = link.wants(self.link_id)
-        self._carried = wanted and (bool(self._world) or self.name == "/rosout")
-        self._counted = bool(self.link_id) and not wanted
+        is_wanted = link.wants(self.link_id)
+        self._carried = is_wanted and (bool(self._world) or self.name == "/rosout")
+        self._counted = bool(self.link_id) and not is_wanted
 
     @property
     def is_heard(self) -> bool:

@@ -205,12 +205,14 @@ class NodeHandle(Handle):
 
     def get_parameters(self, parameter_class: Any) -> dict[str, Any]:
         """Return the parameters given on the command line for this node, by name."""
-        found: dict[str, Any] = {}
+        parameters: dict[str, Any] = {}
         for args in reversed(self._args):
             for pattern, values in args.parameters.items():
                 if _matches(pattern, self.path):
-                    found.update({n: parameter_class(n, value=value.get()) for n, value in values.items()})
-        return found
+                    parameters.update(
+                        {n: parameter_class(n, value=value.get()) for n, value in values.items()}
+                    )
+        return parameters
 
     # Graph ----------------------------------------------------------------------------------------
 
@@ -287,11 +289,7 @@ def _nothing() -> None:
 
 
 def _checked(name: str, namespace: str) -> str:
-    """Return the namespace made absolute.
-
-    Raises:
-        ValueError: the name or the namespace is invalid.
-    """
+    """Return the namespace made absolute. Raises ValueError: the name or the namespace is invalid."""
     lines = (163, 195) if _distro.chosen == _distro.HUMBLE else (156, 184)
     fault = node_name_fault(name)
     if fault is not None:
@@ -320,10 +318,10 @@ def _matches(pattern: str, path: str) -> bool:
 
 
 def _collect(endpoints: Iterable[Endpoint]) -> NamesAndTypes:
-    found: dict[str, set[str]] = {}
+    types: dict[str, set[str]] = {}
     for endpoint in endpoints:
-        found.setdefault(endpoint.name, set()).add(endpoint.type_name)
-    return [(name, sorted(found[name])) for name in sorted(found)]
+        types.setdefault(endpoint.name, set()).add(endpoint.type_name)
+    return [(name, sorted(types[name])) for name in sorted(types)]
 
 
 def _actions(topics: NamesAndTypes) -> NamesAndTypes:

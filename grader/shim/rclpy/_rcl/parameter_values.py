@@ -56,11 +56,7 @@ class Value:
         self._of = None
 
     def add(self, event: YamlEvent, *, to_list: bool) -> None:
-        """Take a scalar.
-
-        Raises:
-            ValueError: it is empty, or of another type than the list it belongs to.
-        """
+        """Take a scalar. Raises ValueError: it is empty, or of another type than the list it belongs to."""
         if not event.text and not event.quoted:
             raise ValueError(f"No value at line {event.line}, at ./src/parse.c:245")
         value = event.text if event.quoted else scalar(event.text)

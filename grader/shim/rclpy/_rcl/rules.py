@@ -58,31 +58,27 @@ class _Lexer:
 
     def expect(self, kind: int) -> None:
         """Go on behind a lexeme of `kind`; ValueError if it is another."""
-        found = self.peek()
-        if found != kind:
-            if found in (NONE, EOF):
+        lexeme = self.peek()
+        if lexeme != kind:
+            if lexeme in (NONE, EOF):
                 text = f"Expected lexeme type ({kind}) not found, search ended at index {self.at}, "
                 raise ValueError(text + "at ./src/rcl/lexer_lookahead.c:239")
-            text = f"Expected lexeme type {kind}, got {found} at index {self.at}, "
+            text = f"Expected lexeme type {kind}, got {lexeme} at index {self.at}, "
             raise ValueError(text + "at ./src/rcl/lexer_lookahead.c:244")
         self.accept()
 
     def _lexeme(self, at: int) -> tuple[int, int]:
         if at >= len(self.text):
             return EOF, at
-        found = _LEXEME.match(self.text, at)
-        if found is None:
+        match_ = _LEXEME.match(self.text, at)
+        if match_ is None:
             return NONE, at + 1
-        kind = int(str(found.lastgroup).split("_")[1])
-        return (kind + int(found[0][1]) - 1 if kind == BACK_REFERENCE else kind), found.end()
+        kind = int(str(match_.lastgroup).split("_")[1])
+        return (kind + int(match_[0][1]) - 1 if kind == BACK_REFERENCE else kind), match_.end()
 
 
 def read_remap(rule: str) -> Remap:
-    """Return the remap rule that `rule` is.
-
-    Raises:
-        ValueError: it is none; the message is rcl's.
-    """
+    """Return the remap rule that `rule` is. Raises ValueError: it is none; the message is rcl's."""
     lexer = _Lexer(rule)
     node = _node_prefix(lexer)
     first = lexer.peek()
@@ -94,11 +90,11 @@ def read_remap(rule: str) -> Remap:
             _new_node_name(lexer)
         else:
             _new_namespace(lexer)
-        made = Remap(node, "node" if first == NODE else "ns", "", rule[begin : lexer.at])
+        remap = Remap(node, "node" if first == NODE else "ns", "", rule[begin : lexer.at])
     else:
-        made = _name_remap(lexer, node)
+        remap = _name_remap(lexer, node)
     lexer.expect(EOF)
-    return made
+    return remap
 
 
 def read_parameter_rule(rule: str) -> tuple[str, str, str]:
@@ -171,8 +167,8 @@ def _new_namespace(lexer: _Lexer) -> None:
                 lexer.accept()
         lexer.expect(EOF)
     except ValueError:
-        found = lexer.text[begin:]
-        logs.warn("rcl", f"Namespace not remapped to a fully qualified name (found: {found})")
+        rest = lexer.text[begin:]
+        logs.warn("rcl", f"Namespace not remapped to a fully qualified name (found: {rest})")
         raise
 
 
@@ -206,10 +202,10 @@ def _token_to_match(lexer: _Lexer) -> None:
 
 
 def _token_of_replacement(lexer: _Lexer) -> None:
-    found = lexer.peek()
-    if BACK_REFERENCE <= found < TOKEN:
+    lexeme = lexer.peek()
+    if BACK_REFERENCE <= lexeme < TOKEN:
         raise ValueError("Backreferences are not implemented, at ./src/rcl/arguments.c:1059")
-    if found != TOKEN:
+    if lexeme != TOKEN:
         raise ValueError(_UNSET)
     lexer.accept()
 

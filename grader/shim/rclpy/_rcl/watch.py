@@ -101,7 +101,7 @@ class Watch:
         for waitable in members[WAITABLE][known[WAITABLE] :]:
             if self._can_execute(waitable):
                 self._add_waitable(waitable, node)
-        self._known = [len(each) for each in members]
+        self._known = [len(member) for member in members]
 
     def _take_in(self) -> bool:
         """Count what the only node has got since. False: something else has changed; throw the watch away."""
@@ -324,7 +324,7 @@ def _members(node: Node) -> tuple[list[Any], ...]:
         node._services,
         node._rcl_waitables,
     )
-    return tuple(each if type(each) is list else list(each) for each in members)
+    return tuple(member if type(member) is list else list(member) for member in members)
 
 
 def _free(entity: Any) -> bool:

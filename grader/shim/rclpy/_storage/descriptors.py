@@ -37,11 +37,7 @@ class Description:
         self.appending = bool(flags & os.O_APPEND)
 
     def read(self, size: int) -> bytes:
-        """Return the next bytes, at most `size`.
-
-        Raises:
-            OSError: it is open for writing only.
-        """
+        """Return the next bytes, at most `size`. Raises OSError: it is open for writing only."""
         if not self.readable:
             fail(errno.EBADF)
         data = bytes(self.file.data[self.position : self.position + size])
@@ -63,11 +59,7 @@ class Description:
         return written
 
     def seek(self, offset: int, whence: int) -> int:
-        """Set the position; return it.
-
-        Raises:
-            OSError: before the beginning, or of an unknown kind.
-        """
+        """Set the position; return it. Raises OSError: before the beginning, or of an unknown kind."""
         bases = {os.SEEK_SET: 0, os.SEEK_CUR: self.position, os.SEEK_END: len(self.file.data)}
         if whence not in bases or bases[whence] + offset < 0:
             fail(errno.EINVAL)
@@ -79,11 +71,7 @@ descriptors: dict[int, Description] = {}
 
 
 def enter(description: Description, path: Any = None) -> int:
-    """Return a new descriptor, the lowest that is free.
-
-    Raises:
-        OSError: too many are open.
-    """
+    """Return a new descriptor, the lowest that is free. Raises OSError: too many are open."""
     number = FIRST_DESCRIPTOR
     while number in descriptors:
         number += 1
@@ -95,11 +83,7 @@ def enter(description: Description, path: Any = None) -> int:
 
 
 def close(number: int) -> None:
-    """Close a descriptor.
-
-    Raises:
-        OSError: it is not open.
-    """
+    """Close a descriptor. Raises OSError: it is not open."""
     description = described(number)
     del descriptors[number]
     description.file.openers -= 1
@@ -107,22 +91,14 @@ def close(number: int) -> None:
 
 
 def described(number: int) -> Description:
-    """Return what a descriptor stands for.
-
-    Raises:
-        OSError: it is not open.
-    """
+    """Return what a descriptor stands for. Raises OSError: it is not open."""
     if number not in descriptors:
         fail(errno.EBADF)
     return descriptors[number]
 
 
 def open_path(path: Any, parts: Parts, flags: int, mode: int = 0o666) -> int:
-    """Open a file of the storage as `os.open` does; return its descriptor.
-
-    Raises:
-        OSError: as `os.open`.
-    """
+    """Open a file of the storage as `os.open` does; return its descriptor. Raises as `os.open`."""
     file = _file_at(path, parts, flags, mode)
     if flags & os.O_TRUNC and flags & _ACCESS != os.O_RDONLY:
         storage.resize(file, 0)

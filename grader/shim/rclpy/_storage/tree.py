@@ -201,19 +201,11 @@ class Storage:
     # Entries ------------------------------------------------------------------------------------------
 
     def make_file(self, folder: Directory, name: str, mode: int, path: object = None) -> File:
-        """Return a new, empty file.
-
-        Raises:
-            OSError: there are too many entries.
-        """
+        """Return a new, empty file. Raises OSError: there are too many entries."""
         return self._make(File, folder, name, mode, path)
 
     def make_directory(self, folder: Directory, name: str, mode: int, path: object = None) -> Directory:
-        """Return a new, empty directory.
-
-        Raises:
-            OSError: there are too many entries.
-        """
+        """Return a new, empty directory. Raises OSError: there are too many entries."""
         return self._make(Directory, folder, name, mode, path)
 
     def _make(self, kind: type[Made], folder: Directory, name: str, mode: int, path: object) -> Made:
@@ -276,11 +268,7 @@ class Storage:
         return len(data)
 
     def resize(self, file: File, size: int) -> None:
-        """Cut `file`, or lengthen it with zeros.
-
-        Raises:
-            OSError: there is no room.
-        """
+        """Cut `file`, or lengthen it with zeros. Raises OSError: there is no room."""
         growth = size - len(file.data)
         if self._used_bytes + growth > CAPACITY_BYTES:
             fail(errno.ENOSPC)

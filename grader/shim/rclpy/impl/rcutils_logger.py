@@ -138,7 +138,7 @@ supported_filters: dict[str, type[LoggingFilter]] = {
 
 def get_filters_from_kwargs(**kwargs: Any) -> list[str]:
     """Return the filters that the keywords ask for; TypeError for an unknown keyword or a missing required one."""
-    known = [name for cls in supported_filters.values() for name in cls.params]
+    parameters = [name for cls in supported_filters.values() for name in cls.params]
     detected = [key for key, cls in supported_filters.items() if any(kwargs.get(name) for name in cls.params)]
     for key in detected:
         for name, default in supported_filters[key].params.items():
@@ -148,8 +148,8 @@ def get_filters_from_kwargs(**kwargs: Any) -> list[str]:
                     f'the logging filter "{key}"'
                 )
     for name in kwargs:
-        if name not in known:
-            raise TypeError(f'parameter "{name}" is not one of the recognized logging options "{known}"')
+        if name not in parameters:
+            raise TypeError(f'parameter "{name}" is not one of the recognized logging options "{parameters}"')
     return detected
 
 

@@ -94,19 +94,6 @@ def test_a_regrade_of_others_alone_is_not_found(
     assert len(client.get("/api/v1/regrades", headers=school.as_("wang")).json()["regrades"]) == 2
 
 
-def test_others_cannot_be_changed(
-    client: httpx.Client, school: Any, bound: dict[str, str], give: Any
-) -> None:
-    ta, url = school.as_("ta"), bound["han"]
-    assert give(url, "timer", 1.0).status_code == 404
-    assert client.post(url + "/comments", json={"text": "x"}, headers=ta).status_code == 404
-    refused = {"state": "refused", "text": "x"}
-    assert client.put(url + "/appeals/timer", json=refused, headers=ta).status_code == 404
-    several = {"items": [{"item": "timer", "points": 1}]}
-    assert client.put(url + "/judgements", json=several, headers=ta).status_code == 404
-    assert give(bound["li"], "timer", 1.0, comment="I looked.").status_code == 200
-
-
 def test_without_sections_an_assistant_sees_everybody(
     client: httpx.Client, school: Any, bound: dict[str, str], services: Services
 ) -> None:

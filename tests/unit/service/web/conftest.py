@@ -19,6 +19,7 @@ from tests.fakes import server
 from tests.fakes.clock import FakeClock
 from tests.fakes.courses import PreparedCourses
 from tests.fakes.grading import grade, grade_next
+from tests.fakes.provider import FakeProvider, provider
 
 _TOKEN = re.compile(rf'name="{FIELD}" value="([^"]+)"')
 PAGE = {"Accept": "text/html,application/xhtml+xml"}
@@ -82,6 +83,13 @@ class Browser:
         return self.post(
             f"/assignments/{assignment}", fields, files={"file": (name, source, "text/x-python")}
         )
+
+
+@pytest.fixture(scope="module")
+def listening() -> Iterator[FakeProvider]:
+    """A provider of identities, or a learning platform."""
+    with provider() as known:
+        yield known
 
 
 @pytest.fixture(scope="session")

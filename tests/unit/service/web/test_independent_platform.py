@@ -22,7 +22,7 @@ from lti1p3platform.oidc_login import OIDCLoginAbstract
 from lti1p3platform.registration import Registration
 
 from grader.contracts.identity import Caller, Role, Seen
-from grader.contracts.platform import NewPlatform, Platform
+from grader.contracts.platform import Platform
 from grader.outside.lti import Launches
 from grader.outside.lti.roster import ROSTER_SCOPE
 from grader.outside.lti.scores import SCORE_SCOPE, PlatformChannel
@@ -31,6 +31,7 @@ from grader.store.audit import Signature
 from grader.use_cases import platform_people
 from grader.use_cases.score_sending import send_scores
 from grader.use_cases.services import Services
+from tests.fakes.platforms import new_platform
 from tests.fakes.provider import RSA
 from tests.unit.service.web.test_picking import OPENED, form_of
 from tests.unit.service.web.test_platform_scores import key, signer
@@ -151,15 +152,8 @@ def ready(
 
 @pytest.fixture
 def platform(ready: Services, campus: Campus) -> Platform:
-    new = NewPlatform(
-        title="Campus",
-        issuer=ISSUER,
-        client_id="c-1",
-        deployment="1",
-        login_url=f"{ISSUER}/authorize",
-        token_url=f"{campus.address}/access",
-        keys_url=f"{campus.address}/keys",
-    )
+    served = {"token_url": f"{campus.address}/access", "keys_url": f"{campus.address}/keys"}
+    new = new_platform(issuer=ISSUER, client_id="c-1", **served)
     return ready.platforms.add(new, Signature(ready.clock(), "ros", "wang"))
 
 

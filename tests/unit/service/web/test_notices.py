@@ -123,6 +123,12 @@ def turn_to(services: Services, instant: datetime) -> None:
     services.clock.advance((instant - services.clock()).total_seconds())
 
 
+def due_tomorrow(services: Services) -> None:
+    """Let the square be due at noon of the next day, and the day before be told of it."""
+    rule(services, due=local(4, 12))
+    turn_to(services, local(3, 9))
+
+
 def give_up(services: Services, student: str) -> None:
     """Let a submission end through the service's own fault."""
     new = {"course": "ros", "student": student, "assignment": "square", "file_name": "a.py"}
@@ -211,8 +217,7 @@ def test_an_extension_is_told_to_its_student_alone(school: Services, group: Fake
 def test_who_handed_in_gets_no_reminder(school: Services, post: Postman, put: Put) -> None:
     notices.set_mail(school, WANG, MailWishes(due=True))
     put(course="ros", student="li")
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     assert send_notices(school) == 1
     assert [person for person, _ in post.by_person] == ["han"]
 
@@ -221,8 +226,7 @@ def test_what_could_not_be_said_before_the_date_is_not_said_after_it(
     school: Services, group: FakeBots
 ) -> None:
     join(school, group)
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     group.answer = 200, {"code": 19024, "msg": "Key Words Not Found"}
     assert send_notices(school) == 0
     turn_to(school, local(4, 12))
@@ -385,8 +389,7 @@ def test_whoever_dies_between_writing_and_sending_loses_nothing(
     school: Services, group: FakeBots, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     join(school, group)
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     with monkeypatch.context() as patch:
         patch.setattr(Notices, "claim", killed)
         with pytest.raises(KilledError):
@@ -419,8 +422,7 @@ def test_two_processes_that_look_at_once_write_one_notice(
     school: Services, group: FakeBots, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     join(school, group)
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     seen = school.notices.notified_states("ros", Outlet.CLASS)
     assert write_notices(school, "ros") == 1
     monkeypatch.setattr(Notices, "notified_states", lambda *_: seen)
@@ -445,8 +447,7 @@ def tried_minutes(services: Services, group: FakeBots, minutes: int) -> list[int
 
 def test_a_bot_that_refuses_is_asked_ever_more_seldom(school: Services, group: FakeBots) -> None:
     join(school, group)
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     group.answer = 200, {"code": 19021, "msg": "sign match fail"}
     assert tried_minutes(school, group, 40) == [0, 1, 3, 7, 15, 31]
     (one,) = notices.setup_of(school, WANG).latest
@@ -459,16 +460,14 @@ def test_a_bot_that_refuses_is_asked_ever_more_seldom(school: Services, group: F
 
 def test_a_bot_that_has_enough_is_left_alone_for_ten_minutes(school: Services, group: FakeBots) -> None:
     join(school, group)
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     group.answer = 200, {"code": 11232, "msg": "frequency limited"}
     assert tried_minutes(school, group, 25) == [0, 10, 20]
 
 
 def test_a_new_secret_sends_at_once_what_waited(school: Services, group: FakeBots) -> None:
     join(school, group)
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     group.answer = 200, {"code": 19021, "msg": "sign match fail"}
     assert send_notices(school) == 0
     group.answer = None
@@ -485,8 +484,7 @@ def test_one_group_that_is_down_keeps_nobody_else_waiting(
     school.notices.set_webhook(dead, signed(school))
     join(school, group, Outlet.STAFF)
     notices.set_mail(school, WANG, MailWishes(due=True, faults=True))
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     give_up(school, "li")
     assert send_notices(school) == 3  # staff's group, the instructor, and one reminder: li has handed in
     assert len(group.texts) == 1
@@ -495,8 +493,7 @@ def test_one_group_that_is_down_keeps_nobody_else_waiting(
 
 def test_an_address_that_takes_nothing_stops_nobody_elses_letters(school: Services, post: Postman) -> None:
     notices.set_mail(school, WANG, MailWishes(due=True))
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     post.failing["li@example.edu"] = NotSentError("recipient", "550 no such user")
     assert send_notices(school) == 1
     assert [person for person, _ in post.by_person] == ["han"]
@@ -504,8 +501,7 @@ def test_an_address_that_takes_nothing_stops_nobody_elses_letters(school: Servic
 
 def test_a_mail_server_that_is_down_is_asked_once_in_a_while(school: Services, post: Postman) -> None:
     notices.set_mail(school, WANG, MailWishes(due=True))
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     post.failing["*"] = NotSentError("unreachable", "refused")
     asked: list[int] = []
     whole = Notices.failed
@@ -532,8 +528,7 @@ def test_whatever_goes_wrong_with_a_course_the_others_are_told(
     away = NewWebhook(outlet=Outlet.CLASS, vendor=Vendor.FEISHU, address=group.of("feishu"), secret="x")
     school.notices.set_webhook(away, Signature(school.clock(), "aaa", "x"))
     join(school, group)
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     whole = Notices.notified_states
 
     def told(self: Notices, course: str, outlet: Outlet) -> Any:
@@ -547,8 +542,7 @@ def test_whatever_goes_wrong_with_a_course_the_others_are_told(
 
 def test_whatever_goes_wrong_with_a_letter_the_others_are_sent(school: Services, post: Postman) -> None:
     notices.set_mail(school, WANG, MailWishes(due=True))
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     post.failing["li@example.edu"] = RuntimeError("nobody thought of this")
     post.failing["han@example.edu"] = RuntimeError("nor of this")
     write_notices(school, "ros")
@@ -562,8 +556,7 @@ def test_whatever_goes_wrong_with_a_letter_the_others_are_sent(school: Services,
 def test_who_left_gets_no_letter(school: Services, post: Postman, group: FakeBots) -> None:
     notices.set_mail(school, WANG, MailWishes(due=True))
     join(school, group)
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     assert write_notices(school, "ros") == 3
     school.courses.remove("ros", ["li"], "wang")
     school.courses.import_roster("ros", [RosterEntry(id="han", name="", email="")], "test")
@@ -575,8 +568,7 @@ def test_who_leaves_meanwhile_leaves_no_notice(
     school: Services, post: Postman, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     notices.set_mail(school, WANG, MailWishes(due=True))
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     whole = Notices.add
 
     def left(self: Notices, course: str, drafts: Any) -> int:
@@ -590,8 +582,7 @@ def test_who_leaves_meanwhile_leaves_no_notice(
 
 def test_an_archived_course_tells_nothing(school: Services, group: FakeBots) -> None:
     join(school, group)
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     assert write_notices(school, "ros") == 1
     school.course_life.archive(signed(school))
     assert send_notices(school) == 0
@@ -760,8 +751,7 @@ def test_no_key_is_in_the_export_or_in_a_log(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     join(school, group)
-    rule(school, due=local(4, 12))
-    turn_to(school, local(3, 9))
+    due_tomorrow(school)
     group.answer = 503, b""
     with caplog.at_level("INFO", logger="grader"):
         send_notices(school)

@@ -17,12 +17,11 @@ from grader.service.web.picking import OPENED
 from grader.store.audit import Signature
 from grader.store.identities import Identities
 from grader.use_cases.services import Services
+from tests.fakes.platforms import PLATFORM_CLIENT as CLIENT
+from tests.fakes.platforms import PLATFORM_ID as ISSUER
 from tests.fakes.provider import FakeProvider
 from tests.unit.service.web.test_platforms import (
-    CLIENT,
-    ISSUER,
     Claims,
-    listening,
     login,
     message,
     moodle,
@@ -30,7 +29,7 @@ from tests.unit.service.web.test_platforms import (
     ready,
 )
 
-__all__ = ("listening", "moodle", "platform", "ready")  # fixtures
+__all__ = ("moodle", "platform", "ready")  # fixtures
 DEEP = "https://purl.imsglobal.org/spec/lti-dl/claim/"
 PICK = "https://grader.example.edu/lti/pick"
 BACK = f"{ISSUER}/mod/lti/contentitem_return.php?course=2&sesskey=x"

@@ -17,10 +17,10 @@ from grader.use_cases import platform_people
 from grader.use_cases.services import Services
 from tests.fakes.provider import FakeProvider
 from tests.unit.service.web.conftest import Browser
-from tests.unit.service.web.test_platform_scores import add_platform, linked, listening, moodle, signer
+from tests.unit.service.web.test_platform_scores import add_platform, linked, moodle, signer
 from tests.unit.service.web.test_platforms import open_activity, platform, ready
 
-__all__ = ["linked", "listening", "moodle", "platform", "ready"]
+__all__ = ["linked", "moodle", "platform", "ready"]
 LEARNER = "http://purl.imsglobal.org/vocab/lis/v2/membership#Learner"
 TEACHER = "http://purl.imsglobal.org/vocab/lis/v2/membership#Instructor"
 

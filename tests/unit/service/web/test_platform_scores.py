@@ -1,6 +1,6 @@
 """What a learning platform is told of scores: each difference once in effect, whatever caused it."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from datetime import timedelta
 from functools import cache
@@ -10,7 +10,7 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from grader.contracts.platform import NewPlatform, Platform, PlatformLink
+from grader.contracts.platform import Platform, PlatformLink
 from grader.contracts.rules import LateRule, Rules
 from grader.outside.lti.scores import PlatformChannel, Score, Signer, new_key
 from grader.outside.signin import Providers
@@ -20,7 +20,8 @@ from grader.store.platform_scores import PlatformScores
 from grader.store.platforms import KEY_READ_WITHIN
 from grader.use_cases.score_sending import send_scores
 from grader.use_cases.services import Services, outside_channels
-from tests.fakes.provider import FakeProvider, provider
+from tests.fakes.platforms import new_platform
+from tests.fakes.provider import FakeProvider
 
 
 @cache
@@ -32,12 +33,6 @@ def key() -> tuple[str, str]:
 def signer() -> Signer:
     """One for all tests: reading a key takes forty milliseconds."""
     return Signer((key()[1],))
-
-
-@pytest.fixture(scope="module")
-def listening() -> Iterator[FakeProvider]:
-    with provider() as known:
-        yield known
 
 
 @pytest.fixture
@@ -72,15 +67,7 @@ def linked(services: Services, moodle: FakeProvider, tokens: dict[str, str]) -> 
 def add_platform(
     services: Services, moodle: FakeProvider, issuer: str = "https://moodle.example"
 ) -> Platform:
-    new = NewPlatform(
-        title="Moodle",
-        issuer=issuer,
-        client_id="c",
-        deployment="1",
-        login_url=f"{moodle.address}/auth",
-        token_url=f"{moodle.address}/access",
-        keys_url=f"{moodle.address}/keys",
-    )
+    new = new_platform(issuer=issuer, token_url=f"{moodle.address}/access", keys_url=f"{moodle.address}/keys")
     return services.platforms.add(new, Signature(services.clock(), "ros", "wang"))
 
 

@@ -4,7 +4,7 @@ import base64
 import hashlib
 import hmac
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from datetime import timedelta
 from typing import Any
@@ -18,7 +18,7 @@ from joserfc import jws, jwt
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Role, RosterEntry
-from grader.contracts.platform import NewPlatform, Platform
+from grader.contracts.platform import Platform
 from grader.outside.lti import Launches
 from grader.outside.lti.launch import CLAIM
 from grader.outside.signin import Providers
@@ -26,20 +26,15 @@ from grader.service.web.access import SESSION_COOKIE
 from grader.service.web.platforms import COOKIE
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
-from tests.fakes.provider import RSA, FakeProvider, provider
+from tests.fakes.platforms import PLATFORM_CLIENT as CLIENT
+from tests.fakes.platforms import PLATFORM_ID as ISSUER
+from tests.fakes.platforms import new_platform
+from tests.fakes.provider import RSA, FakeProvider
 from tests.unit.service.web.conftest import Browser
 from tests.unit.service.web.test_signing_in import OTHER_KEY
 
-CLIENT = "client-1"
 SCORES = "https://purl.imsglobal.org/spec/lti-ags/"
-ISSUER = "https://moodle.example.edu"
 Claims = dict[str, Any]
-
-
-@pytest.fixture(scope="module")
-def listening() -> Iterator[FakeProvider]:
-    with provider() as known:
-        yield known
 
 
 @pytest.fixture
@@ -64,16 +59,15 @@ def ready(
 
 @pytest.fixture
 def platform(ready: Services, moodle: FakeProvider) -> Platform:
-    new = NewPlatform(
-        title="Moodle",
-        issuer=ISSUER,
-        client_id=CLIENT,
-        deployment="1",
-        login_url=f"{ISSUER}/mod/lti/auth.php",
-        token_url=f"{ISSUER}/mod/lti/token.php",
-        keys_url=f"{moodle.address}/keys",
-    )
-    return ready.platforms.add(new, Signature(ready.clock(), "ros", "wang"))
+    return add_platform(ready, moodle)
+
+
+def add_platform(
+    services: Services, moodle: FakeProvider, course: str = "ros", by: str = "wang", **changed: str
+) -> Platform:
+    """Add the platform whose keys are those of `moodle`."""
+    new = new_platform(**{"keys_url": f"{moodle.address}/keys", **changed})
+    return services.platforms.add(new, Signature(services.clock(), course, by))
 
 
 def login(client: httpx.Client, **changed: str | None) -> dict[str, str]:
@@ -456,9 +450,7 @@ def test_new_keys_of_the_platform_are_fetched(
 def test_the_same_name_on_two_platforms_is_two_people(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
 ) -> None:
-    other = replace(platform, issuer="https://canvas.example.edu")
-    new = NewPlatform(**{name: getattr(other, name) for name in NewPlatform.__dataclass_fields__})
-    second = ready.platforms.add(new, Signature(ready.clock(), "ros", "wang"))
+    second = add_platform(ready, moodle, issuer="https://canvas.example.edu")
     assert open_activity(client, moodle, ready).status_code == 200
     assert ready.identities.of_subject(second.provider, "3") == ()
 
@@ -645,10 +637,7 @@ def test_another_course_may_use_the_same_platform_and_cannot_be_in_the_way(
 ) -> None:
     """Moodle names no deployment at the login. The other course has one of its own, added by its instructor."""
     ready.courses.create("other", "Other", "UTC", "zhao")
-    theirs = {name: getattr(platform, name) for name in NewPlatform.__dataclass_fields__} | {
-        "deployment": "2"
-    }
-    ready.platforms.add(NewPlatform(**theirs), Signature(ready.clock(), "other", "zhao"))
+    add_platform(ready, moodle, "other", "zhao", deployment="2")
     asked = login(client, lti_deployment_id=None)
     token = moodle.sign(message(asked, ready.clock().timestamp()))
     assert 'content="0;url=/assignments/square"' in launch(client, token, asked["state"]).text
@@ -660,9 +649,10 @@ def test_another_course_may_use_the_same_platform_and_cannot_be_in_the_way(
 
 
 @pytest.mark.parametrize("name", ["login_url", "token_url", "keys_url"])
-def test_another_deployment_cannot_lead_elsewhere(ready: Services, platform: Platform, name: str) -> None:
-    theirs = {name: getattr(platform, name) for name in NewPlatform.__dataclass_fields__}
-    changed = theirs | {"deployment": "2", name: "https://elsewhere.example.edu/"}
+def test_another_deployment_cannot_lead_elsewhere(
+    ready: Services, moodle: FakeProvider, platform: Platform, name: str
+) -> None:
+    changed = {"deployment": "2", name: "https://elsewhere.example.edu/"}
     with pytest.raises(RefusedError) as refused:
-        ready.platforms.add(NewPlatform(**changed), Signature(ready.clock(), "other", "zhao"))
+        add_platform(ready, moodle, "other", "zhao", **changed)
     assert refused.value.code == "platform_differs"

@@ -16,9 +16,9 @@ from grader.store.platforms import Platforms
 from grader.use_cases.services import Services
 from tests.fakes.provider import FakeProvider
 from tests.unit.service.web.conftest import Browser
-from tests.unit.service.web.test_platforms import listening, moodle, ready
+from tests.unit.service.web.test_platforms import moodle, ready
 
-__all__ = ("listening", "moodle", "ready")  # fixtures
+__all__ = ("moodle", "ready")  # fixtures
 OURS = "https://grader.example.edu"
 TOLD = {"client_id": "abc", _TOOL: {"deployment_id": "7"}}
 

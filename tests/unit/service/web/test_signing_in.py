@@ -1,7 +1,7 @@
 """Signing in by OpenID Connect, CAS and a proxy's header: who gets in, as whom, and who does not."""
 
 import asyncio
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from datetime import timedelta
 
@@ -18,16 +18,10 @@ from grader.outside.signin.opening import opened
 from grader.service.web.access import PEER, SESSION_COOKIE
 from grader.service.web.signing_in import AWAY_COOKIE, HELD_COOKIE
 from grader.use_cases.services import Services
-from tests.fakes.provider import CAS_SUCCESS, CLIENT, SECRET, FakeProvider, provider
+from tests.fakes.provider import CAS_SUCCESS, CLIENT, SECRET, FakeProvider
 from tests.unit.service.web.conftest import Browser
 
 OTHER_KEY = RSAKey.generate_key(2048, parameters={"kid": "second", "use": "sig", "alg": "RS256"})
-
-
-@pytest.fixture(scope="module")
-def listening() -> Iterator[FakeProvider]:
-    with provider() as known:
-        yield known
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""Saying, while a script runs, how far it has come: for whoever waits for a practice run, not for a grading."""
+"""How far a run has come, told while it goes on: to whoever waits for a practice run, not for a grading."""
 
 import time
 from collections.abc import Callable
@@ -14,11 +14,11 @@ _EVERY_S: Final = 0.25
 _MOST_CHARACTERS: Final = 2_000
 
 
-class TellingLink:
+class ProgressLink:
     """A link to a run's process that tells how far the run is, four times a second at most.
 
-    It does so between two frames of the script, so that nothing runs beside the episode, and a script that sends
-    none for a while is not told of meanwhile. The run itself is the same as without it.
+    It tells between two frames of the script, so that nothing runs beside the episode; of a script that sends none
+    for a while nothing is told meanwhile. The run itself is the same as without it.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class TellingLink:
         now_s = self._clock_s()
         if now_s >= self._next_s:
             self._next_s = now_s + _EVERY_S
-            stdout, stderr = (masked_stream(one, self._distro).text for one in self._jail.printed())
+            stdout, stderr = (masked_stream(stream, self._distro).text for stream in self._jail.printed())
             now_ns = self._episode.now_ns
             self._tell(RunProgress(t_ns=now_ns, stdout=last_lines(stdout), stderr=last_lines(stderr)))
         return body

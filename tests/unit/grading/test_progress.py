@@ -5,19 +5,19 @@ from typing import Any
 
 from grader.contracts.grading import RunProgress
 from grader.contracts.outcome import Stream
-from grader.grading.telling import TellingLink, last_lines
+from grader.grading.progress import ProgressLink, last_lines
 
 ADDRESS = "<node at 0x7f1c2d>\n"
 
 
-def link(clock: list[float], told: list[RunProgress]) -> TellingLink:
+def link(clock: list[float], told: list[RunProgress]) -> ProgressLink:
     """A link to a process that has sent three frames; each time the clock is asked, it is the next instant."""
     frames = [b"a", b"b", None]
     jail: Any = SimpleNamespace(
         receive=lambda: frames.pop(0), printed=lambda: (Stream(text=ADDRESS + "half a l"), Stream(text="x\n"))
     )
     episode: Any = SimpleNamespace(now_ns=7)
-    return TellingLink(jail, episode, told.append, "humble", lambda: clock.pop(0))
+    return ProgressLink(jail, episode, told.append, "humble", lambda: clock.pop(0))
 
 
 def test_it_tells_now_and_then_and_passes_every_frame_on() -> None:
