@@ -1,6 +1,6 @@
 """What students are told of lost points: what was measured, in which line, and a change that was tried."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from grader.contracts.assignment import Assignment, Hints
@@ -42,13 +42,22 @@ def steps(report: GradeReport, explanation: Explanation, level: Hints) -> tuple[
 
 def _step(change: ProvenChange, items: Mapping[str, RubricItem], level: Hints) -> HintStep:
     gaining = [items[id_] for id_ in change.gains if id_ in items]
-    # the first one that failed by itself: what comes later may follow from it
-    gaining.sort(key=lambda item: (item.status is ItemStatus.NOT_CHECKED, _is_in_band(item)))
-    step = HintStep(fact=_fact(gaining[0]) if gaining else EMPTY)
+    step = HintStep(fact=_first_fact(gaining))
     if level is Hints.FACT:
         return step
     step = replace(step, line=_line(change))
     return step if level is Hints.LINE else replace(step, change=change.text, lines=change.lines)
+
+
+def first_fact(report: GradeReport) -> Text:
+    """Return what was measured of the lost points, as the first step says it once changes were tried."""
+    return _first_fact([item for item in report.items if item.status not in _NOTHING_LOST])
+
+
+def _first_fact(items: Sequence[RubricItem]) -> Text:
+    """Return the fact of the first one that failed by itself: what comes later may follow from it."""
+    ordered = sorted(items, key=lambda item: (item.status is ItemStatus.NOT_CHECKED, _is_in_band(item)))
+    return _fact(ordered[0]) if ordered else EMPTY
 
 
 def _is_in_band(item: RubricItem) -> bool:

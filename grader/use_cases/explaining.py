@@ -25,14 +25,16 @@ class Told:
     Attributes:
         report: says what was tried in place of what was guessed, as far as it is there.
         steps: what was tried, step by step. own: what the teacher says, which goes before.
+        looking: whether changes are still to be tried.
     """
 
     report: GradeReport
     steps: tuple[HintStep, ...] = ()
     own: tuple[HintStep, ...] = ()
+    looking: bool = False
 
 
-def is_explained(services: Services, submission: Submission, grading: StoredReport | None) -> bool:
+def _is_explained(services: Services, submission: Submission, grading: StoredReport | None) -> bool:
     """Whether changes are tried for a grading as the caller sees it: marks lack, of the assignment as it is."""
     if grading is None or (assignment := _published(services, submission)) is None:
         return False
@@ -47,7 +49,7 @@ def found(
 
     One that was made when other items were hidden than now is none.
     """
-    if not is_explained(services, submission, grading):
+    if not _is_explained(services, submission, grading):
         return Explanation()
     kept = services.explanations.of(submission.id, grading.attempt)
     hidden = rules.of(submission.assignment).hidden_at(services.clock())
@@ -64,11 +66,11 @@ def told_steps(
     if grading is None:
         return ()
     rules = services.rules.about(submission.course, submission.student, submission.assignment)
-    if found(services, submission, grading, rules) is None:
+    seen = told_of(services, caller, submission, grading, rules)
+    if seen.looking:
         services.explanations.ask(submission.id, grading.attempt)
         services.doorbell.ring()
         return None
-    seen = told_of(services, caller, submission, grading, rules)
     return (*seen.own, *seen.steps) if seen.steps else ()
 
 
@@ -80,12 +82,14 @@ def told_of(
     if assignment is None:
         return Told(report=report)
     level = hint_level(services, caller, assignment.id, rules)
-    explanation = found(services, submission, grading, rules) or Explanation()
+    tried = found(services, submission, grading, rules)
+    explanation = tried or Explanation()
     own = own_hints(assignment, report)
     return Told(
         report=told(report, explanation, level, own),
         steps=steps(report, explanation, level),
         own=tuple(HintStep(fact=hint) for hint in dict.fromkeys(own.values())),
+        looking=tried is None,
     )
 
 

@@ -9,6 +9,7 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.report import report_from
+from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.upload import decoded
 from grader.messages import on_page
 from grader.service.requests.middleware import UploadRoute
@@ -22,6 +23,7 @@ from grader.service.web.result import figure_document, replay_words, result_page
 from grader.service.web.source import failing_lines
 from grader.use_cases.assignments import terms_of
 from grader.use_cases.drafting import draft_of, keep_draft
+from grader.use_cases.explaining import told_of
 from grader.use_cases.handing_in import most_upload_bytes
 from grader.use_cases.practising import Practice, UnderWay, practisable, practising
 from grader.use_cases.submissions import history
@@ -84,14 +86,25 @@ def _brought(errand: PageErrand, assignment_id: str, submission_id: str) -> dict
     if submission.assignment != assignment_id:
         raise RefusedError("submission_not_found")
     source = errand.services.submissions.source(submission.id) or b""
-    report = None if stored is None else report_from(stored.content)
     marks: list[dict[str, Any]] = []
-    if report is not None:
+    if stored is not None:
+        report = report_from(stored.content)
         failing = failing_lines(source, report.runs)
         marks = [{"line": line, "text": said} for line, some in failing.items() for said in some]
-        hinted = dict.fromkeys(lines_named(report.hint.get(errand.language)))
-        marks += [{"line": line, "text": ""} for line in hinted if line not in failing]
+        guessed = dict.fromkeys(lines_named(report.hint.get(errand.language)), "")
+        hinted = _hinted(errand, submission, stored) or guessed
+        marks += [{"line": line, "text": fact} for line, fact in hinted.items() if line not in failing]
     return {"brought": decoded(source), "marks": marks}
+
+
+def _hinted(errand: PageErrand, submission: Submission, stored: StoredReport) -> dict[int, str]:
+    """Return the lines of the changes that were tried, each with what was measured."""
+    rules = errand.services.rules.about(submission.course, submission.student, submission.assignment)
+    told = told_of(errand.services, errand.caller, submission, stored, rules)
+    language = errand.language
+    return {
+        line: step.fact.get(language) for step in told.steps for line in lines_named(step.line.get(language))
+    }
 
 
 @runs.post("/draft", dependencies=OWN_FORM)

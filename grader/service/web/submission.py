@@ -25,6 +25,7 @@ from grader.contracts.report import report_from
 from grader.contracts.submission import StoredReport, Submission
 from grader.formats.packages.bundle import line_in_text, text_of
 from grader.messages import on_page
+from grader.render.steps import first_fact
 from grader.service.requests.answers import plot, to_save, trajectory_answer
 from grader.service.routes.events import LastEventId, events, owner_of, watched
 from grader.service.web import access
@@ -257,11 +258,11 @@ def read_film(errand: KnownDep, submission_id: SubmissionId, case: Case = None) 
 def read_explanation(errand: KnownDep, submission_id: SubmissionId) -> Response:
     """Return the part of the page that says what was tried, nothing where none gains; 202 until then."""
     submission, stored = access.seen(errand, submission_id)
-    steps = explaining.told_steps(errand.services, errand.caller, submission, stored)
-    if steps is None:
+    told = _told(errand, submission, stored)
+    if told["steps"] is None:
         return Response(status_code=202, headers={"Cache-Control": "no-store"})
     source = _source(errand.services, submission, stored)
-    html = fragment(errand.request, "explanation.html", steps=steps, source=source)
+    html = fragment(errand.request, "explanation.html", source=source, **told)
     return HTMLResponse(html.strip(), headers={"Cache-Control": "no-store"})
 
 
@@ -284,17 +285,34 @@ async def read_plot(errand: KnownDep, submission_id: SubmissionId, case: Case = 
 def _to_do(
     errand: PageErrand, submission: Submission, assignment: Assignment | None, stored: StoredReport | None
 ) -> dict[str, Any]:
-    """Return what the page says of the next step. `steps`: what was tried; None while it is looked for."""
+    """Return what the page says of the next step."""
     services, caller = errand.services, errand.caller
     untouched = assignment is not None and submissions.is_untouched(services, submission)
-    explained = not untouched and explaining.is_explained(services, submission, stored)
     return {
         "untouched": untouched,
-        "explained": explained,
-        "steps": explaining.told_steps(services, caller, submission, stored) if explained else (),
+        **({"steps": ()} if untouched or stored is None else _told(errand, submission, stored)),
         "mendable": assignment is not None
         and services.practice.offered
         and may_practise(services, caller, assignment),
+    }
+
+
+def _told(errand: PageErrand, submission: Submission, stored: StoredReport | None) -> dict[str, Any]:
+    """Return what `explanation.html` says of the lost points.
+
+    `steps`: what was tried; None while it is looked for. `hint`: what the checks take for the cause. `fact`: what
+    the first step will say, so that what stands first on the page does not get weaker; of an exception the hint
+    stands first, which names its line.
+    """
+    steps = explaining.told_steps(errand.services, errand.caller, submission, stored)
+    if stored is None:
+        return {"steps": steps, "hint": "", "fact": ""}
+    report = judged(stored)
+    crashed = any(run.outcome.error is not None for run in report.runs)
+    return {
+        "steps": steps,
+        "hint": report.hint.get(errand.language),
+        "fact": "" if crashed else first_fact(report).get(errand.language),
     }
 
 

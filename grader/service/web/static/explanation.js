@@ -16,18 +16,19 @@ async function load() {
   if (answer.status === 202) {
     follow();
   } else {
-    show(answer.ok ? await answer.text() : "");
+    show(answer.ok ? await answer.text() : null);
   }
 }
 
 function show(html) {
-  place.querySelector("[data-looking]").remove();
+  if (html === null) { // the page keeps what it says
+    place.querySelector("[data-looking]").remove();
+    return;
+  }
+  place.innerHTML = html;
   if (html.includes('class="change"')) {
-    place.innerHTML = html;
     place.closest(".result").classList.add("explained");
     mark([]); // of the guess
-  } else {
-    place.insertAdjacentHTML("afterbegin", html); // a stated cause, or nothing, beside the hint
   }
 }
 

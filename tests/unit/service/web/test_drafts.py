@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+from grader.contracts.explanation import ChangedText, Explanation, ProvenChange
+from grader.contracts.text import Text
 from grader.service.web.line_links import lines_named, linked
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
@@ -74,10 +76,24 @@ def test_drafts_of_the_forgotten_are_gone(li: Browser, services: Services) -> No
 
 
 def test_a_submission_is_brought_with_its_marked_lines(
-    li: Browser, put: Callable[..., str], tokens: dict[str, str]
+    li: Browser, put: Callable[..., str], services: Services, tokens: dict[str, str]
 ) -> None:
     own = put(b"one\ntwo\n", student="li", course="ros").rpartition("/")[2]
     assert opened(li, f"?lang=en&mend={own}")["brought"] == "one\ntwo\n"
+    change = ProvenChange(
+        code="scaled",
+        text=Text(zh="写 three", en="write three"),
+        lines=(ChangedText(number=2, before="two", after="three"),),
+        before=1.0,
+        after=2.0,
+        gains=("angles",),
+    )
+    claim = services.explanations.claim()
+    assert claim is not None
+    assert services.explanations.finish(claim, Explanation(changes=(change,), tried=1), 0.5)
+    marks = opened(li, f"?lang=en&mend={own}")["marks"]
+    assert [mark["line"] for mark in marks] == [2]
+    assert marks[0]["text"].startswith("Corner angles")  # what was measured, not what to write
     li.enter(token=tokens["han"])
     assert li.get(f"{PAGE}?mend={own}").status_code == 404
 

@@ -62,6 +62,26 @@ def test_what_was_tried_is_told_apart_from_the_marks(
     assert not explain(services)
 
 
+def test_what_stands_first_does_not_get_weaker(
+    browser: Browser, put: Callable[..., str], services: Services
+) -> None:
+    """While changes are tried, the guess is a further hint below the fact that the first step begins with."""
+    browser.get("/?lang=en")
+    browser.enter(student="s1")
+    address = put(b"good  # first things first", grading=guessed)
+    lacking = next(item for item in items_of(services, address) if item.id == "angles")
+    fact = f"</strong> {lacking.title.en}"
+    page = browser.get(address).text
+    assert page.index(fact) < page.index("<summary>One more hint</summary>") < page.index("a mere guess")
+    gaining = replace(CHANGE, gains=(lacking.id,))
+    claim = services.explanations.claim()
+    assert claim is not None
+    assert services.explanations.finish(claim, Explanation(changes=(gaining,), tried=1), 0.5)
+    page = browser.get(address).text
+    assert page.index(fact) < page.index("<summary>One more hint</summary>")
+    assert "a mere guess" not in page
+
+
 def test_a_stated_cause_is_told_beside_the_hint(
     browser: Browser, put: Callable[..., str], services: Services
 ) -> None:
@@ -97,7 +117,7 @@ def test_nothing_is_tried_for_full_marks(
     browser.enter(student="s1")
     address = put(b"good", grading=full_marks)
     assert "data-address" not in browser.get(address).text
-    assert browser.get(f"{address}/explanation").text == ""
+    assert_nothing_tried(browser.get(f"{address}/explanation").text)
     assert not explain(services)
 
 
@@ -125,7 +145,7 @@ def test_that_only_what_is_hidden_lacks_marks_is_not_given_away(
     browser.enter(token=tokens["li"])
     page = browser.get(address).text
     assert "data-address" not in page
-    assert browser.get(f"{address}/explanation").text == ""
+    assert_nothing_tried(browser.get(f"{address}/explanation").text)
 
 
 def test_one_of_an_assignment_that_has_changed_is_not_told(
@@ -137,7 +157,12 @@ def test_one_of_an_assignment_that_has_changed_is_not_told(
     changed = [replace(one, version=one.version + 1) for one in services.assignments.all()]  # type: ignore[attr-defined]
     monkeypatch.setattr(services.assignments, "_all", changed)
     assert "data-address" not in browser.get(address).text
-    assert browser.get(f"{address}/explanation").text == ""
+    assert_nothing_tried(browser.get(f"{address}/explanation").text)
+
+
+def assert_nothing_tried(part: str) -> None:
+    assert "data-looking" not in part
+    assert 'class="change"' not in part
 
 
 def items_of(services: Services, address: str) -> tuple[RubricItem, ...]:
