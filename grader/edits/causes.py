@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from grader.contracts.outcome import RunStatus
+from grader.edits.flow import AXES
 from grader.edits.received import Motion
 from grader.edits.situation import HOLD_NS, Driven, Situation
 from grader.edits.slices import NameSet, assignments, calls_of, dotted, number_of
@@ -27,6 +28,8 @@ _BRIEF_S: Final = 0.5
 _LENGTHS: Final = frozenset({"side_error_pct", "length_error_pct", "off_pct"})
 _MOST_CALLERS: Final = 8  # functions may call each other in a circle
 _FEW: Final = 3  # where more is lost, the missing stop is not why
+_OUTLINES: Final = frozenset({"off_pct", "covered_pct", "radius_error_pct"})
+_LEAST_ARC_DEG: Final = 5.0  # less is a correction of the heading while it drives
 _OFF: Final = 0.03  # of the wanted size: what updates of turtlesim and the period of a loop add or take away
 
 
@@ -43,8 +46,9 @@ def stated_cause(seen: Situation) -> Cause | None:
     """Return the first fact that explains why the script lacks marks; None where none does for certain."""
     if seen.outcome.status in (RunStatus.CRASHED, RunStatus.SYNTAX_ERROR):
         return None  # the exception says it
-    reached = (_held, _wrong_size, _unasked, _both_at_once, _no_stop) if seen.outcome.command_count else ()
-    explainers = (_timers_in_callbacks, _contended, _forgets, _never_ran, _endless, *reached)
+    of_drives = (_held, _in_line, _wrong_arc, _wrong_size, _unasked, _both_at_once, _no_stop)
+    of_flow = (_timers_in_callbacks, _contended, _forgets, _slow_timer, _never_ran, _endless, _idle_axis)
+    explainers = (*of_flow, *(of_drives if seen.outcome.command_count else ()))
     return next((cause for one in explainers for cause in one(seen)), None)
 
 
@@ -323,12 +327,78 @@ def _source_of(motion: Motion, handed: set[str]) -> str:
     return next((function for _, function, _ in reversed(motion.stack) if function in handed), "")
 
 
+def _idle_axis(seen: Situation) -> Iterator[Cause]:
+    """Yield the line that sets an axis which moves no turtle, where what that should do never happened."""
+    for axis, right in AXES.items():
+        moves = axis.startswith("linear")
+        if any(one.motion.v if moves else one.motion.w for one in seen.driven):
+            continue
+        for one in assignments(seen.script):
+            ran = one.statement.lineno in seen.ledger.ran
+            if ran and one.target.endswith(f".{axis}") and number_of(one.value) != 0.0:
+                yield Cause("idle_axis", one.statement.lineno, {"axis": axis, "right": right})
+
+
+def _slow_timer(seen: Situation) -> Iterator[Cause]:
+    """Yield the timer whose callback commands a motion, and comes again only after turtlesim has dropped it."""
+    handed = _handed_over(seen.script)
+    for motion, longest_ns in _dropped(seen):
+        if (call := _timer_of(seen.script, _source_of(motion, handed))) is not None:
+            values: dict[str, object] = {"name": dotted(call.args[1]), "period": f"{longest_ns / 1e9:.3g}"}
+            yield Cause("period", call.lineno, values)
+
+
 def _held(seen: Situation) -> Iterator[Cause]:
     """Yield the line whose command came once, and that turtlesim dropped before the wait after it was over."""
+    for motion in (one for one, _ in _dropped(seen) if one.times == 1):
+        yield Cause("held", motion.line, {"v": f"{motion.v:g}", "w": f"{motion.w:g}"})
+
+
+def _dropped(seen: Situation) -> Iterator[tuple[Motion, int]]:
+    """Yield the motions whose command turtlesim dropped each time, and the longest wait after one in ns."""
     for driven in seen.distinct:
+        longest_ns = max((ns // times for times, ns in driven.motion.waits.values() if times), default=0)
+        if longest_ns > HOLD_NS and (driven.is_held or driven.motion.times > 1):
+            yield driven.motion, longest_ns
+
+
+def _in_line(seen: Situation) -> Iterator[Cause]:
+    """Yield the drive that goes on in the line of the one before: as many as wanted came, but a turn less."""
+    drives = [one for one in seen.driven if one.is_drive]
+    if "sides" not in seen.lost or len(drives) not in seen.wanted.counts:
+        return
+    for before, after in itertools.pairwise(seen.driven):
+        if before.is_drive and after.is_drive:
+            lines = zip(before.motion.stack, after.motion.stack, strict=False)
+            first, second = next(((a[0], b[0]) for a, b in lines if a[0] != b[0]), (0, 0))
+            if first:
+                yield Cause("in_line", second, {"before": first})
+
+
+def _timer_of(script: ParsedScript, callback: str) -> ast.Call | None:
+    """Return the call that has a timer run `callback`; None if there is none, or the script ends timers itself."""
+    if not callback or any(True for name in ("cancel", "destroy_timer") for _ in calls_of(script, name)):
+        return None
+    timers = (call for call in calls_of(script, "create_timer") if len(call.args) > 1)
+    return next((one for one in timers if dotted(one.args[1]).rpartition(".")[2] == callback), None)
+
+
+def _wrong_arc(seen: Situation) -> Iterator[Cause]:
+    """Yield the arcs that have another radius than the wanted one in their place, or another angle."""
+    arcs = [one for one in seen.driven if one.is_arc]
+    wanted = seen.wanted.arcs
+    if len(arcs) != len(wanted) or not seen.lost & _OUTLINES:
+        return
+    for driven, (radius_m, angle_deg) in zip(arcs, wanted, strict=True):
         motion = driven.motion
-        if driven.is_held and motion.times == 1 and any(ns > HOLD_NS for _, ns in motion.waits.values()):
-            yield Cause("held", motion.line, {"v": f"{motion.v:g}", "w": f"{motion.w:g}"})
+        size_m, size_deg = abs(motion.v / motion.w), abs(driven.angle_deg)
+        values = {"rate": f"{motion.w:g}", "seconds": driven.seconds}
+        if radius_m and abs(size_m - radius_m) > _OFF * radius_m:
+            size = {"size": size_m, "wanted": radius_m, "unit": "m", "speed": f"{motion.v:g}"}
+            yield Cause("radius", motion.line, {**values, **size})
+        elif abs(size_deg - angle_deg) > _OFF * angle_deg:
+            size = {"size": size_deg, "wanted": angle_deg, "unit": "deg"}
+            yield Cause("turned_plain", motion.line, {**values, **size})
 
 
 def _wrong_size(seen: Situation) -> Iterator[Cause]:
@@ -337,6 +407,7 @@ def _wrong_size(seen: Situation) -> Iterator[Cause]:
         size, wanted, unit = _compared(seen, driven)
         if (
             wanted is None
+            or _is_part(seen, driven)
             or abs(size - wanted) <= _OFF * wanted
             or (unit == "m" and not seen.lost & _LENGTHS)
         ):
@@ -351,6 +422,16 @@ def _wrong_size(seen: Situation) -> Iterator[Cause]:
         values = {"size": size, "wanted": wanted, "unit": unit, "rate": f"{rate:g}"}
         code, plain = ("turned", "turned_plain") if unit == "deg" else ("drove", "drove_plain")
         yield Cause(code if waits else plain, line, {**values, "seconds": driven.seconds, "waits": waits})
+
+
+def _is_part(seen: Situation, driven: Driven) -> bool:
+    """Whether the next command goes on with a motion at another rate, as a controller does: one size of many."""
+    rows = seen.ledger.motions
+    after = next((later for one, later in itertools.pairwise(rows) if one is driven.motion), None)
+    rates = (
+        (driven.motion.w, after.w) if after and driven.is_turn else (driven.motion.v, after.v if after else 0)
+    )
+    return after is not None and after.line == driven.motion.line and rates[0] * rates[1] > 0.0
 
 
 def _compared(seen: Situation, driven: Driven) -> tuple[float, float | None, str]:
@@ -378,15 +459,15 @@ def _both_at_once(seen: Situation) -> Iterator[Cause]:
     if not seen.wanted.turns_deg or not seen.lost & {"sides", "curved_pct", "corner_deg"}:
         return
     for driven in seen.distinct:
-        if driven.is_arc:
+        if driven.is_arc and abs(driven.angle_deg) >= _LEAST_ARC_DEG:
             yield Cause("arc", driven.motion.line, {"v": f"{driven.motion.v:g}", "w": f"{driven.motion.w:g}"})
 
 
 def _no_stop(seen: Situation) -> Iterator[Cause]:
     """Yield the line that commanded the last motion, where no stop came after it."""
     last = next(iter(seen.ledger.motions[-1:]), None)
-    if last is None or last.is_stop:
-        return
+    if last is None or last.is_stop or seen.outcome.status is RunStatus.INTERRUPTED:
+        return  # where Ctrl+C ended the script, it was still driving
     moves_on = "settled" in seen.lost and len(seen.lost) <= _FEW
     if moves_on or seen.driven[-1].is_held:  # for a second more than was meant
         yield Cause("no_stop", last.line, {"v": f"{last.v:g}", "w": f"{last.w:g}"})

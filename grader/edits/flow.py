@@ -9,7 +9,7 @@ from grader.edits.situation import Proposal, Situation
 from grader.edits.slices import NameSet, assignments, calls_of, dotted, number_of
 from grader.edits.tree import Edit, ParsedScript
 
-_AXES: Final = {
+AXES: Final = {
     "linear.y": "linear.x",
     "linear.z": "linear.x",
     "angular.x": "angular.z",
@@ -104,7 +104,7 @@ def _axes(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
     """Yield the axis that a turtle has, for one that it has not."""
     edits, line = [], 0
     for one in known:
-        for wrong, right in _AXES.items():
+        for wrong, right in AXES.items():
             if one.target.endswith(f".{wrong}") and number_of(one.value) != 0.0:
                 target = _target_of(one.statement)
                 if target is not None:

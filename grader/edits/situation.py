@@ -19,11 +19,15 @@ _MOST_LINES = 12
 
 @dataclass(frozen=True)
 class WantedSizes:
-    """Sizes that the assignment names: of turns, of drives, and of how many of something."""
+    """Sizes that the assignment names: of turns, of drives, and of how many of something.
+
+    `arcs`: radius in m (0: any) and angle in degrees of each arc of the wanted path, in order.
+    """
 
     turns_deg: tuple[float, ...] = ()
     lengths_m: tuple[float, ...] = ()
     counts: tuple[int, ...] = ()
+    arcs: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -323,7 +323,9 @@ def wanted_of(assignment: Assignment, lost: frozenset[str]) -> WantedSizes:
         turns.append(360.0 / sides)
     given = (options.get(name) for name in ("side_m", "other_side_m"))
     lengths += [float(one) for one in given if isinstance(one, int | float)]
-    for piece in () if assignment.path is None else assignment.path.pieces:
+    path = assignment.path
+    pieces = () if path is None else path.pieces
+    for piece in pieces:
         turns += [abs(piece.angle_deg)] if piece.angle_deg else []
         lengths += [abs(piece.length_m)] if piece.length_m else []
     measures = CHECKS[OLDER_NAMES.get(assignment.check, assignment.check)].measures
@@ -340,7 +342,11 @@ def wanted_of(assignment: Assignment, lost: frozenset[str]) -> WantedSizes:
             lengths.append(middle or _STEP_M * math.ceil(low * 1.01 / _STEP_M))
         elif kind.form == "count" and low.is_integer():
             counts.append(int(low))
-    return WantedSizes(_distinct(turns), _distinct(lengths), tuple(dict.fromkeys(counts)))
+    any_size = path is not None and path.any_scale
+    arcs = tuple(
+        (0.0 if any_size else one.radius_m, abs(one.angle_deg)) for one in pieces if one.kind == "arc"
+    )
+    return WantedSizes(_distinct(turns), _distinct(lengths), tuple(dict.fromkeys(counts)), arcs)
 
 
 def _distinct(values: Sequence[float]) -> tuple[float, ...]:

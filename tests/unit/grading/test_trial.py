@@ -240,3 +240,58 @@ def test_an_assignment_that_names_its_check_by_an_older_name_is_explained(slot: 
     source += "node.get_logger().info('hello')\nrclpy.spin(node)\n"
     job = GradingJob(file_name="script.py", source=source.encode(), assignment=task)
     assert [one.code for one in slot.explain(job).changes] == ["node_name"]
+
+
+TURTLE = """\
+import math
+import time
+import rclpy
+from geometry_msgs.msg import Twist
+rclpy.init()
+node = rclpy.create_node("turtle")
+pub = node.create_publisher(Twist, "/turtle1/cmd_vel", 10)
+time.sleep(1)
+def drive(v, w, seconds):
+    msg = Twist()
+    msg.linear.x, msg.angular.z = v, w
+    for _ in range(round(seconds / 0.02)):
+        pub.publish(msg)
+        time.sleep(0.02)
+    pub.publish(Twist())
+    time.sleep(0.1)
+MOTIONS
+"""
+SLOW_TIMER = """\
+def back():
+    msg = Twist()
+    msg.linear.x = -0.15
+    pub.publish(msg)
+node.create_timer(HERTZ, back)
+rclpy.spin(node)"""
+CIRCLES = "for r in (0.8, 1.6):\n    drive(1.0, RATE, WAY * r)"
+IDLE = "drive(0.0, 0.0, 0.1)\nmsg = Twist()\nmsg.AXIS = 1.0\npub.publish(msg)\ntime.sleep(7)"
+MOST_OF_A_RECTANGLE = """\
+for _ in range(2):
+    drive(1.0, 0.0, 3.0)
+    drive(0.0, 1.0, math.pi / 2)
+    drive(1.0, 0.0, 2.0)"""
+
+
+@pytest.mark.parametrize(
+    ("assignment", "motions", "stated"),
+    [
+        ("backward", SLOW_TIMER.replace("HERTZ", "5"), ("period", 21)),
+        ("backward", SLOW_TIMER.replace("HERTZ", "3"), ("period", 21)),
+        ("spin", IDLE.replace("AXIS", "angular.x"), ("idle_axis", 19)),
+        ("spin", IDLE.replace("AXIS", "angular.y"), ("idle_axis", 19)),
+        ("two_circles", CIRCLES.replace("RATE", "r").replace("WAY * r", "2 * math.pi / r"), ("radius", 13)),
+        ("two_circles", CIRCLES.replace("RATE", "1 / r").replace("WAY", "math.pi"), ("turned_plain", 13)),
+        ("rectangle", MOST_OF_A_RECTANGLE, ("in_line", 18)),
+    ],
+)
+def test_what_a_line_did_is_stated(
+    slot: Slot, assignment: str, motions: str, stated: tuple[str, int]
+) -> None:
+    explanation = explained(slot, TURTLE.replace("MOTIONS", motions), assignment)
+    assert explanation.cause is not None
+    assert (explanation.changes, explanation.cause.code, explanation.cause.line) == ((), *stated)
