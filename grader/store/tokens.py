@@ -206,10 +206,15 @@ def _row(  # noqa: PLR0913, PLR0917
 
 
 def code_in(text: str) -> str | None:
-    """Return the code that `text` shows, in whatever case, width and grouping; None if it is none."""
-    shown = unicodedata.normalize("NFKC", text).upper()
-    code = re.sub(r"[\s\-‐-―]", "", shown).translate(_LOOK_ALIKES)
+    """Return the token's code that `text` shows; None if it is none."""
+    code = typed_code(text)
     return code if _CODE.fullmatch(code) else None
+
+
+def typed_code(text: str) -> str:
+    """Return what somebody typed in whatever case, width and grouping as `random_code` writes it."""
+    shown = unicodedata.normalize("NFKC", text).upper()
+    return re.sub(r"[\s\-‐-―]", "", shown).translate(_LOOK_ALIKES)
 
 
 def random_code(length: int) -> str:

@@ -8,22 +8,24 @@ from grader.contracts.identity import Caller, Role
 from grader.contracts.submission import Submission
 from grader.contracts.team import LARGEST_TEAM, Team
 from grader.contracts.text import Text
+from grader.store.tokens import typed_code
 from grader.use_cases.assignments import require_published, visible_assignment
 from grader.use_cases.callers import require_instructor, require_staff
 from grader.use_cases.people import person
 from grader.use_cases.services import Services
 
 
-def own_team(services: Services, caller: Caller, assignment_id: str) -> Team | None:
-    """Return the caller's team for an assignment; None: there is none, or the assignment is not for teams.
+def own_team(services: Services, caller: Caller, assignment_id: str) -> tuple[Team | None, int]:
+    """Return the caller's team for an assignment, if there is one, and how many students it takes at most.
 
     Raises:
         RefusedError: the caller does not see the assignment.
     """
     visible_assignment(services, caller, assignment_id)
-    if caller.course is None or caller.person is None or team_size(services, caller, assignment_id) == 1:
-        return None
-    return services.teams.of_student(caller.course, assignment_id, caller.person)
+    most = team_size(services, caller, assignment_id)
+    if caller.course is None or caller.person is None or most == 1:
+        return None, most
+    return services.teams.of_student(caller.course, assignment_id, caller.person), most
 
 
 def team_size(services: Services, caller: Caller, assignment_id: str) -> int:
@@ -45,7 +47,7 @@ def join_team(services: Services, caller: Caller, assignment_id: str, code: str 
             be left.
     """
     most = _most(services, caller, assignment_id)
-    typed = None if code is None else "".join(code.upper().split())
+    typed = None if code is None else typed_code(code)
     return services.teams.join(services.signature(caller), assignment_id, typed, most)
 
 

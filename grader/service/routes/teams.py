@@ -59,8 +59,7 @@ class TeamsChange(Body):
 def read_own(errand: ErrandDep, response: Response, assignment_id: AssignmentId) -> OwnTeam:
     """Return with whom the caller hands in."""
     response.headers.update(PRIVATE)
-    team = use_case.own_team(errand.services, errand.caller, assignment_id)
-    size = use_case.team_size(errand.services, errand.caller, assignment_id)
+    team, size = use_case.own_team(errand.services, errand.caller, assignment_id)
     return OwnTeam(team=None if team is None else TeamView.of(team), team_size=size)
 
 

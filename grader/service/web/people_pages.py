@@ -167,7 +167,7 @@ def remove_member(
 
 
 @router.post("/people/{person}/token", dependencies=OWN_FORM)
-def make_token(errand: InstructorDep, person: PersonId) -> Response:
+def make_token(errand: StaffDep, person: PersonId) -> Response:
     """Make a token for a member and show it, this once."""
     member = people.member_of(errand.services, errand.caller, person)
     token = people.give_token(errand.services, errand.caller, person, _DAYS)

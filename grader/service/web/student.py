@@ -1,6 +1,6 @@
 """The student's pages: assignments, handing in, earlier attempts."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Annotated
 
 from fastapi import APIRouter, File, Form, Response, UploadFile
@@ -130,7 +130,10 @@ def _assignment_page(
     terms = None if caller.course is None else terms_of(services, caller, assignment.id)
     closed = None if terms is None or terms.refusal is None else RefusedError(terms.refusal.code)
     refused = None if problem is None else form_problem(problem, language, field="file")
-    team = own_team(services, caller, assignment.id)
+    if refused is not None and refused.code == "empty" and assignment.input == "text":
+        title, fix = on_page(language, "upload.no_answer"), on_page(language, "upload.no_answer.fix")
+        refused = replace(refused, title=title, fix=fix, detail=None)
+    team, _ = own_team(services, caller, assignment.id)
     return page(
         errand.request,
         "assignment.html",
