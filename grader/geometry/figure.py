@@ -17,7 +17,6 @@ import numpy as np
 from grader.contracts.record import Record
 from grader.geometry import exact
 from grader.geometry.path import (
-    ARC_SHARE,
     FULL_TURN_RAD,
     MIN_TURN_RAD,
     SETTLING_SHARE,
@@ -27,6 +26,7 @@ from grader.geometry.path import (
     Segments,
     Straight,
     Turn,
+    arc_rad,
     bare,
 )
 
@@ -52,18 +52,19 @@ REPEAT_TOLERANCE = 0.15  # by how much a side of a later lap may differ: on a sl
 # spiral, whose laps grow without a corner in common, that is about 0.7.
 MOVED_SHARE = 0.3
 
-# A turn between two laps that is off by more was no attempt at the corner: the next lap lies elsewhere, and the
-# first is judged. Up to here the corner costs less than that does.
-APART_RAD = math.radians(9.0)
 SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's extent is no turn on the spot
 # Of the distance travelled along a side: so much may be driven beside its line (`Straight.strayed_m`) before it
 # counts as less than one side, and from the second on it counts as none.
-STRAYED_SHARE, LOST_SHARE = 0.1, 0.5
+STRAYED_SHARE, LOST_SHARE = 0.15, 0.6
 # From the first bend on a part of a side counts as driven while turning, from the second on all of it.
 BENT_RAD, ROUND_RAD = math.radians(10.0), math.radians(30.0)
+SWUNG_RAD = math.radians(16.0)  # instead of the first, for a side that swings out and comes back
 # Of a side from corner to corner: with less than the first driven straight it counts as less than one side, with
 # the second as none, because the figure is nearly a circle.
 LEVEL_SHARE, ROUND_SHARE = 0.45, 0.27
+# Of a corner: a side that bends by more than the first counts as less than one, by the second as none. Where all
+# bend by a whole corner, the figure is a circle.
+BOWED_SHARE, CIRCLED_SHARE = 0.3, 0.7
 # How much the distance driven in a turn counts against the angle, to find its middle. More would move the middle
 # of an arc that is driven unevenly; any less decides where the angle does not change.
 CUT_OFF_COUNTS = 0.02
@@ -145,6 +146,7 @@ class _Straights:
     Attributes:
         spans: sample indices of the two vertices of each. sides_m: their distances.
         corners: the change of direction from each straight to the next.
+        wanted: how many sides the figure should have.
         cut_short: the car was still under way when the recording ended, so that the last segment says nothing
             about its intended size.
     """
@@ -154,6 +156,7 @@ class _Straights:
     spans: list[tuple[int, int]]
     sides_m: list[float]
     corners: list[float]
+    wanted: int
     cut_short: bool
 
     def __len__(self) -> int:
@@ -168,8 +171,8 @@ def readings(path: Path, segments: Segments, *, sides: int, cut_short: bool) -> 
     """Yield the ways in which a path may be read as a figure of `sides` sides; none without a straight."""
     spans = [span(path, segments, i) for i in range(len(segments.straights))]
     sides_m = [chord(path, *ends) for ends in spans]
-    straights = _Straights(path, segments, spans, sides_m, _corners(path, segments), cut_short)
-    for extent in _extents(straights, sides):
+    straights = _Straights(path, segments, spans, sides_m, _corners(path, segments), sides, cut_short)
+    for extent in _extents(straights):
         yield from _figures(straights, extent)
 
 
@@ -205,18 +208,18 @@ def _backs_up(path: Path, straight: Straight) -> bool:
     return bool(path.signed_m[straight.last] < path.signed_m[straight.first])
 
 
-def _extents(straights: _Straights, sides: int) -> Iterator[_Extent]:
+def _extents(straights: _Straights) -> Iterator[_Extent]:
     """Yield which straights may be the figure: all, until the direction comes round, or as many as are wanted.
 
     Straights before it are an approach if a figure of equal corners then closes, or nearly does, and clearly
     better than one before it. The first and the last straight may be two parts of one side.
     """
-    total, least = len(straights), math.inf
+    total, sides, least = len(straights), straights.wanted, math.inf
     for first in range(min(MAX_APPROACH_STRAIGHTS + 1, total)):
         rest, nearly = total - first, min(NEARLY_CLOSED_SHARE, least - BETTER_SHARE)
         lap = _comes_round(straights.corners) if first == 0 else None
         if lap is not None and lap not in (sides, total):
-            yield _followed(straights, _Extent(first, lap))
+            yield from _followed(straights, _Extent(first, lap))
         if first == 0:
             yield _Extent(first, total)
         is_figure = 2 < sides <= rest and alike(straights.corners[first : first + sides - 1])
@@ -225,7 +228,7 @@ def _extents(straights: _Straights, sides: int) -> Iterator[_Extent]:
             extent = _Extent(first, sides, inside=inside)
             open_share = _open_share(straights, extent)
             if (first == 0 and sides < rest) or (first > 0 and open_share <= nearly):
-                yield _followed(straights, extent)
+                yield from _followed(straights, extent)
             if is_figure:
                 least = min(least, open_share)
         joined = _Extent(first, rest, joined=True)
@@ -249,21 +252,19 @@ def _open_share(straights: _Straights, extent: _Extent) -> float:
     return gap_m / length_m if length_m > 0.0 else math.inf
 
 
-def _followed(straights: _Straights, lap: _Extent) -> _Extent:
-    """Say of a lap how what follows relates to it."""
-    stop = lap.first + lap.count
-    if stop == len(straights):
-        return lap
+def _followed(straights: _Straights, lap: _Extent) -> Iterator[_Extent]:
+    """Yield how what follows a lap may relate to it.
+
+    The turn to a lap that repeats the first one elsewhere is a corner, or that lap was driven after the figure.
+    """
+    if lap.first + lap.count == len(straights):
+        yield lap
+        return
     retraced = _retraced(straights, lap)
     repeated = retraced or _repeats(straights, lap)
-    apart = repeated and not retraced and _turned_between(straights.corners[lap.first : stop])
-    return replace(
-        lap,
-        retraced=retraced,
-        repeated=repeated and not apart,
-        overrun=not repeated or apart,
-        apart=apart,
-    )
+    yield replace(lap, retraced=retraced, repeated=repeated, overrun=not repeated)
+    if repeated and not retraced:
+        yield replace(lap, overrun=True, apart=True)
 
 
 def _retraced(straights: _Straights, lap: _Extent) -> bool:
@@ -310,14 +311,6 @@ def _repeats(straights: _Straights, lap: _Extent) -> bool:
     return _turns_alike(straights.corners[lap.first :], lap.count)
 
 
-def _turned_between(lap: list[float]) -> bool:
-    """Whether the corner from a lap to the next is far off the others, which make the figure without it."""
-    inner = [bare(corner) for corner in lap[:-1]]
-    if _comes_round(inner) != len(lap) or not alike(inner):
-        return False
-    return abs(math.remainder(lap[-1] - exact.total(inner) / len(inner), FULL_TURN_RAD)) > APART_RAD
-
-
 def _comes_round(corners: list[float]) -> int | None:
     """Return how many sides bring the direction round once, or None.
 
@@ -340,22 +333,35 @@ def alike(corners: Sequence[float]) -> bool:
 
 
 def _figures(straights: _Straights, extent: _Extent) -> Iterator[PolygonFigure]:
-    """Yield the figure of some straights, and as if it began, or ended, at a corner near which the path did."""
+    """Yield the figure of some straights, and as if a side within which the path began, or ended, were whole."""
     path, first, stop = straights.path, extent.first, extent.first + extent.count
     vertices = [straights.spans[first][0], *(end for _, end in straights.spans[first:stop])]
-    yield _figure(straights, extent, vertices)
-    whole = first == 0 and stop == len(straights) and not straights.cut_short and not extent.joined
-    if not whole or chord(path, len(path) - 1, 0) > CLOSED_SHARE * exact.total(straights.sides_m):
+    sides = [chord(path, *one) for one in itertools.pairwise(vertices)]
+    yield _figure(
+        straights, extent, vertices, [sides[0] + sides[-1], *sides[1:-1]] if extent.joined else sides
+    )
+    closed_m = CLOSED_SHARE * exact.total(straights.sides_m)
+    # What is open beyond that is left out of the side, twice: so it is not left out all at once.
+    left_out_m = max(2.0 * (chord(path, len(path) - 1, 0) - closed_m), 0.0)
+    if first > 0 or stop < len(straights) or straights.cut_short or left_out_m > 2.0 * closed_m:
+        return
+    if extent.joined:
+        whole_m = chord(path, vertices[-2], vertices[1]) - left_out_m
+        yield _figure(straights, extent, vertices, [max(whole_m, sides[0] + sides[-1]), *sides[1:-1]])
         return
     for turn, at in ((straights.segments.turns[0], -1), (straights.segments.turns[-1], 0)):
         if turn is None or turn.length_m < SETTLING_SHARE * path.extent_m or _is_arc(path, turn):
             continue
         moved = list(vertices)
         moved[at] = half_turned(path, turn)
-        yield _figure(straights, extent, moved)
+        sides = [chord(path, *one) for one in itertools.pairwise(moved)]
+        sides[at] = max(sides[at] - left_out_m, 0.0)
+        yield _figure(straights, extent, moved, sides)
 
 
-def _figure(straights: _Straights, extent: _Extent, vertices: list[int]) -> PolygonFigure:
+def _figure(
+    straights: _Straights, extent: _Extent, vertices: list[int], sides_m: list[float]
+) -> PolygonFigure:
     path, first, stop = straights.path, extent.first, extent.first + extent.count
     corners = straights.corners[first:stop]
     if stop == len(straights) and not straights.cut_short:
@@ -366,17 +372,17 @@ def _figure(straights: _Straights, extent: _Extent, vertices: list[int]) -> Poly
     begin = straights.spans[first][0]
     start = begin if extent.inside else _set_out(path, straights.segments)
     rest = len(path) - 1 if extent.overrun and not straights.cut_short else end
-    sides = [chord(path, *one) for one in itertools.pairwise(vertices)]
     driven_m = float(path.along_m[end] - path.along_m[begin])
     strayed_m = exact.total(straight.strayed_m for straight in own)
-    bows = tuple(_bow(each, path.extent_m, side_m) for each, side_m in zip(own, sides, strict=True))
-    curved_m = strayed_m + _curved_m(own, [*straights.segments.turns[first + 1 : stop], closing])
-    if extent.joined:
-        sides = [sides[0] + sides[-1], *sides[1:-1]]
+    swings = [_swing_rad(path, each) for each in own]
+    turns = [turn for turn in (*straights.segments.turns[first + 1 : stop], closing) if turn is not None]
+    bent_m = exact.total(map(_bent_m, own, swings))
+    turned_m = exact.total(turn.length_m for turn in turns)  # negative in a correction: the distance falls
+    curved_m = strayed_m + max(bent_m + turned_m, 0.0)
     inner, last_turned_rad = _shaping(corners, extent, turned=closing is not None)
     return PolygonFigure(
         vertices=tuple(vertices),
-        sides_m=tuple(sides),
+        sides_m=tuple(sides_m),
         corners_rad=tuple(inner),
         last_turn_rad=_last_turn(path, closing, last_turned_rad) if closing is not None else 0.0,
         last_turned_rad=last_turned_rad,
@@ -387,7 +393,7 @@ def _figure(straights: _Straights, extent: _Extent, vertices: list[int]) -> Poly
         gap_m=chord(path, start, rest),
         curved_share=min(curved_m / driven_m, 1.0) if driven_m > 0.0 else 0.0,
         strayed_share=min(strayed_m / driven_m, 1.0) if driven_m > 0.0 else 0.0,
-        bows=bows,
+        bows=_bows(straights, own, swings, vertices),
         repeated=extent.repeated,
         overrun=extent.overrun,
         apart=extent.apart,
@@ -399,7 +405,7 @@ def _shaping(corners: list[float], extent: _Extent, *, turned: bool) -> tuple[li
     inner = corners[: extent.count - 1]
     if not turned or extent.joined:
         return inner, 0.0
-    about = extent.retraced and _turned_between(corners)
+    about = extent.retraced and alike(inner) and not alike(corners)
     needed = _comes_round(inner) != extent.count and not _further(inner, corners[-1])
     if (extent.repeated and not about) or needed:
         return corners, 0.0
@@ -428,26 +434,41 @@ def _is_arc(path: Path, turn: Turn) -> bool:
     return exact.total(np.diff(along)[turning[1:]]) > 0.1 * turn.length_m
 
 
-def _curved_m(straights: Sequence[Straight], turns: Sequence[Turn | None]) -> float:
-    length_m = exact.total(turn.length_m for turn in turns if turn is not None) + exact.total(
-        map(_bent_m, straights)
+def _bows(
+    straights: _Straights, own: Sequence[Straight], swings: Sequence[float], vertices: Sequence[int]
+) -> tuple[float, ...]:
+    drawn_m = [chord(straights.path, *ends) for ends in itertools.pairwise(vertices)]
+    corner_rad, mean_m = FULL_TURN_RAD / straights.wanted, exact.mean(drawn_m) or STILL_M
+    return tuple(
+        _bow(side, swing_rad, corner_rad * max(side_m / mean_m, 1.0), side_m)
+        for side, swing_rad, side_m in zip(own, swings, drawn_m, strict=True)
     )
-    return max(length_m, 0.0)  # distance falls within a correction, so a turn in it counts negative
 
 
-def _bent_m(straight: Straight) -> float:
-    """Return how much of a side counts as driven while turning."""
-    share = (abs(straight.bend_rad) - BENT_RAD) / (ROUND_RAD - BENT_RAD)
-    return straight.length_m * min(max(share, 0.0), 1.0)
+def _swing_rad(path: Path, straight: Straight) -> float:
+    """Return how far an arc would bend that strays as far from its chord as a side; no more than that side turns.
 
-
-def _bow(straight: Straight, extent_m: float, side_m: float) -> float:
-    """Return how far a side is from being one: 1 if it bends as much as a turn, or is mostly detours or corners.
-
-    A bend counts from half of that on.
+    Detours count by themselves.
     """
-    most_rad = max(straight.length_m / (ARC_SHARE * extent_m), MIN_TURN_RAD)
-    bent = 2.0 * abs(straight.bend_rad) / most_rad - 1.0
+    if straight.strayed_m > 0.0:
+        return 0.0
+    turned_rad = float(np.ptp(path.travel_rad[straight.first : straight.last + 1]))
+    return min(arc_rad(path, straight.first, straight.last), turned_rad)
+
+
+def _bent_m(straight: Straight, swing_rad: float) -> float:
+    """Return how much of a side counts as driven while turning; wobble does not."""
+    beyond_rad = max(abs(straight.bend_rad) - BENT_RAD, swing_rad - SWUNG_RAD, 0.0)
+    return straight.length_m * min(beyond_rad / (ROUND_RAD - BENT_RAD), 1.0)
+
+
+def _bow(straight: Straight, swing_rad: float, circle_rad: float, side_m: float) -> float:
+    """Return how far a side is from being one: 1 if it is nearly an arc of a circle, or mostly detours.
+
+    `circle_rad`: by so much it would bend if the whole figure were a circle.
+    """
+    bend_rad = max(abs(straight.bend_rad), swing_rad)
+    bent = (bend_rad / circle_rad - BOWED_SHARE) / (CIRCLED_SHARE - BOWED_SHARE)
     strayed = straight.strayed_m / straight.length_m if straight.length_m > 0.0 else 0.0
     astray = (strayed - STRAYED_SHARE) / (LOST_SHARE - STRAYED_SHARE)
     level = straight.length_m / side_m if side_m > 0.0 else 1.0

@@ -59,6 +59,7 @@ MOST_ASIDE_RAD = math.radians(60.0)
 MIN_EXTENT_M = 0.02  # keeps the tolerances of a car that turned on the spot from shrinking to its noise
 MAX_VERTICES = 1000  # bounds the work for a path that never goes straight; a dodecagon needs 25
 STILL_RAD, STILL_M = 1e-3, 1e-3  # less than this is rest, not motion
+SAGITTA = 8.0  # an arc that strays by s from its chord of length c turns by about 8 s / c
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -436,6 +437,27 @@ def driven_m(path: Path, first: int, last: int) -> float:
     return exact.total(
         abs(float(signed_m[end] - signed_m[begin])) for begin, end in itertools.pairwise(edges)
     )
+
+
+def arc_rad(path: Path, first: int, last: int) -> float:
+    """Return how far an arc turns that strays as far from the line between its ends as the path does."""
+    length_m = exact.hypot(float(path.x_m[last] - path.x_m[first]), float(path.y_m[last] - path.y_m[first]))
+    return SAGITTA * aside_m(path, first, last) / length_m if length_m > 0.0 else 0.0
+
+
+def aside_m(path: Path, first: int, last: int) -> float:
+    """Return how far the path strays from the line between two samples; to the less far side it counts half."""
+    aside = beside_m(path, first, last)
+    return (float(np.max(np.abs(aside))) + float(np.ptp(aside))) / 2.0
+
+
+def beside_m(path: Path, first: int, last: int) -> Floats:
+    """Return how far to the left of the line between two samples each sample from one to the other lies."""
+    chord = complex(path.x_m[last] - path.x_m[first], path.y_m[last] - path.y_m[first])
+    length_m, between = exact.magnitude(chord), slice(first, last + 1)
+    along = chord / length_m if length_m > 0.0 else 1.0 + 0.0j
+    ahead_m, left_m = path.x_m[between] - path.x_m[first], path.y_m[between] - path.y_m[first]
+    return np.asarray(left_m * along.real - ahead_m * along.imag)
 
 
 def _assemble(path: Path, pieces: list[_Piece]) -> Segments:

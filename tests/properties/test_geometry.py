@@ -5,7 +5,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -14,8 +13,7 @@ from grader.checks import evaluate
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.trajectory import Trajectory
 from tests.examples import examples
-from tests.rows import slow_but
-from tests.unit.checks.shipped import POLYGONS, assignment, graded, item, score
+from tests.unit.checks.shipped import POLYGONS, assignment, graded, score
 from tests.unit.checks.trajectories import Leg, drive, polygon_legs, run_of
 
 TOLERANCE = {"m": 0.03, "deg": 0.6, "%": 0.6, "": 0.0}
@@ -118,24 +116,6 @@ def test_small_noise(figure: Figure, seed: int) -> None:
         assert abs(left.earned - right.earned) <= 0.15 * left.points, (left, right)
 
 
-@pytest.mark.parametrize("sides", slow_but(2, POLYGONS))
-@pytest.mark.parametrize("sense", [1.0, -1.0])
-@pytest.mark.parametrize("every", [False, True])
-def test_credit_falls_as_corners_open(sides: int, sense: float, every: bool) -> None:
-    """Step by step: what needs the corners is not lost all at once when they earn nothing any more."""
-    earned, totals = [], []
-    for defect in np.arange(0.0, 31.0, 1.0):
-        corners = [360.0 / sides + sense * float(defect) * (every or i == 1) for i in range(sides)]
-        verdict = graded(POLYGONS[sides], drive(polygon_legs(sides, corners_deg=corners)))
-        earned.append(item(verdict, "angles").earned)
-        totals.append(score(verdict))
-    assert earned == sorted(earned, reverse=True)
-    assert earned[0] == 25
-    assert earned[-1] == 0
-    assert totals == sorted(totals, reverse=True)
-    assert most_lost(totals) < 13
-
-
 @pytest.mark.parametrize(
     ("name", "legs", "step", "most"),
     [
@@ -156,45 +136,6 @@ def test_credit_grows_step_by_step_with_what_was_driven(
 def most_lost(totals: list[float]) -> float:
     """The largest loss from one to the next."""
     return max(before - after for before, after in itertools.pairwise(totals))
-
-
-@pytest.mark.parametrize("sides", slow_but(2, POLYGONS))
-@pytest.mark.parametrize("sense", [1.0, -1.0])
-def test_credit_falls_as_a_side_changes(sides: int, sense: float) -> None:
-    totals, lengths_earned = [], []
-    for defect in np.arange(0.0, 0.41, 0.02):
-        lengths = [2.0] * sides
-        lengths[1] *= 1.0 + sense * float(defect)
-        verdict = graded(POLYGONS[sides], drive(polygon_legs(sides, lengths_m=lengths)))
-        totals.append(score(verdict))
-        lengths_earned.append(item(verdict, "lengths").earned)
-    assert lengths_earned == sorted(lengths_earned, reverse=True)
-    assert totals == sorted(totals, reverse=True)
-    assert lengths_earned[-1] == 0
-
-
-@pytest.mark.parametrize("sides", POLYGONS)
-def test_credit_falls_as_corners_are_rounded(sides: int) -> None:
-    turn = math.tau / sides
-    arcs = [[(2.0, 1.0, 0.0), (turn, radius, 1.0)] * sides for radius in np.arange(0.0, 1.5, 0.1)]
-    totals = [score(graded(POLYGONS[sides], drive(legs))) for legs in arcs]
-    assert totals == sorted(totals, reverse=True)
-    assert totals[0] == 100
-    assert totals[-1] == 70
-
-
-@pytest.mark.parametrize("sides", slow_but(2, POLYGONS))
-@pytest.mark.parametrize("made_up_for", [True, False])
-def test_credit_falls_as_sides_bend(sides: int, made_up_for: bool) -> None:
-    """A heading that drifts on the sides, made up for at the corners or not."""
-    totals = []
-    for bend_deg in range(0, 23, 2):
-        turn = math.tau / sides - (math.radians(bend_deg) if made_up_for else 0.0)
-        legs = [(1.5, 1.0, math.radians(bend_deg) / 1.5), (turn, 0.0, 1.0)] * sides
-        totals.append(score(graded(POLYGONS[sides], drive(legs[:-1]))))
-    assert totals == sorted(totals, reverse=True)
-    assert totals[0] == 100
-    assert 25 < totals[-1] <= (90 if made_up_for else 30)  # the number of sides falls, too
 
 
 legs_of_any_kind = st.lists(

@@ -67,10 +67,11 @@ def moved(one: Expectation, evidence: Evidence) -> Verdict:
 
 
 def _credit(off: float, within: float, wanted: float) -> float:
-    beyond = round(off - within, 9)
+    """Return what is left of a motion that is off; where none is wanted, nothing at twice what is allowed."""
+    beyond, ramp = round(off - within, 9), _OTHER * abs(wanted) or within
     if beyond <= 0.0:
         return 1.0
-    return max(0.0, 1.0 - beyond / (_OTHER * abs(wanted))) if wanted else 0.0
+    return max(0.0, 1.0 - beyond / ramp) if ramp else 0.0
 
 
 def _said(one: Expectation, way_m: float | None, turn_deg: float | None) -> str:

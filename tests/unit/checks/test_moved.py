@@ -19,9 +19,14 @@ SECOND = 1_000_000_000
 MOVES, TURNS = (0.8, -0.5, -1.2), (60.0, -45.0)
 
 
-def drives(moves: tuple[float, ...] = MOVES, turns: tuple[float, ...] = TURNS) -> Trajectory:
-    """Return a drive in which each call moves or turns the car by this, within two seconds."""
-    asked = [(3.0, moves[0], 0.0), (12.0, 0.0, turns[0]), (21.0, moves[1], 0.0), (30.0, 0.0, turns[1])]
+def drives(
+    moves: tuple[float, ...] = MOVES, turns: tuple[float, ...] = TURNS, *, also: float = 0.0
+) -> Trajectory:
+    """Return a drive in which each call moves or turns the car by this, within two seconds.
+
+    `also`: by how many metres it moves in each turn.
+    """
+    asked = [(3.0, moves[0], 0.0), (12.0, also, turns[0]), (21.0, moves[1], 0.0), (30.0, also, turns[1])]
     asked += [(39.0, moves[2], 0.0)]
     legs: list[Leg] = []
     now_s = 0.0
@@ -78,6 +83,11 @@ def test_what_is_done_otherwise_costs(moves: tuple[float, ...], turns: tuple[flo
 def test_a_wrong_way_costs_by_how_wrong_it_is(error: float, least: float, most: float) -> None:
     moves: Any = tuple(error * move for move in MOVES)
     assert least <= item(judged(drives(moves)), "moves").earned <= most
+
+
+@pytest.mark.parametrize(("also_m", "earned"), [(0.04, 20.0), (0.075, 10.0), (0.2, 0.0)])
+def test_a_turn_that_drives_the_car_away_is_no_turn(also_m: float, earned: float) -> None:
+    assert item(judged(drives(also=also_m)), "turns").earned == pytest.approx(earned, abs=1.5)
 
 
 def test_a_service_of_another_name_is_told_beside_those_that_are_asked_for() -> None:

@@ -197,7 +197,7 @@ def test_as_many_sides_as_are_wanted_are_one_figure_though_it_comes_round_before
 
 
 def test_right_laps_after_one_with_a_corner_off_are_the_figure() -> None:
-    lap = polygon_legs(4, corners_deg=[102.0, 90.0, 90.0, 90.0])
+    lap = polygon_legs(4, corners_deg=[115.0, 90.0, 90.0, 90.0])
     figure = figure_of([*lap, *polygon_legs(4, laps=2)])
     assert figure.approach_m == pytest.approx(2.0, abs=0.02)
     assert corners(figure)[:3] == [90, 90, 90]

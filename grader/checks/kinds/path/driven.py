@@ -501,21 +501,16 @@ def _driven_index(figure: Figure, share: float) -> int:
 def _measured(stretch: Stretch, points: Points) -> DrivenStretch:
     start, end = complex(points[0]), complex(points[-1])
     inner = points[len(points) // 8 : len(points) - len(points) // 8]
-    if stretch.kind != "arc":
+    circle = circle_through(inner) if stretch.kind == "arc" else None
+    if circle is None:
         direction = _direction(inner)
         return DrivenStretch(
             wanted=stretch,
             start=start,
             end=end,
-            length_m=exact.magnitude(end - start),
+            length_m=math.nan if stretch.kind == "arc" else exact.magnitude(end - start),
             begins_rad=direction,
             ends_rad=direction,
-        )
-    circle = circle_through(inner)
-    if circle is None:
-        direction = _direction(inner)
-        return DrivenStretch(
-            wanted=stretch, start=start, end=end, length_m=math.nan, begins_rad=direction, ends_rad=direction
         )
     quarter = math.copysign(math.pi / 2.0, circle.swept_rad)
     return DrivenStretch(

@@ -19,7 +19,7 @@ from grader.checks.kinds.polygon.figures import (
 from grader.checks.kinds.polygon.mistakes import polygon_mistakes
 from grader.checks.measure import UNMEASURED, Check, Measure, MeasureKind, Measures, Mistake, Option
 from grader.checks.mistakes import driving_mistakes
-from grader.checks.scoring import credit, fits, points_of, smoothly
+from grader.checks.scoring import band_error, credit, fits, points_of
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchSide
 from grader.contracts.scoring import Run
@@ -82,9 +82,10 @@ def read(assignment: Assignment, run: Run, drive: Drive) -> tuple[DrivenPolygon,
     wanted = wanted_polygon(assignment.options)
     fine = fine_readings(assignment, wanted, drive)
     best = _best(assignment, run, wanted, fine)
-    if drive.path.extent_m <= 0.0 or _is_plain(best[0], wanted, fine):
+    another = max(each.anotherness(wanted) for each in fine)
+    if drive.path.extent_m <= 0.0 or another >= 1.0 or _is_plain(best[0], wanted):
         return best
-    coarse = coarse_readings(assignment, wanted, drive)
+    coarse = coarse_readings(assignment, wanted, drive, another)
     return _best(assignment, run, wanted, itertools.chain([best[0]], coarse))
 
 
@@ -95,18 +96,16 @@ def _best(
     return max(measured, key=lambda pair: round(points_of(assignment.items, pair[1]), 2))
 
 
-def _is_plain(best: DrivenPolygon, wanted: WantedPolygon, fine: Sequence[DrivenPolygon]) -> bool:
-    """Whether a coarser look has nothing to better: sides as wanted, or plainly another number of sides.
+def _is_plain(best: DrivenPolygon, wanted: WantedPolygon) -> bool:
+    """Whether a coarser look has nothing to better: as many sides as are wanted, and none of them bends.
 
     What was driven before the figure may be a part of its first side.
     """
     figure, count = best.figure, len(best.segments.straights)
     if figure is None or count < 3:
         return False
-    if any(each.is_another(wanted) for each in fine):
-        return True
     as_wanted = count == wanted.sides or best.is_on_the_whole(wanted)
-    return as_wanted and max(figure.bows) < 1.0 and figure.approach_m <= 0.0
+    return as_wanted and max(figure.bows) <= 0.0 and figure.approach_m <= 0.0
 
 
 def _measures(
@@ -123,7 +122,7 @@ def _measures(
     taken["sides"] = _side_count(assignment, figure, wanted, driven.left_out(wanted))
     taken["curved_pct"] = Measure(100.0 * figure.curved_share)
     taken["gap_pct"] = _gap_measure(driven, figure)
-    taken |= _corner_measures(wanted, driven)
+    taken |= _corner_measures(assignment, wanted, driven)
     done = driven.done_share(wanted)
     taken |= {name: _of_a_part(taken[name], done) for name in _OF_THE_SIDES if name in taken}
     taken |= _lengths(assignment, wanted, driven, wall_m)
@@ -191,19 +190,32 @@ def _side_count(
     """Return the number of sides, less what was left out of the last one.
 
     From some bend on, a side is taken for a turn, and the corners beside it are lost as well. So that the score
-    does not jump there, less of the number counts the more one side bends, and the more all of them do.
+    does not jump there, less of the number counts the more sides bend.
     """
     count = len(figure.sides_m)
     part = say("polygon.part_of_side") if left_out > 0.0 else EMPTY
     counted = Measure(count - left_out, {"lengths": listed(figure.sides_m, "m"), "part": part})
     if count == 1:
         return _shared(counted, 0.0, say("polygon.part_of_figure"))  # a straight is no part of a figure
-    straight = smoothly(min(0.75 * max(figure.bows) + 0.25 * min(figure.bows), 1.0))
+    straight = _of_bent(_worst_and_mean(figure.bows))
     if count > wanted.sides:
         most = _credit(assignment, "sides", counted)
         share = min(EXTRA_SIDE_SHARE / (count - wanted.sides) / most, 1.0) if most > 0.0 else 1.0
         return _shared(counted, straight * share, say("polygon.part_of_figure"))
     return _shared(counted, straight, say("polygon.bent_sides")) if straight < 1.0 else counted
+
+
+def _of_bent(bow: float) -> float:
+    """Return the share that is left of the number of sides that bend.
+
+    All items need the number. They lose by it from half of its points on, so the second half is lost slowly.
+    """
+    return max(1.0 - 2.0 * bow, (1.0 - bow) / 1.5)
+
+
+def _worst_and_mean(errors: Sequence[float]) -> float:
+    """Return the mean of the largest of some errors and of all of them: one counts much, and the others, too."""
+    return (max(errors) + exact.mean(np.array(errors))) / 2.0
 
 
 def _gap_measure(driven: DrivenPolygon, figure: PolygonFigure) -> Measure:
@@ -251,22 +263,45 @@ def _side_error(wanted: WantedPolygon, sides_m: Sequence[float]) -> Measure:
     )
 
 
-def _corner_measures(wanted: WantedPolygon, driven: DrivenPolygon) -> dict[str, Measure]:
+def _corner_measures(
+    assignment: Assignment, wanted: WantedPolygon, driven: DrivenPolygon
+) -> dict[str, Measure]:
     corners = driven.corners_deg
     if len(corners) == 0:
         return {"corner_deg": UNMEASURED, "opposite_corners": UNMEASURED}
     turned = driven.sense * driven.turned_deg
     left, right = int(np.count_nonzero(turned > 0.0)), int(np.count_nonzero(turned < 0.0))
     against, far = int(np.count_nonzero(corners < 0.0)), int(np.count_nonzero(driven.long_way))
-    worst = corners[int(np.argmax(np.abs(corners - wanted.corner_deg)))]
-    details = {"corners": listed(corners, "deg"), "ideal": number(wanted.corner_deg, "deg")}
+    worst = max(corners.tolist(), key=lambda corner: abs(corner - wanted.corner_deg))
+    counted = _counted_deg(assignment, wanted, driven, worst)
+    seen, counts = number(worst, "deg"), number(counted, "deg")
+    details = {
+        "corners": listed(corners, "deg"),
+        "ideal": number(wanted.corner_deg, "deg"),
+        "counts": say("polygon.corner_is") if counts == seen else say("polygon.corner_counts", worst=seen),
+    }
     return {
-        "corner_deg": Measure(float(worst), details),
+        "corner_deg": Measure(counted, details),
         "opposite_corners": Measure(
             float(max(against, far)),
             {"left": left, "right": right, "far": say("polygon.far", count=far) if far else EMPTY},
         ),
     }
+
+
+def _counted_deg(
+    assignment: Assignment, wanted: WantedPolygon, driven: DrivenPolygon, worst_deg: float
+) -> float:
+    """Return the corner that counts: as far outside of the band as the worst and the mean corner on average.
+
+    A turn after the last side that is better than the worst corner, but not than most, makes nothing worse.
+    """
+    spec, inner = assignment.item_on("corner_deg"), len(driven.figure.corners_rad) if driven.figure else 0
+    if spec is None:
+        return worst_deg
+    errors = [band_error(spec, corner) for corner in driven.corners_deg.tolist()]
+    counted = min(_worst_and_mean(errors), _worst_and_mean(errors[:inner] or errors))
+    return worst_deg - math.copysign(max(errors) - counted, worst_deg - wanted.corner_deg)
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:

@@ -15,7 +15,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.record import Record
 from grader.contracts.trajectory import Floats
 from grader.geometry import exact
-from grader.geometry.coarse import coarse_looks
+from grader.geometry.coarse import coarse_looks, without_cuts
 from grader.geometry.figure import (
     NEARLY_CLOSED_SHARE,
     REPEAT_TOLERANCE,
@@ -35,8 +35,9 @@ EQUAL_RATIO = 1.2  # of the longest to the shortest side: halfway to the rectang
 ALIKE_RATIO = 1.02  # up to here they are equal
 OBLONG_RATIO = 1.5  # from here on a rectangle is nothing of a square
 
-# Of the longest side: with a shorter one, a figure may be another one whose corners are cut off.
-OTHER_SIDES = 0.4
+# The shortest side of the longest: up to the first, a figure of other corners is the wanted one with its corners
+# cut off, from the second on it is plainly another one.
+CUT_SIDES, OTHER_SIDES = 0.25, 0.7
 STRAIGHT_SHARE = 0.05  # of the way: with no more of it driven while turning, sides are straight
 
 # Of the perimeter: by so much a complete figure must close better than a part of it to be what was meant: by the
@@ -141,18 +142,15 @@ class DrivenPolygon:
     turned_on: bool = False
     rival: float = 0.0
 
-    def is_other(self, wanted: WantedPolygon) -> bool:
-        """Whether another figure than the wanted one was driven, rather than that one badly."""
-        return self.otherness(wanted) >= 0.5
-
-    def is_another(self, wanted: WantedPolygon) -> bool:
-        """Whether it is plainly another number of straight sides."""
+    def anotherness(self, wanted: WantedPolygon) -> float:
+        """Return from 0 to 1 how plainly it is another number of straight sides, and not corners cut off."""
         figure = self.figure
         if figure is None or not 3 <= len(figure.sides_m) != wanted.sides:
-            return False
+            return 0.0
         sides = figure.sides_m
         straight = alike(figure.corners_rad) and figure.curved_share <= STRAIGHT_SHARE
-        return (straight or self.is_other(wanted)) and min(sides) >= OTHER_SIDES * max(sides)
+        another = straight or self.otherness(wanted) >= 0.5
+        return _from(min(sides) / max(sides), CUT_SIDES, OTHER_SIDES) if another else 0.0
 
     def is_on_the_whole(self, wanted: WantedPolygon) -> bool:
         """Whether it is a figure of as many sides as are wanted and of equal corners that closes, if roughly."""
@@ -288,12 +286,17 @@ def _open_share(one: DrivenPolygon) -> float:
     return chord(one.drive.path, figure.vertices[0], figure.vertices[-1]) / figure.perimeter_m
 
 
-def coarse_readings(assignment: Assignment, wanted: WantedPolygon, drive: Drive) -> Iterator[DrivenPolygon]:
-    """Yield the figures of as many sides as are wanted that the path draws on the whole."""
-    for look in coarse_looks(drive.path):
-        for one in _readings(assignment, wanted, drive, look):
-            if one.is_on_the_whole(wanted):
-                yield one
+def coarse_readings(
+    assignment: Assignment, wanted: WantedPolygon, drive: Drive, another: float
+) -> Iterator[DrivenPolygon]:
+    """Yield the figures of as many sides as are wanted that the path draws on the whole.
+
+    `another`: how plainly its straights are the sides of another figure.
+    """
+    looks = itertools.chain([without_cuts(segment(drive.path))], coarse_looks(drive.path))
+    for one in itertools.chain.from_iterable(_readings(assignment, wanted, drive, look) for look in looks):
+        if one.is_on_the_whole(wanted):
+            yield replace(one, rival=max(one.rival, another))
 
 
 def _readings(

@@ -47,7 +47,7 @@ def test_credit_falls_from_the_tolerances_on() -> None:
     corner = found["angle of the first turn", "angles", True]
     assert 3.0 / 90.0 <= corner.starts <= 4.5 / 90.0
     assert corner.zero is not None
-    assert 0.15 <= corner.zero <= 0.18
+    assert 0.22 <= corner.zero <= 0.26  # of four corners one is off
     assert found["length of the first straight", "lengths", False].starts == pytest.approx(-0.065, abs=0.011)
     assert not [each for each in found.values() if each.perturbation.name.en == "time of every rest"]
 
