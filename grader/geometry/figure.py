@@ -88,12 +88,10 @@ class PolygonFigure(Record, kw_only=False):
         rest: sample index where the car came to rest: `end` unless it drove on.
         gap_m: distance from `start` to `rest`.
         curved_share: share of the distance that was travelled in corners, on bent sides or off the sides.
-        strayed_share: share of the distance that was travelled off the sides.
         bows: of each side 0 where it is about straight, up to 1 where it bends so much as to be taken for a turn,
             or is lost among detours.
-        repeated: further sides follow that continue the figure over again.
+        repeated: how far, from 0 to 1, further sides follow that continue the figure over again.
         overrun: something else follows the complete figure.
-        apart: what follows is the same figure, but turned.
     """
 
     vertices: tuple[int, ...]
@@ -107,11 +105,9 @@ class PolygonFigure(Record, kw_only=False):
     rest: int
     gap_m: float
     curved_share: float
-    strayed_share: float
     bows: tuple[float, ...]
-    repeated: bool
+    repeated: float
     overrun: bool
-    apart: bool = False
 
     @property
     def perimeter_m(self) -> float:
@@ -126,7 +122,7 @@ class _Extent(Record, kw_only=False):
         joined: the last and the first straight are two parts of one side.
         inside: the path began in the middle of what is now the last side.
         retraced: what follows lies on the figure itself, whatever turn led to it.
-        apart: what follows repeats the figure, but turned against it.
+        repeated: how far what follows is the figure again, from 0 to 1.
     """
 
     first: int
@@ -134,9 +130,8 @@ class _Extent(Record, kw_only=False):
     joined: bool = False
     inside: bool = False
     retraced: bool = False
-    repeated: bool = False
+    repeated: float = 0.0
     overrun: bool = False
-    apart: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -256,15 +251,17 @@ def _followed(straights: _Straights, lap: _Extent) -> Iterator[_Extent]:
     """Yield how what follows a lap may relate to it.
 
     The turn to a lap that repeats the first one elsewhere is a corner, or that lap was driven after the figure.
+    So was one that is not quite the same.
     """
     if lap.first + lap.count == len(straights):
         yield lap
         return
     retraced = _retraced(straights, lap)
-    repeated = retraced or _repeats(straights, lap)
-    yield replace(lap, retraced=retraced, repeated=repeated, overrun=not repeated)
-    if repeated and not retraced:
-        yield replace(lap, overrun=True, apart=True)
+    repeated = 1.0 if retraced else _repeats(straights, lap)
+    if repeated > 0.0:
+        yield replace(lap, retraced=retraced, repeated=repeated)
+    if not retraced:
+        yield replace(lap, overrun=True)
 
 
 def _retraced(straights: _Straights, lap: _Extent) -> bool:
@@ -286,8 +283,8 @@ def _retraced(straights: _Straights, lap: _Extent) -> bool:
     )
 
 
-def _repeats(straights: _Straights, lap: _Extent) -> bool:
-    """Whether whole laps follow, as large as the first or, where they begin at the same corner, of another size.
+def _repeats(straights: _Straights, lap: _Extent) -> float:
+    """Return how far whole laps follow, as large as the first or, from the same corner on, of another size.
 
     The last one may have been cut short. A part that the script itself ended was no lap: the car drove on.
     """
@@ -296,19 +293,20 @@ def _repeats(straights: _Straights, lap: _Extent) -> bool:
         parts_m = sides_m[-1], sides_m[-1] + straights.sides_m[0]
         sides_m[-1] = min(parts_m, key=lambda part_m: abs(part_m - sides_m[lap.count - 1]))
     if (len(spans) % lap.count and not straights.cut_short) or min(sides_m[: lap.count]) <= 0.0:
-        return False
+        return 0.0
+    off = 0.0
     for start in range(lap.count, len(spans), lap.count):
         later_m = sides_m[start : start + lap.count]
         shares = [later / first for later, first in zip(later_m, sides_m, strict=False)]
         under_way = shares.pop() if straights.cut_short and start + lap.count >= len(spans) else 0.0
-        alike_m = all(abs(share - 1.0) <= REPEAT_TOLERANCE for share in shares)
         moved_m = straights.apart_m(spans[0][0], spans[start][0])
         resized = len(shares) > 1 and max(shares) <= (1.0 + REPEAT_TOLERANCE) * min(shares)
-        if not alike_m and not (resized and moved_m <= MOVED_SHARE * abs(later_m[0] - sides_m[0])):
-            return False
+        if not (resized and moved_m <= MOVED_SHARE * abs(later_m[0] - sides_m[0])):
+            off = max(off, *(abs(share - 1.0) for share in shares), 0.0)
         if under_way > (1.0 + REPEAT_TOLERANCE) * max(shares, default=1.0):
-            return False
-    return _turns_alike(straights.corners[lap.first :], lap.count)
+            return 0.0
+    turned_rad = _turned_otherwise_rad(straights.corners[lap.first :], lap.count)
+    return min(max(2.0 - max(off / REPEAT_TOLERANCE, turned_rad / ALIKE_RAD), 0.0), 1.0)
 
 
 def _comes_round(corners: list[float]) -> int | None:
@@ -392,11 +390,9 @@ def _figure(
         rest=rest,
         gap_m=chord(path, start, rest),
         curved_share=min(curved_m / driven_m, 1.0) if driven_m > 0.0 else 0.0,
-        strayed_share=min(strayed_m / driven_m, 1.0) if driven_m > 0.0 else 0.0,
         bows=_bows(straights, own, swings, vertices),
         repeated=extent.repeated,
         overrun=extent.overrun,
-        apart=extent.apart,
     )
 
 
@@ -407,7 +403,7 @@ def _shaping(corners: list[float], extent: _Extent, *, turned: bool) -> tuple[li
         return inner, 0.0
     about = extent.retraced and alike(inner) and not alike(corners)
     needed = _comes_round(inner) != extent.count and not _further(inner, corners[-1])
-    if (extent.repeated and not about) or needed:
+    if (extent.repeated > 0.0 and not about) or needed:
         return corners, 0.0
     return inner, corners[-1]
 
@@ -481,14 +477,18 @@ def _last_turn(path: Path, turn: Turn, angle_rad: float) -> float:
     return math.remainder(angle_rad, FULL_TURN_RAD) if on_the_spot else angle_rad
 
 
-def _turns_alike(corners: list[float], count: int) -> bool:
-    """Whether each lap after the first `count` sides turns as the first one does, in either sense."""
+def _turned_otherwise_rad(corners: list[float], count: int) -> float:
+    """Return by how much a corner of a lap after the first `count` sides differs from the first lap's, at most.
+
+    Either sense will do.
+    """
     inner = _from_its_sense(corners[: count - 1])
-    return all(
-        abs(math.remainder(corner - first, FULL_TURN_RAD)) <= ALIKE_RAD
+    apart_rad = (
+        abs(math.remainder(corner - first, FULL_TURN_RAD))
         for i in range(count, len(corners), count)
         for corner, first in zip(_from_its_sense(corners[i : i + count - 1]), inner, strict=False)
     )
+    return max(apart_rad, default=0.0)
 
 
 def _from_its_sense(corners: list[float]) -> list[float]:

@@ -149,7 +149,7 @@ FAMILIES = {
     "bent sides": Family(bent, 54.0, STEP_DEG, 70, 0.65),
     "a bent side": Family(lambda n, x: bent(n, x, 1), 30.0, STEP_DEG, 95),
     "rounded corners": Family(rounded, 0.75, STEP, 65),
-    "a worse second lap": Family(lambda n, x: [*corners(n), *corners(n, *[-x] * n)], 14.0, STEP_DEG, 100),
+    "a worse second lap": Family(lambda n, x: [*corners(n), *corners(n, *[-x] * n)], 40.0, STEP_DEG, 81),
     "begun within and not finished": Family(lambda n, x: begun_within(n, 0.4, 1.0 - x), 0.8, STEP, 100),
     "detours": Family(detours, 0.25, STEP, 45),
     "past the ends": Family(past_the_ends, 0.6, STEP, 90),

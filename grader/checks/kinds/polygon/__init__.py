@@ -224,13 +224,20 @@ def _gap_measure(driven: DrivenPolygon, figure: PolygonFigure) -> Measure:
     gap = 100.0 * max(figure.gap_m, on_m) / figure.perimeter_m if figure.perimeter_m > 0.0 else math.nan
     after = say("polygon.drove_on", length=number(on_m, "m")) if on_m > 0.0 else EMPTY
     details = {"gap": number(figure.gap_m, "m"), "perimeter": number(figure.perimeter_m, "m"), "after": after}
-    return Measure(gap, details)
+    return _of_laps(figure, Measure(gap, details))
+
+
+def _of_laps(figure: PolygonFigure, measure: Measure) -> Measure:
+    """Return a measure of the end of a figure, which counts less where later laps are not quite the same."""
+    if not 0.0 < figure.repeated < 1.0:
+        return measure
+    return _shared(measure, figure.repeated, say("polygon.part_of_figure"))
 
 
 def _settled(driven: DrivenPolygon) -> Measure:
     figure = driven.figure
-    if figure is not None and figure.repeated:
-        return Measure(1.0)
+    if figure is not None and figure.repeated > 0.0:
+        return _of_laps(figure, Measure(1.0))
     under_way = driven.drive.moving_at_end  # a car that turtlesim stopped after its hold has stopped
     went_on = driven.turned_on or (figure is not None and figure.overrun)
     return Measure(0.0 if under_way or went_on else 1.0)
