@@ -107,7 +107,7 @@ def test_published_rubric_is_complete(shipped: Assignment) -> None:
 
 def test_published_rubric_says_the_numbers_scored_by() -> None:
     items = {each.id: each for each in published_rubric(assignment("triangle")).items}
-    assert items["angles"].wanted == Text(zh="120° ± 3°", en="120° ± 3°")
+    assert items["angles"].wanted == Text(zh="120° ± 3.5°", en="120° ± 3.5°")
     assert "105°" in items["angles"].partial.en
     assert "135°" in items["angles"].partial.zh
     assert items["closed"].wanted.en == "at most 4 %"
