@@ -110,7 +110,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _create(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     teacher = checked_id(arguments.instructor, "id of an instructor")
-    listed = () if arguments.roster is None else _read(arguments.roster, arguments).checked()
+    listed: tuple[RosterEntry, ...] = ()
+    if arguments.roster is not None:
+        roster = fitting(storage.courses, arguments.id, _read(arguments.roster, arguments))
+        _tell_restored(roster, arguments)
+        listed = roster.checked()
     name = next((entry.name for entry in listed if entry.id == teacher), teacher)
     instructor = RosterEntry(id=teacher, name=name, role=Role.INSTRUCTOR)
     entries = [instructor, *(entry for entry in listed if entry.id != instructor.id)]
@@ -129,6 +133,7 @@ def _create(storage: OpenedStore, arguments: argparse.Namespace) -> None:
 def _import(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     course = chosen_course(storage, arguments.course)
     roster = fitting(storage.courses, course, _read(arguments.file, arguments))
+    _tell_restored(roster, arguments)
     if arguments.skip:
         _tell_skipped(roster, arguments)
     if arguments.dry_run:
@@ -250,6 +255,12 @@ def _read(path: Path, arguments: argparse.Namespace) -> Roster:
             en=f"{path} is not UTF-8 and was read as GBK, such as: {named.id} {named.name}",
         )
     return roster
+
+
+def _tell_restored(roster: Roster, arguments: argparse.Namespace) -> None:
+    for restored in roster.restored:
+        at, change = restored.place.words, f"{restored.written} → {restored.id}"
+        tell(arguments, zh=f"{at.zh}补上学号开头的 0：{change}", en=f"{at.en}, zeros put back: {change}")
 
 
 def _tell_skipped(roster: Roster, arguments: argparse.Namespace) -> None:

@@ -15,7 +15,7 @@ from grader.contracts.identity import Caller, Member, Role
 from grader.contracts.notation import written
 from grader.contracts.rubric import summed
 from grader.contracts.text import Language
-from grader.formats.sheets.filling import FilledSheet, fill
+from grader.formats.sheets.filling import FilledSheet, NoColumnError, fill
 from grader.formats.sheets.writing import Cell, as_text, csv_table, workbook
 from grader.messages import on_page
 from grader.render.documents import to_gradescope, to_prairielearn
@@ -110,15 +110,28 @@ def registry_workbook(  # noqa: PLR0913
 def fill_in(
     services: Services, caller: Caller, content: bytes, column: str, assignment: str = ""
 ) -> FilledSheet:
-    """Return a teacher's own sheet with points in the column called `column`; the rest as `registry_workbook`.
+    """Return a teacher's own sheet with points in a column; the rest as `registry_workbook`.
 
-    Raises as `registry_workbook`; or the sheet cannot be read, or has no such column.
+    `column`: its header; empty: the assignment's title or id.
+
+    Raises as `registry_workbook`; or the sheet cannot be read, or has no such column: then the member `headings`
+    has those that it has.
     """
     _, points = _points_of(services, caller, assignment, "")
+    columns = [column] if column.strip() else _titles(services, caller, assignment)
     try:
-        return fill(content, column, points)
+        return fill(content, columns, points)
+    except NoColumnError as error:
+        raise RefusedError("invalid_sheet", error.text, field="file", headings=error.headings) from None
     except CourseError as error:
         raise RefusedError("invalid_sheet", error.text, field="file") from None
+
+
+def _titles(services: Services, caller: Caller, assignment: str) -> list[str]:
+    if not assignment:
+        return [""]
+    title = require_published(services, caller, assignment).title
+    return [title.zh, title.en, assignment]
 
 
 def _points_of(

@@ -16,6 +16,7 @@ from grader.contracts.identity import (
     RosterEntry,
     Seen,
     checked_entry,
+    folded_id,
 )
 from grader.contracts.text import Text
 from grader.formats.sheets.roster import Roster, read_roster
@@ -108,8 +109,29 @@ def plan_import(services: Services, caller: Caller, content: bytes) -> ImportPla
 
 
 def fitting(courses: Courses, course: str, roster: Roster) -> Roster:
-    """Return a list in which rows whose ids are probably other spellings of members' ids are wrong rows, too."""
-    return roster.without(courses.alike(course, roster.entries))
+    """Return a list in which ids that lost zeros at their beginning have them again if it is sure whose they are.
+
+    Other rows whose ids are probably other spellings of members' ids are wrong rows.
+    """
+    restored = roster.restoring(_whole_ids(courses.members(course), roster.entries))
+    return restored.without(courses.alike(course, restored.entries))
+
+
+def _whole_ids(members: Sequence[Member], entries: Sequence[RosterEntry]) -> dict[str, str]:
+    """Return by shortened id the whole one: that of the row's e-mail address, or of a member of the row's name."""
+    taken = {one.id for one in entries}
+    known = {one.id for one in members}
+    by_number = {(folded_id(one.id), one.name): one.id for one in members if one.id.isdecimal()}
+    whole: dict[str, str] = {}
+    for entry in entries:
+        if entry.id in known or not entry.id.isdecimal():
+            continue
+        mailbox = (entry.email or "").partition("@")[0]
+        meant = mailbox if mailbox.isdecimal() and mailbox.lstrip("0") == entry.id else ""
+        meant = by_number.get((folded_id(entry.id), entry.name), meant)
+        if len(meant) > len(entry.id) and meant not in taken:
+            whole[entry.id] = meant
+    return whole
 
 
 def import_list(  # noqa: PLR0913

@@ -36,14 +36,27 @@ class SheetRow(Record):
     person: str
 
 
+class NoColumnError(CourseError):
+    """A sheet has none of the columns that may be filled. `headings`: those that it has."""
+
+    def __init__(self, wanted: str, headings: Sequence[str]) -> None:
+        listed = ", ".join(headings)[:300]
+        super().__init__(
+            f"no column {wanted[:60]!r}; there are: {listed}", f"没有“{wanted[:60]}”这一列；表里有：{listed}"
+        )
+        self.headings = tuple(headings)
+
+
 class FilledSheet(Record):
     """A file of sheets with points in them.
 
     Attributes:
         content: a workbook. Of one in .xlsx everything else is as it was, but for what `lost` names.
+        column: the header of the column that was filled.
         filled: how many rows got points.
         unknown: rows with an id that nobody in the course has.
         ambiguous: rows with an id that lost zeros or digits and may be several students'.
+        blank: rows of students who have no points; they were left alone.
         kept: rows whose cell holds a formula or is merged with another; it was left alone.
         missing: ids of students with points whom no row names.
         formulas: whether there are formulas, whose values a spreadsheet program computes when it opens the file.
@@ -52,9 +65,11 @@ class FilledSheet(Record):
     """
 
     content: bytes
+    column: str
     filled: int
     unknown: tuple[SheetRow, ...] = ()
     ambiguous: tuple[SheetRow, ...] = ()
+    blank: tuple[SheetRow, ...] = ()
     kept: tuple[SheetRow, ...] = ()
     missing: tuple[str, ...] = ()
     formulas: bool = False
@@ -73,6 +88,7 @@ class _Target(Record):
     table: ListedTable
     ids: int
     column: int
+    header: str
     first: int
 
 
@@ -85,26 +101,26 @@ class _Place(Record):
     exact: bool
 
 
-def fill(content: bytes, column: str, points: Mapping[str, float | None]) -> FilledSheet:
-    """Return the sheets of a file with points in the column called `column`.
+def fill(content: bytes, columns: Sequence[str], points: Mapping[str, float | None]) -> FilledSheet:
+    """Return the sheets of a file with points in a column.
 
-    The header of ids stands in one of the first rows, that of `column` in the same row or in a sub-header below. A
-    row of somebody without points stays as it is; so does a later sheet without `column`. An id that lost leading
-    zeros, or became a rounded number, counts as the one student's whom it fits.
+    The header of ids stands in one of the first rows, that of the column in the same row or in a sub-header below.
+    A row of somebody without points stays as it is; so does a later sheet without the column. An id that lost
+    leading zeros, or became a rounded number, counts as the one student's whom it fits.
 
     Args:
         content: a workbook or CSV, as `grader.formats.sheets.reading` reads them.
-        column: the header of the column to fill.
+        columns: headers; the column with the first of them that the first sheet has is filled.
         points: by id of the student; None: nothing was handed in.
 
     Raises:
-        CourseError: there is no table, or one of the two columns is missing in the first.
+        CourseError: there is no table, or one of the two columns is missing in the first (`NoColumnError`).
     """
     table = read_table(content, lambda cells: id_column(cells) is not None)
-    targets = [_target(table, column)]
+    targets = [_target(table, columns)]
     for other in table.others:
         with suppress(CourseError):
-            targets.append(_target(other, column))
+            targets.append(_target(other, [targets[0].header]))
     students = _Students(points)
     places: list[_Place] = []
     unknown: list[SheetRow] = []
@@ -112,12 +128,15 @@ def fill(content: bytes, column: str, points: Mapping[str, float | None]) -> Fil
     for target in targets:
         _match(target, students, places, unknown, ambiguous)
     named = {place.student for place in places}
+    blank = tuple(place.row for place in places if points[place.student] is None)
     places = [place for place in places if points[place.student] is not None]
     filled = FilledSheet(
         content=b"",
+        column=targets[0].header,
         filled=len(places),
         unknown=tuple(unknown),
         ambiguous=tuple(ambiguous),
+        blank=blank,
         missing=tuple(one for one, value in points.items() if value is not None and one not in named),
     )
     if _is_xlsx(content):
@@ -243,7 +262,7 @@ def _cells(
     return cells
 
 
-def _target(table: ListedTable, wanted: str) -> _Target:
+def _target(table: ListedTable, wanted: Sequence[str]) -> _Target:
     """Return where to fill a sheet. Raises CourseError: one of the two columns is missing."""
     ids, header = _ids(table)
     if ids < 0:
@@ -254,16 +273,17 @@ def _target(table: ListedTable, wanted: str) -> _Target:
     first = header + 1
     while first < len(table.rows) and not any(table.rows[first].cells[ids : ids + 1]):
         first += 1
-    named: list[str] = []
-    for row in table.rows[header:first]:
-        labels = [label(cell) for cell in row.cells]
-        if label(wanted) in labels:
-            return _Target(table=table, ids=ids, column=labels.index(label(wanted)), first=first)
-        named += [cell for cell in row.cells if cell]
-    listed = ", ".join(dict.fromkeys(named))[:300]
-    raise CourseError(
-        f"no column {wanted[:60]!r}; there are: {listed}", f"没有“{wanted[:60]}”这一列；表里有：{listed}"
-    )
+    headers = [
+        (cell, place)
+        for row in table.rows[header:first]
+        for place, cell in enumerate(row.cells)
+        if cell and place != ids
+    ]
+    for one in wanted:
+        for cell, place in headers:
+            if label(cell) == label(one):
+                return _Target(table=table, ids=ids, column=place, header=cell, first=first)
+    raise NoColumnError(wanted[0], list(dict.fromkeys(cell for cell, _ in headers)))
 
 
 def _ids(table: ListedTable) -> tuple[int, int]:

@@ -81,18 +81,28 @@ class SkippedRow(Record):
     reason: Text
 
 
+class RestoredRow(Record):
+    """A row whose id had lost zeros at its beginning: as it stands there, and whom it means."""
+
+    place: RowPlace
+    written: str
+    id: str
+
+
 class Roster(Record):
     """The people in a class list, and the rows that cannot be imported.
 
     Attributes:
         places: where each of the people stands, by id.
         encoding: of CSV; empty for a workbook.
+        restored: rows whose ids got their zeros back.
     """
 
     entries: tuple[RosterEntry, ...]
     places: dict[str, RowPlace]
     skipped: tuple[SkippedRow, ...]
     encoding: str
+    restored: tuple[RestoredRow, ...] = ()
 
     def checked(self) -> tuple[RosterEntry, ...]:
         """Return the entries of a list without a wrong row.
@@ -114,6 +124,18 @@ class Roster(Record):
         entries = tuple(entry for entry in self.entries if entry.id not in wrong)
         skipped = sorted((*self.skipped, *rows), key=lambda one: (one.place.sheet, one.place.number))
         return replace(self, entries=entries, skipped=tuple(skipped))
+
+    def restoring(self, whole: Mapping[str, str]) -> "Roster":
+        """Return the list with the ids in `whole`, by the ones that are written, in their places."""
+        rows = [
+            RestoredRow(place=self.places[written], written=written, id=id_) for written, id_ in whole.items()
+        ]
+        return replace(
+            self,
+            entries=tuple(replace(one, id=whole.get(one.id, one.id)) for one in self.entries),
+            places={whole.get(id_, id_): place for id_, place in self.places.items()},
+            restored=(*self.restored, *rows),
+        )
 
 
 def as_csv(entries: Sequence[RosterEntry]) -> str:

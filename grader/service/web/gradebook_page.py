@@ -128,13 +128,13 @@ def fill_in(
         )
     except RefusedError as error:
         problem = form_problem(error, errand.language, field="file")
-        return _gradebook_page(errand, BookQuery(), problem, column)
+        headings = error.members.get("headings", ())
+        return _gradebook_page(errand, BookQuery(), problem, (column, assignment), headings)
     data = base64.b64encode(filled.content).decode()
     return page(
         errand.request,
         "gradebook_filled.html",
         filled=filled,
-        column=column,
         address=f"data:{MEDIA_TYPE};base64,{data}",
         name=_filled_name(file.filename or ""),
     )
@@ -150,8 +150,13 @@ def _file(content: str | bytes, name: str, media_type: str) -> Response:
 
 
 def _gradebook_page(
-    errand: PageErrand, query: BookQuery, problem: FormProblem | None = None, column: str = ""
+    errand: PageErrand,
+    query: BookQuery,
+    problem: FormProblem | None = None,
+    typed: tuple[str, str] = ("", ""),
+    headings: Sequence[str] = (),
 ) -> Response:
+    """Show the page. `typed`: the column and the assignment to fill in; `headings`: of the sheet."""
     members, scores = gradebook.book(errand.services, errand.caller)
     assignments = in_course(errand.services, errand.caller)
     chosen = [one for one in members if not query.section or query.section in one.sections]
@@ -170,7 +175,9 @@ def _gradebook_page(
         sections=sections_of(members),
         pass_fraction=errand.services.settings.pass_fraction,
         problem=problem,
-        column=column,
+        column=typed[0],
+        filling=typed[1],
+        headings=headings,
     )
 
 

@@ -33,6 +33,16 @@ PersonId = Annotated[str, Path(max_length=64)]
 Done = Annotated[Literal["", "saved", "removed", "imported", "none_missing"], Query()]
 
 
+class PeopleQuery(BaseModel):
+    """Whose ids or names contain `search`, of a section; and what was done: `added` and `changed` by an import."""
+
+    search: str = Field(default="", max_length=100)
+    section: str = Field(default="", max_length=64)
+    done: Literal["", "saved", "removed", "imported", "none_missing"] = ""
+    added: QueryWhole = 0
+    changed: QueryWhole = 0
+
+
 class MemberForm(BaseModel):
     """What somebody shall be in the course; fields that are empty are empty then."""
 
@@ -62,14 +72,9 @@ class MemberForm(BaseModel):
 
 
 @router.get("/people")
-def read_people(
-    errand: StaffDep,
-    search: Annotated[str, Query(max_length=100)] = "",
-    section: Annotated[str, Query(max_length=64)] = "",
-    done: Done = "",
-) -> Response:
+def read_people(errand: StaffDep, query: Annotated[PeopleQuery, Query()]) -> Response:
     """Show the roster."""
-    return _people_page(errand, search=search, section=section, done=done)
+    return _people_page(errand, query)
 
 
 @router.post("/people", dependencies=OWN_FORM)
@@ -104,7 +109,9 @@ def import_list(
     """Import the class list whose preview was confirmed."""
     content, caller = entries.encode(), errand.caller
     try:
-        people.import_list(errand.services, caller, content, skip=True, remove=remove, seen=Seen.one(seen))
+        plan = people.import_list(
+            errand.services, caller, content, skip=True, remove=remove, seen=Seen.one(seen)
+        )
     except RefusedError as error:
         if error.code == "changed_meanwhile":
             return _preview_page(
@@ -112,7 +119,8 @@ def import_list(
             )
         problem = form_problem(error, errand.language, field="file")
         return _people_page(errand, problem=problem)
-    return RedirectResponse("/class/people?done=imported", status_code=303)
+    counts = f"added={len(plan.change.added)}&changed={len(plan.change.changed)}"
+    return RedirectResponse(f"/class/people?done=imported&{counts}", status_code=303)
 
 
 @router.post("/people/tokens", dependencies=OWN_FORM)
@@ -197,24 +205,23 @@ def read_audit(
     )
 
 
-def _people_page(  # noqa: PLR0913
+def _people_page(
     errand: PageErrand,
+    query: PeopleQuery | None = None,
     *,
-    search: str = "",
-    section: str = "",
-    done: str = "",
     form: MemberForm | None = None,
     problem: FormProblem | None = None,
 ) -> Response:
     course, _ = people.myself(errand.services, errand.caller)
     is_instructor = course is not None and errand.caller.is_instructor
     everybody = members(errand.services, errand.caller)
-    wanted = search.strip().lower()
+    query = query or PeopleQuery()
+    wanted = query.search.strip().lower()
     found = [
         one
         for one in everybody
         if (wanted in one.id.lower() or wanted in one.name.lower())
-        and (not section or section in one.sections)
+        and (not query.section or query.section in one.sections)
     ]
     return page(
         errand.request,
@@ -224,12 +231,10 @@ def _people_page(  # noqa: PLR0913
         members=found,
         all=len(everybody),
         sections=sections_of(everybody),
-        search=search,
-        section=section,
+        query=query,
         form=form or MemberForm(),
         problem=problem,
         roles=list(Role),
-        done=done,
         without_token=len(people.without_token(errand.services, errand.caller)) if is_instructor else 0,
     )
 

@@ -85,8 +85,20 @@ def test_a_sheet_is_filled_in_or_refused_on_the_page(wang: Browser) -> None:
     assert base64.b64decode(link[1]).startswith(b"PK")
     wrong = send("grade")
     assert wrong.status_code == 422
-    assert "there are: id, points" in wrong.text
-    assert 'value="grade"' in wrong.text
+    assert "there are: points" in wrong.text
+    assert '<select id="column" name="column"><option>points</option></select>' in wrong.text
+
+
+def test_the_column_named_as_the_assignment_is_filled_and_who_has_no_points_is_named(
+    wang: Browser, put: Callable[..., str]
+) -> None:
+    put(b"good", student="li", course="ros")
+    files = {"file": ("s.csv", "学号,正方形\nli,\nhan,\n".encode())}
+    shown = wang.post(
+        "/class/gradebook/fill", {"assignment": "square"}, files=files, page="/class/gradebook"
+    ).text
+    assert "1 rows of students who have no points yet" in shown
+    assert "<td>han</td>" in shown
 
 
 def test_without_a_course_the_gradebook_has_who_handed_in(

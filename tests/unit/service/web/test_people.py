@@ -43,7 +43,7 @@ def test_a_list_is_seen_before_it_is_imported(wang: Browser, services: Services)
         assert text in preview.text, text
     confirmed = {"entries": field(preview, "entries"), "seen": field(preview, "seen")}
     answer = wang.post("/class/people/import", confirmed, page="/class/people")
-    assert answer.headers["Location"] == "/class/people?done=imported"
+    assert answer.headers["Location"] == "/class/people?done=imported&added=1&changed=1"
     zhou = services.courses.member("ros", "zhou")
     assert (zhou.name, zhou.role, zhou.sections) == ("周", Role.STUDENT, ("一班", "二班"))
     assert services.courses.member("ros", "han") is not None
@@ -168,3 +168,27 @@ def test_slips_for_a_section_whose_people_have_tokens_already(wang: Browser, ser
     token = re.search(r"<code>(.+)</code>", slips)[1]
     wang.enter(token=token)
     assert ">zhou</span>" in wang.get("/submissions").text
+
+
+def test_ids_that_lost_a_zero_are_restored_by_address_or_name(wang: Browser, services: Services) -> None:
+    wang.post("/class/people", {"person": "024120705", "name": "郭霞"})
+    wang.post("/class/people", {"person": "024120905", "name": "欧阳文"})
+    listed = (
+        "学号,姓名,邮箱\n24120705,郭霞,\n24130000,新来的,024130000@stu.example.edu.cn\n24120905,别人,\n"
+    ).encode()
+    shown = wang.post(
+        "/class/people/preview", {}, files={"file": ("a.csv", listed)}, page="/class/people"
+    ).text
+    restored = re.findall(r"<li>(.*?) → <strong>(\d+)</strong>", shown)
+    assert [(row.split("：")[-1].split(": ")[-1], id_) for row, id_ in restored] == [
+        ("24120705", "024120705"),
+        ("24130000", "024130000"),
+    ]
+    assert "024120905" in shown  # another name: a wrong row
+    assert 'name="remove"' not in shown  # somebody of the wrong rows may be among those who are not listed
+    fields = {name: re.search(rf'name="{name}" value="([^"]*)"', shown)[1] for name in ("entries", "seen")}
+    done = wang.post("/class/people/import", fields, page="/class/people")
+    assert done.headers["Location"] == "/class/people?done=imported&added=1&changed=0"
+    people = {one.id for one in services.courses.members("ros")}
+    assert {"024120705", "024130000"} <= people
+    assert not {"24120705", "24130000"} & people
