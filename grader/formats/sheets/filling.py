@@ -113,8 +113,7 @@ def fill(content: bytes, columns: Sequence[str], points: Mapping[str, float | No
         columns: headers; the column with the first of them that the first sheet has is filled.
         points: by id of the student; None: nothing was handed in.
 
-    Raises:
-        CourseError: there is no table, or one of the two columns is missing in the first (`NoColumnError`).
+    Raises CourseError: there is no table, or one of the two columns is missing in the first (`NoColumnError`).
     """
     table = read_table(content, lambda cells: id_column(cells) is not None)
     targets = [_target(table, columns)]
@@ -128,7 +127,7 @@ def fill(content: bytes, columns: Sequence[str], points: Mapping[str, float | No
     for target in targets:
         _match(target, students, places, unknown, ambiguous)
     named = {place.student for place in places}
-    blank = tuple(place.row for place in places if points[place.student] is None)
+    blank = [place.row for place in places if points[place.student] is None]
     places = [place for place in places if points[place.student] is not None]
     filled = FilledSheet(
         content=b"",
@@ -136,7 +135,7 @@ def fill(content: bytes, columns: Sequence[str], points: Mapping[str, float | No
         filled=len(places),
         unknown=tuple(unknown),
         ambiguous=tuple(ambiguous),
-        blank=blank,
+        blank=tuple(blank),
         missing=tuple(one for one, value in points.items() if value is not None and one not in named),
     )
     if _is_xlsx(content):
