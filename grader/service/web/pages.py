@@ -15,6 +15,7 @@ from fastapi.responses import HTMLResponse
 from fastapi.templating import Jinja2Templates
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
+from starlette.routing import Match
 
 from grader.contracts.text import Language
 from grader.messages import on_page, quantity
@@ -75,6 +76,12 @@ def _context(request: Request, language: Language, token: str) -> dict[str, Any]
     }
 
 
+def _is_read(request: Request) -> bool:
+    """Whether a form's address answers to GET as well."""
+    scope = {**request.scope, "method": "GET"}
+    return any(route.matches(scope)[0] is Match.FULL for route in request.app.routes)
+
+
 def qr_code(text: str) -> Markup:
     """Return a QR code as a drawing to be put into a page."""
     import segno
@@ -90,8 +97,11 @@ def compile_all() -> None:
 
 
 def _other_language(request: Request, language: Language) -> dict[str, str] | None:
-    """Return code, name and address of this page in the other language; what a form is answered with has none."""
-    if request.method == "POST":
+    """Return code, name and address of this page in the other language.
+
+    What a form is answered with has none, unless its address shows a page by itself, as where a form was refused.
+    """
+    if request.method == "POST" and not _is_read(request):
         return None
     other: Language = "en" if language == "zh" else "zh"
     url = request.url.include_query_params(lang=other)

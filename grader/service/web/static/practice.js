@@ -92,6 +92,7 @@ if (opened.brought !== undefined) { // a submission to be mended; what was there
   if (opened.marks.length) {
     goTo(opened.marks[0].line);
   }
+  editor.focus();
 }
 document.getElementById("keys").hidden = document.getElementById("actions").hidden = false;
 

@@ -122,6 +122,7 @@ def test_a_refused_file_leads_back_to_the_form(
     answer = browser.hand_in("square", source, name=name, student="s1")
     assert answer.status_code == status
     assert words in answer.text
+    assert 'href="/assignments/square?lang=en"' in answer.text
     assert 'role="alert"' in answer.text
     assert 'value="s1"' in answer.text  # what was typed is not lost
     assert "grader_student" not in answer.headers.get("set-cookie", "")
