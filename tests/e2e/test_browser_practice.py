@@ -168,6 +168,8 @@ def test_names_of_rclpy_are_completed(student: Browser) -> None:
     content.send_keys("()", Keys.ENTER, "rclpy.spin_u")
     student.until(lambda: _suggestions(student) == ["spin_until_future_complete"])
     content.send_keys(Keys.ENTER)  # a new line, and nothing that was not typed
+    content.send_keys("mine = rclpy.create_node('a')", Keys.ENTER, "mine.create_pub")
+    student.until(lambda: _suggestions(student) == ["create_publisher"])
     assert _lines(student)[1:4] == [
         "from geometry_msgs.msg import Twist", "self.create_publisher()", "rclpy.spin_u",
     ]  # fmt: skip

@@ -27,11 +27,17 @@ function labels(line, text, { modules, node, members }) {
   typed = line.match(/(?:\b([\w.]+)|[)\]])\.(\w*)$/);
   if (typed && !/^\d+$/.test(typed[1] ?? "")) {
     const own = found(text, /\.([A-Za-z_]\w*)/g);
-    const methods = typed[1] === "self" ? [...node, ...found(text, /def (\w+)/g)] : members;
+    const methods = isNode(typed[1], text) ? [...node, ...found(text, /def (\w+)/g)] : members;
     return [typed[2], modules[typed[1]] ?? [...methods, ...own]];
   }
   typed = line.match(/(?<!\w)([A-Za-z_]\w+)$/);
   return typed && [typed[1], [...WORDS, ...found(text, /\b([A-Za-z_]\w{2,})/g)]];
+}
+
+/** Whether the program says that `name` is a node: `self`, or what a class of nodes was called for. */
+function isNode(name, text) {
+  const classes = ["Node", "create_node", ...found(text, /class\s+(\w+)\([^)]*\bNode\b/g)].join("|");
+  return name === "self" || (name && new RegExp(`(?<![\\w.])${name.replaceAll(".", "\\.")}\\s*=\\s*(?:\\w+\\.)*(?:${classes})\\(`).test(text));
 }
 
 async function complete(context) {
