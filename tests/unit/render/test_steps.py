@@ -51,6 +51,14 @@ def test_one_step_after_the_other(report: GradeReport) -> None:
     assert fact == replace(line, line=EMPTY)
 
 
+def test_a_step_begins_with_what_still_lacks_points(report: GradeReport) -> None:
+    """Not with an item whose points a teacher gave."""
+    passed = next(item for item in report.items if item.status is ItemStatus.PASSED)
+    report = replace(report, items=(replace(passed, id="given"), *report.items))
+    found = Explanation(changes=(replace(CHANGE, gains=("given", "closed")),))
+    assert steps(report, found, Hints.FACT)[0].fact.en == "Back at the start: 1 m off"
+
+
 def test_what_is_added_has_the_line_before_it(report: GradeReport) -> None:
     (step,) = steps(report, Explanation(changes=(ADDED,)), Hints.LINE)
     assert step.line.en == "Look after line 44."
