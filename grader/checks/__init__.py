@@ -25,7 +25,7 @@ from grader.checks.scoring import (
     together_scored,
     with_hints,
 )
-from grader.checks.summary import is_wanting, summarise, summarise_text
+from grader.checks.summary import first_step, is_wanting, summarise, summarise_text
 from grader.checks.surroundings import solids_of
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError
@@ -143,7 +143,13 @@ def explained(assignment: Assignment, marks: Marks) -> Scoring:
     whole = summarise(_in_order(assignment, scored, together), seen, [run.outcome for run in runs])
     own = {item.hint for item in assignment.items if item.hint != EMPTY}
     first = next((item.hint for item in whole.items if item.hint in own), None)
-    return whole if first is None else replace(whole, hint=first)  # the teacher's own words go first
+    if first is not None:
+        return replace(whole, hint=first)  # the teacher's own words go first
+    if whole.mistakes:
+        return whole
+    kind = CHECKS[_kind_name(assignment)]
+    measures = {item.id: item.measure for item in assignment.items if item.measure in kind.measures}
+    return replace(whole, hint=first_step(whole.items, measures))
 
 
 def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:

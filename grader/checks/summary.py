@@ -1,6 +1,7 @@
 """The head of a report: one sentence, one next step, and the recognised mistakes."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Final
 
 from grader.checks.measure import Findings, Mistake
 from grader.contracts.outcome import RunOutcome, RunStatus
@@ -11,6 +12,9 @@ from grader.messages import enumerated, say
 from grader.messages.quantity import points
 
 _NOTHING_LOST = (ItemStatus.PASSED, ItemStatus.NEEDS_MANUAL)
+_FOLLOWS: Final = frozenset({"off_pct", "mean_off_pct", "covered_pct", "gap_pct"})
+"""Measures of a whole figure: what is wrong in a piece of it shows there, too."""
+_SLIGHT: Final = 0.9  # of an item's points: what earned more is not what to begin with
 
 
 def is_wanting(items: Sequence[RubricItem], outcomes: Sequence[RunOutcome]) -> bool:
@@ -41,6 +45,22 @@ def summarise(
         hint=hint,
         mistakes=tuple(mistake.code for mistake in mistakes),
     )
+
+
+def first_step(items: Sequence[RubricItem], measures: Mapping[str, str]) -> Text:
+    """Return what was measured of one item that lost points, and its hint; empty where no item has one.
+
+    `measures`: of the items whose hint does not say what was measured, by id without the case.
+    """
+    hinted = [item for item in items if item.status not in _NOTHING_LOST and item.hint != EMPTY]
+    if not hinted:
+        return EMPTY
+    names = {item.id: measures.get(item.id.rpartition("/")[2]) for item in hinted}
+    item = min(hinted, key=lambda one: (names[one.id] in _FOLLOWS, one.earned >= _SLIGHT * one.points))
+    if names[item.id] is None or item.message == EMPTY:
+        return item.hint
+    fact = say("step.fact", title=item.title, seen=item.message)
+    return Text(zh=f"{fact.zh}{item.hint.zh}", en=f"{fact.en} {item.hint.en}")
 
 
 def summarise_text(items: Sequence[RubricItem], findings: Findings) -> Scoring:

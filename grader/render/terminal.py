@@ -183,12 +183,10 @@ def _item(item: RubricItem, language: Language) -> Text:
 
 
 def _next_steps(report: GradeReport, language: Language) -> Iterator[RenderableType]:
-    """Yield the report's hint, then the items' own, each said once, also where an item fails in several cases."""
+    """Yield the report's hint, and where mistakes were recognised those of its items, each once for all cases."""
     hints: dict[str, str] = {}
-    for name, hint in (
-        ("", report.hint),
-        *((item.id.rpartition("/")[2], item.hint) for item in report.items),
-    ):
+    of_items = [(item.id.rpartition("/")[2], item.hint) for item in report.items] if report.mistakes else []
+    for name, hint in (("", report.hint), *of_items):
         line = visible(hint.get(language))
         if line and line not in hints.values():
             hints.setdefault(name, line)

@@ -119,5 +119,9 @@ def answer(grader: Grader, script: Beginner) -> Answer:
 def _cause(report: GradeReport, script: Beginner) -> str:
     """Return the code of the first mistake; where none is recognised, the measure whose item gives the hint."""
     measures = {spec.id: spec.measure for spec in catalog().get(script.assignment).items}
-    hinted = [item.id.rpartition("/")[2] for item in report.items if item.hint == report.hint != EMPTY]
+    hinted = [
+        item.id.rpartition("/")[2]
+        for item in report.items
+        if item.hint != EMPTY and report.hint.zh.endswith(item.hint.zh)
+    ]
     return (*report.mistakes, *(measures[id_] for id_ in hinted), "")[0]

@@ -42,7 +42,7 @@ def test_a_wrong_last_turn_costs_the_rest_only(turned_deg: float, sense: float) 
     legs = polygon_legs(4, corners_deg=[90, 90, 90, turned_deg], w_radps=sense)
     scoring = graded("square", drive(legs))
     assert score(scoring) == 95
-    assert item(scoring, "rest").hint == scoring.hint
+    assert scoring.hint.zh.endswith(item(scoring, "rest").hint.zh)
 
 
 @pytest.mark.parametrize("turned_deg", [92, 360, 450, 720, -270])

@@ -281,7 +281,7 @@ for _ in range(2):
     ("assignment", "motions", "stated"),
     [
         ("backward", SLOW_TIMER.replace("HERTZ", "5"), ("period", 21)),
-        ("backward", SLOW_TIMER.replace("HERTZ", "6"), ("period", 21)),
+        ("backward", SLOW_TIMER.replace("HERTZ", "7"), ("period", 21)),
         ("spin", IDLE.replace("AXIS", "angular.x"), ("idle_axis", 19)),
         ("spin", IDLE.replace("AXIS", "angular.y"), ("idle_axis", 19)),
         ("two_circles", CIRCLES.replace("RATE", "r").replace("WAY * r", "2 * math.pi / r"), ("radius", 13)),
