@@ -42,9 +42,8 @@ def steps(report: GradeReport, explanation: Explanation, level: Hints) -> tuple[
 
 def _step(change: ProvenChange, items: Mapping[str, RubricItem], level: Hints) -> HintStep:
     gaining = [items[id_] for id_ in change.gains if id_ in items]
-    lost = [
-        item for item in gaining if item.status not in _NOTHING_LOST
-    ]  # a teacher may have given the others
+    # a teacher may have given the points of others
+    lost = [item for item in gaining if item.status not in _NOTHING_LOST]
     step = HintStep(fact=_first_fact(lost or gaining))
     if level is Hints.FACT:
         return step

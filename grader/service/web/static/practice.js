@@ -112,7 +112,8 @@ function put(program) {
 
 function goTo(number) {
   const line = editor.state.doc.line(Math.min(Math.max(number, 1), editor.state.doc.lines));
-  editor.dispatch({ selection: { anchor: line.from, head: line.to }, scrollIntoView: true });
+  // nothing is selected: what is typed next would take the place of the line
+  editor.dispatch({ selection: { anchor: line.from + line.text.search(/\S|$/) }, scrollIntoView: true });
   editor.focus();
 }
 
