@@ -20,7 +20,8 @@ from grader.messages import is_on_page, on_page
 
 ACTIONS = (
     "course.create", "course.change", "course.copy", "course.archive", "course.reopen", "course.retain",
-    "member.add", "member.change", "member.remove", "member.forget", "token.issue", "token.revoke",
+    "member.add", "member.change", "member.remove", "member.renumber", "member.forget",
+    "token.issue", "token.revoke",
     "signin.bind", "signin.unbind", "platform.invite", "platform.add", "platform.remove",
     "webhook.set", "webhook.remove", "mail.set",
     "rules.change", "extension.change", "submission.hand_in",

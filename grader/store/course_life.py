@@ -8,14 +8,29 @@ from sqlalchemy import delete, select
 from sqlmodel import Session, col
 
 from grader.contracts.errors import CourseError, RefusedError
-from grader.contracts.identity import Course, Member, Role, unknown_course, unknown_members
+from grader.contracts.identity import (
+    Course,
+    Member,
+    Role,
+    checked_id,
+    folded_id,
+    unknown_course,
+    unknown_members,
+)
 from grader.contracts.regrade import RegradeState
 from grader.store.audit import Signature, record
 from grader.store.clock import TimedPart
 from grader.store.courses import add_course, add_members
 from grader.store.database import empty_log, in_lots, one_at_a_time
 from grader.store.erasing import AT_ONCE, Space, erase, finished_before, ids_of, space_of
-from grader.store.forgetting import Forgotten, is_known, known_as, new_pseudonym, rename_everywhere
+from grader.store.forgetting import (
+    Forgotten,
+    give_new_id,
+    is_known,
+    known_as,
+    new_pseudonym,
+    rename_everywhere,
+)
 from grader.store.own_assignments import copy_own_assignments
 from grader.store.rules import add_rules, rules_of
 from grader.store.tables import (
@@ -141,6 +156,28 @@ class CourseLife(TimedPart):
         empty_log(self._database)
         return Forgotten(pseudonym=pseudonym, submissions=len(own))
 
+    def renumber(self, person: str, new: str, signed: Signature, reason: str = "") -> None:
+        """Give a student of the course of `signed` another id, under which everything of theirs stays.
+
+        Raises CourseError: there is no such student, or `new` cannot be an id or is somebody's.
+        """
+        course = signed.course or ""
+        with self._database.writing() as session:
+            _held(session, signed)
+            one_at_a_time(session, "uploads", course, person)
+            row = session.get(MemberRow, (course, person))
+            if row is None or row.role != Role.STUDENT.value:
+                raise unknown_members(course, person)
+            _require_free(session, course, person, checked_id(new, "id"))
+            session.add(MemberRow(**{**row.model_dump(), "person": new}))
+            session.flush()  # before what refers to it
+            give_new_id(session, course, person, new)
+            session.delete(row)
+            before, after = {"id": person}, {"id": new}
+            record(
+                session, signed, "member.renumber", f"member {new}", before=before, after=after, reason=reason
+            )
+
     def space(self, course: str | None = None) -> dict[str, Space]:
         """Return by course (of one, or of all) what is stored of its submissions."""
         of = col(SubmissionRow.course)
@@ -196,6 +233,14 @@ def _require_student(session: Session, course: str, person: str) -> None:
             f"{person} is no student: only students are forgotten",
             f"{person} 不是学生：只能删除学生的数据",
         )
+
+
+def _require_free(session: Session, course: str, person: str, new: str) -> None:
+    people = session.execute(select(col(MemberRow.person)).where(col(MemberRow.course) == course)).scalars()
+    like = [one for one in people if one != person and folded_id(one) == folded_id(new)]
+    if new == person or like or is_known(session, course, new):
+        other = like[0] if like else new
+        raise CourseError(f"{other} is or was somebody in the course", f"课程里已经有或者有过 {other}", "id")
 
 
 def _held(session: Session, signed: Signature) -> CourseRow:

@@ -6,7 +6,7 @@ Free texts and the audit log are searched for the id, for every name and address
 import json
 import re
 import secrets
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -71,27 +71,47 @@ def rename_everywhere(
     return scrub
 
 
-def _rename(
+def give_new_id(session: Session, course: str, person: str, new: str) -> None:
+    """Put the id `new` where the course's rows name a member `person` by the id alone; texts stay as they are.
+
+    The member's own row is the caller's to exchange: `new` must be a member by then.
+    """
+    subject = _scrubber({person}, new)
+    for table in SQLModel.metadata.sorted_tables:
+        if table.name == MemberRow.__tablename__ or (own := _of_course(table, course)) is None:
+            continue
+        for name in ("person", "student"):
+            if name in table.c:
+                column: Column[Any] = table.c[name]
+                session.execute(update(table).where(own, column == person).values({name: new}))
+        _rename(session, table, own, (person, new), subject, only=("subject", *_DOCUMENTS))
+
+
+def _rename(  # noqa: PLR0913
     session: Session,
     table: Table,
     own: ColumnElement[bool],
     renamed: tuple[str, str],
     scrub: Callable[[str], str],
+    *,
+    only: Sequence[str] = (),
 ) -> None:
+    """Rename in a table's columns of ids, and in its texts; `only`: in those of these names."""
     person, pseudonym = renamed
     ids, texts = naming_columns(table)
     for column in ids:
         session.execute(update(table).where(own, column == person).values({column.name: pseudonym}))
+    texts = [one for one in texts if not only or one.name in only]
     if not texts:
         return
     keys = list(table.primary_key.columns)
     for row in session.execute(select(*keys, *texts).where(own)).all():
         values = row._asdict()
         changed = {
-            text.name: new
-            for text in texts
-            if (old := values[text.name])
-            and (new := _renamed(old, renamed) if text.name in _DOCUMENTS else scrub(old)) != old
+            one.name: new
+            for one in texts
+            if (old := values[one.name])
+            and (new := _renamed(old, renamed) if one.name in _DOCUMENTS else scrub(old)) != old
         }
         if changed:
             session.execute(update(table).where(*(key == values[key.name] for key in keys)).values(changed))
@@ -134,7 +154,7 @@ def known_as(session: Session, course: str, person: str) -> set[str]:
     entries = session.execute(select(AuditRow.before, AuditRow.after).where(_about(course, person)))  # type: ignore[call-overload]
     for document in (json.loads(text) for entry in entries for text in entry):
         if isinstance(document, dict):
-            names |= {str(document.get(name) or "") for name in ("name", "email")}
+            names |= {str(document.get(name) or "") for name in ("id", "name", "email")}
     return {name for name in names if len(name) >= _LEAST or name == person}
 
 

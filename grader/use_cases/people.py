@@ -194,6 +194,19 @@ def set_member(services: Services, caller: Caller, entry: RosterEntry) -> Member
     return member_of(services, caller, entry.id)
 
 
+def renumber(services: Services, caller: Caller, person: str, new: str, reason: str) -> None:
+    """Give a student another id, under which everything of theirs stays.
+
+    Raises RefusedError: the caller is no instructor, there is no such student, or the id is taken or none.
+    """
+    require_instructor(caller)
+    member_of(services, caller, person)
+    try:
+        services.course_life.renumber(person, new.strip(), services.signature(caller), reason)
+    except CourseError as error:
+        raise _refused(error) from None
+
+
 def remove_member(services: Services, caller: Caller, person: str, reason: str) -> None:
     """Take somebody out of the course; what they handed in stays stored.
 

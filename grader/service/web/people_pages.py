@@ -161,6 +161,22 @@ def change_member(errand: InstructorDep, person: PersonId, form: Annotated[Membe
     return RedirectResponse(f"/class/people/{quote(person, safe='')}?done=saved", status_code=303)
 
 
+@router.post("/people/{person}/renumber", dependencies=OWN_FORM)
+def renumber(
+    errand: InstructorDep,
+    person: PersonId,
+    new: Annotated[str, Form(max_length=200)] = "",
+    reason: Annotated[str, Form(max_length=1_000)] = "",
+) -> Response:
+    """Give a student another id."""
+    member = people.member_of(errand.services, errand.caller, person)
+    try:
+        people.renumber(errand.services, errand.caller, person, new, reason.strip())
+    except RefusedError as error:
+        return _member_page(errand, member, error=error)
+    return RedirectResponse(f"/class/people/{quote(new.strip(), safe='')}?done=saved", status_code=303)
+
+
 @router.post("/people/{person}/remove", dependencies=OWN_FORM)
 def remove_member(
     errand: InstructorDep, person: PersonId, reason: Annotated[str, Form(max_length=1_000)] = ""

@@ -158,6 +158,39 @@ def test_somebody_forgotten_hands_in_nothing_more(taught: Class, database: Datab
     assert [one for one in TRACES if one in dump(database)] == []
 
 
+def test_another_id_takes_everything_along(taught: Class, database: Database) -> None:
+    before = [(one.id, one.score) for one in taught.submissions.of_student("20260123", course="ros")]
+    taught.life.renumber("20260123", "20269999", taught.signed, "moved to another school")
+    after = [(one.id, one.score) for one in taught.submissions.of_student("20269999", course="ros")]
+    assert after == before
+    assert len(before) == 3
+    assert taught.submissions.of_student("20260123", course="ros") == ()
+    member = taught.courses.member("ros", "20269999")
+    assert member is not None
+    assert (member.name, member.sections, taught.courses.member("ros", "20260123")) == ("李雷", ("1",), None)
+    rules = StoredRules(database).of("ros")
+    assert {student for _, student in rules.extensions} == {"20269999"}
+    (regrade,) = Regrades(database).all("ros")
+    assert regrade.wanted.students == ("20269999",)
+    entry = AuditLog(database).entries("ros", 1)[0]
+    assert (entry.action, entry.before, entry.after) == (
+        "member.renumber",
+        {"id": "20260123"},
+        {"id": "20269999"},
+    )
+    taught.work()
+    taught.life.forget("20269999", taught.signed)
+    assert [one for one in (*TRACES, "20269999") if one in dump(database)] == []
+
+
+@pytest.mark.parametrize("new", ["20260124", "20260123", "020260124", "", "a b"])
+def test_an_id_that_is_taken_or_none_is_refused(taught: Class, new: str) -> None:
+    with pytest.raises(CourseError):
+        taught.life.renumber("20260123", new, taught.signed)
+    with pytest.raises(CourseError, match="no member"):
+        taught.life.renumber("wang", "w2", taught.signed)
+
+
 def test_a_new_column_of_text_is_searched_until_it_is_said_to_name_nobody() -> None:
     columns = (Column("trouble", PlainText()), Column("note", PlainText()), Column("noted_by", String(64)))
     ids, texts = naming_columns(Table("submission", MetaData(), *columns))

@@ -161,6 +161,7 @@ ROWS: dict[str, Row] = {
     ),
     "POST /class/people/tokens": Row("enter 403 403 403 ok 403 ok", {"form": "csv"}),
     "POST /class/people/{person}": Row("enter 403 403 403 404 403 ok", MEMBER),
+    "POST /class/people/{person}/renumber": Row("enter 403 403 403 404 403 ok", {"new": "sun2"}),
     "POST /class/people/{person}/remove": Row("enter 403 403 403 404 403 ok", {}),
     "POST /class/people/{person}/token": Row("enter 404 403 403 404 ok ok", {}),
     "POST /class/people/{person}/unbind": Row("enter 403 403 403 404 403 ok", {"identity": "{identity}"}),
