@@ -41,9 +41,10 @@ class NoColumnError(CourseError):
 
     def __init__(self, wanted: str, headings: Sequence[str]) -> None:
         listed = ", ".join(headings)[:300]
-        super().__init__(
-            f"no column {wanted[:60]!r}; there are: {listed}", f"没有“{wanted[:60]}”这一列；表里有：{listed}"
-        )
+        en, zh = f"no column {wanted[:60]!r}; there are:", f"没有“{wanted[:60]}”这一列；表里有："
+        if not wanted:
+            en, zh = "choose the column and the file once more:", "请选好要填的列，再选一次文件："
+        super().__init__(f"{en} {listed}", f"{zh}{listed}")
         self.headings = tuple(headings)
 
 

@@ -177,4 +177,6 @@ def test_the_first_name_that_the_sheet_has_is_filled_and_who_has_no_points_is_na
     assert [(row.sheet, row.number, row.person) for row in filled.blank] == [("平时成绩", 5, "s77")]
     with pytest.raises(NoColumnError) as missing:
         fill(own_sheet(), ["Square"], {})
+    with pytest.raises(NoColumnError, match="choose the column and the file once more: 序号"):
+        fill(own_sheet(), [""], {})
     assert missing.value.headings == ("序号", "姓名", "考勤", "正方形", "总评")
