@@ -196,7 +196,9 @@ def _without_harmless(
         if item.status is not ItemStatus.PASSED
         and together.get(spec.id, item).status is not ItemStatus.PASSED
     }
-    costly = [each for each in findings.mistakes if not each.measures or lost & set(each.measures)]
+    costly = [
+        mistake for mistake in findings.mistakes if not mistake.measures or lost & set(mistake.measures)
+    ]
     return replace(findings, mistakes=first_causes(costly))
 
 

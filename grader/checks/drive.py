@@ -110,7 +110,8 @@ def times_begun(flags: Iterable[bool]) -> int:
 def pushed_m(trajectory: Trajectory, until_ns: int) -> float:
     """Return the longest way that a wall kept the car from driving, as commanded, up to `until_ns`."""
     return max(
-        (_pushed_m(trajectory, one) for one in trajectory.contacts if one.start_ns <= until_ns), default=0.0
+        (_pushed_m(trajectory, contact) for contact in trajectory.contacts if contact.start_ns <= until_ns),
+        default=0.0,
     )
 
 
@@ -119,7 +120,7 @@ def _pushed_m(trajectory: Trajectory, contact: Contact) -> float:
     heading_rad = float(trajectory.heading_rad[at])
     cos, sin = exact.cos_sin(heading_rad)
     across = cos if contact.wall in ("left", "right") else sin
-    speeds = (one.v_mps for one in reversed(trajectory.commands) if one.t_ns <= contact.start_ns)
+    speeds = (command.v_mps for command in reversed(trajectory.commands) if command.t_ns <= contact.start_ns)
     return abs(across * next(speeds, 0.0)) * (contact.end_ns - contact.start_ns) / 1e9
 
 

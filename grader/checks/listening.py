@@ -90,8 +90,8 @@ def _unanswered_action(run: Run, world: World) -> Mistake | None:
 def _silent_topic(run: Run, world: World, *, surely: bool) -> Mistake | None:
     """Recognise a subscription, in the node that commands the car, to a topic that nobody publishes."""
     publishers = [each for each in _of_kind(run, "publisher") if each.name not in _OF_ROS]
-    commanding = {each.node for each in publishers if each.name == world.cmd_vel_topic}
-    own = {each.name: each.type for each in publishers}
+    commanding = {publisher.node for publisher in publishers if publisher.name == world.cmd_vel_topic}
+    own = {publisher.name: publisher.type for publisher in publishers}
     published = set(own) | set(topics_of(world))
     heard = [
         each
@@ -113,7 +113,7 @@ def _silent_topic(run: Run, world: World, *, surely: bool) -> Mistake | None:
 
 
 def _of_kind(run: Run, kind: str) -> list[Endpoint]:
-    return [each for each in run.outcome.endpoints if each.kind == kind]
+    return [endpoint for endpoint in run.outcome.endpoints if endpoint.kind == kind]
 
 
 def topics_of(world: World) -> tuple[str, ...]:
@@ -136,7 +136,7 @@ def _not_of_spawned(run: Run, endpoints: list[Endpoint]) -> list[Endpoint]:
     if not _has_spawned(run):
         return endpoints
     names = (*TURTLE_TOPICS, *TURTLE_SERVICES)
-    return [each for each in endpoints if each.name.rpartition("/")[2] not in names]
+    return [endpoint for endpoint in endpoints if endpoint.name.rpartition("/")[2] not in names]
 
 
 def _has_spawned(run: Run) -> bool:

@@ -75,7 +75,7 @@ def _braces(run: Run) -> Iterator[tuple[str, str]]:
 
 def _slow_timer(run: Run) -> Iterator[tuple[str, str]]:
     """Recognise motions so far apart that turtlesim stops the car between each two."""
-    moves = [one.t_ns for one in run.trajectory.commands if one.v_mps or one.w_radps]
+    moves = [command.t_ns for command in run.trajectory.commands if command.v_mps or command.w_radps]
     gaps_s = {round((after - before) / 1e9, 1) for before, after in itertools.pairwise(moves)}
     if len(moves) > 2 and len(gaps_s) == 1 and min(gaps_s) >= _SLOW_S:
         yield "slow_timer", f"{gaps_s.pop():g}"
@@ -83,7 +83,7 @@ def _slow_timer(run: Run) -> Iterator[tuple[str, str]]:
 
 def _faster(run: Run) -> Iterator[tuple[str, str]]:
     """Recognise a speed that grows with every message, and never stops growing."""
-    speeds = [abs(one.v_mps) for one in run.trajectory.commands]
+    speeds = [abs(command.v_mps) for command in run.trajectory.commands]
     grows = len(speeds) > 20 and all(one < other for one, other in itertools.pairwise(speeds))
     if grows and speeds[-1] > _TOO_FAST_MPS:
         yield "faster", f"{speeds[-1]:.1f}"

@@ -424,7 +424,7 @@ def _combined(spec: ItemSpec, across: Across, found: Sequence[Measures]) -> Meas
     worst = measures[_worst(spec, found)]
     if across == "worst" or not math.isfinite(worst.value):
         return worst
-    return Measure(math.fsum(each.value for each in measures) / len(measures), worst.details)
+    return Measure(math.fsum(measure.value for measure in measures) / len(measures), worst.details)
 
 
 def _worst(spec: ItemSpec, found: Sequence[Measures]) -> int:
@@ -460,8 +460,8 @@ def ignored_input(
     sides = [each.measures.get("side_error_pct", UNMEASURED) for each in seen]
     if len({given.get(run.case) for run in runs}) < 2 or any(each.mistakes for each in seen):
         return None
-    lengths = {str(each.details.get("lengths")) for each in sides}
-    wrong = [fits(assignment, "side_error_pct", each.value) is False for each in sides]
+    lengths = {str(side.details.get("lengths")) for side in sides}
+    wrong = [fits(assignment, "side_error_pct", side.value) is False for side in sides]
     if len(lengths) > 1 or not any(wrong) or any(map(_is_tiny, seen)):
         return None
     code = "argument_ignored" if any(args for _, args in given.values()) else "input_ignored"

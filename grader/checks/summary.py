@@ -74,7 +74,9 @@ def summarise_text(items: Sequence[RubricItem], findings: Findings) -> Scoring:
 
 def _all_passed(outcomes: Sequence[RunOutcome]) -> Text:
     """Return praise, or the error that ended the script later."""
-    error = next((each.error for each in outcomes if each.status is RunStatus.CRASHED and each.error), None)
+    error = next(
+        (outcome.error for outcome in outcomes if outcome.status is RunStatus.CRASHED and outcome.error), None
+    )
     if error is None:
         return say("summary.full")
     return say("summary.full_then_crashed", line=error.line or "?", type=error.type)

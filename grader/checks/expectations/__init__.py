@@ -98,11 +98,11 @@ def _judged(assignment: Assignment, measures: Measures) -> "Iterator[tuple[ItemS
 
 def _whole(mistakes: Sequence[Mistake]) -> list[Mistake]:
     """Return the mistakes that spoil everything: they come before what follows from them."""
-    return [each for each in mistakes if not each.measures]
+    return [mistake for mistake in mistakes if not mistake.measures]
 
 
 def _parts(mistakes: Sequence[Mistake]) -> list[Mistake]:
-    return [each for each in mistakes if each.measures]
+    return [mistake for mistake in mistakes if mistake.measures]
 
 
 def unmet(assignment: Assignment, measures: Measures) -> Iterator[str]:
@@ -114,8 +114,8 @@ def unmet(assignment: Assignment, measures: Measures) -> Iterator[str]:
 
 
 def _measure(item: ItemSpec, verdicts: "Sequence[Verdict]", targets: Mapping[str, str]) -> Measure:
-    share = sum(each.share for each in verdicts) / len(verdicts)
-    met = sum(each.share >= 1.0 for each in verdicts)
+    share = sum(verdict.share for verdict in verdicts) / len(verdicts)
+    met = sum(verdict.share >= 1.0 for verdict in verdicts)
     short = [(one, each) for one, each in zip(item.expect, verdicts, strict=True) if each.share < 1.0]
     told = [(_told(one, each, targets), each) for one, each in short]
     rows = [say("expected.row_share", row=row, share=number(100.0 * each.share, "%")) for row, each in told]
@@ -127,12 +127,12 @@ def _measure(item: ItemSpec, verdicts: "Sequence[Verdict]", targets: Mapping[str
     return Measure(percent, details)
 
 
-def _told(one: Expectation, verdict: "Verdict", targets: Mapping[str, str]) -> Text:
+def _told(expectation: Expectation, verdict: "Verdict", targets: Mapping[str, str]) -> Text:
     """Say what was sent, what was wanted and what came, of a step by what it speaks to, not by its id."""
-    if one.secret:
+    if expectation.secret:
         return say("expected.row_secret")
-    name = one.target if len(one.target) <= 40 else one.target[:39] + "…"
-    is_text = one.kind == "log"  # then `wanted` has it, as it should read
-    what = one.kind if is_text else targets.get(one.target) or f"{one.kind} {name}"
+    name = expectation.target if len(expectation.target) <= 40 else expectation.target[:39] + "…"
+    is_text = expectation.kind == "log"  # then `wanted` has it, as it should read
+    what = expectation.kind if is_text else targets.get(expectation.target) or f"{expectation.kind} {name}"
     code = "expected.row_sent" if verdict.sent else "expected.row"
     return say(code, what=what, sent=verdict.sent, wanted=verdict.wanted, came=verdict.came)

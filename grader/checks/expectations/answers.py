@@ -35,17 +35,17 @@ _OWN_TYPES: Final = ("rcl_interfaces/", "lifecycle_msgs/", "action_msgs/")
 _SEND_GOAL: Final = "/_action/send_goal"
 
 
-def answer(one: Expectation, evidence: Evidence) -> Verdict:
+def answer(expectation: Expectation, evidence: Evidence) -> Verdict:
     """Judge the answers to the calls of a step."""
-    step, exchanges = evidence.step(one.target), evidence.exchanges(one.target)
+    step, exchanges = evidence.step(expectation.target), evidence.exchanges(expectation.target)
     good, row = 0, None
     for exchange in exchanges:
         names = evidence.said(exchange, exchange.answered_ns, out=exchange.answer)
-        wanted = None if one.values is None else wanted_of(one.values, names)
-        fits = _answered(one, exchange) and (
-            one.values is None or equals(wanted, exchange.answer, one.within)
+        wanted = None if expectation.values is None else wanted_of(expectation.values, names)
+        fits = _answered(expectation, exchange) and (
+            expectation.values is None or equals(wanted, exchange.answer, expectation.within)
         )
-        fits = fits and holds(one.that, names)
+        fits = fits and holds(expectation.that, names)
         good += fits
         if not fits and row is None:
             row = (exchange, wanted)
@@ -54,24 +54,31 @@ def answer(one: Expectation, evidence: Evidence) -> Verdict:
         return Verdict(share=share)
     exchange, wanted = row
     parts = [plain(readable(wanted))] if wanted is not None else []
-    parts += [plain(clip(one.that))] if one.that else []
-    parts += [say("expected.within", time=number(one.within_s, "s"))] if one.within_s is not None else []
+    parts += [plain(clip(expectation.that))] if expectation.that else []
+    parts += (
+        [say("expected.within", time=number(expectation.within_s, "s"))]
+        if expectation.within_s is not None
+        else []
+    )
     told = join(parts, _AND) if parts else say("expected.an_answer")
-    came = _came(one, exchange, exchange.answer, one.values)
+    came = _came(expectation, exchange, exchange.answer, expectation.values)
 
     def why() -> Mistake | None:
-        return _unanswered(step, exchanges, evidence) or _late(one, step, exchanges)
+        return _unanswered(step, exchanges, evidence) or _late(expectation, step, exchanges)
 
     return Verdict(share=share, sent=shown(exchange.values), wanted=told, came=came, why=why)
 
 
-def _answered(one: Expectation, exchange: Sent) -> bool:
+def _answered(expectation: Expectation, exchange: Sent) -> bool:
     if exchange.answered_ns is None or exchange.sent_ns is None or exchange.answer is None:
         return False
-    return one.within_s is None or exchange.answered_ns - exchange.sent_ns <= one.within_s * NS_PER_S
+    return (
+        expectation.within_s is None
+        or exchange.answered_ns - exchange.sent_ns <= expectation.within_s * NS_PER_S
+    )
 
 
-def _came(one: Expectation, exchange: Sent, values: Any, wanted: Any) -> Text:
+def _came(expectation: Expectation, exchange: Sent, values: Any, wanted: Any) -> Text:
     if exchange.sent_ns is None:
         return say("expected.not_there")
     if exchange.answered_ns is None:
@@ -79,26 +86,26 @@ def _came(one: Expectation, exchange: Sent, values: Any, wanted: Any) -> Text:
     if values is None:
         return say("expected.unreadable")
     told = plain(shown(only(wanted, values) if wanted else values))
-    if one.within_s is not None:
+    if expectation.within_s is not None:
         took = number((exchange.answered_ns - exchange.sent_ns) / NS_PER_S, "s", 3)
         return join([told, say("expected.after", time=took)], _AND)
     return told
 
 
-def _late(one: Expectation, step: Step, exchanges: Sequence[Sent]) -> Mistake | None:
+def _late(expectation: Expectation, step: Step, exchanges: Sequence[Sent]) -> Mistake | None:
     """Return that answers came late: something in a callback takes long."""
-    if one.within_s is None:
+    if expectation.within_s is None:
         return None
     late = [
-        each.answered_ns - each.sent_ns
-        for each in exchanges
-        if each.answered_ns is not None
-        and each.sent_ns is not None
-        and each.answered_ns - each.sent_ns > one.within_s * NS_PER_S
+        exchange.answered_ns - exchange.sent_ns
+        for exchange in exchanges
+        if exchange.answered_ns is not None
+        and exchange.sent_ns is not None
+        and exchange.answered_ns - exchange.sent_ns > expectation.within_s * NS_PER_S
     ]
     if not late:
         return None
-    took, most = number(min(late) / NS_PER_S, "s", 2), number(one.within_s, "s", 2)
+    took, most = number(min(late) / NS_PER_S, "s", 2), number(expectation.within_s, "s", 2)
     return mistake(
         "answers_late", name=step.target, took=took, most=most, late=len(late), count=len(exchanges)
     )
@@ -106,7 +113,7 @@ def _late(one: Expectation, step: Step, exchanges: Sequence[Sent]) -> Mistake | 
 
 def _unanswered(step: Step, exchanges: Sequence[Sent], evidence: Evidence) -> Mistake | None:
     """Return why a call was not answered."""
-    missing = [each for each in exchanges if each.answered_ns is None]
+    missing = [exchange for exchange in exchanges if exchange.answered_ns is None]
     if not missing:
         return None
     if missing[0].sent_ns is None:
@@ -124,9 +131,13 @@ def _unanswered(step: Step, exchanges: Sequence[Sent], evidence: Evidence) -> Mi
 
 def _pace(exchanges: Sequence[Sent]) -> str:
     """Return how long one answer takes: the time from one to the next, or of the only one."""
-    times = sorted(each.answered_ns for each in exchanges if each.answered_ns is not None)
+    times = sorted(exchange.answered_ns for exchange in exchanges if exchange.answered_ns is not None)
     gaps = [b - a for a, b in itertools.pairwise(times)]
-    first = [each.answered_ns - (each.sent_ns or 0) for each in exchanges if each.answered_ns is not None]
+    first = [
+        exchange.answered_ns - (exchange.sent_ns or 0)
+        for exchange in exchanges
+        if exchange.answered_ns is not None
+    ]
     return number(min(gaps or first) / NS_PER_S, "s", 2)
 
 
@@ -145,25 +156,27 @@ def not_offered(name: str, kind: str, evidence: Evidence) -> Mistake:
         return mistake("not_lifecycle", node=own_node)
     others = {step.target for step in evidence.assignment.steps}  # which the script is to offer as well
     own = [
-        f"{each.name} ({each.type})"
-        for each in evidence.parties("service")
-        if not each.type.startswith(_OWN_TYPES) and "/_action/" not in each.name and each.name not in others
+        f"{party.name} ({party.type})"
+        for party in evidence.parties("service")
+        if not party.type.startswith(_OWN_TYPES)
+        and "/_action/" not in party.name
+        and party.name not in others
     ]
     if own:
         return mistake("other_name", used=named(own), name=name)
     return mistake("no_service", service=name, type=kind)
 
 
-def goal(one: Expectation, evidence: Evidence) -> Verdict:
+def goal(expectation: Expectation, evidence: Evidence) -> Verdict:
     """Judge what became of the goals of a step."""
-    step, exchanges = evidence.step(one.target), evidence.exchanges(one.target)
+    step, exchanges = evidence.step(expectation.target), evidence.exchanges(expectation.target)
     share, row = 0.0, None
     for exchange in exchanges:
-        parts = list(_goal_parts(one, evidence, exchange))
-        degree = min((each[0] for each in parts), default=1.0)
+        parts = list(_goal_parts(expectation, evidence, exchange))
+        degree = min((part[0] for part in parts), default=1.0)
         share += degree / max(len(exchanges), 1)
         if degree < 1.0 and row is None:
-            row = (exchange, min(parts, key=lambda each: each[0]))
+            row = (exchange, min(parts, key=lambda part: part[0]))
     if row is None:
         return Verdict(share=1.0 if exchanges else 0.0)
     exchange, (_, wanted, came, why) = row
@@ -182,90 +195,108 @@ def _raised(goal: Sent, evidence: Evidence) -> Mistake | None:
     return error_caught(evidence.run) if goal.status.lower() == "aborted" else None
 
 
-def _goal_parts(one: Expectation, evidence: Evidence, goal: Sent) -> list[tuple[float, Text, Text, Reason]]:
+def _goal_parts(
+    expectation: Expectation, evidence: Evidence, goal: Sent
+) -> list[tuple[float, Text, Text, Reason]]:
     """Return for each part of what is wanted of a goal: how much is met, what was wanted, what came, why."""
     if goal.sent_ns is None or goal.accepted is None:
         came = say("expected.not_there") if goal.sent_ns is None else say("expected.no_answer")
         return [(0.0, say("expected.accepted"), came, unknown)]
     parts: list[tuple[float, Text, Text, Reason]] = []
-    rejected = because("goal_rejected", name=evidence.step(one.target).target)
-    if one.accepted is not None:
+    rejected = because("goal_rejected", name=evidence.step(expectation.target).target)
+    if expectation.accepted is not None:
         word = {True: "accepted", False: "rejected"}
-        why = rejected if one.accepted else because("goal_not_rejected", sent=shown(goal.values))
-        told = say(f"expected.{word[one.accepted]}"), say(f"expected.{word[goal.accepted]}")
-        parts.append((float(goal.accepted is one.accepted), *told, why))
-    if not goal.accepted and one.accepted is None:
+        why = rejected if expectation.accepted else because("goal_not_rejected", sent=shown(goal.values))
+        told = say(f"expected.{word[expectation.accepted]}"), say(f"expected.{word[goal.accepted]}")
+        parts.append((float(goal.accepted is expectation.accepted), *told, why))
+    if not goal.accepted and expectation.accepted is None:
         parts.append((0.0, say("expected.accepted"), say("expected.rejected"), rejected))
     if goal.accepted:
-        parts += [_state(one, evidence, goal), *_result(one, evidence, goal), *_feedback(one, evidence, goal)]
+        parts += [
+            _state(expectation, evidence, goal),
+            *_result(expectation, evidence, goal),
+            *_feedback(expectation, evidence, goal),
+        ]
     return parts
 
 
-def _state(one: Expectation, evidence: Evidence, goal: Sent) -> tuple[float, Text, Text, Reason]:
-    status, name = goal.status.lower(), evidence.step(one.target).target
-    if one.status is None:
+def _state(expectation: Expectation, evidence: Evidence, goal: Sent) -> tuple[float, Text, Text, Reason]:
+    status, name = goal.status.lower(), evidence.step(expectation.target).target
+    if expectation.status is None:
         return 1.0, EMPTY, EMPTY, unknown
     came = plain(goal.status) if status else say("expected.no_result")
     why = unknown
     if not status:
         why = because("goal_endless", name=name)
-    elif goal.cancelled_ns is not None and one.status == "canceled":
+    elif goal.cancelled_ns is not None and expectation.status == "canceled":
         why = because("cancel_ignored", name=name, status=goal.status)
-    elif status == "aborted" and one.status == "succeeded":
+    elif status == "aborted" and expectation.status == "succeeded":
         why = because("goal_aborted", name=name)
-    return float(status == one.status), plain(one.status.upper()), came, why
+    return float(status == expectation.status), plain(expectation.status.upper()), came, why
 
 
-def _result(one: Expectation, evidence: Evidence, goal: Sent) -> list[tuple[float, Text, Text, Reason]]:
+def _result(
+    expectation: Expectation, evidence: Evidence, goal: Sent
+) -> list[tuple[float, Text, Text, Reason]]:
     names = evidence.said(goal, goal.answered_ns, out=goal.answer)
     parts: list[tuple[float, Text, Text, Reason]] = []
     came = say("expected.no_result") if goal.answer is None else plain(shown(goal.answer))
-    if one.values is not None:
-        wanted = wanted_of(one.values, names)
-        fits = goal.answer is not None and equals(wanted, goal.answer, one.within)
+    if expectation.values is not None:
+        wanted = wanted_of(expectation.values, names)
+        fits = goal.answer is not None and equals(wanted, goal.answer, expectation.within)
         parts.append((float(fits), plain(shown(wanted)), came, unknown))
-    if one.that is not None:
-        fits = goal.answer is not None and holds(one.that, names)
-        parts.append((float(fits), plain(clip(one.that)), came, unknown))
-    if one.within_s is not None:
+    if expectation.that is not None:
+        fits = goal.answer is not None and holds(expectation.that, names)
+        parts.append((float(fits), plain(clip(expectation.that)), came, unknown))
+    if expectation.within_s is not None:
         took_s = None if goal.answered_ns is None else (goal.answered_ns - (goal.sent_ns or 0)) / NS_PER_S
         told = came if took_s is None else say("expected.after", time=number(took_s, "s", 2))
-        in_time = took_s is not None and took_s <= one.within_s
+        in_time = took_s is not None and took_s <= expectation.within_s
         parts.append(
-            (float(in_time), say("expected.within", time=number(one.within_s, "s", 2)), told, unknown)
+            (float(in_time), say("expected.within", time=number(expectation.within_s, "s", 2)), told, unknown)
         )
     return parts
 
 
-def _feedback(one: Expectation, evidence: Evidence, goal: Sent) -> list[tuple[float, Text, Text, Reason]]:
+def _feedback(
+    expectation: Expectation, evidence: Evidence, goal: Sent
+) -> list[tuple[float, Text, Text, Reason]]:
     parts: list[tuple[float, Text, Text, Reason]] = []
-    name = evidence.step(one.target).target
-    if one.feedback_count is not None:
+    name = evidence.step(expectation.target).target
+    if expectation.feedback_count is not None:
         count = len(goal.feedback)
         why = unknown if count else because("no_feedback", name=name)
-        told = say("expected.feedback", count=counted(one.feedback_count)), say("expected.came", count=count)
-        parts.append((in_count(count, one.feedback_count), *told, why))
-    if one.feedback is not None or one.feedback_that is not None:
-        parts.append(_feedback_values(one, evidence, goal))
+        told = (
+            say("expected.feedback", count=counted(expectation.feedback_count)),
+            say("expected.came", count=count),
+        )
+        parts.append((in_count(count, expectation.feedback_count), *told, why))
+    if expectation.feedback is not None or expectation.feedback_that is not None:
+        parts.append(_feedback_values(expectation, evidence, goal))
     return parts
 
 
-def _feedback_values(one: Expectation, evidence: Evidence, goal: Sent) -> tuple[float, Text, Text, Reason]:
+def _feedback_values(
+    expectation: Expectation, evidence: Evidence, goal: Sent
+) -> tuple[float, Text, Text, Reason]:
     before: Mapping[str, Any] | None = None
     good, bad = 0, None
     for n, each in enumerate(goal.feedback):
         names = {**evidence.said(goal, each.t_ns), "n": n, "out": each.values, "before": before}
-        wanted = None if one.feedback is None else wanted_of(one.feedback, names)
-        fits = one.feedback is None or equals(wanted, each.values, one.within)
+        wanted = None if expectation.feedback is None else wanted_of(expectation.feedback, names)
+        fits = expectation.feedback is None or equals(wanted, each.values, expectation.within)
         fits = fits and (
-            (before is None and "before" in (one.feedback_that or "")) or holds(one.feedback_that, names)
+            (before is None and "before" in (expectation.feedback_that or ""))
+            or holds(expectation.feedback_that, names)
         )
         good += fits
         bad = (wanted, each.values) if not fits and bad is None else bad
         before = each.values
-    wanted_text = clip(one.feedback_that or "") or readable(one.feedback if bad is None else bad[0])
+    wanted_text = clip(expectation.feedback_that or "") or readable(
+        expectation.feedback if bad is None else bad[0]
+    )
     came = say("expected.no_feedback") if not goal.feedback else plain("" if bad is None else shown(bad[1]))
-    why = unknown if goal.feedback else because("no_feedback", name=evidence.step(one.target).target)
+    why = unknown if goal.feedback else because("no_feedback", name=evidence.step(expectation.target).target)
     return good / max(len(goal.feedback), 1), plain(wanted_text), came, why
 
 
@@ -281,9 +312,9 @@ def _without_action(step: Step, exchange: Sent, evidence: Evidence) -> Mistake |
 def no_action(name: str, kind: str, evidence: Evidence) -> Mistake:
     """Return why an action was never there."""
     servers = {
-        each.name.removesuffix(_SEND_GOAL): each.type.removesuffix("_SendGoal")
-        for each in evidence.parties("service")
-        if each.name.endswith(_SEND_GOAL)
+        party.name.removesuffix(_SEND_GOAL): party.type.removesuffix("_SendGoal")
+        for party in evidence.parties("service")
+        if party.name.endswith(_SEND_GOAL)
     }
     if name in servers:
         if servers[name] != kind:
@@ -294,15 +325,15 @@ def no_action(name: str, kind: str, evidence: Evidence) -> Mistake:
     return mistake("no_action", action=name, type=kind)
 
 
-def settings(one: Expectation, evidence: Evidence) -> Verdict:
+def settings(expectation: Expectation, evidence: Evidence) -> Verdict:
     """Judge whether the parameters of a step could be set, and what was said of those that could not."""
-    exchanges, good, row = evidence.exchanges(one.target), 0, None
+    exchanges, good, row = evidence.exchanges(expectation.target), 0, None
     for exchange in exchanges:
         results = (exchange.answer or {}).get("results", [])
         fits = bool(results) and all(
-            one.successful in (None, each["successful"])
-            and (one.reason is None or equals(one.reason, each["reason"], 0.0))
-            for each in results
+            expectation.successful in (None, result["successful"])
+            and (expectation.reason is None or equals(expectation.reason, result["reason"], 0.0))
+            for result in results
         )
         good += fits
         if not fits and row is None:
@@ -310,73 +341,77 @@ def settings(one: Expectation, evidence: Evidence) -> Verdict:
     if row is None:
         return Verdict(share=1.0 if exchanges else 0.0)
     results = (row.answer or {}).get("results", [])
-    node = evidence.step(one.target).target
+    node = evidence.step(expectation.target).target
     why = unknown
     if row.sent_ns is None:
         why = partial(_no_node, node, evidence)
     elif not results:
         why = because("service_silent", service=f"{node}/set_parameters")
-    elif one.successful is False and results[0]["successful"]:
+    elif expectation.successful is False and results[0]["successful"]:
         why = because("setting_taken", sent=shown(row.values), node=node)
-    came = plain(shown(results[0])) if results else _came(one, row, row.answer, None)
-    told = {"successful": one.successful, "reason": one.reason}
+    came = plain(shown(results[0])) if results else _came(expectation, row, row.answer, None)
+    told = {"successful": expectation.successful, "reason": expectation.reason}
     wanted = plain(readable({name: each for name, each in told.items() if each is not None}))
     share = good / max(len(exchanges), 1)
     return Verdict(share=share, sent=shown(row.values), wanted=wanted, came=came, why=why)
 
 
-def parameter(one: Expectation, evidence: Evidence) -> Verdict:
+def parameter(expectation: Expectation, evidence: Evidence) -> Verdict:
     """Judge a parameter, as a step got it, or as its node declared and set it."""
-    if one.node is not None:
-        return _parameter_told(one, evidence)
-    exchange = next(iter(evidence.exchanges(one.step)), None)
-    node = evidence.step(one.step).target
+    if expectation.node is not None:
+        return _parameter_told(expectation, evidence)
+    exchange = next(iter(evidence.exchanges(expectation.step)), None)
+    node = evidence.step(expectation.step).target
     if exchange is None or exchange.sent_ns is None:
         return Verdict(
             share=0.0,
-            wanted=plain(one.target),
+            wanted=plain(expectation.target),
             came=say("expected.not_there"),
             why=partial(_no_node, node, evidence),
         )
-    came = (exchange.answer or {}).get(one.target) or {}
+    came = (exchange.answer or {}).get(expectation.target) or {}
     if exchange.answer is None:
         why = because("service_silent", service=f"{node}/get_parameters")
-        return Verdict(share=0.0, wanted=plain(one.target), came=say("expected.no_answer"), why=why)
+        return Verdict(share=0.0, wanted=plain(expectation.target), came=say("expected.no_answer"), why=why)
     if "type" not in came:
         others = sorted(each for each, told in (exchange.answer or {}).items() if told)
-        why = because("declared_missing", name=one.target, node=node, others=named(others))
-        return Verdict(share=0.0, wanted=plain(one.target), came=say("expected.not_declared"), why=why)
-    return _parameter_fits(one, came)
+        why = because("declared_missing", name=expectation.target, node=node, others=named(others))
+        return Verdict(
+            share=0.0, wanted=plain(expectation.target), came=say("expected.not_declared"), why=why
+        )
+    return _parameter_fits(expectation, came)
 
 
-def _parameter_told(one: Expectation, evidence: Evidence) -> Verdict:
+def _parameter_told(expectation: Expectation, evidence: Evidence) -> Verdict:
     """Judge a parameter by what its node told on /parameter_events, which needs nobody who spins."""
     declared: dict[str, Mapping[str, Any]] = {}
     for message in evidence.talk.heard.get("/parameter_events", ()):
         event = message.values or {}
-        if event.get("node") == one.node:
+        if event.get("node") == expectation.node:
             for each in (*event["new_parameters"], *event["changed_parameters"]):
                 declared[each["name"]] = each["value"]
-    told = plain_parameter(declared[one.target]) if one.target in declared else None
+    told = plain_parameter(declared[expectation.target]) if expectation.target in declared else None
     if told is None:
-        node = one.node or ""
+        node = expectation.node or ""
         if node not in evidence.run.outcome.nodes:
             why: Reason = because("node_name", node=node, used=named(evidence.run.outcome.nodes))
         else:
             others = named(each for each in declared if each != "use_sim_time")
-            why = because("declared_missing", name=one.target, node=node, others=others)
-        return Verdict(share=0.0, wanted=plain(one.target), came=say("expected.not_declared"), why=why)
-    return _parameter_fits(one, {"type": told[0], "value": told[1]})
+            why = because("declared_missing", name=expectation.target, node=node, others=others)
+        return Verdict(
+            share=0.0, wanted=plain(expectation.target), came=say("expected.not_declared"), why=why
+        )
+    return _parameter_fits(expectation, {"type": told[0], "value": told[1]})
 
 
-def _parameter_fits(one: Expectation, came: Mapping[str, Any]) -> Verdict:
-    parts = list(_parameter_parts(one, came))
+def _parameter_fits(expectation: Expectation, came: Mapping[str, Any]) -> Verdict:
+    parts = list(_parameter_parts(expectation, came))
     met = sum(fits for fits, *_ in parts)
     bad = next(((wanted, told) for fits, wanted, told in parts if not fits), None)
     if bad is None:
         return Verdict(share=1.0)
     wanted, told = bad
-    return Verdict(share=met / len(parts), wanted=plain(f"{one.target}: {wanted}"), came=plain(told))
+    return Verdict(share=met / len(parts), wanted=plain(f"{expectation.target}: {wanted}"), came=plain(told))
 
 
 def _parameter_parts(one: Expectation, came: Mapping[str, Any]) -> list[tuple[bool, str, str]]:
@@ -414,26 +449,32 @@ def _no_node(node: str, evidence: Evidence) -> Mistake:
     return mistake("node_name", node=node, used=named(nodes))
 
 
-def served(one: Expectation, evidence: Evidence) -> Verdict:
+def served(expectation: Expectation, evidence: Evidence) -> Verdict:
     """Judge the script's requests to a service that a step serves."""
-    step = evidence.step(one.target)
+    step = evidence.step(expectation.target)
     requests = [
-        each for each in evidence.talk.served if each.step == one.target and evidence.looks_at(one, each.t_ns)
+        each
+        for each in evidence.talk.served
+        if each.step == expectation.target and evidence.looks_at(expectation, each.t_ns)
     ]
-    count = in_count(len(requests), one.count)
+    count = in_count(len(requests), expectation.count)
     good, bad = 0, None
     for n, each in enumerate(requests):
         names = evidence.names(each.t_ns, n=n, out=each.values)
-        wanted = None if one.values is None else wanted_of(one.values, names)
-        fits = (one.values is None or equals(wanted, each.values, one.within)) and holds(one.that, names)
+        wanted = None if expectation.values is None else wanted_of(expectation.values, names)
+        fits = (expectation.values is None or equals(wanted, each.values, expectation.within)) and holds(
+            expectation.that, names
+        )
         good += fits
         bad = each if not fits and bad is None else bad
     share = min(count, good / max(len(requests), 1)) if requests else float(count >= 1.0)
     if share >= 1.0:
         return Verdict(share=1.0)
-    wanted_text = say("expected.requests", count=counted(one.count))
-    if one.values is not None or one.that is not None:
-        wanted_text = join([wanted_text, plain(clip(one.that or "") or readable(one.values))], _AND)
+    wanted_text = say("expected.requests", count=counted(expectation.count))
+    if expectation.values is not None or expectation.that is not None:
+        wanted_text = join(
+            [wanted_text, plain(clip(expectation.that or "") or readable(expectation.values))], _AND
+        )
     came = say("expected.came", count=len(requests)) if bad is None else plain(shown(bad.values))
     why = unknown if requests else partial(_never_asked, step, evidence)
     return Verdict(share=share, wanted=wanted_text, came=came, why=why)
@@ -445,5 +486,5 @@ def _never_asked(step: Step, evidence: Evidence) -> Mistake:
         return mistake("other_type", name=step.target, type=same[0].type, wanted=step.type)
     if same:
         return mistake("client_silent", service=step.target)
-    others = [each.name for each in evidence.parties("client") if not each.type.startswith(_OWN_TYPES)]
+    others = [party.name for party in evidence.parties("client") if not party.type.startswith(_OWN_TYPES)]
     return mistake("client_missing", service=step.target, type=step.type, used=named(others))

@@ -44,26 +44,38 @@ class _Link(Record, kw_only=False):
     static: bool
 
 
-def frame(one: Expectation, evidence: Evidence) -> Verdict:
+def frame(expectation: Expectation, evidence: Evidence) -> Verdict:
     """Judge a frame, as its parent sees it."""
     links = _links(evidence)
-    own = [each for each in links if each.child == one.target and evidence.looks_at(one, each.t_ns)]
-    direct = [each for each in own if each.parent == one.parent]
-    wanted = _wanted(one)
-    poses = _poses(one, evidence, links, direct)
+    own = [
+        link
+        for link in links
+        if link.child == expectation.target and evidence.looks_at(expectation, link.t_ns)
+    ]
+    direct = [each for each in own if each.parent == expectation.parent]
+    wanted = _wanted(expectation)
+    poses = _poses(expectation, evidence, links, direct)
     if not poses:
-        used = named(f"{each.parent} → {each.child}" for each in links)
+        used = named(f"{link.parent} → {link.child}" for link in links)
         came = plain(used) if links else say("expected.no_frames")
-        return Verdict(share=0.0, wanted=wanted, came=came, why=lambda: _missing(one, evidence, links))
-    if one.static is not None and direct and any(each.static is not one.static for each in direct):
-        code = "frame_not_static" if one.static else "frame_static"
+        return Verdict(
+            share=0.0, wanted=wanted, came=came, why=lambda: _missing(expectation, evidence, links)
+        )
+    if (
+        expectation.static is not None
+        and direct
+        and any(each.static is not expectation.static for each in direct)
+    ):
+        code = "frame_not_static" if expectation.static else "frame_static"
         topic = "/tf_static" if direct[0].static else "/tf"
-        return Verdict(share=0.0, wanted=wanted, came=plain(topic), why=because(code, frame=one.target))
-    share, came, why, there = _where(one, evidence, poses)
-    if one.rate_hz is not None or one.count is not None:
-        often = _quantity(one, evidence, [each.t_ns for each in direct], 0)
+        return Verdict(
+            share=0.0, wanted=wanted, came=plain(topic), why=because(code, frame=expectation.target)
+        )
+    share, came, why, there = _where(expectation, evidence, poses)
+    if expectation.rate_hz is not None or expectation.count is not None:
+        often = _quantity(expectation, evidence, [each.t_ns for each in direct], 0)
         parts = ((share, came, why, there), (*often, wanted))
-        share, came, why, there = min(parts, key=lambda each: each[0])
+        share, came, why, there = min(parts, key=lambda part: part[0])
     return Verdict(share=share, wanted=there, came=came, why=why)
 
 
@@ -71,37 +83,41 @@ def _links(evidence: Evidence) -> list[_Link]:
     found = []
     for topic in ("/tf_static", "/tf"):
         for message in evidence.talk.heard.get(topic, ()):
-            for each in (message.values or {}).get("transforms", ())[:50]:
-                move, turn = each["transform"]["translation"], each["transform"]["rotation"]
+            for value in (message.values or {}).get("transforms", ())[:50]:
+                move, turn = value["transform"]["translation"], value["transform"]["rotation"]
                 translation = (move["x"], move["y"], move["z"])
                 rotation = (turn["x"], turn["y"], turn["z"], turn["w"])
-                names = each["header"]["frame_id"].lstrip("/"), each["child_frame_id"].lstrip("/")
+                names = value["header"]["frame_id"].lstrip("/"), value["child_frame_id"].lstrip("/")
                 found.append(_Link(message.t_ns, *names, translation, rotation, topic == "/tf_static"))
     return sorted(found, key=lambda each: each.t_ns)
 
 
 def _poses(
-    one: Expectation, evidence: Evidence, links: Sequence[_Link], direct: Sequence[_Link]
+    expectation: Expectation, evidence: Evidence, links: Sequence[_Link], direct: Sequence[_Link]
 ) -> list[tuple[int, Vector, Quaternion]]:
     """Return where the frame is: each time that it is sent, or each half second where frames lie between."""
-    if one.at_s is None and direct:
+    if expectation.at_s is None and direct:
         return [(each.t_ns, each.translation, each.rotation) for each in direct]
-    from_ns, until_ns = round(one.from_s * NS_PER_S), round(evidence.until_s(one) * NS_PER_S)
-    times = range(from_ns, until_ns + 1, _STEP_NS) if one.at_s is None else [round(one.at_s * NS_PER_S)]
+    from_ns, until_ns = round(expectation.from_s * NS_PER_S), round(evidence.until_s(expectation) * NS_PER_S)
+    times = (
+        range(from_ns, until_ns + 1, _STEP_NS)
+        if expectation.at_s is None
+        else [round(expectation.at_s * NS_PER_S)]
+    )
     last: dict[str, list[_Link]] = {}
-    for each in links:
-        last.setdefault(each.child, []).append(each)
-    poses = ((t_ns, _looked_up(last, one, t_ns)) for t_ns in times)
+    for link in links:
+        last.setdefault(link.child, []).append(link)
+    poses = ((t_ns, _looked_up(last, expectation, t_ns)) for t_ns in times)
     return [(t_ns, *pose) for t_ns, pose in poses if pose is not None]
 
 
 def _looked_up(
-    links: dict[str, list[_Link]], one: Expectation, t_ns: int
+    links: dict[str, list[_Link]], expectation: Expectation, t_ns: int
 ) -> tuple[Vector, Quaternion] | None:
     """Return the transform from the frame up to the parent at a time; None where they are not connected."""
-    name, translation, rotation = one.target, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
+    name, translation, rotation = expectation.target, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
     for _ in range(_MOST_LINKS):
-        if name == one.parent:
+        if name == expectation.parent:
             return translation, rotation
         own = links.get(name, ())
         index = bisect_right([each.t_ns for each in own], t_ns)
@@ -131,7 +147,7 @@ def _turned(vector: Vector, by: Quaternion) -> Vector:
 
 
 def _where(
-    one: Expectation, evidence: Evidence, poses: Sequence[tuple[int, Vector, Quaternion]]
+    expectation: Expectation, evidence: Evidence, poses: Sequence[tuple[int, Vector, Quaternion]]
 ) -> tuple[float, Text, Reason, Text]:
     """Return at which share of the times the frame is where it should be, where it first is not, and should be."""
     good, first, should = 0, EMPTY, EMPTY
@@ -139,25 +155,25 @@ def _where(
     why: Reason = unknown
     for n, (t_ns, translation, rotation) in enumerate(poses):
         names = evidence.names(t_ns, n=n)
-        place = wanted_of(one.translation, names) if one.translation is not None else None
-        turn = _wanted_turn(one, names)
-        far = place is not None and not _near(place, translation, one.within)
-        askew = turn is not None and not _angle_deg(turn, rotation) <= one.within_deg
+        place = wanted_of(expectation.translation, names) if expectation.translation is not None else None
+        turn = _wanted_turn(expectation, names)
+        far = place is not None and not _near(place, translation, expectation.within)
+        askew = turn is not None and not _angle_deg(turn, rotation) <= expectation.within_deg
         good += not (far or askew)
         error = _angle_deg(turn, rotation) if turn is not None and askew and not far else -1.0
         if error > worst:
-            worst, why = error, partial(_askew, one, turn, rotation)
+            worst, why = error, partial(_askew, expectation, turn, rotation)
         if (far or askew) and first == EMPTY:
             told = f"({', '.join(f'{each:.2f}' for each in translation)}), yaw {_yaw_deg(rotation):.1f}°"
             time = f"{t_ns / NS_PER_S:.1f}"
             first = say("expected.frame", time=time, place=told)
-            should = _should(one, place, turn)
+            should = _should(expectation, place, turn)
     return good / len(poses), first, why, should
 
 
-def _should(one: Expectation, place: Any, turn: Quaternion | None) -> Text:
+def _should(expectation: Expectation, place: Any, turn: Quaternion | None) -> Text:
     """Say where a frame should be at one time."""
-    parts = [f"{one.parent} → {one.target}"]
+    parts = [f"{expectation.parent} → {expectation.target}"]
     if isinstance(place, list) and all(isinstance(each, int | float) for each in place):
         parts.append(f"({', '.join(f'{each:.2f}' for each in place)})")
     if turn is not None and math.isfinite(turn[3]):
@@ -170,16 +186,16 @@ def _near(place: Any, translation: Vector, within: float) -> bool:
     return numbers and round(exact.apart(place, translation), 9) <= within
 
 
-def _wanted_turn(one: Expectation, names: dict[str, Any]) -> Quaternion | None:
-    if one.rotation is not None:
-        wanted = wanted_of(list(one.rotation), names)
+def _wanted_turn(expectation: Expectation, names: dict[str, Any]) -> Quaternion | None:
+    if expectation.rotation is not None:
+        wanted = wanted_of(list(expectation.rotation), names)
         if not isinstance(wanted, list) or not all(isinstance(each, int | float) for each in wanted):
             return math.nan, math.nan, math.nan, math.nan
         x, y, z, w = map(float, wanted)
         return x, y, z, w
-    if one.yaw_deg is None:
+    if expectation.yaw_deg is None:
         return None
-    yaw = wanted_of(one.yaw_deg, names)
+    yaw = wanted_of(expectation.yaw_deg, names)
     half = math.radians(yaw) / 2.0 if isinstance(yaw, int | float) else math.nan
     cos, sin = exact.cos_sin(half)
     return 0.0, 0.0, sin, cos
@@ -199,34 +215,36 @@ def _yaw_deg(rotation: Quaternion) -> float:
     return math.degrees(exact.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
 
 
-def _askew(one: Expectation, turn: Quaternion | None, rotation: Quaternion) -> Mistake | None:
+def _askew(expectation: Expectation, turn: Quaternion | None, rotation: Quaternion) -> Mistake | None:
     """Return that what a frame is turned by is no quaternion: an angle stands in it."""
     yaw = 0.0 if turn is None else math.radians(_yaw_deg(turn))
     is_angle = abs(rotation[2] - yaw) < 0.05 and abs(yaw) > 0.2
     if turn is None or (0.9 < exact.length(rotation) < 1.1 and not is_angle):
         return None
-    return mistake("frame_no_quaternion", frame=one.target, length=f"{exact.length(rotation):.2f}")
+    return mistake("frame_no_quaternion", frame=expectation.target, length=f"{exact.length(rotation):.2f}")
 
 
-def _missing(one: Expectation, evidence: Evidence, links: Sequence[_Link]) -> Mistake:
-    pairs = {(each.parent, each.child) for each in links}
-    if (one.target, one.parent) in pairs:
-        return mistake("frame_swapped", frame=one.target, parent=one.parent)
+def _missing(expectation: Expectation, evidence: Evidence, links: Sequence[_Link]) -> Mistake:
+    pairs = {(link.parent, link.child) for link in links}
+    if (expectation.target, expectation.parent) in pairs:
+        return mistake("frame_swapped", frame=expectation.target, parent=expectation.parent)
     if pairs:
         used = named(f"{parent} → {child}" for parent, child in sorted(pairs))
-        return mistake("frame_other", frame=one.target, parent=one.parent, used=used)
-    sends = [each for each in evidence.parties("publisher") if each.name in ("/tf", "/tf_static")]
-    return mistake("frame_unsent" if sends else "frame_missing", frame=one.target, parent=one.parent)
+        return mistake("frame_other", frame=expectation.target, parent=expectation.parent, used=used)
+    sends = [party for party in evidence.parties("publisher") if party.name in ("/tf", "/tf_static")]
+    return mistake(
+        "frame_unsent" if sends else "frame_missing", frame=expectation.target, parent=expectation.parent
+    )
 
 
-def _wanted(one: Expectation) -> Text:
-    parts = [plain(f"{one.parent} → {one.target}")]
-    if one.translation is not None:
-        parts.append(plain(f"({', '.join(str(each).lstrip('= ') for each in one.translation)})"))
-    if one.yaw_deg is not None:
-        parts.append(plain(f"yaw {str(one.yaw_deg).lstrip('= ')}°"))
-    if one.rotation is not None:
-        parts.append(plain(f"[{', '.join(str(each).lstrip('= ') for each in one.rotation)}]"))
-    if one.rate_hz is not None:
-        parts.append(plain(f"{one.rate_hz:g} Hz"))
+def _wanted(expectation: Expectation) -> Text:
+    parts = [plain(f"{expectation.parent} → {expectation.target}")]
+    if expectation.translation is not None:
+        parts.append(plain(f"({', '.join(str(each).lstrip('= ') for each in expectation.translation)})"))
+    if expectation.yaw_deg is not None:
+        parts.append(plain(f"yaw {str(expectation.yaw_deg).lstrip('= ')}°"))
+    if expectation.rotation is not None:
+        parts.append(plain(f"[{', '.join(str(each).lstrip('= ') for each in expectation.rotation)}]"))
+    if expectation.rate_hz is not None:
+        parts.append(plain(f"{expectation.rate_hz:g} Hz"))
     return join(parts, _AND)

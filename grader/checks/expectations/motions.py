@@ -32,25 +32,26 @@ class _Motion(Record):
     aside_m: float
     turned_deg: float
 
-    def share(self, one: Expectation) -> float:
+    def share(self, expectation: Expectation) -> float:
         """Return how much of what is wanted was done."""
         if self.exchange.sent_ns is None:
             return 0.0
         share = 1.0
         if self.wanted_m is not None:
             off_m = exact.hypot(self.ahead_m - self.wanted_m, self.aside_m)
-            share = _credit(off_m, one.within, self.wanted_m)
+            share = _credit(off_m, expectation.within, self.wanted_m)
         if self.wanted_deg is not None:
             share = min(
-                share, _credit(abs(self.turned_deg - self.wanted_deg), one.within_deg, self.wanted_deg)
+                share,
+                _credit(abs(self.turned_deg - self.wanted_deg), expectation.within_deg, self.wanted_deg),
             )
         return share
 
 
-def moved(one: Expectation, evidence: Evidence) -> Verdict:
+def moved(expectation: Expectation, evidence: Evidence) -> Verdict:
     """Judge whether the car did what each call, message or goal of a step asks for."""
-    motions = list(_motions(one, evidence))
-    shares = [motion.share(one) for motion in motions]
+    motions = list(_motions(expectation, evidence))
+    shares = [motion.share(expectation) for motion in motions]
     share = sum(shares) / max(len(shares), 1)
     worst = next((motion for motion, part in zip(motions, shares, strict=True) if part < 1.0), None)
     if worst is None:
@@ -58,11 +59,11 @@ def moved(one: Expectation, evidence: Evidence) -> Verdict:
     return Verdict(
         share=share,
         sent=shown(worst.exchange.values),
-        wanted=plain(_said(one, worst.wanted_m, worst.wanted_deg)),
-        came=plain(_said(one, worst.ahead_m, worst.turned_deg))
+        wanted=plain(_said(expectation, worst.wanted_m, worst.wanted_deg)),
+        came=plain(_said(expectation, worst.ahead_m, worst.turned_deg))
         if worst.exchange.sent_ns is not None
         else say("expected.not_there"),
-        why=lambda: _why(one, evidence, motions),
+        why=lambda: _why(expectation, evidence, motions),
     )
 
 
@@ -74,16 +75,16 @@ def _credit(off: float, within: float, wanted: float) -> float:
     return max(0.0, 1.0 - beyond / ramp) if ramp else 0.0
 
 
-def _said(one: Expectation, way_m: float | None, turn_deg: float | None) -> str:
-    parts = [number(way_m or 0.0, "m")] if one.ahead_m is not None else []
-    parts += [number(turn_deg or 0.0, "deg")] if one.turned_deg is not None else []
+def _said(expectation: Expectation, way_m: float | None, turn_deg: float | None) -> str:
+    parts = [number(way_m or 0.0, "m")] if expectation.ahead_m is not None else []
+    parts += [number(turn_deg or 0.0, "deg")] if expectation.turned_deg is not None else []
     return ", ".join(parts)
 
 
-def _motions(one: Expectation, evidence: Evidence) -> Iterator[_Motion]:
+def _motions(expectation: Expectation, evidence: Evidence) -> Iterator[_Motion]:
     track = evidence.run.trajectory
     sent = sorted(each.sent_ns for each in evidence.talk.exchanges if each.sent_ns is not None)
-    for exchange in evidence.exchanges(one.target):
+    for exchange in evidence.exchanges(expectation.target):
         begin_ns = exchange.sent_ns or 0
         end_ns = next((t_ns for t_ns in sent if t_ns > begin_ns), track.end_ns)
         names = evidence.said(exchange, exchange.sent_ns)
@@ -93,8 +94,8 @@ def _motions(one: Expectation, evidence: Evidence) -> Iterator[_Motion]:
         yield _Motion(
             exchange=exchange,
             end_ns=end_ns,
-            wanted_m=_wanted(one.ahead_m, names),
-            wanted_deg=_wanted(one.turned_deg, names),
+            wanted_m=_wanted(expectation.ahead_m, names),
+            wanted_deg=_wanted(expectation.turned_deg, names),
             ahead_m=x * cos + y * sin,
             aside_m=y * cos - x * sin,
             turned_deg=math.degrees(end[2] - begin[2]),
@@ -113,9 +114,9 @@ def _place(track: Trajectory, t_ns: int) -> tuple[float, float, float]:
     return float(track.x_m[index]), float(track.y_m[index]), float(track.heading_rad[index])
 
 
-def _why(one: Expectation, evidence: Evidence, motions: Sequence[_Motion]) -> Mistake | None:
+def _why(expectation: Expectation, evidence: Evidence, motions: Sequence[_Motion]) -> Mistake | None:
     """Return why the car moved otherwise than it was asked to."""
-    step = evidence.step(one.target)
+    step = evidence.step(expectation.target)
     if any(motion.exchange.sent_ns is None for motion in motions):
         return not_offered(step.target, step.type, evidence) if step.kind == "call" else None
     return _single_commands(evidence.run, motions)
@@ -123,7 +124,7 @@ def _why(one: Expectation, evidence: Evidence, motions: Sequence[_Motion]) -> Mi
 
 def _single_commands(run: Run, motions: Sequence[_Motion]) -> Mistake | None:
     """Recognise motions that ended because one command acts for a second only."""
-    driven = [(one.t_ns, one.v_mps, one.w_radps) for one in run.trajectory.commands]
+    driven = [(command.t_ns, command.v_mps, command.w_radps) for command in run.trajectory.commands]
     silences = []
     for motion in motions:
         sent_ns = motion.exchange.sent_ns or 0

@@ -77,23 +77,33 @@ class Evidence:
 
     def exchanges(self, step_id: str) -> list[Sent]:
         """Return what a step's messages, calls or goals came to."""
-        return [each for each in self.talk.exchanges if each.step == step_id]
+        return [exchange for exchange in self.talk.exchanges if exchange.step == step_id]
 
-    def exchanges_looked_at(self, one: Expectation) -> list[Sent]:
+    def exchanges_looked_at(self, expectation: Expectation) -> list[Sent]:
         """Return what a step came to in the time that is looked at: each is to have an answer."""
-        exchanges = self.exchanges(one.step)
-        return [each for each in exchanges if each.sent_ns is None or self.looks_at(one, each.sent_ns)]
+        exchanges = self.exchanges(expectation.step)
+        return [
+            exchange
+            for exchange in exchanges
+            if exchange.sent_ns is None or self.looks_at(expectation, exchange.sent_ns)
+        ]
 
-    def messages(self, one: Expectation) -> list[Message]:
+    def messages(self, expectation: Expectation) -> list[Message]:
         """Return the messages on the expectation's topic that it looks at."""
-        found = [each for each in self.talk.heard.get(one.target, ()) if self.looks_at(one, each.t_ns)]
-        if one.node is not None:
-            found = [each for each in found if self._parties[each.party].node == one.node]
-        return [each for each in found if one.joins_s is None or self._reaches(one, each, found)]
+        found = [
+            each
+            for each in self.talk.heard.get(expectation.target, ())
+            if self.looks_at(expectation, each.t_ns)
+        ]
+        if expectation.node is not None:
+            found = [each for each in found if self._parties[each.party].node == expectation.node]
+        return [
+            each for each in found if expectation.joins_s is None or self._reaches(expectation, each, found)
+        ]
 
-    def _reaches(self, one: Expectation, message: Message, found: Sequence[Message]) -> bool:
+    def _reaches(self, expectation: Expectation, message: Message, found: Sequence[Message]) -> bool:
         """Whether a message reaches a listener that comes late: later ones do, earlier ones if they are kept."""
-        joins_ns = (one.joins_s or 0.0) * NS_PER_S
+        joins_ns = (expectation.joins_s or 0.0) * NS_PER_S
         if message.t_ns >= joins_ns:
             return True
         party = self._parties[message.party]
@@ -103,17 +113,17 @@ class Evidence:
         ]
         return party.transient_local and not gone and len(later) < party.depth
 
-    def looks_at(self, one: Expectation, t_ns: int) -> bool:
+    def looks_at(self, expectation: Expectation, t_ns: int) -> bool:
         """Whether an instant lies in what the expectation looks at."""
-        return one.from_s * NS_PER_S <= t_ns <= self.until_s(one) * NS_PER_S
+        return expectation.from_s * NS_PER_S <= t_ns <= self.until_s(expectation) * NS_PER_S
 
-    def until_s(self, one: Expectation) -> float:
+    def until_s(self, expectation: Expectation) -> float:
         """Return the end of what the expectation looks at."""
-        return self.horizon_s if one.until_s is None else one.until_s
+        return self.horizon_s if expectation.until_s is None else expectation.until_s
 
     def parties(self, kind: str, name: str | None = None) -> list[Party]:
         """Return the script's endpoints of a kind, and of that name."""
-        return [each for each in self.talk.parties if each.kind == kind and name in (None, each.name)]
+        return [party for party in self.talk.parties if party.kind == kind and name in (None, party.name)]
 
     def names(self, t_ns: int | None, **others: Any) -> dict[str, Any]:
         """Return what a formula is given: the time, the turtles' poses then, and `others`."""
