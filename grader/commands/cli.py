@@ -206,7 +206,7 @@ def _parser() -> Parser:
 def _told(error: GraderError) -> int:
     from grader.render.escape import visible
 
-    sys.stderr.write(f"grader: {visible(error.told(Parser.language))}\n")
+    sys.stderr.write(f"grader: {visible(error.message_in(Parser.language))}\n")
     return EXIT_NOT_DONE
 
 

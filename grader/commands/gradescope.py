@@ -193,7 +193,7 @@ def _document(submission: Path, assignment: Assignment, language: Language) -> d
             report: GradeReport = graded(slot, assignment, handed_in).report
             shown = told_report(slot, job_of(assignment, handed_in), report)
     except RefusedError as refusal:
-        return _message(refusal.told(language), score=0.0)
+        return _message(refusal.message_in(language), score=0.0)
     except GraderError as error:  # the container can no longer do what it could when it was built
         sys.stdout.write(f"{type(error).__name__}: {error}\n")
         return _message(_FAULT.get(language))

@@ -68,7 +68,7 @@ def _document(student: Path, assignment: Assignment, language: Language) -> dict
     try:
         handed_in = pick(student, assignment)
     except RefusedError as refusal:
-        return {"gradable": False, "format_errors": [refusal.told(language)]}
+        return {"gradable": False, "format_errors": [refusal.message_in(language)]}
     with Slot(SlotConfig()) as slot:
         result = graded(slot, assignment, handed_in)
         report = told_report(slot, job_of(assignment, handed_in), result.report)

@@ -212,9 +212,9 @@ def _row(slot: Slot, assignment: Assignment, entry: Entry, arguments: argparse.N
         row["file"] = handed_in.name
         report = graded(slot, assignment, handed_in).report
     except RefusedError as refusal:
-        return row | {"status": "refused", "score": "0", "next_step": refusal.told(language)}
+        return row | {"status": "refused", "score": "0", "next_step": refusal.message_in(language)}
     except InfrastructureError as error:
-        return row | {"status": "infrastructure_error", "next_step": error.told(language)}
+        return row | {"status": "infrastructure_error", "next_step": error.message_in(language)}
     if arguments.reports is not None:
         (arguments.reports / f"{entry.name}.json").write_bytes(report.canonical_bytes())
     return row | _graded_row(report, language)

@@ -45,7 +45,7 @@ class GraderError(Exception):
         message = told.about(name)
         return cls(message.en, message.zh)
 
-    def told(self, language: "Language") -> str:
+    def message_in(self, language: "Language") -> str:
         """Return the message in `language` if it is there, else in English."""
         return (self.zh if language == "zh" else "") or str(self)
 
@@ -54,7 +54,7 @@ class GraderError(Exception):
         """The message in both languages; in Chinese it is the English one where there is no other."""
         from grader.contracts.text import Text
 
-        return Text(zh=self.told("zh"), en=self.told("en"))
+        return Text(zh=self.message_in("zh"), en=self.message_in("en"))
 
 
 class AssignmentError(GraderError):

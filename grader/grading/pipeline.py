@@ -177,7 +177,9 @@ class Pipeline:
         ]
         trajectories = {run.case: encode_trajectory(run.trajectory) for run in runs}
         marks = mark(job.assignment, runs)
-        report = _report(job, _told(runs, marks), _explained(job.assignment, marks), trajectories)
+        report = _report(
+            job, _with_notes_of_both(runs, marks), _explained(job.assignment, marks), trajectories
+        )
         return GradingResult(
             report=report,
             trajectories=trajectories,
@@ -382,7 +384,7 @@ def _within_file(outcome: RunOutcome, script: _Script) -> RunOutcome:
     return replace(outcome, error=replace(error, line=None))
 
 
-def _told(runs: Sequence[Run], marks: "Marks") -> list[Run]:
+def _with_notes_of_both(runs: Sequence[Run], marks: "Marks") -> list[Run]:
     """Return the runs, with notes on both motions where one tells that commands waited for long."""
     from grader.checks.remarks import notes_of_both
 

@@ -35,7 +35,7 @@ def draw_dial(axes: Axes, scene: Scene) -> None:
     _spokes(axes, start)
     if sketch.wanted_turn_deg is not None:
         sense = np.sign(turned[np.abs(turned).argmax()])
-        _wanted(axes, scene, start, sense * np.deg2rad(sketch.wanted_turn_deg), pitch)
+        _draw_wanted(axes, scene, start, sense * np.deg2rad(sketch.wanted_turn_deg), pitch)
     ok = sketch.corners[0].ok if sketch.corners else None
     style = palette.FAILED_DASHES if ok is False else "-"
     xs, ys = _spiral(start, turned, pitch)
@@ -104,7 +104,7 @@ def _spokes(axes: Axes, start: float) -> None:
     axes.plot(reach * np.cos(start), reach * np.sin(start), color=palette.START, lw=1.0, ls=":", zorder=2)
 
 
-def _wanted(axes: Axes, scene: Scene, start: float, wanted: float, pitch: float) -> None:
+def _draw_wanted(axes: Axes, scene: Scene, start: float, wanted: float, pitch: float) -> None:
     xs, ys = _spiral(start, np.array([0.0, wanted]), pitch)
     axes.plot(
         xs, ys, color=palette.IDEAL, lw=9, solid_capstyle="butt", zorder=1.5, label=scene.word("one_turn")

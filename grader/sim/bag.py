@@ -137,7 +137,7 @@ def _offered(channel: _Channel) -> str:
 
 def _in_order(run: BagContents) -> list[_Message]:
     """Return all messages in order of time; of one instant in the order of this list."""
-    messages = [*_walls(run.world), *_wanted(run.figure), *_driven(run.trajectory), *_commands(run)]
+    messages = [*_walls(run.world), *_wanted_line(run.figure), *_driven(run.trajectory), *_commands(run)]
     poses = _robot_poses if run.world.kind == "robot" else _poses
     messages += [*poses(run.trajectory), *_logs(run.logs), _rubric(run)]
     return sorted(messages, key=lambda message: message.t_ns)
@@ -204,7 +204,7 @@ def _driven(trajectory: Trajectory) -> Iterator[_Message]:
         yield _Message(t_ns, channel, _path(t_ns, points))
 
 
-def _wanted(figure: FigureSketch | None) -> Iterator[_Message]:
+def _wanted_line(figure: FigureSketch | None) -> Iterator[_Message]:
     """Yield the wanted line, as it was laid over the driven one; nothing where there is none."""
     if figure is None or not figure.ideal_m:
         return

@@ -266,7 +266,7 @@ class Replay:
         if finite < len(samples) or (ended == "complete" and self._recorded.not_finite is not None):
             ended = "not_finite"
         samples = samples[:finite]
-        bodies, tricks = self._found(world, samples)
+        bodies, tricks = self._bodies_and_tricks(world, samples)
         places, links = (
             _rows([sample.object for sample in samples], 14),
             _rows([sample.link for sample in samples], 10),
@@ -295,7 +295,7 @@ class Replay:
             state=self._state,
         )
 
-    def _found(
+    def _bodies_and_tricks(
         self, world: int, samples: list[_Sample]
     ) -> tuple[tuple[ReplayedBody, ...], tuple[Trick, ...]]:
         """Return the bodies of the world that counts, and what no motor does there, up to the last sample."""

@@ -125,7 +125,7 @@ class Appeals(StorePart):
         theirs = (col(SubmissionRow.course) == course, col(SubmissionRow.student) == student)
         return self._read(_with_submission().where(*theirs, news).order_by(col(AppealRow.made_at)))
 
-    def seen(self, submission_id: str, items: Sequence[str], now: datetime) -> None:
+    def mark_seen(self, submission_id: str, items: Sequence[str], now: datetime) -> None:
         """Note that the student has seen the answers about some items of a submission."""
         with self._database.writing() as session:
             session.execute(

@@ -41,7 +41,7 @@ class Comments(StorePart):
         with self._database.reading() as session:
             return _of(session, submission_id)
 
-    def seen(self, submission_id: str, now: datetime, *, by_student: bool) -> None:
+    def mark_seen(self, submission_id: str, now: datetime, *, by_student: bool) -> None:
         """Note that the student (else: somebody of the staff) has seen what the other side wrote."""
         with self._database.writing() as session:
             session.execute(

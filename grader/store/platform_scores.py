@@ -48,7 +48,7 @@ class PlatformScores(TimedPart):
         statement = select(col(row.person), col(row.subject)).where(*mine).order_by(col(row.bound_at).desc())
         return {str(person): str(subject) for person, subject in self._rows(statement)}
 
-    def known(self, link: PlatformLink) -> dict[str, PlatformScore]:
+    def of_link(self, link: PlatformLink) -> dict[str, PlatformScore]:
         """Return by member what was sent for an activity."""
         row = PlatformScoreRow
         mine = col(row.platform) == link.platform, col(row.resource) == link.resource

@@ -106,7 +106,7 @@ class Regrades(StorePart):
         """Return one re-grade of a course, or None."""
         with self._database.reading() as session:
             row = session.get(RegradeRow, regrade_id)
-            return None if row is None or row.course != course else self._seen(session, row)
+            return None if row is None or row.course != course else self._counted(session, row)
 
     def all(self, course: str | None) -> tuple[Regrade, ...]:
         """Return the re-grades of a course, newest first."""
@@ -116,9 +116,9 @@ class Regrades(StorePart):
             .order_by(col(RegradeRow.created_at).desc(), col(RegradeRow.id))
         )
         with self._database.reading() as session:
-            return tuple(self._seen(session, row) for row in session.execute(statement).scalars().all())
+            return tuple(self._counted(session, row) for row in session.execute(statement).scalars().all())
 
-    def _seen(self, session: Session, row: RegradeRow) -> Regrade:
+    def _counted(self, session: Session, row: RegradeRow) -> Regrade:
         """Return a re-grade. Its trials are counted again only when something has changed."""
         # the texts, too: somebody who is forgotten is in none of them any more
         mark: _Mark = (row.state, row.wanted, row.outcome, row.reason, row.undone_reason, row.created_by)
@@ -170,15 +170,17 @@ class Regrades(StorePart):
     def changes_of(self, submission_id: str) -> tuple[ToldChange, ...]:
         """Return what re-grades changed of a submission, the latest first."""
         own = _told_changes().where(col(ToldChangeRow.submission_id) == submission_id)
-        return self._read_told(own.order_by(col(ToldChangeRow.at).desc(), col(ToldChangeRow.undone).desc()))
+        return self._read_changes(
+            own.order_by(col(ToldChangeRow.at).desc(), col(ToldChangeRow.undone).desc())
+        )
 
     def unseen(self, course: str, student: str) -> tuple[ToldChange, ...]:
         """Return what re-grades changed of a student's submissions that the student has not seen, oldest first."""
         theirs = (col(SubmissionRow.course) == course, col(SubmissionRow.student) == student)
         unseen = _told_changes().where(*theirs, col(ToldChangeRow.seen_at).is_(None))
-        return self._read_told(unseen.order_by(col(ToldChangeRow.at), col(ToldChangeRow.submission_id)))
+        return self._read_changes(unseen.order_by(col(ToldChangeRow.at), col(ToldChangeRow.submission_id)))
 
-    def seen(self, submission_id: str, now: datetime) -> None:
+    def mark_seen(self, submission_id: str, now: datetime) -> None:
         """Note that the student has seen what re-grades changed of a submission."""
         with self._database.writing() as session:
             session.execute(
@@ -189,7 +191,7 @@ class Regrades(StorePart):
                 .values(seen_at=now)
             )
 
-    def _read_told(self, statement: Select[Any]) -> tuple[ToldChange, ...]:
+    def _read_changes(self, statement: Select[Any]) -> tuple[ToldChange, ...]:
         return tuple(_told_change(*row) for row in self._rows(statement))
 
     def history(self, submission_id: str) -> tuple[PastGrading, ...]:

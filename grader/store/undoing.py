@@ -21,7 +21,7 @@ def undo(session: Session, regrade_id: str) -> list[ScoreChange]:
     Raises:
         RefusedError: a grading that stands is not the re-grade's any more.
     """
-    regraded = _made(session, regrade_id)
+    regraded = _replacements(session, regrade_id)
     rows = _held(session, regrade_id)
     if any(row.graded_attempt != regraded[row.id][0] for row in rows):
         raise RefusedError("regrade_superseded")
@@ -43,7 +43,7 @@ def undo(session: Session, regrade_id: str) -> list[ScoreChange]:
     return changes
 
 
-def _made(session: Session, regrade_id: str) -> dict[str, tuple[int, int | None]]:
+def _replacements(session: Session, regrade_id: str) -> dict[str, tuple[int, int | None]]:
     """Return by submission the number of a re-grade's grading, and of the one that stood before, if any did."""
     grading = GradingRow
     columns = (col(grading.submission_id), col(grading.attempt), col(grading.replaced))

@@ -119,7 +119,7 @@ def look(services: Services, caller: Caller, submission: Submission) -> dict[str
     appeals = _shown(services, caller, submission)
     news = [appeal.item for appeal in appeals if appeal.state in ANSWERS and not appeal.seen]
     if news and caller.role is Role.STUDENT:
-        services.appeals.seen(submission.id, news, services.clock())
+        services.appeals.mark_seen(submission.id, news, services.clock())
     return {appeal.item: appeal for appeal in appeals}
 
 

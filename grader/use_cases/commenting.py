@@ -39,7 +39,7 @@ def read_comments(services: Services, caller: Caller, submission: Submission) ->
     comments = services.comments.of(submission.id)
     is_student = caller.role is Role.STUDENT
     if any(comment.by_student is not is_student and not comment.seen for comment in comments):
-        services.comments.seen(submission.id, services.clock(), by_student=is_student)
+        services.comments.mark_seen(submission.id, services.clock(), by_student=is_student)
     return comments
 
 

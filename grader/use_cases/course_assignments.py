@@ -86,7 +86,7 @@ class CourseAssignments:
         problems = misfits(assignment)
         if problems:
             refusal = refusals(problems)
-            return Text(zh=refusal.told("zh"), en=refusal.told("en"))
+            return Text(zh=refusal.message_in("zh"), en=refusal.message_in("en"))
         return assignment
 
 

@@ -39,7 +39,7 @@ def book(services: Services, caller: Caller, section: str = "") -> tuple[Sequenc
     """
     require_staff(caller)
     progress = services.dashboard.state(caller.course, caller.students).progress
-    members = people.members(services, caller, Role.STUDENT) or _seen({cell.student for cell in progress})
+    members = people.members(services, caller, Role.STUDENT) or _unlisted({cell.student for cell in progress})
     if section:
         members = tuple(member for member in members if section in member.sections)
     return members, {(cell.student, cell.assignment): cell for cell in progress}
@@ -266,7 +266,7 @@ def canvas(members: Sequence[Member], assignments: Sequence[Assignment], scores:
     return csv_table(rows, safe=False)
 
 
-def _seen(students: set[str]) -> tuple[Member, ...]:
+def _unlisted(students: set[str]) -> tuple[Member, ...]:
     return tuple(Member(course="", id=student, name="", role=Role.STUDENT) for student in sorted(students))
 
 

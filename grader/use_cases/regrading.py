@@ -155,7 +155,7 @@ def look_at_changes(services: Services, caller: Caller, submission: Submission) 
     """Return what `told_changes` does, and note that the submission's student has seen it."""
     changes = _shown_changes(services, caller, submission)
     if caller.role is Role.STUDENT and any(not change.seen for change in changes):
-        services.regrades.seen(submission.id, services.clock())
+        services.regrades.mark_seen(submission.id, services.clock())
     return changes
 
 

@@ -25,7 +25,7 @@ def send_scores(services: Services, stopped: Callable[[], bool] = lambda: False)
     silent: set[str] = set()
     for platform, link in services.platform_scores.targets():
         try:
-            for person, score in _wanted(services, platform, link):
+            for person, score in _scores_of(services, platform, link):
                 if platform.id in silent or stopped():
                     break
                 taken += _send_score(services, platform, link, person, score)
@@ -56,12 +56,12 @@ def _send_score(services: Services, platform: Platform, link: PlatformLink, pers
     return 1
 
 
-def _wanted(services: Services, platform: Platform, link: PlatformLink) -> Iterator[tuple[str, Score]]:
+def _scores_of(services: Services, platform: Platform, link: PlatformLink) -> Iterator[tuple[str, Score]]:
     """Yield members whose score differs from what the platform took."""
     people = services.platform_scores.people(platform)
     if not people:
         return
-    sent, now = services.platform_scores.known(link), services.clock()
+    sent, now = services.platform_scores.of_link(link), services.clock()
     hidden = bool(services.rules.of(platform.course).of(link.assignment).hidden_at(now))
     for progress in services.dashboard.state(platform.course).progress:
         if progress.assignment != link.assignment or progress.student not in people:

@@ -58,7 +58,7 @@ def visible_submission(services: Services, caller: Caller, submission_id: str) -
     Raises:
         RefusedError: no submission has that id, or it is somebody else's; the refusal is the same.
     """
-    return _seen(caller, services.submissions.get(submission_id))
+    return _require_visible(caller, services.submissions.get(submission_id))
 
 
 def found(services: Services, caller: Caller, submission_id: str) -> tuple[Submission, StoredReport | None]:
@@ -76,7 +76,7 @@ def found_by_rules(
 ) -> tuple[Submission, StoredReport | None, CourseRules]:
     """Return what `found` does, and the rules that concern the submission. Raises as `found`."""
     submission, report = services.submissions.with_report(submission_id) or (None, None)
-    submission = _seen(caller, submission)
+    submission = _require_visible(caller, submission)
     rules = services.rules.about(submission.course, submission.student, submission.assignment)
     veil = _veil(services, caller, submission.assignment, rules)
     return *_shown(submission, report, veil), rules
@@ -95,7 +95,7 @@ def graded(services: Services, caller: Caller, submission_id: str) -> tuple[Subm
     return submission, report
 
 
-def _seen(caller: Caller, submission: Submission | None) -> Submission:
+def _require_visible(caller: Caller, submission: Submission | None) -> Submission:
     if submission is None or not caller.may_see(submission.course, submission.student):
         raise RefusedError("submission_not_found")
     note(submission=submission.id, assignment=submission.assignment)

@@ -117,7 +117,7 @@ def _measure(item: ItemSpec, verdicts: "Sequence[Verdict]", targets: Mapping[str
     share = sum(verdict.share for verdict in verdicts) / len(verdicts)
     met = sum(verdict.share >= 1.0 for verdict in verdicts)
     short = [(one, each) for one, each in zip(item.expect, verdicts, strict=True) if each.share < 1.0]
-    told = [(_told(one, each, targets), each) for one, each in short]
+    told = [(_heading(one, each, targets), each) for one, each in short]
     rows = [say("expected.row_share", row=row, share=number(100.0 * each.share, "%")) for row, each in told]
     more = [say("expected.more", count=len(rows) - _MOST_ROWS)] if len(rows) > _MOST_ROWS else []
     listed = join([*rows[:_MOST_ROWS], *more], _ROWS) if rows else EMPTY
@@ -127,7 +127,7 @@ def _measure(item: ItemSpec, verdicts: "Sequence[Verdict]", targets: Mapping[str
     return Measure(percent, details)
 
 
-def _told(expectation: Expectation, verdict: "Verdict", targets: Mapping[str, str]) -> Text:
+def _heading(expectation: Expectation, verdict: "Verdict", targets: Mapping[str, str]) -> Text:
     """Say what was sent, what was wanted and what came, of a step by what it speaks to, not by its id."""
     if expectation.secret:
         return say("expected.row_secret")

@@ -53,7 +53,7 @@ def frame(expectation: Expectation, evidence: Evidence) -> Verdict:
         if link.child == expectation.target and evidence.looks_at(expectation, link.t_ns)
     ]
     direct = [each for each in own if each.parent == expectation.parent]
-    wanted = _wanted(expectation)
+    wanted = _wanted_text(expectation)
     poses = _poses(expectation, evidence, links, direct)
     if not poses:
         used = named(f"{link.parent} → {link.child}" for link in links)
@@ -237,7 +237,7 @@ def _missing(expectation: Expectation, evidence: Evidence, links: Sequence[_Link
     )
 
 
-def _wanted(expectation: Expectation) -> Text:
+def _wanted_text(expectation: Expectation) -> Text:
     parts = [plain(f"{expectation.parent} → {expectation.target}")]
     if expectation.translation is not None:
         parts.append(plain(f"({', '.join(str(each).lstrip('= ') for each in expectation.translation)})"))

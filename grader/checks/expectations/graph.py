@@ -102,7 +102,9 @@ def turtle(expectation: Expectation, evidence: Evidence) -> Verdict:
         good = [holds(expectation.that, evidence.names(each.t_ns)) for each in samples]
         share = sum(good) / len(good)
         last = samples[-1] if all(good) else samples[len(good) - 1 - good[::-1].index(False)]
-        return Verdict(share=share, wanted=plain(clip(expectation.that)), came=_told(expectation, last))
+        return Verdict(
+            share=share, wanted=plain(clip(expectation.that)), came=_turtle_text(expectation, last)
+        )
     at_ns = samples[-1].t_ns if expectation.at_s is None else round(expectation.at_s * NS_PER_S)
     sample = evidence.turtle(expectation.target, at_ns) or samples[-1]
     wanted = ", ".join(
@@ -110,10 +112,12 @@ def turtle(expectation: Expectation, evidence: Evidence) -> Verdict:
         for name in ("x", "y", "heading_deg", "pen", "pen_off")
         if (value := getattr(expectation, name)) is not None
     )
-    return Verdict(share=_there(expectation, sample), wanted=plain(wanted), came=_told(expectation, sample))
+    return Verdict(
+        share=_there(expectation, sample), wanted=plain(wanted), came=_turtle_text(expectation, sample)
+    )
 
 
-def _told(expectation: Expectation, sample: TurtleSample) -> Text:
+def _turtle_text(expectation: Expectation, sample: TurtleSample) -> Text:
     heading = math.degrees(sample.heading_rad)
     pen = (
         f", pen = {sample.pen}{' (off)' if sample.pen_off else ''}"

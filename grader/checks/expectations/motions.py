@@ -94,15 +94,15 @@ def _motions(expectation: Expectation, evidence: Evidence) -> Iterator[_Motion]:
         yield _Motion(
             exchange=exchange,
             end_ns=end_ns,
-            wanted_m=_wanted(expectation.ahead_m, names),
-            wanted_deg=_wanted(expectation.turned_deg, names),
+            wanted_m=_wanted_value(expectation.ahead_m, names),
+            wanted_deg=_wanted_value(expectation.turned_deg, names),
             ahead_m=x * cos + y * sin,
             aside_m=y * cos - x * sin,
             turned_deg=math.degrees(end[2] - begin[2]),
         )
 
 
-def _wanted(value: float | str | None, names: dict[str, Any]) -> float | None:
+def _wanted_value(value: float | str | None, names: dict[str, Any]) -> float | None:
     """Return a number that is wanted, 0 where its formula gives none; None where none is."""
     wanted = wanted_of(value, names)
     return None if value is None else float(wanted) if is_number(wanted) else 0.0

@@ -42,7 +42,7 @@ def topic(expectation: Expectation, evidence: Evidence) -> Verdict:
     if expectation.step:
         return _answers(expectation, evidence, messages)
     if not messages and (expectation.count is None or expectation.count[0] > 0):
-        wanted, came = _wanted(expectation), say("expected.no_messages")
+        wanted, came = _wanted_text(expectation), say("expected.no_messages")
         return Verdict(share=0.0, wanted=wanted, came=came, why=lambda: _silence(expectation, evidence))
     quantity = _quantity(expectation, evidence, [m.t_ns for m in messages], lost)
     parts = [
@@ -76,7 +76,7 @@ def log(expectation: Expectation, evidence: Evidence) -> Verdict:
         )
     ]
     share, came, why = _quantity(expectation, evidence, fitting, 0)
-    wanted = join([say("expected.log", text=readable(expectation.target)), _wanted(expectation)], _AND)
+    wanted = join([say("expected.log", text=readable(expectation.target)), _wanted_text(expectation)], _AND)
     if fitting or share >= 1.0:
         return Verdict(share=share, wanted=wanted, came=came, why=why)
     heard = say("expected.logged", texts=named(clip(record.message) for record in records[:2]))
@@ -101,7 +101,7 @@ def _unlogged(expectation: Expectation, evidence: Evidence, text: object) -> Mis
     return None
 
 
-def _wanted(expectation: Expectation) -> Text:
+def _wanted_text(expectation: Expectation) -> Text:
     """Say what is wanted of each message and of all of them."""
     parts = [plain(expectation.type)] if expectation.type and expectation.kind == "topic" else []
     parts += _wanted_quantity(expectation)
@@ -281,7 +281,7 @@ def _answers(expectation: Expectation, evidence: Evidence, messages: list[Messag
         say("expected.no_answer") if chosen is None else plain(shown(only(expectation.values, chosen.values)))
     )
     why = unknown if chosen is not None else partial(_unanswered, expectation, evidence, exchanges, messages)
-    told = _wanted(expectation) if wanted is None else plain(readable(wanted))
+    told = _wanted_text(expectation) if wanted is None else plain(readable(wanted))
     return Verdict(share=share, sent=shown(exchange.values), wanted=told, came=came, why=why)
 
 

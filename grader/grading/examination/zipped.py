@@ -128,7 +128,7 @@ def unpacked(content: bytes) -> dict[str, bytes]:
     if len(content) > MAX_ZIP_BYTES:
         raise refusals([("zip", _TOO_LARGE)])
     try:
-        files = read_archive(content, _wanted, _BOUNDS)
+        files = read_archive(content, _kept_paths, _BOUNDS)
     except ArchiveError as error:
         whole = not error.path or error.fault is Fault.LARGE
         raise refusals(
@@ -143,7 +143,7 @@ def packed(folder: str, files: Mapping[str, bytes]) -> bytes:
     return write_archive(below, zipfile.ZIP_DEFLATED)
 
 
-def _wanted(entries: Sequence[ZipEntry]) -> Collection[str]:
+def _kept_paths(entries: Sequence[ZipEntry]) -> Collection[str]:
     return [entry.path for entry in entries if not _PASSED_OVER.search(entry.path)]
 
 

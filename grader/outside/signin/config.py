@@ -174,7 +174,7 @@ def read_config(path: Path) -> SignInConfig:
     except ValidationError as error:
         errors = {".".join(map(str, problem["loc"])): problem for problem in error.errors()}
         wrong = [_wrong(path, place, said(one, "en"), said(one, "zh")) for place, one in errors.items()]
-        en, zh = ("\n".join(one.told(language) for one in wrong) for language in ("en", "zh"))
+        en, zh = ("\n".join(one.message_in(language) for one in wrong) for language in ("en", "zh"))
         raise SettingsError(en, zh) from None
 
 

@@ -18,12 +18,12 @@ def opened(config: SignInConfig, clock_s: Callable[[], float]) -> Providers:
     return Providers(
         public_url=config.public_url,
         private_platforms=config.allow_private_platforms,
-        away=tuple(_made(one, clock_s) for one in sending),
+        away=tuple(_provider(one, clock_s) for one in sending),
         headers=tuple(provider for provider in config.providers if isinstance(provider, HeaderEntry)),
     )
 
 
-def _made(entry: Entry, clock_s: Callable[[], float]) -> Provider:
+def _provider(entry: Entry, clock_s: Callable[[], float]) -> Provider:
     if isinstance(entry, CasEntry):
         return Cas(entry)
     assert not isinstance(entry, HeaderEntry)

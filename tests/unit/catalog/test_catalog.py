@@ -198,7 +198,7 @@ def test_errors_name_file_line_field_and_fix(
     message = str(refusal.value)
     assert f"assignment.yaml:{line}:" in message
     assert all(word in message for word in words), message
-    in_chinese = refusal.value.told("zh")
+    in_chinese = refusal.value.message_in("zh")
     assert f"assignment.yaml:{line}:" in in_chinese
     assert re.search(r"[\u4e00-\u9fff]{2}", in_chinese.partition(f":{line}:")[2]), in_chinese
 
@@ -296,8 +296,9 @@ def test_problems_with_the_use_of_a_check_are_told_in_both_languages(tmp_path: P
     with pytest.raises(AssignmentError) as refusal:
         fitting(catalog, "demo")
     assert "assignment.yaml:16: items.1.measure: 'logs' is no measure of 'conversation'" in str(refusal.value)
-    assert "assignment.yaml:16: items.1.measure: 检查 'conversation' 没有测量值 'logs'" in refusal.value.told(
-        "zh"
+    assert (
+        "assignment.yaml:16: items.1.measure: 检查 'conversation' 没有测量值 'logs'"
+        in refusal.value.message_in("zh")
     )
 
 

@@ -109,4 +109,4 @@ def test_what_is_wrong_is_told_with_its_place(
         assignment(tmp_path, GOOD.replace(old, new, 1)).get("demo")
     assert said in str(refusal.value)
     assert f"assignment.yaml:{line}: " in str(refusal.value)
-    assert refusal.value.told("zh") != str(refusal.value)
+    assert refusal.value.message_in("zh") != str(refusal.value)

@@ -91,7 +91,7 @@ def test_what_would_not_build_is_refused_by_file_and_line(
         Catalog(tmp_path).get("demo")
     told = [each for each in str(refusal.value).splitlines() if words in each]
     assert told[0].startswith(f"{folder / 'interfaces' / name}:{line}: "), str(refusal.value)
-    assert re.search(r"[\u4e00-\u9fff]{2}", refusal.value.told("zh"))
+    assert re.search(r"[\u4e00-\u9fff]{2}", refusal.value.message_in("zh"))
 
 
 def test_arrays_of_arrays_are_too_large_as_well(tmp_path: Path) -> None:

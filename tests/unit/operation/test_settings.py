@@ -131,8 +131,8 @@ def test_values_out_of_range_are_refused_by_name(field: str, value: float) -> No
 def test_a_refusal_names_the_variable_in_both_languages(field: str, value: object, en: str, zh: str) -> None:
     with pytest.raises(SettingsError) as caught:
         load(**{field: value})
-    assert en in caught.value.told("en")
-    assert zh in caught.value.told("zh")
+    assert en in caught.value.message_in("en")
+    assert zh in caught.value.message_in("zh")
 
 
 def test_the_environment_is_read(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -86,10 +86,10 @@ class _Parser:
         if not self._text.startswith(")", self._at) or [] in arguments:
             raise ValueError(f"no substitution: {self._text[begin : begin + 40]!r}")
         self._at += 1
-        return _made(match[1], arguments)
+        return _substitution_of(match[1], arguments)
 
 
-def _made(name: str, arguments: list[list[Substitution]]) -> Substitution:
+def _substitution_of(name: str, arguments: list[list[Substitution]]) -> Substitution:
     if name not in _KNOWN:
         raise RuntimeError(f"Unknown substitution: {name}")
     class_name, fewest, most = _KNOWN[name]

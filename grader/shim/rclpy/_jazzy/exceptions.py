@@ -20,7 +20,7 @@ _OF_ONE = {
 """Exception about one thing -> its text."""
 
 
-def _told(text: str) -> Callable[[Exception, Any], None]:
+def _worded(text: str) -> Callable[[Exception, Any], None]:
     def __init__(self: Exception, about: Any, /) -> None:  # noqa: N807 - it becomes the class's own
         Exception.__init__(self, text.format(about))
 
@@ -28,7 +28,7 @@ def _told(text: str) -> Callable[[Exception, Any], None]:
 
 
 for _name, _text in _OF_ONE.items():
-    setattr(getattr(exceptions, _name), "__init__", _told(_text))  # noqa: B010
+    setattr(getattr(exceptions, _name), "__init__", _worded(_text))  # noqa: B010
 
 
 @extends(exceptions.NotInitializedException)

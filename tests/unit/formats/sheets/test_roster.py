@@ -280,7 +280,7 @@ def test_roles_may_be_named_as_platforms_name_them(written: str, role: Role) -> 
 def test_what_is_wrong_with_a_roster_is_told_in_its_own_words() -> None:
     with pytest.raises(CourseError) as caught:
         read_roster("姓名\n李雷\n".encode())
-    assert "“学号”" in caught.value.told("zh")
+    assert "“学号”" in caught.value.message_in("zh")
     assert "学生、助教、教师" in read_roster("学号,姓名,角色\n1,李雷,班长\n".encode()).skipped[0].reason.zh
 
 

@@ -127,7 +127,7 @@ def test_two_changes_within_a_second_both_arrive(
         Rules(hidden_items=(linked.assignments.get("square").items[0].id,)),
         Signature(linked.clock(), "ros", "wang"),
     )
-    row = linked.platform_scores.known(linked.platforms.links("ros")[0])["li"]
+    row = linked.platform_scores.of_link(linked.platforms.links("ros")[0])["li"]
     linked.clock.advance((row.not_before - linked.clock()).total_seconds())
     send_scores(linked)
     assert len(moodle.scores) == 2
@@ -312,7 +312,7 @@ def test_two_processes_that_look_at_once_send_one_score_once(
     put(course="ros", student="li")
     store = type(linked.platform_scores)
     (activity,) = linked.platforms.links("ros")
-    before = linked.platform_scores.known(activity)
+    before = linked.platform_scores.of_link(activity)
     assert send_scores(linked) == 1
     monkeypatch.setattr(store, "known", lambda *_: before)
     assert send_scores(linked) == 0
@@ -341,7 +341,7 @@ def test_who_leaves_meanwhile_gets_no_score(
     monkeypatch.setattr(PlatformScores, "claim", left)
     assert send_scores(linked) == 0
     assert moodle.scores == []
-    assert linked.platform_scores.known(linked.platforms.links("ros")[0]) == {}
+    assert linked.platform_scores.of_link(linked.platforms.links("ros")[0]) == {}
 
 
 def test_a_new_column_of_the_gradebook_gets_the_scores(
@@ -368,7 +368,7 @@ def test_a_removed_member_and_platform_leave_nothing(
     put(course="ros", student="li")
     send_scores(linked)
     linked.courses.remove("ros", ["li"], "wang")
-    assert linked.platform_scores.known(linked.platforms.links("ros")[0]) == {}
+    assert linked.platform_scores.of_link(linked.platforms.links("ros")[0]) == {}
     (platform,) = linked.platforms.of_course("ros")
     assert linked.platforms.remove(platform.id, Signature(linked.clock(), "ros", "wang"))
     assert linked.platform_scores.targets() == ()
