@@ -208,8 +208,7 @@ class Sandbox:
         when it is opened. It is prepared only while no run is open and used up or ended by the next `open`,
         so that no run ever shares its user id with a process that waits.
 
-        Raises:
-            SandboxError: as `open`.
+        Raises SandboxError: as `open`.
         """
         if not self._open_jails and (self._spare is None or self._spare.limits != limits):
             self._drop_spare()
@@ -218,8 +217,7 @@ class Sandbox:
     def prove(self) -> Proof:
         """Have a confined process try to get out, and return what it found. Takes a few milliseconds.
 
-        Raises:
-            SandboxError: it could not be run, or did not report.
+        Raises SandboxError: it could not be run, or did not report.
         """
         with self._begin(self._fork(Limits(cpu_s=5.0), prove=True)) as jail:
             body = jail.receive()

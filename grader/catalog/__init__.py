@@ -24,8 +24,7 @@ _MISSING = Text(zh="缺少这个文件：请补上", en="this file is missing; a
 def default_root() -> Path:
     """Return the folder of the assignments that come with the grader.
 
-    Raises:
-        AssignmentError: the installation has none.
+    Raises AssignmentError: the installation has none.
     """
     package = Path(__file__).resolve().parents[1]
     for root in (package / "assignments", package.parent / "assignments"):
@@ -72,8 +71,7 @@ class Catalog:
     def all(self) -> tuple[Assignment, ...]:
         """Return every assignment in the order of the checklist.
 
-        Raises:
-            AssignmentError: a file is wrong; the message names file, line, field and fix.
+        Raises AssignmentError: a file is wrong; the message names file, line, field and fix.
         """
         assignments = [self._assignment(folder) for folder in self._folders()]
         return tuple(sorted(assignments, key=lambda assignment: (assignment.order, assignment.id)))
@@ -81,8 +79,7 @@ class Catalog:
     def each(self) -> Iterator[tuple[str, Assignment | AssignmentError]]:
         """Yield id and content of every assignment; of a wrong one, what is wrong.
 
-        Raises:
-            AssignmentError: there is no such folder.
+        Raises AssignmentError: there is no such folder.
         """
         for folder in self._folders():
             try:
@@ -176,8 +173,7 @@ class Catalog:
 
         A folder ``solution`` may stand for ``solution.zip``; `grader.catalog.files.handed_in` reads both.
 
-        Raises:
-            AssignmentError: it is not there.
+        Raises AssignmentError: it is not there.
         """
         path = self.folder(assignment.id) / (name + SUFFIXES[assignment.input][0])
         if not is_there(path):
@@ -197,8 +193,7 @@ class Catalog:
     def files(self, assignment_id: str) -> dict[str, bytes]:
         """Return all files of an assignment's folder by their paths in it.
 
-        Raises:
-            UnknownAssignmentError: no assignment has that id.
+        Raises UnknownAssignmentError: no assignment has that id.
         """
         folder = self.folder(assignment_id)
         paths = (path for path in sorted(folder.rglob("*")) if path.is_file())
@@ -219,8 +214,7 @@ class Catalog:
     def folder(self, assignment_id: str) -> Path:
         """Return the folder of an assignment: starter, solution and wrong/ stand there.
 
-        Raises:
-            UnknownAssignmentError: no assignment has that id.
+        Raises UnknownAssignmentError: no assignment has that id.
         """
         for folder in (*self._folders(), *self._further()):
             if folder.name == assignment_id:

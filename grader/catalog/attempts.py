@@ -62,8 +62,7 @@ class Replacement:
 def edits_of(change: object) -> tuple[Replacement, ...]:
     """Return what the field ``change`` says: new texts by old ones, or a patch.
 
-    Raises:
-        MisfitError: it is neither, or changes nothing.
+    Raises MisfitError: it is neither, or changes nothing.
     """
     if isinstance(change, str):
         edits = tuple(_hunks(change.splitlines()))

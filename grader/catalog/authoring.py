@@ -20,8 +20,7 @@ def create(catalog: Catalog, name: str, like: Path | None = None) -> Path:
 
     It begins as a copy of the folder `like`; None: as a simple example.
 
-    Raises:
-        AssignmentError: the name is not a valid id or is taken, or the folder cannot be written.
+    Raises AssignmentError: the name is not a valid id or is taken, or the folder cannot be written.
     """
     if not _NAME.fullmatch(name):
         raise AssignmentError(
@@ -49,8 +48,7 @@ def create(catalog: Catalog, name: str, like: Path | None = None) -> Path:
 def _copy(root: Path, folder: Path, name: str, order: int) -> None:
     """Copy an assignment's files, and give the copy its own id and place.
 
-    Raises:
-        OSError: a file cannot be read or written.
+    Raises OSError: a file cannot be read or written.
     """
     suffix = _TEMPLATE_SUFFIX if root == _SKELETON else ""
     for source in sorted(path for path in root.rglob("*") if path.is_file()):

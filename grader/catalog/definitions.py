@@ -98,8 +98,7 @@ def translated(package: str, kind: str, name: str, text: str) -> str:
 
     `kind` is ``msg``, ``srv`` or ``action``, `text` the content of the file.
 
-    Raises:
-        DefinitionError: for the first line that is refused.
+    Raises DefinitionError: for the first line that is refused.
     """
     lines = [f"{package}/{kind}/{name} {module_name(name)}"]
     for suffix, part in zip(_SUFFIXES[kind], _parts(kind, text), strict=True):

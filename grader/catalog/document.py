@@ -71,8 +71,7 @@ class Document:
     def read(cls, path: Path) -> "Document":
         """Read and parse a file.
 
-        Raises:
-            AssignmentError: not readable, not UTF-8, or not YAML with fields at the top.
+        Raises AssignmentError: not readable, not UTF-8, or not YAML with fields at the top.
         """
         try:
             text = path.read_text(encoding="utf-8")
@@ -121,8 +120,7 @@ class Document:
     def assignment(self) -> Assignment:
         """Return the validated assignment, with the interfaces that it brings along.
 
-        Raises:
-            AssignmentError: naming file, line, field and fix of every problem.
+        Raises AssignmentError: naming file, line, field and fix of every problem.
         """
         assignment = self._validated().to_contract()
         interfaces = read_interfaces(self.path.parent)

@@ -46,8 +46,7 @@ def content(spec: Path) -> bytes:
 
     `spec` is the one called ``assignment.yaml``.
 
-    Raises:
-        OSError: one of the files cannot be read.
+    Raises OSError: one of the files cannot be read.
     """
     whole = spec.read_bytes()
     recorded = [spec.with_name(name) for name in (REFERENCE, SOLUTION)]

@@ -53,8 +53,7 @@ _Misfit = tuple[str, Text]  # the field it is about, and what is wrong
 def read_interfaces(folder: Path) -> tuple[InterfaceDefinition, ...]:
     """Return the interfaces that the assignment in `folder` brings along.
 
-    Raises:
-        AssignmentError: naming file, line and fix of the first problem of each file.
+    Raises AssignmentError: naming file, line and fix of the first problem of each file.
     """
     files = interface_files(folder)
     if not files:

@@ -26,8 +26,7 @@ def with_reference(assignment: Assignment, folder: Path) -> Assignment:
 def record(folder: Path, trace: Trace) -> None:
     """Write down what the solution in `folder` drives.
 
-    Raises:
-        OSError: the solution cannot be read, or the record not be written.
+    Raises OSError: the solution cannot be read, or the record not be written.
     """
     document = {"solution_sha256": _digest(folder), "points": trace}
     (folder / REFERENCE).write_text(json.dumps(document) + "\n", encoding="utf-8")

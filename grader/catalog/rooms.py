@@ -174,8 +174,7 @@ class RoomModel(SpecModel):
     def to_contract(self, seed: str, start: StartPose, goals: Sequence[Region]) -> Room:
         """Return the room of one seed. What is drawn stands clear of start, goals and what is there already.
 
-        Raises:
-            NoPlaceError: a solid finds no place, or the robot starts outside.
+        Raises NoPlaceError: a solid finds no place, or the robot starts outside.
         """
         source = Random(f"room {seed}")  # noqa: S311 - the same room each time, not a secret
         left, bottom, right, top = bounds = tuple(drawn(bound, source, 2) for bound in self.bounds)

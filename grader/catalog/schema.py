@@ -173,8 +173,7 @@ class StartModel(SpecModel):
     def to_contract(self, seed: str, taken: Sequence[Region] = ()) -> StartPose:
         """Return the pose of one seed, to the centimetre and the degree where it is drawn.
 
-        Raises:
-            MisfitError: no place within the bounds is free.
+        Raises MisfitError: no place within the bounds is free.
         """
         source = Random(seed)  # noqa: S311 - the same pose each time, not a secret
         for _ in range(TRIES if self.is_drawn else 1):

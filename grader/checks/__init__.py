@@ -69,8 +69,7 @@ def mark(assignment: Assignment, runs: Sequence[Run]) -> Marks:
 
     Deterministic; nothing that a script did makes it raise.
 
-    Raises:
-        AssignmentError: the assignment does not fit its check (see `problems`).
+    Raises AssignmentError: the assignment does not fit its check (see `problems`).
     """
     driven = _marks(assignment, runs)
     if assignment.counts == "driven" or all(run.trajectory.commanded is None for run in runs):
@@ -155,8 +154,7 @@ def explained(assignment: Assignment, marks: Marks) -> Scoring:
 def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
     """Score a submitted script by its runs, and explain the score.
 
-    Raises:
-        AssignmentError: as `mark`.
+    Raises AssignmentError: as `mark`.
     """
     return explained(assignment, mark(assignment, runs))
 
@@ -205,8 +203,7 @@ def _without_harmless(
 def evaluate_text(assignment: Assignment, text: str) -> Scoring:
     """Score a submitted text. Deterministic; no text makes it raise.
 
-    Raises:
-        AssignmentError: the assignment does not fit its check, or asks for a script.
+    Raises AssignmentError: the assignment does not fit its check, or asks for a script.
     """
     _raise_problem(assignment)
     check = TEXT_CHECKS.get(assignment.check)
@@ -221,8 +218,7 @@ def evaluate_text(assignment: Assignment, text: str) -> Scoring:
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     """Return what a plot of `run` shows beside the bare path.
 
-    Raises:
-        AssignmentError: the assignment does not fit its check.
+    Raises AssignmentError: the assignment does not fit its check.
     """
     task = assignment.in_case(run.case)
     drawn = _script_check(assignment).sketch(task, run)
@@ -235,8 +231,7 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
 def published_rubric(assignment: Assignment) -> PublishedRubric:
     """Return the rubric that a student reads before submitting.
 
-    Raises:
-        AssignmentError: the assignment does not fit its check.
+    Raises AssignmentError: the assignment does not fit its check.
     """
     _raise_problem(assignment)
     return published(_kind(assignment), assignment)

@@ -110,8 +110,7 @@ def run(arguments: argparse.Namespace) -> int:
 def read_handed_in(path: Path) -> bytes:
     """Return what would be stored of a script, an answer, or a package as a zip or a folder.
 
-    Raises:
-        RefusedError: it cannot be read, or could not be uploaded either.
+    Raises RefusedError: it cannot be read, or could not be uploaded either.
     """
     if path.is_dir() or path.suffix.lower() == ".zip":
         from grader.formats.packages.bundle import MAX_PACKAGE_BYTES, bundled
@@ -132,8 +131,7 @@ def handed_in_name(path: Path) -> str:
 def read_source(path: Path) -> bytes:
     """Return the bytes of a script.
 
-    Raises:
-        RefusedError: it cannot be read, or could not be uploaded either.
+    Raises RefusedError: it cannot be read, or could not be uploaded either.
     """
     from grader.contracts.upload import MAX_SOURCE_BYTES, check_source
 
@@ -238,8 +236,7 @@ def _import_output() -> None:
 def _check_input(arguments: argparse.Namespace, assignment: Assignment) -> None:
     """Refuse a script where a text is asked for, and the other way round, as an upload would be.
 
-    Raises:
-        RefusedError: the file's name, ``--plot`` or ``--record`` does not go with the assignment.
+    Raises RefusedError: the file's name, ``--plot`` or ``--record`` does not go with the assignment.
     """
     from grader.contracts.assignment import SUFFIXES
     from grader.contracts.upload import check_name
@@ -278,8 +275,7 @@ def _guess(catalog: "Catalog", file: Path) -> str:
 def _check_environment(arguments: argparse.Namespace) -> None:
     """Refuse Classroom 50's format where its runner has not said which submission this is.
 
-    Raises:
-        SettingsError: names the variables that are missing.
+    Raises SettingsError: names the variables that are missing.
     """
     if arguments.result != "classroom50":
         return

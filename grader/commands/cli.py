@@ -213,8 +213,7 @@ def _told(error: GraderError) -> int:
 def _lacks(error: ModuleNotFoundError) -> int:
     """Say which extra to install; return the exit code.
 
-    Raises:
-        ModuleNotFoundError: no extra has the module.
+    Raises ModuleNotFoundError: no extra has the module.
     """
     from grader.contracts.extras import MissingExtraError
 
@@ -235,8 +234,7 @@ def _overview() -> str:
 def _not_done(error: OSError) -> int:
     """Say which file a command could not use, or that its output cannot be written; return the exit code.
 
-    Raises:
-        OSError: the error is about something else.
+    Raises OSError: the error is about something else.
     """
     told = trouble(error)
     if error.filename is None:

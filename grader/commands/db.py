@@ -57,8 +57,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Carry out the action.
 
-    Raises:
-        SettingsError: a file or a database cannot be used; the command ends with exit code 2.
+    Raises SettingsError: a file or a database cannot be used; the command ends with exit code 2.
     """
     action = {"migrate": _migrate, "backup": _backup, "restore": _restore, "move": _move}[arguments.action]
     may_create = arguments.action in ("migrate", "restore")

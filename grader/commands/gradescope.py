@@ -157,8 +157,7 @@ def _for_python_311(lock: bytes) -> bytes:
 def _probe(arguments: argparse.Namespace, folder: Path, assignment: Assignment) -> None:
     """Grade the assignment's own solution as a student's would be.
 
-    Raises:
-        GraderError: scripts cannot be confined here, or the solution has not got full marks.
+    Raises GraderError: scripts cannot be confined here, or the solution has not got full marks.
     """
     path = folder / f"solution{SUFFIXES[assignment.input][0]}"
     if not is_there(path):

@@ -19,8 +19,7 @@ _OTHER_LANGUAGE = "\0"
 def add_language_option(parser: argparse.ArgumentParser) -> None:
     """Declare the language of the command's output.
 
-    Raises:
-        SettingsError: `default_language` refuses what is set.
+    Raises SettingsError: `default_language` refuses what is set.
     """
     parser.add_argument(
         "--lang",
@@ -33,8 +32,7 @@ def add_language_option(parser: argparse.ArgumentParser) -> None:
 def default_language() -> Language:
     """Return the language of a command that asks for none: that of a service's answers, by the same variable.
 
-    Raises:
-        SettingsError: GRADER_DEFAULT_LANGUAGE names another one.
+    Raises SettingsError: GRADER_DEFAULT_LANGUAGE names another one.
     """
     value = os.environ.get("GRADER_DEFAULT_LANGUAGE") or "zh"
     for language in LANGUAGES:

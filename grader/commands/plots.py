@@ -15,8 +15,7 @@ if TYPE_CHECKING:
 def check_plot_path(path: Path) -> None:
     """Refuse, before anything is run, a file that could not be written or has no known form.
 
-    Raises:
-        RefusedError: its name does not end in .png or .svg, or its folder does not exist.
+    Raises RefusedError: its name does not end in .png or .svg, or its folder does not exist.
     """
     if path.suffix.lower() not in (".png", ".svg"):
         raise RefusedError.saying(
@@ -52,8 +51,7 @@ def check_bag_path(path: Path) -> None:
 def require_folder(option: str, path: Path) -> None:
     """Look whether the folder of a file that an option names is there, before anything is graded for it.
 
-    Raises:
-        RefusedError: it is not.
+    Raises RefusedError: it is not.
     """
     folder = path.resolve().parent
     if not folder.is_dir():

@@ -108,8 +108,7 @@ def run(arguments: argparse.Namespace) -> int:
 def unpacked(export: Path) -> Iterator[Path]:
     """Yield the folder of an export; a zip is unpacked into one that is removed afterwards.
 
-    Raises:
-        RefusedError: it is neither a zip nor a folder, or the zip must not be unpacked.
+    Raises RefusedError: it is neither a zip nor a folder, or the zip must not be unpacked.
     """
     if export.is_dir():
         yield export
@@ -157,8 +156,7 @@ def _refused(export: Path, *, zh: str, en: str) -> RefusedError:
 def entries(folder: Path, endings: tuple[str, ...]) -> list[Entry]:
     """Return the submissions of an unpacked export, in the order of their names; none behind links.
 
-    Raises:
-        RefusedError: the metadata cannot be read.
+    Raises RefusedError: the metadata cannot be read.
     """
     inner = [path for path in folder.iterdir() if not path.name.startswith((".", "__"))]
     if len(inner) == 1 and inner[0].is_dir() and not (folder / _METADATA).exists():

@@ -183,8 +183,7 @@ class _Http(h11.Connection):
     def next_event(self) -> h11.Event | type[h11.NEED_DATA] | type[h11.PAUSED]:
         """Return what comes next.
 
-        Raises:
-            RemoteProtocolError: it is no HTTP, or has Content-Length and Transfer-Encoding.
+        Raises RemoteProtocolError: it is no HTTP, or has Content-Length and Transfer-Encoding.
         """
         event = super().next_event()
         if isinstance(event, h11.Request):
@@ -318,8 +317,7 @@ def most_connections(streams: int) -> int:
 
     Raises the process's limit of open files as far as the system allows: the usual one is too low for a class.
 
-    Raises:
-        SettingsError: the system lets this process open too few.
+    Raises SettingsError: the system lets this process open too few.
     """
     wanted = streams + _REQUESTS
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)

@@ -49,8 +49,7 @@ def add_course_option(parser: argparse.ArgumentParser) -> None:
 def database_url(folder: Path | None, *, create: bool = True) -> str | None:
     """Return the address of the database in `folder`, made unless `create` is False; None when none is named.
 
-    Raises:
-        SettingsError: the folder cannot be made.
+    Raises SettingsError: the folder cannot be made.
     """
     if folder is None:
         return None
@@ -65,8 +64,7 @@ def database_url(folder: Path | None, *, create: bool = True) -> str | None:
 def refuse_missing(database: Database) -> None:
     """Look whether the file of a SQLite database is there, which opening it would make.
 
-    Raises:
-        SettingsError: it is not.
+    Raises SettingsError: it is not.
     """
     if database.is_sqlite and not Path(database.name).is_file():
         raise SettingsError(
@@ -97,8 +95,7 @@ def opened(arguments: argparse.Namespace, *, create: bool = False) -> Iterator[O
 def chosen_course(storage: OpenedStore, course: str | None) -> str:
     """Return the id of the course meant.
 
-    Raises:
-        CourseError: there is no such course, none at all, or several and none was named.
+    Raises CourseError: there is no such course, none at all, or several and none was named.
     """
     if course is not None:
         return storage.courses.get(course).id

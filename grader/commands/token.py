@@ -78,8 +78,7 @@ def write_tokens(storage: OpenedStore, course: str, people: Iterable[str], days:
 
     Into a file as the gradebook is: UTF-8 with a byte order mark, without which Excel takes Chinese names for GBK.
 
-    Raises:
-        CourseError: one of them is no member; no token was made then.
+    Raises CourseError: one of them is no member; no token was made then.
     """
     members = {member.id: member for member in storage.courses.members(course)}
     ids = list(dict.fromkeys(people))

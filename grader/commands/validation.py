@@ -141,8 +141,7 @@ def _idle(catalog: Catalog, assignment_id: str, places: tuple[str, ...]) -> Text
 def write_scripts(catalog: Catalog, assignment_ids: Iterable[str], folder: Path) -> None:
     """Write all scripts of the assignments, also those that are changes of others, to folders called by the ids.
 
-    Raises:
-        GraderError: an assignment cannot be read, or a script cannot be written.
+    Raises GraderError: an assignment cannot be read, or a script cannot be written.
     """
     for assignment_id in assignment_ids:
         for name, source in catalog.scripts(assignment_id).items():
@@ -227,8 +226,7 @@ def examine(
 
     `later_s`: by how much Ctrl+C comes later than the assignment says, unless it talks to the script by the clock.
 
-    Raises:
-        GraderError: the assignment cannot be read, or the grader failed.
+    Raises GraderError: the assignment cannot be read, or the grader failed.
     """
     record_reference(catalog, assignment_id, grader)
     assignment, attempts = fitting(catalog, assignment_id), catalog.wrong_attempts(assignment_id)
@@ -241,8 +239,7 @@ def examine(
 def record_reference(catalog: Catalog, assignment_id: str, grader: Grader) -> None:
     """Run the solution of an assignment that wants what it drives, unless that is recorded already.
 
-    Raises:
-        GraderError: the solution hardly drives, it cannot be recorded, or the grader failed.
+    Raises GraderError: the solution hardly drives, it cannot be recorded, or the grader failed.
     """
     assignment = catalog.get(assignment_id)
     if not wants_reference(assignment):

@@ -562,8 +562,7 @@ class WrongAttempt(Record):
 def stored_assignment(content: bytes | str) -> Assignment:
     """Return an assignment that was stored with a grading, maybe before `steps` took the place of two fields.
 
-    Raises:
-        ValueError: it is none.
+    Raises ValueError: it is none.
     """
     fields = json.loads(content)
     for name in ("calls", "agent"):

@@ -115,8 +115,7 @@ class Formula:
 
         `functions` take the place of `FUNCTIONS` or are added to them.
 
-        Raises:
-            FormulaError: there is none, as for a quotient by zero or a field that is missing.
+        Raises FormulaError: there is none, as for a quotient by zero or a field that is missing.
         """
         callables = FUNCTIONS if functions is None else {**FUNCTIONS, **functions}
         try:

@@ -75,8 +75,7 @@ class Grader(Protocol):
     def grade(self, job: GradingJob, on_run: Callable[[], None] = ..., /) -> GradingResult:
         """Grade `job`; call `on_run` whenever a run of the script has begun.
 
-        Raises:
-            InfrastructureError: a fault of the grader or its host; the job may be tried again.
+        Raises InfrastructureError: a fault of the grader or its host; the job may be tried again.
         """
 
 
@@ -91,8 +90,7 @@ class Preflight(Protocol):
         `busy` is told for how many seconds the process was busy with it, without what the check had to wait,
         at most `patience_s`.
 
-        Raises:
-            InfrastructureError: the check itself could not be done, or not in time.
+        Raises InfrastructureError: the check itself could not be done, or not in time.
         """
 
 

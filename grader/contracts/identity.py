@@ -263,8 +263,7 @@ def checked_id(text: str, what: str) -> str:
 def checked_name(text: str, field: str = "name") -> str:
     """Return a person's or a course's name, which stood in `field`, with single plain spaces inside.
 
-    Raises:
-        CourseError: it is too long or cannot be printed.
+    Raises CourseError: it is too long or cannot be printed.
     """
     name = _SPACES.sub(" ", text).strip()
     if len(name) > _LONGEST_NAME or not name.isprintable():
@@ -284,8 +283,7 @@ def person_name(text: str) -> str:
 def checked_section(text: str) -> str:
     """Return the name of a section without space around it.
 
-    Raises:
-        CourseError: it is empty, too long or cannot be printed.
+    Raises CourseError: it is empty, too long or cannot be printed.
     """
     section = text.strip()
     if not 0 < len(section) <= LONGEST_SECTION or not section.isprintable():
@@ -300,8 +298,7 @@ def checked_section(text: str) -> str:
 def checked_email(text: str) -> str:
     """Return an e-mail address without space around it; an empty one is none.
 
-    Raises:
-        CourseError: it is no address.
+    Raises CourseError: it is no address.
     """
     email = text.strip()
     if email and (len(email) > _LONGEST_EMAIL or not email.isprintable() or not _EMAIL.fullmatch(email)):
@@ -312,8 +309,7 @@ def checked_email(text: str) -> str:
 def checked_entry(entry: RosterEntry) -> RosterEntry:
     """Return an entry whose texts are fit to be stored, without space around them.
 
-    Raises:
-        CourseError: one of them is not.
+    Raises CourseError: one of them is not.
     """
     return RosterEntry(
         id=checked_id(entry.id, "id"),

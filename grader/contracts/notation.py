@@ -22,8 +22,7 @@ _INSTANT = re.compile(
 def whole(text: str) -> int:
     """Return the whole number that `text` writes in digits.
 
-    Raises:
-        ValueError: it is anything else, or longer than 40 characters.
+    Raises ValueError: it is anything else, or longer than 40 characters.
     """
     if len(text) > _LONGEST or not _WHOLE.fullmatch(text):
         raise ValueError("no whole number in digits")
@@ -53,8 +52,7 @@ def decimal(text: str) -> float:
 def written(value: float) -> str:
     """Return the shortest digits that read back as `value`, without exponent; whole numbers without a point.
 
-    Raises:
-        ValueError: `value` is not finite.
+    Raises ValueError: `value` is not finite.
     """
     if not math.isfinite(value):
         raise ValueError(f"{value} cannot be written in digits")
@@ -72,8 +70,7 @@ def instant(text: str) -> datetime:
     A date alone is refused: taken as midnight, it would end a day before its writer means. A number is refused,
     too, because some parsers take one for seconds since 1970.
 
-    Raises:
-        ValueError: it is not a date and time, or there is no such date.
+    Raises ValueError: it is not a date and time, or there is no such date.
     """
     upper = text.upper()
     if not _INSTANT.fullmatch(upper):

@@ -86,8 +86,7 @@ def to_plain(value: object) -> dict[str, Any]:
     Not `msgspec.json.encode`: it would write NaN as null, and other digits than `json` for some numbers, which
     the digests of all stored reports depend on.
 
-    Raises:
-        TypeError: `value` is something else.
+    Raises TypeError: `value` is something else.
     """
     return msgspec.structs.asdict(value)  # type: ignore[arg-type] # raises what `json.dumps` expects
 
@@ -98,8 +97,7 @@ def from_plain(cls: type[T], data: object) -> T:
     For data the grader wrote itself (between parent and grading process, in the store). Instructors' files are
     validated by pydantic in `grader.catalog`; students' processes never get here.
 
-    Raises:
-        ValueError: a field is missing, unknown or of the wrong type; the message names it.
+    Raises ValueError: a field is missing, unknown or of the wrong type; the message names it.
     """
     _decoder(cls)
     return msgspec.convert(data, cls)
@@ -108,8 +106,7 @@ def from_plain(cls: type[T], data: object) -> T:
 def from_json(cls: type[T], data: bytes | str) -> T:
     """Return the `cls` that was written as JSON; as `from_plain`, in one step.
 
-    Raises:
-        ValueError: it is no JSON, or as `from_plain` does.
+    Raises ValueError: it is no JSON, or as `from_plain` does.
     """
     return _decoder(cls).decode(data)
 

@@ -110,8 +110,7 @@ class GradeReport(Record):
 def report_from(content: bytes | str) -> GradeReport:
     """Return the report whose `canonical_bytes`, as bytes or as text, are `content`.
 
-    Raises:
-        ValueError: it is not a report; the message names the field.
+    Raises ValueError: it is not a report; the message names the field.
     """
     return from_json(GradeReport, content)
 

@@ -174,8 +174,7 @@ class LateRule:
 def _check_fields(contract: object, kinds: Mapping[str, FieldKind]) -> None:
     """Refuse an instant without a time zone, and a count or duration below the least that its kind allows.
 
-    Raises:
-        RuleError: names the first such field.
+    Raises RuleError: names the first such field.
     """
     for name, kind in kinds.items():
         value = getattr(contract, name)

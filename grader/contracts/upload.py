@@ -157,8 +157,7 @@ def _declared(source: bytes) -> str | None:
 def check_name(name: str, endings: tuple[str, ...]) -> None:
     """Accept a file name with one of the wanted endings, behind something.
 
-    Raises:
-        RefusedError: ``wrong_file_type``; the message names what the file is called, or is, and the remedy.
+    Raises RefusedError: ``wrong_file_type``; the message names what the file is called, or is, and the remedy.
     """
     lower = name.lower()
     if lower.endswith(endings) and lower not in endings:

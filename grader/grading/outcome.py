@@ -99,8 +99,7 @@ _AT_HOME: Final[dict[Distro, tuple[str, ...]]] = {
 def merge(episode: EpisodeResult, jail: JailReport, distro: Distro = "humble") -> RunOutcome:
     """Return the run's outcome, with texts as on a PC with `distro`.
 
-    Raises:
-        InfrastructureError: the sandbox says that the host, not the script, was at fault.
+    Raises InfrastructureError: the sandbox says that the host, not the script, was at fault.
     """
     if jail.end is RunEnd.INFRASTRUCTURE:
         raise InfrastructureError(f"the sandbox failed: {jail.detail or 'no reason given'}")

@@ -437,8 +437,7 @@ def _with_remarks(run: Run, outcomes: Sequence[RunOutcome]) -> list[RunOutcome]:
 def _simulator(world: World) -> str:
     """Return what computed a run's motion, with PyBullet's version where its numbers are scored.
 
-    Raises:
-        MissingExtraError: that needs PyBullet, which is not installed.
+    Raises MissingExtraError: that needs PyBullet, which is not installed.
     """
     if world.kind == "turtle" and world.profile == "nominal":
         return _MODELS["turtle"]

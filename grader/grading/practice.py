@@ -86,8 +86,7 @@ class PracticeRuns:
     def run(self, job: GradingJob) -> PracticeRun:
         """Run a script as soon as a thread is free and no submission waits.
 
-        Raises:
-            RefusedError: practice is not offered, or too many runs wait.
+        Raises RefusedError: practice is not offered, or too many runs wait.
         """
         if not self.offered or self._stopping.is_set():
             raise RefusedError("practice_off")

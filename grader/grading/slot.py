@@ -76,8 +76,7 @@ class Channel:
     ) -> None:
         """Send one message, of plain values and contracts, with what is bytes already.
 
-        Raises:
-            OSError: the other end is closed, or (TimeoutError) did not take it within `budget_s`.
+        Raises OSError: the other end is closed, or (TimeoutError) did not take it within `budget_s`.
         """
         if blobs:
             message = {**message, "blobs": [len(blob) for blob in blobs]}
@@ -145,8 +144,7 @@ class Slot:
     def start(self) -> None:
         """Start the grading process without waiting for it to be ready; harmless when it runs.
 
-        Raises:
-            InfrastructureError: it could not be started.
+        Raises InfrastructureError: it could not be started.
         """
         if self._process is not None and self._process.exit_code() is None:
             return

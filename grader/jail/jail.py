@@ -58,8 +58,7 @@ class FrameReader:
     def feed(self, data: bytes) -> None:
         """Take `data` as received.
 
-        Raises:
-            ProtocolError: the run has sent more than `bounds.CHANNEL_MAX_BYTES`.
+        Raises ProtocolError: the run has sent more than `bounds.CHANNEL_MAX_BYTES`.
         """
         self._received_bytes += len(data)
         if self._received_bytes > bounds.CHANNEL_MAX_BYTES:
@@ -71,8 +70,7 @@ class FrameReader:
     def next(self) -> bytes | None:
         """Return the body of the next frame, or None while it is not complete.
 
-        Raises:
-            ProtocolError: its length is impossible, or the run has sent more than `bounds.FRAMES_MAX`.
+        Raises ProtocolError: its length is impossible, or the run has sent more than `bounds.FRAMES_MAX`.
         """
         start = self._position + _HEADER.size
         if len(self._buffer) < start:
@@ -394,8 +392,7 @@ class Jail:
     def close(self) -> JailReport:
         """End the process if it still runs, reap it, and return the account. Further calls end the same way.
 
-        Raises:
-            SandboxError: the zygote could not account for the process.
+        Raises SandboxError: the zygote could not account for the process.
         """
         if self._report is None:
             if self._is_closed:  # descriptors and process id may have been reused by now

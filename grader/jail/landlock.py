@@ -52,8 +52,7 @@ def create_ruleset(readable: Iterable[str], writable_devices: Iterable[str]) -> 
     Paths that do not exist are left out. All other file access, all TCP and, where the kernel knows them,
     signals and abstract sockets to outside are refused once the rules are applied.
 
-    Raises:
-        OSError: this kernel has no Landlock.
+    Raises OSError: this kernel has no Landlock.
     """
     abi = abi_version()
     attr = _RulesetAttr(
@@ -85,7 +84,6 @@ def _allow(ruleset: int, path: str, rights: int) -> None:
 def restrict_self(ruleset: int) -> None:
     """Apply `ruleset` to this thread and all it starts, for ever. Needs no_new_privs.
 
-    Raises:
-        OSError: the kernel refused.
+    Raises OSError: the kernel refused.
     """
     syscall("landlock_restrict_self", NR_LANDLOCK_RESTRICT_SELF, ruleset, 0)

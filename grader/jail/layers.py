@@ -106,8 +106,7 @@ def _has_prepared_root(shim: Path) -> bool:
 def prepare_root(shim: Path) -> None:
     """Make the root directory that takes Landlock's place on this host.
 
-    Raises:
-        OSError: it could not be made.
+    Raises OSError: it could not be made.
     """
     prepared_root.prepare(*mounted_paths(shim, allowed_packages(_EVERY_PACKAGE)), prepared_root.PLACE)
 

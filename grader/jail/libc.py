@@ -55,8 +55,7 @@ def syscall(call: str, number: int, *arguments: object) -> int:
     `call` is its name, for the error message. Arguments are bytes, None, ctypes objects, or ints, passed as C
     longs.
 
-    Raises:
-        OSError: the kernel refused, with its error number.
+    Raises OSError: the kernel refused, with its error number.
     """
     converted = [ctypes.c_long(a) if isinstance(a, int) else a for a in arguments]
     return _checked(int(_libc.syscall(ctypes.c_long(number), *converted)), call)
@@ -110,8 +109,7 @@ def wait(pid: int) -> tuple[int, int, int]:
     Not `os.wait4`: from Python 3.12 on, each call leaves a new string in the interpreter's cache of attributes
     (`_PyImport_GetModuleAttrString` of ``struct_rusage``).
 
-    Raises:
-        OSError: there is no such child.
+    Raises OSError: there is no such child.
     """
     status, usage = ctypes.c_int(), _Usage()
     _checked(int(_libc.wait4(pid, ctypes.byref(status), 0, ctypes.byref(usage))), "wait4")

@@ -88,8 +88,7 @@ class Zygote:
     def wait_ready(self) -> None:
         """Return once the zygote has prepared itself.
 
-        Raises:
-            SandboxError: it could not; the message says which step failed.
+        Raises SandboxError: it could not; the message says which step failed.
         """
         with self._lock:
             if not self._ready:
@@ -253,8 +252,7 @@ def _pipes(undo: ExitStack, limit_bytes: int) -> tuple[tuple[Capture, Capture], 
 def _await_start(channel: _socket.socket, timeout_s: float) -> None:
     """Wait for the confined process to say that it is confined.
 
-    Raises:
-        SandboxError: it says that a step failed, ends, or says nothing in time.
+    Raises SandboxError: it says that a step failed, ends, or says nothing in time.
     """
     channel.settimeout(timeout_s)
     try:
@@ -318,8 +316,7 @@ def start_interpreter() -> Interpreter:
 
     ``-P -s -S`` with the fixed environment isolate as ``-I -S`` does; ``-I`` would ignore PYTHONHASHSEED.
 
-    Raises:
-        OSError: it could not be started.
+    Raises OSError: it could not be started.
     """
     executable = os.path.realpath(sys.executable)
     ours, theirs = _socket.socketpair(_socket.AF_UNIX, _socket.SOCK_STREAM)

@@ -154,8 +154,7 @@ def filter_path(machine: str = MACHINE, directory: str = FILTER_DIRECTORY) -> st
 def bind_to_process(program: bytes, pid: int) -> bytes:
     """Return `program` with the placeholder of the process's own id replaced by `pid`.
 
-    Raises:
-        ValueError: the program has no placeholder, so it was not built from this table.
+    Raises ValueError: the program has no placeholder, so it was not built from this table.
     """
     if _OWN_PID_BYTES not in program:
         raise ValueError("the seccomp filter was not built from this table of system calls")
@@ -165,8 +164,7 @@ def bind_to_process(program: bytes, pid: int) -> bytes:
 def load(program: bytes) -> None:
     """Confine this thread, and all that it starts, to `program`. It cannot be undone, and needs no_new_privs.
 
-    Raises:
-        OSError: the kernel refused.
+    Raises OSError: the kernel refused.
     """
     argument = _Program(len(program) // _INSTRUCTION_BYTES, program)
     syscall("seccomp", NR_SECCOMP[MACHINE], _SECCOMP_SET_MODE_FILTER, 0, ctypes.byref(argument))
@@ -178,8 +176,7 @@ def load(program: bytes) -> None:
 def build_filter(machine: str) -> bytes:
     """Return the BPF program of the table for `machine` (``x86_64`` or ``aarch64``).
 
-    Raises:
-        OSError: libseccomp refused a rule.
+    Raises OSError: libseccomp refused a rule.
     """
     import tempfile
 

@@ -129,8 +129,7 @@ class LiveCar:
     async def start(self) -> None:
         """Start the process and wait until the car stands in its world.
 
-        Raises:
-            InfrastructureError: the process could not be started, or did not begin in time.
+        Raises InfrastructureError: the process could not be started, or did not begin in time.
         """
         self._ended = False
         ours, theirs = socket.socketpair()

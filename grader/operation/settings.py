@@ -326,8 +326,7 @@ class Settings(BaseSettings):
 def load(**overrides: Any) -> Settings:
     """Return the settings of the environment, `overrides` (of the command line; None: not given) before them.
 
-    Raises:
-        SettingsError: a value is refused, or a name misspelt; the message names the setting and says why.
+    Raises SettingsError: a value is refused, or a name misspelt; the message names the setting and says why.
     """
     _check_names()
     try:

@@ -78,8 +78,7 @@ def plot(  # noqa: PLR0913
     bare path. In an SVG all text is outlines, so that it looks alike everywhere. `case`: which run; None: the
     first.
 
-    Raises:
-        ValueError: the report has no such run.
+    Raises ValueError: the report has no such run.
     """
     scene = compose(assignment, report, trajectory, sketch, language, case)
     # Without these entries matplotlib writes its version and the time of day into the file.

@@ -68,8 +68,7 @@ def compose(  # noqa: PLR0913, PLR0917
 ) -> Scene:
     """Return the scene of one of the report's runs; of several, with the points of that one.
 
-    Raises:
-        ValueError: the report has no such run.
+    Raises ValueError: the report has no such run.
     """
     run = report.run_of(case)
     if run is None:

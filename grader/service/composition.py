@@ -258,8 +258,7 @@ def _retries(settings: Settings) -> Retries:
 def _check_exposure(settings: Settings, courses: Courses) -> None:
     """Refuse to be reached from other machines while nobody is asked who they are.
 
-    Raises:
-        SettingsError: the address is not of this machine only, there is no course, and nobody consented.
+    Raises SettingsError: the address is not of this machine only, there is no course, and nobody consented.
     """
     if is_loopback(settings.host) or settings.allow_anonymous_network or courses.exist():
         return

@@ -97,8 +97,7 @@ class CarBody(Client):
     def __init__(self) -> None:
         """Connect to PyBullet and build the world, which takes 10 ms.
 
-        Raises:
-            InfrastructureError: PyBullet failed.
+        Raises InfrastructureError: PyBullet failed.
         """
         super().__init__()
         with faults():
@@ -151,8 +150,7 @@ class CarBody(Client):
         The velocity is constant meanwhile and no force acts along the floor, so that one engine step over all of
         the time does what its single steps would do.
 
-        Raises:
-            InfrastructureError: the body does not get there, or PyBullet failed.
+        Raises InfrastructureError: the body does not get there, or PyBullet failed.
         """
         last = last_step_at(now_ns)
         steps, until_ns = last - self._step, step_time_ns(last)
@@ -181,8 +179,7 @@ class CarBody(Client):
     def push(self, vx_mps: float, vy_mps: float, w_radps: float) -> PlanarPose:
         """Move for one step at this velocity, in the world's frame; return where that takes the body.
 
-        Raises:
-            InfrastructureError: PyBullet failed.
+        Raises InfrastructureError: PyBullet failed.
         """
         body, client = self._body, self._client
         try:

@@ -54,8 +54,7 @@ def decode(type_name: str, data: bytes, types: Types | None = None) -> Values:
 
     `types`: where the type is to be found; ROS's own by default.
 
-    Raises:
-        ProtocolError: the bytes are not exactly one message of that type.
+    Raises ProtocolError: the bytes are not exactly one message of that type.
     """
     if len(data) > MAX_MESSAGE_BYTES:
         raise ProtocolError(f"{type_name}: message of {len(data)} bytes")
@@ -78,8 +77,7 @@ def decode(type_name: str, data: bytes, types: Types | None = None) -> Values:
 def encode(type_name: str, values: Mapping[str, Any] | None = None, types: Types | None = None) -> bytes:
     """Write one message; fields left out have their ROS default. `types` as in `decode`.
 
-    Raises:
-        ProtocolError: an unknown field, or a value that its field cannot hold.
+    Raises ProtocolError: an unknown field, or a value that its field cannot hold.
     """
     writer = _Writer(types or ros_types())
     try:

@@ -130,8 +130,7 @@ class Plan(NamedTuple):
 class Talk:
     """The trusted side of a conversation.
 
-    Raises:
-        AssignmentError: the values of a step do not fit its type.
+    Raises AssignmentError: the values of a step do not fit its type.
     """
 
     def __init__(
@@ -298,8 +297,7 @@ class Talk:
     def answer(self, response: frames.Response) -> None:
         """Take the script's answer to a request.
 
-        Raises:
-            ProtocolError: it was not asked, or has answered already.
+        Raises ProtocolError: it was not asked, or has answered already.
         """
         asked = self._asked.pop(response.sequence, None)
         if asked is None:
@@ -517,8 +515,7 @@ def _services_of(step: Step) -> dict[str, str]:
 def computed(values: Any, names: Mapping[str, Any], source: Random, step: str) -> Any:
     """Return the values of a step with its formulas carried out.
 
-    Raises:
-        AssignmentError: a formula has no value.
+    Raises AssignmentError: a formula has no value.
     """
     if isinstance(values, dict):
         return {name: computed(each, names, source, step) for name, each in values.items()}

@@ -93,8 +93,7 @@ class Car:
     def reset(self, watcher: Watcher, start: PlanarPose, *, profile: Profile, walls: bool, seed: int) -> None:
         """Start an episode at time 0 with the car at rest in pose `start`.
 
-        Raises:
-            InfrastructureError: PyBullet failed.
+        Raises InfrastructureError: PyBullet failed.
         """
         self._watcher = watcher
         self._walls = walls
@@ -125,8 +124,7 @@ class Car:
     def advance(self, t_ns: int) -> None:
         """Run every update up to `t_ns` under the present command. A resting car gets there without them.
 
-        Raises:
-            InfrastructureError: PyBullet failed, or the car is not where it should be.
+        Raises InfrastructureError: PyBullet failed, or the car is not where it should be.
         """
         if not self.resting and self.now_ns + UPDATE_NS <= t_ns:
             first = last_step_at(self.now_ns)

@@ -178,8 +178,7 @@ class Episode:
         beginning, and when script and world begin or cease to wait for each other, `take_turns` is called with
         whether they do.
 
-        Raises:
-            InfrastructureError: the simulator failed. Nothing that the jailed process does raises.
+        Raises InfrastructureError: the simulator failed. Nothing that the jailed process does raises.
         """
         violation = None
         self._on_note = on_note

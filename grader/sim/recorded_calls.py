@@ -210,8 +210,7 @@ class _Reader:
 def read_calls(data: bytes, first: int = 0) -> list[Call]:
     """Read the calls of one frame; `first` is the number of the first one, for errors.
 
-    Raises:
-        ProtocolError: the bytes are not exactly calls of known functions.
+    Raises ProtocolError: the bytes are not exactly calls of known functions.
     """
     return _Reader(data, first).calls()
 
@@ -332,8 +331,7 @@ def suspect_of(call: Call, number: int) -> Suspect | None:
 def trick_of(call: Call, *, started: bool) -> TrickKind | None:
     """Return what a call does that no motor does, or None. Before the first step a body may be put anywhere.
 
-    Raises:
-        KeyError: the table has a trick for which there is no rule.
+    Raises KeyError: the table has a trick for which there is no rule.
     """
     return TRICK_RULES[call.name](call, started)
 

@@ -136,8 +136,7 @@ class Replay:
     def run(self, link: Link) -> bool:
         """Have all calls carried out; return False if the process ended before that.
 
-        Raises:
-            ProtocolError: one of its frames cannot be read.
+        Raises ProtocolError: one of its frames cannot be read.
         """
         fields = {
             "replay": {

@@ -111,8 +111,7 @@ class RobotBody(Client):
     def advance(self, t_ns: int) -> None:
         """Go on to the last beat at or before `t_ns`. A resting robot gets there without physics.
 
-        Raises:
-            InfrastructureError: PyBullet failed, or the robot's pose is not finite.
+        Raises InfrastructureError: PyBullet failed, or the robot's pose is not finite.
         """
         last = last_beat_at(t_ns)
         if not self.resting:

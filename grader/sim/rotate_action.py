@@ -74,8 +74,7 @@ class RotateAction:
     def handle(self, service: str, request: Request, t_ns: int) -> None:
         """Serve one request to one of `services`, at the update of `t_ns`.
 
-        Raises:
-            ProtocolError: the request cannot be read.
+        Raises ProtocolError: the request cannot be read.
         """
         kind = self.services[service]
         values = decode(f"{kind}_Request", request.payload)

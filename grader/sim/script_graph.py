@@ -59,8 +59,7 @@ class ScriptGraph:
     def remove(self, identity: int) -> Entity:
         """Mark an entity as gone; `nodes` and `endpoints` still list it.
 
-        Raises:
-            ProtocolError: there is no such entity, or it is gone already.
+        Raises ProtocolError: there is no such entity, or it is gone already.
         """
         entry = self._entries.get(identity)
         if entry is None or not entry.alive:
@@ -73,8 +72,7 @@ class ScriptGraph:
     def get(self, identity: int, what: int, uses: int = 1) -> Entity:
         """Return the living entity of that id and kind, and count its uses.
 
-        Raises:
-            ProtocolError: there is none.
+        Raises ProtocolError: there is none.
         """
         entry = self._entries.get(identity)
         if entry is None or not entry.alive or entry.entity.what != what:

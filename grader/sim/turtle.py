@@ -95,8 +95,7 @@ class Turtle:
     def appear(self) -> None:
         """Build the physical world, with the turtle at rest in the start pose. To be called first, once.
 
-        Raises:
-            InfrastructureError: the simulator failed.
+        Raises InfrastructureError: the simulator failed.
         """
         world = self._world
         self._car.reset(self._recorder, self.start, profile=world.profile, walls=world.walls, seed=world.seed)

@@ -46,8 +46,7 @@ _CAR: Final = struct.Struct("<q7dqBd")
 def decode(body: bytes) -> frames.Frame:
     """Read one frame of the jail.
 
-    Raises:
-        ProtocolError: the bytes are not exactly one frame of a known kind.
+    Raises ProtocolError: the bytes are not exactly one frame of a known kind.
     """
     if not body:
         raise ProtocolError("empty frame")

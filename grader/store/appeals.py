@@ -50,8 +50,7 @@ class Appeals(StorePart):
     def ask(self, submission_id: str, asked: Asked, signed: Signature) -> Appeal:
         """Store an appeal about an item of a submission; it replaces one that was withdrawn.
 
-        Raises:
-            RefusedError: there is one about this item, or the submission was erased.
+        Raises RefusedError: there is one about this item, or the submission was erased.
         """
         with self._database.writing() as session:
             submission = session.get(SubmissionRow, submission_id, with_for_update=True)

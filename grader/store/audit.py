@@ -60,8 +60,7 @@ def record(  # noqa: PLR0913
 ) -> None:
     """Add an entry in the transaction of `session`; `before` and `after` are JSON-ready data.
 
-    Raises:
-        RefusedError: the course is archived, and `action` would change what the archive keeps.
+    Raises RefusedError: the course is archived, and `action` would change what the archive keeps.
     """
     _require_allowed(session, signed, action)
     session.add(_row(signed, action, subject, before, after, reason))
@@ -96,8 +95,7 @@ def _row(  # noqa: PLR0913, PLR0917
 def require_open(session: Session, course: str | None) -> None:
     """Require that a course may be changed. Until the transaction ends nobody can archive it.
 
-    Raises:
-        RefusedError: the course is archived.
+    Raises RefusedError: the course is archived.
     """
     held = {"read": True, "key_share": True}
     row = None if course is None else session.get(CourseRow, course, with_for_update=held)

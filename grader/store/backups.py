@@ -104,8 +104,7 @@ def restore_rows(backup: Path, database: Database, *, replace: bool) -> int:
 def copy_file(source: Path, target: Path) -> None:
     """Write a checked copy of a SQLite database that may be in use; `target` appears whole or not at all.
 
-    Raises:
-        SettingsError: `source` is no database of the grader, or `target` cannot be written.
+    Raises SettingsError: `source` is no database of the grader, or `target` cannot be written.
     """
     if not source.is_file():
         raise SettingsError(f"{source}: there is no such file", f"{source}：没有这个文件")

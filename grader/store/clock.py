@@ -97,8 +97,7 @@ class TimedPart(StorePart):
 def clock_of(database: Database) -> Iterator[Clock]:
     """Give the clock of a database for as long as the context lasts.
 
-    Raises:
-        InfrastructureError: the database does not answer.
+    Raises InfrastructureError: the database does not answer.
     """
     if database.is_sqlite:
         yield utc_now

@@ -23,8 +23,7 @@ class Comments(StorePart):
 
         Nothing is added, and None returned, when there are `MOST_COMMENTS`.
 
-        Raises:
-            RefusedError: the course is archived.
+        Raises RefusedError: the course is archived.
         """
         with self._database.writing() as session:
             require_open(session, signed.course)

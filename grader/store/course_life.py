@@ -68,8 +68,7 @@ class CourseLife(TimedPart):
 
         Nobody and nothing that was handed in is copied; `instructor` teaches the new course.
 
-        Raises:
-            CourseError: there is no such course, or there is one of the new id, or something is not fit.
+        Raises CourseError: there is no such course, or there is one of the new id, or something is not fit.
         """
         if not 0 <= new.move_days <= MOST_DAYS_MOVED:
             raise CourseError(
@@ -113,8 +112,7 @@ class CourseLife(TimedPart):
     def reopen(self, signed: Signature, reason: str = "") -> Course:
         """Allow changes of the course of `signed` again; one that is not archived stays as it is.
 
-        Raises:
-            CourseError: there is no such course.
+        Raises CourseError: there is no such course.
         """
         with self._database.writing() as session:
             row = _held(session, signed)
@@ -133,8 +131,7 @@ class CourseLife(TimedPart):
     def forget(self, person: str, signed: Signature, reason: str = "") -> Forgotten:
         """Remove a student from the course of `signed`, erase their work, and put a pseudonym in their place.
 
-        Raises:
-            CourseError: there is no such course, nothing names such a person, or they are no student.
+        Raises CourseError: there is no such course, nothing names such a person, or they are no student.
         """
         course = signed.course or ""
         pseudonym = new_pseudonym()
@@ -196,8 +193,7 @@ class CourseLife(TimedPart):
     ) -> dict[str, Space]:
         """Erase submissions (of one course, or of all) that arrived so long ago; return what that was.
 
-        Raises:
-            CourseError: the age is none.
+        Raises CourseError: the age is none.
         """
         since, erased = self._since(older_than_days), self.old_work(course, older_than_days)
         for one in sorted(erased):

@@ -77,8 +77,7 @@ class Courses(TimedPart):
     ) -> Course:
         """Create a course without members; a blank `title` is the id.
 
-        Raises:
-            CourseError: there is one of that id, or id, title or time zone are not fit.
+        Raises CourseError: there is one of that id, or id, title or time zone are not fit.
         """
         with self._database.writing() as session:
             now = self._clock()
@@ -104,8 +103,7 @@ class Courses(TimedPart):
 
         Dates stay the instants that they are; only the clock on which they are read changes with the time zone.
 
-        Raises:
-            CourseError: there is no such course, or title or time zone are not fit.
+        Raises CourseError: there is no such course, or title or time zone are not fit.
         """
         course = signed.in_course()
         with self._database.writing() as session:
@@ -192,8 +190,7 @@ class Courses(TimedPart):
 
         Their submissions stay stored, and count again if they come back.
 
-        Raises:
-            CourseError: one of them is no member, or no instructor would be left.
+        Raises CourseError: one of them is no member, or no instructor would be left.
         """
         signed = Signature(self._clock(), course_id, actor)
         with self._database.writing() as session:
@@ -229,8 +226,7 @@ def _set(
 def add_course(session: Session, new: Course, actor: str, copy_of: str | None = None) -> Course:
     """Add a course without members; return it as it is kept.
 
-    Raises:
-        CourseError: there is one of that id, or id, title or time zone are not fit.
+    Raises CourseError: there is one of that id, or id, title or time zone are not fit.
     """
     row = CourseRow(
         id=checked_id(new.id, "id of a course"),

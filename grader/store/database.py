@@ -114,8 +114,7 @@ class Database:
 
         `connections`: most of this process to a PostgreSQL server; threads beyond that wait for one.
 
-        Raises:
-            SettingsError: the driver that `url` needs is not installed.
+        Raises SettingsError: the driver that `url` needs is not installed.
         """
         self._engine = _engine(make_url(url), connections)
         self._snapshots = self._engine.execution_options(
@@ -256,8 +255,7 @@ class _Disk:
     def take_in(self) -> None:
         """Return once everything that was committed before this call survives a power cut.
 
-        Raises:
-            InfrastructureError: the disk failed. What was committed may be lost in a power cut.
+        Raises InfrastructureError: the disk failed. What was committed may be lost in a power cut.
         """
         with self._lock:
             ours, first = self._next, self._next is None

@@ -19,8 +19,7 @@ class Drafts(StorePart):
     def keep(self, signed: Signature, assignment: str, text: str | None) -> None:
         """Keep `text` as what whoever signs is writing; None: nothing any more.
 
-        Raises:
-            RefusedError: the course is archived.
+        Raises RefusedError: the course is archived.
         """
         course, person = signed.course or "", signed.actor
         with self._database.writing() as session:

@@ -77,8 +77,7 @@ class Notices(TimedPart):
     def set_webhook(self, new: NewWebhook, signed: Signature) -> None:
         """Make `new` the webhook of its outlet in the course of `signed`; what waits for it is sent there soon.
 
-        Raises:
-            RefusedError: the course is archived.
+        Raises RefusedError: the course is archived.
         """
         course = signed.course or ""
         with self._database.writing() as session:
@@ -116,8 +115,7 @@ class Notices(TimedPart):
     def set_wishes(self, wishes: MailWishes, signed: Signature) -> None:
         """Choose what the course of `signed` has e-mailed; what waits and is not wanted any more is not sent.
 
-        Raises:
-            RefusedError: the course is archived.
+        Raises RefusedError: the course is archived.
         """
         course = signed.course or ""
         after = {kind.value: getattr(wishes, kind.value) for kind in NoticeKind}

@@ -81,8 +81,7 @@ def in_use(database: Database, who: str = "a command of the grader") -> Iterator
 def room(database: Database) -> ServerRoom | None:
     """Return how many connections the server of a database has room for; None of SQLite.
 
-    Raises:
-        InfrastructureError: the database does not answer.
+    Raises InfrastructureError: the database does not answer.
     """
     if database.is_sqlite:
         return None
@@ -157,8 +156,7 @@ class Sole:
     def is_mine(self) -> bool:
         """Return whether this process has it, now or from now on.
 
-        Raises:
-            InfrastructureError: the database does not answer.
+        Raises InfrastructureError: the database does not answer.
         """
         with self._asking:
             return self._of_file() if self._database.is_sqlite else self._of_server()

@@ -103,8 +103,7 @@ class OwnAssignments(TimedPart):
 
         Without rules a `draft` begins as one: students see it when somebody publishes it.
 
-        Raises:
-            RefusedError: the course is archived, or has `MOST_OWN` already.
+        Raises RefusedError: the course is archived, or has `MOST_OWN` already.
         """
         course = signed.course or ""
         with self._database.writing() as session:
@@ -137,8 +136,7 @@ class OwnAssignments(TimedPart):
     def remove(self, assignment: str, signed: Signature, reason: str = "", *, in_use: bool = False) -> None:
         """Remove all that was uploaded of an assignment; with `in_use` also where something was handed in.
 
-        Raises:
-            RefusedError: there is none, something was handed in for it, or the course is archived.
+        Raises RefusedError: there is none, something was handed in for it, or the course is archived.
         """
         course = signed.course or ""
         with self._database.writing() as session:

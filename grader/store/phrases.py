@@ -21,8 +21,7 @@ class Phrases(StorePart):
     def set(self, phrases: Mapping[str, str], signed: Signature) -> None:
         """Put `phrases` in place of those of the course of `signed`.
 
-        Raises:
-            RefusedError: the course is archived.
+        Raises RefusedError: the course is archived.
         """
         course = signed.in_course()
         with self._database.writing() as session:

@@ -20,8 +20,7 @@ class Pinned(StorePart):
     def pin(self, assignment: str, mistake: str, text: str, signed: Signature) -> None:
         """Pin `text` to a mistake in place of what was there; empty: nothing.
 
-        Raises:
-            RefusedError: the course is archived.
+        Raises RefusedError: the course is archived.
         """
         course, row = signed.in_course(), PinnedRow
         with self._database.writing() as session:

@@ -149,8 +149,7 @@ class Platforms(TimedPart):
 
         A title or an assignment that it does not say stays as it was. Where its scores go is as it says.
 
-        Raises:
-            RefusedError: the platform was removed meanwhile.
+        Raises RefusedError: the platform was removed meanwhile.
         """
         with self._database.writing() as session:
             _hold(session, link.platform)
@@ -206,8 +205,7 @@ class Platforms(TimedPart):
     def open_picking(self, platform: str, subject: str, picking: Picking) -> str:
         """Let the person whom a platform calls `subject` choose within an hour; return the secret for that.
 
-        Raises:
-            RefusedError: the platform was removed meanwhile.
+        Raises RefusedError: the platform was removed meanwhile.
         """
         secret, now = secrets.token_urlsafe(_SECRET_BYTES), self._clock()
         row = PlatformPickingRow(
@@ -283,8 +281,7 @@ class Platforms(TimedPart):
 def _hold(session: Session, platform: str) -> None:
     """Lock a platform, so that nobody removes it until the transaction ends.
 
-    Raises:
-        RefusedError: somebody has removed it.
+    Raises RefusedError: somebody has removed it.
     """
     one_at_a_time(session, "platform_link", platform)
     if session.get(PlatformRow, platform) is None:

@@ -75,8 +75,7 @@ class Regrades(StorePart):
     def open(self, wanted: Wanted, signed: Signature) -> Regrade:
         """Queue a trial grading for every submission that `wanted` names.
 
-        Raises:
-            RefusedError: no submission fits, the assignment has an open re-grade, or the course is archived.
+        Raises RefusedError: no submission fits, the assignment has an open re-grade, or the course is archived.
         """
         row = RegradeRow(
             id=secrets.token_hex(_ID_BYTES),
@@ -135,8 +134,7 @@ class Regrades(StorePart):
     def apply(self, regrade_id: str, signed: Signature, reason: str) -> Regrade:
         """Make the trial gradings the gradings of their submissions; older ones stay in the history.
 
-        Raises:
-            RefusedError: there is none, it was applied or discarded before, or trials still run.
+        Raises RefusedError: there is none, it was applied or discarded before, or trials still run.
         """
         return self._decide(regrade_id, signed, reason, RegradeState.APPLIED)
 
@@ -432,8 +430,7 @@ def _adopt(session: Session, trials: Sequence[_Trial], regrade_id: str) -> list[
     Failed trials are left out, and those whose submission is being graded right now. The number of statements does
     not grow with the number of trials, because other writers of a SQLite database wait meanwhile.
 
-    Raises:
-        RefusedError: trials still run.
+    Raises RefusedError: trials still run.
     """
     if any(trial.waits for trial in trials):
         raise RefusedError("regrade_running")

@@ -73,8 +73,7 @@ def up_to_date(
 def _await_server(database: Database) -> None:
     """Return once a server answers; say why not at once, and then each minute.
 
-    Raises:
-        InfrastructureError: it does not for ten minutes; or it is a file, which nothing is about to start.
+    Raises InfrastructureError: it does not for ten minutes; or it is a file, which nothing is about to start.
     """
     begun_s = time.monotonic()
     said_s = -math.inf

@@ -153,8 +153,7 @@ class Measures:
     def state(self) -> ServiceState:
         """Count what waits, runs and is done, by priority, and who works.
 
-        Raises:
-            InfrastructureError: the database does not answer.
+        Raises InfrastructureError: the database does not answer.
         """
         state, priority = col(SubmissionRow.state), col(SubmissionRow.priority)
         counts = select(state, priority, func.count()).group_by(state, priority).order_by(state, priority)

@@ -31,8 +31,7 @@ class Teams(StorePart):
     def join(self, signed: Signature, assignment: str, code: str | None, most: int) -> Team:
         """Put whoever signs into the team with `code`; None: into a new one.
 
-        Raises:
-            RefusedError: there is no such team, it has `most` members, or theirs cannot be left.
+        Raises RefusedError: there is no such team, it has `most` members, or theirs cannot be left.
         """
         course, person = signed.in_course(), signed.actor
         with self._database.writing() as session:
@@ -54,8 +53,7 @@ class Teams(StorePart):
     def leave(self, signed: Signature, assignment: str) -> None:
         """Take whoever signs out of their team, if they are in one.
 
-        Raises:
-            RefusedError: it cannot be left.
+        Raises RefusedError: it cannot be left.
         """
         course, person = signed.in_course(), signed.actor
         with self._database.writing() as session:

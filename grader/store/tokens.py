@@ -49,8 +49,7 @@ class Tokens(TimedPart):
     def issue(self, course: str, person: str, valid_for: timedelta, actor: str) -> tuple[TokenInfo, str]:
         """Make a token for a member; return what is kept of it and the token itself.
 
-        Raises:
-            CourseError: there is no such member.
+        Raises CourseError: there is no such member.
         """
         (token,) = self.issue_all(course, [person], valid_for, actor)
         return token

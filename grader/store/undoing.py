@@ -18,8 +18,7 @@ from grader.store.tables import GradingRow, SubmissionRow
 def undo(session: Session, regrade_id: str) -> list[ScoreChange]:
     """Make the gradings count again that those of a re-grade replaced; return what changes, by student.
 
-    Raises:
-        RefusedError: a grading that stands is not the re-grade's any more.
+    Raises RefusedError: a grading that stands is not the re-grade's any more.
     """
     regraded = _replacements(session, regrade_id)
     rows = _held(session, regrade_id)

@@ -96,8 +96,7 @@ def ask(services: Services, caller: Caller, submission_id: str, item: str, reaso
 def take_back(services: Services, caller: Caller, submission_id: str, item: str) -> None:
     """Withdraw the caller's open appeal; the student may ask again while the rules take appeals.
 
-    Raises:
-        RefusedError: the caller may not see the submission or is no student; there is no open appeal.
+    Raises RefusedError: the caller may not see the submission or is no student; there is no open appeal.
     """
     submission = visible_submission(services, caller, submission_id)
     if caller.role is not Role.STUDENT:
@@ -108,8 +107,7 @@ def take_back(services: Services, caller: Caller, submission_id: str, item: str)
 def appeals_of(services: Services, caller: Caller, submission_id: str) -> tuple[Appeal, ...]:
     """Return the appeals about a submission; a student sees none about items that are hidden now.
 
-    Raises:
-        RefusedError: the caller may not see it.
+    Raises RefusedError: the caller may not see it.
     """
     return _shown(services, caller, visible_submission(services, caller, submission_id))
 
@@ -163,8 +161,7 @@ def queue(
 ) -> AppealPage:
     """Return at most `limit` appeals of the caller's class. For staff.
 
-    Raises:
-        RefusedError: the caller may not see the class; or nothing fits, and there is no such assignment.
+    Raises RefusedError: the caller may not see the class; or nothing fits, and there is no such assignment.
     """
     require_staff(caller)
     wanted = replace(wanted, students=caller.students)

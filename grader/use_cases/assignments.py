@@ -88,8 +88,7 @@ def _is_draft_to(services: Services, caller: Caller, assignment_id: str) -> bool
 def visible_assignment(services: Services, caller: Caller, assignment_id: str) -> Assignment:
     """Return a published assignment, without the items that the caller does not see now.
 
-    Raises:
-        RefusedError: it is not published, or the caller does not see it now.
+    Raises RefusedError: it is not published, or the caller does not see it now.
     """
     assignment = require_published(services, caller, assignment_id)
     if caller.role is Role.STUDENT:

@@ -18,8 +18,7 @@ def bagged(
     `assignment`: the version that was graded, as the reader may see it. `content`: the report's JSON, which goes
     into the file as it is. `trajectory`: of that run, as `grader.contracts.encode_trajectory` wrote it.
 
-    Raises:
-        RefusedError: what writes such files is not installed.
+    Raises RefusedError: what writes such files is not installed.
     """
     motion = decode_trajectory(trajectory)
     run = report.run_of(case)

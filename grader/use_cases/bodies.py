@@ -80,8 +80,7 @@ class Described(Body):
     def meant(self, zone: ZoneInfo) -> Any:
         """Return the contract that is written here; instants without an offset are on the clock of `zone`.
 
-        Raises:
-            RuleError: its fields contradict each other.
+        Raises RuleError: its fields contradict each other.
         """
         return self.contract(**{name: _meant(getattr(self, name), zone) for name in kinds_of(self.contract)})
 

@@ -64,8 +64,7 @@ class Callers:
     def identify(self, token: str | None, address: str = "") -> Caller | None:
         """Return who shows `token` (None: shows nothing) from `address`; None for those who may not come in.
 
-        Raises:
-            RefusedError: too many wrong codes were shown lately.
+        Raises RefusedError: too many wrong codes were shown lately.
         """
         if not self._is_open():
             return None if token is None else self._owner(token, address)
@@ -122,8 +121,7 @@ def require_instructor(caller: Caller) -> None:
 def taught_course(caller: Caller) -> str:
     """Return the course of an instructor.
 
-    Raises:
-        RefusedError: the caller is no instructor, or there is no course.
+    Raises RefusedError: the caller is no instructor, or there is no course.
     """
     require_instructor(caller)
     if caller.course is None:
@@ -165,8 +163,7 @@ class RateLimit:
     def take(self, key: str) -> None:
         """Count one request of `key`.
 
-        Raises:
-            RefusedError: too many; says when the next one is let through.
+        Raises RefusedError: too many; says when the next one is let through.
         """
         with self._lock:
             bucket = self._refilled(key)
@@ -216,8 +213,7 @@ class AtOnce:
     def one_more(self, key: str) -> Iterator[None]:
         """Count a request of `key` as under way until the context ends.
 
-        Raises:
-            RefusedError: `key` has as many under way as it may.
+        Raises RefusedError: `key` has as many under way as it may.
         """
         with self._lock:
             if self._under_way[key] >= self._most:
@@ -251,8 +247,7 @@ class Costly:
 
         `otherwise` names a caller without a token; `weight`: as how many the request counts in its minute.
 
-        Raises:
-            RefusedError: there are too many, at once or in the last minute.
+        Raises RefusedError: there are too many, at once or in the last minute.
         """
         if caller.is_staff:
             yield

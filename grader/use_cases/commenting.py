@@ -71,8 +71,7 @@ def add_comment(
 def checked_text(text: str, longest: int, refusal: Text, field: str = "text") -> str:
     """Return what somebody wrote, without the empty lines around it.
 
-    Raises:
-        RefusedError: it is empty or longer than `longest`, or has control characters; `refusal` says so.
+    Raises RefusedError: it is empty or longer than `longest`, or has control characters; `refusal` says so.
     """
     text = text.replace("\r\n", "\n").strip()
     if not text or not is_comment(text, longest):

@@ -39,8 +39,7 @@ def own_course(services: Services, caller: Caller) -> Course:
 def copy_course(services: Services, caller: Caller, new: NewCourse) -> CopiedCourse:
     """Make a course with the rules of the caller's, which the caller teaches.
 
-    Raises:
-        RefusedError: the caller is no instructor, there is no course, or `new` does not fit.
+    Raises RefusedError: the caller is no instructor, there is no course, or `new` does not fit.
     """
     require_instructor(caller)
     course = own_course(services, caller)
@@ -57,8 +56,7 @@ def copy_course(services: Services, caller: Caller, new: NewCourse) -> CopiedCou
 def archive_course(services: Services, caller: Caller, reason: str, *, archived: bool) -> Course:
     """Archive the caller's course, which makes it read-only, or reopen it.
 
-    Raises:
-        RefusedError: the caller is no instructor, there is no course, or it has an open re-grade.
+    Raises RefusedError: the caller is no instructor, there is no course, or it has an open re-grade.
     """
     require_instructor(caller)
     own_course(services, caller)

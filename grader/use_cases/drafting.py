@@ -12,8 +12,7 @@ from grader.use_cases.services import Services
 def draft_of(services: Services, caller: Caller, assignment_id: str) -> str | None:
     """Return what the caller was last writing; None: nothing.
 
-    Raises:
-        RefusedError: the caller may not practise the assignment.
+    Raises RefusedError: the caller may not practise the assignment.
     """
     practisable(services, caller, assignment_id)
     return services.drafts.of(caller.course or "", caller.person or "", assignment_id)
@@ -24,8 +23,7 @@ def keep_draft(services: Services, caller: Caller, assignment_id: str, content: 
 
     The untouched starter is not kept.
 
-    Raises:
-        RefusedError: the caller may not practise the assignment, or writes too much or too fast.
+    Raises RefusedError: the caller may not practise the assignment, or writes too much or too fast.
     """
     practisable(services, caller, assignment_id)
     services.allowances.drafts.take(name_of(caller) or "")

@@ -165,8 +165,7 @@ class Watching:
 
         `address`: where it comes from if `owner` is only what somebody says.
 
-        Raises:
-            RefusedError: too many watch, or the service stops.
+        Raises RefusedError: too many watch, or the service stops.
         """
         watch, shares = SubjectWatch(subject), {owner: self.limits.most_each}
         if address is not None:

@@ -98,8 +98,7 @@ def registry_workbook(  # noqa: PLR0913
     `column` is the header of the points: those of `assignment`; empty: the total in per cent (`percentages`).
     `section`: only its students; empty: all.
 
-    Raises:
-        RefusedError: the caller may not see the class, or there is no such assignment.
+    Raises RefusedError: the caller may not see the class, or there is no such assignment.
     """
     members, points = _points_of(services, caller, assignment, section)
     head: list[Cell] = [on_page(language, "people.id"), on_page(language, "people.name"), column]
@@ -195,8 +194,7 @@ def exported(
 ) -> dict[str, object]:
     """Return the report of a submission for a platform, as the caller may see it, with the points people gave.
 
-    Raises:
-        RefusedError: there is no such submission, or no grading yet.
+    Raises RefusedError: there is no such submission, or no grading yet.
     """
     submission, stored = graded(services, caller, submission_id)
     student = Caller(course=submission.course)  # whoever asks, students read it there

@@ -138,8 +138,7 @@ def checked_student(student: str) -> str:
 def _submitter(services: Services, caller: Caller, student: str) -> str:
     """Return whose work an upload is, given what its form says.
 
-    Raises:
-        RefusedError: it names nobody, or somebody the caller may not hand in for.
+    Raises RefusedError: it names nobody, or somebody the caller may not hand in for.
     """
     if caller.course is None or caller.person is None:
         return checked_student(student)
@@ -160,8 +159,7 @@ def shown_name(file_name: str) -> str:
 def _checked_name(file_name: str, kind: Input) -> str:
     """Return the last part of the name the student's browser sent, one printable line.
 
-    Raises:
-        RefusedError: it is not the name of what the assignment asks for, a Python script or a text.
+    Raises RefusedError: it is not the name of what the assignment asks for, a Python script or a text.
     """
     name = shown_name(file_name)
     check_name(name, SUFFIXES[kind])
@@ -173,8 +171,7 @@ def _checked_content(services: Services, owner: str, source: bytes, file_name: s
 
     Refuse what could not run at all.
 
-    Raises:
-        RefusedError: too large, empty, not UTF-8, not text, not Python, or no package.
+    Raises RefusedError: too large, empty, not UTF-8, not text, not Python, or no package.
     """
     limit = upload_limit(services, kind)
     if len(source) > limit:
@@ -203,8 +200,7 @@ def most_upload_bytes(services: Services) -> int:
 def _checked_package(services: Services, owner: str, source: bytes) -> bytes:
     """Return the package in a zip; the syntax of its modules is checked, setup.py's, too.
 
-    Raises:
-        RefusedError: there is none, or a module is not Python.
+    Raises RefusedError: there is none, or a module is not Python.
     """
     stored = bundled(source)
     modules = {path: content for path, content in files_of(stored).items() if path.endswith(".py")}
@@ -217,8 +213,7 @@ def _checked_package(services: Services, owner: str, source: bytes) -> bytes:
 def _check_syntax(services: Services, owner: str, source: bytes, file_name: str) -> None:
     """Refuse what is not Python. A check that keeps a process busy for long counts as uploads of `owner`.
 
-    Raises:
-        RefusedError: ``syntax_error``.
+    Raises RefusedError: ``syntax_error``.
     """
     try:
         problem = services.preflight.check(

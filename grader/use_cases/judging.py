@@ -53,8 +53,7 @@ class WaitingPage:
 def waiting(services: Services, caller: Caller, which: WaitingFor, *, offset: int, limit: int) -> WaitingPage:
     """Return at most `limit` of what waits in the caller's course. For staff.
 
-    Raises:
-        RefusedError: the caller may not see the class; or nothing waits, and there is no such assignment.
+    Raises RefusedError: the caller may not see the class; or nothing waits, and there is no such assignment.
     """
     require_staff(caller)
     which = replace(which, students=caller.students)
@@ -106,8 +105,7 @@ def items_of(
 ) -> tuple[Submission, tuple[JudgedItem, ...]]:
     """Return a submission and its rubric items with what people gave for them.
 
-    Raises:
-        RefusedError: the caller may not see the class, there is no such submission, or no grading yet.
+    Raises RefusedError: the caller may not see the class, there is no such submission, or no grading yet.
     """
     require_staff(caller)
     submission, stored = graded(services, caller, submission_id)

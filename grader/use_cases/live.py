@@ -45,8 +45,7 @@ def car_of(services: Services, caller: Caller, now_s: float) -> OpenCar:
 def end_car(services: Services, caller: Caller) -> None:
     """End the caller's car and all connections to it; without one nothing happens.
 
-    Raises:
-        RefusedError: the caller is no member of a course.
+    Raises RefusedError: the caller is no member of a course.
     """
     services.live.close(_owner(caller))
 

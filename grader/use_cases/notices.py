@@ -90,8 +90,7 @@ def set_webhook(services: Services, caller: Caller, new: NewWebhook) -> None:
 def remove_webhook(services: Services, caller: Caller, outlet: Outlet) -> None:
     """Send no more notices to a group chat.
 
-    Raises:
-        RefusedError: the caller is no instructor, or there is no such webhook.
+    Raises RefusedError: the caller is no instructor, or there is no such webhook.
     """
     taught_course(caller)
     if not services.notices.remove_webhook(outlet, services.signature(caller)):
@@ -101,8 +100,7 @@ def remove_webhook(services: Services, caller: Caller, outlet: Outlet) -> None:
 def set_mail(services: Services, caller: Caller, wishes: MailWishes) -> None:
     """Choose which notices of the caller's course are sent by e-mail.
 
-    Raises:
-        RefusedError: the caller is no instructor, there is no course, or no e-mail can be sent.
+    Raises RefusedError: the caller is no instructor, there is no course, or no e-mail can be sent.
     """
     course = taught_course(caller)
     if wishes and services.mail is None:

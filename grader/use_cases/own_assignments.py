@@ -86,8 +86,7 @@ def upload(services: Services, caller: Caller, content: bytes) -> OwnAssignment:
 def folder(services: Services, caller: Caller, assignment_id: str) -> bytes:
     """Return the folder that was uploaded last, as a zip.
 
-    Raises:
-        RefusedError: the caller is no instructor, or nothing of that id was uploaded.
+    Raises RefusedError: the caller is no instructor, or nothing of that id was uploaded.
     """
     require_instructor(caller)
     content = (
@@ -120,8 +119,7 @@ def template(services: Services, caller: Caller, name: str, like: str) -> bytes:
 def remove(services: Services, caller: Caller, assignment_id: str, reason: str) -> None:
     """Remove an uploaded assignment for which nothing was handed in, or which stands in the place of another.
 
-    Raises:
-        RefusedError: the caller is no instructor, there is none of that id, or something was handed in.
+    Raises RefusedError: the caller is no instructor, there is none of that id, or something was handed in.
     """
     course = taught_course(caller)
     replaces = not is_own(services, course, assignment_id)

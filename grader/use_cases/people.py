@@ -75,8 +75,7 @@ def change_course(  # noqa: PLR0913
 ) -> Course:
     """Change what the caller's course is like, and return it; None: stays. What is graded already stays, too.
 
-    Raises:
-        RefusedError: the caller is no instructor, there is no course, or title or time zone do not fit.
+    Raises RefusedError: the caller is no instructor, there is no course, or title or time zone do not fit.
     """
     taught_course(caller)
     signed = services.signature(caller)
@@ -97,8 +96,7 @@ def change_course(  # noqa: PLR0913
 def plan_import(services: Services, caller: Caller, content: bytes) -> ImportPlan:
     """Return what importing a list, as `grader.formats.sheets.roster` reads them, would do; nothing is changed.
 
-    Raises:
-        RefusedError: the caller is no instructor, there is no course, or the list cannot be read or imported.
+    Raises RefusedError: the caller is no instructor, there is no course, or the list cannot be read or imported.
     """
     course = taught_course(caller)
     try:
@@ -148,8 +146,7 @@ def import_list(  # noqa: PLR0913
     `skip`: import the other rows if some are wrong. `remove`: take students who are not in the list out of the
     course. `seen`: the plan that the caller had looked at; None: whatever it is.
 
-    Raises:
-        RefusedError: as `plan_import`; rows are wrong and shall not be skipped; or the plan has changed.
+    Raises RefusedError: as `plan_import`; rows are wrong and shall not be skipped; or the plan has changed.
     """
     plan = plan_import(services, caller, content)
     if seen is not None and not seen.includes(plan.tag):
@@ -183,8 +180,7 @@ def add_member(services: Services, caller: Caller, entry: RosterEntry) -> Member
 def set_member(services: Services, caller: Caller, entry: RosterEntry) -> Member:
     """Add somebody to the course, or change what `entry` says of them; return the member.
 
-    Raises:
-        RefusedError: the caller is no instructor, there is no course, or `entry` does not fit.
+    Raises RefusedError: the caller is no instructor, there is no course, or `entry` does not fit.
     """
     course = taught_course(caller)
     try:
@@ -210,8 +206,7 @@ def renumber(services: Services, caller: Caller, person: str, new: str, reason: 
 def remove_member(services: Services, caller: Caller, person: str, reason: str) -> None:
     """Take somebody out of the course; what they handed in stays stored.
 
-    Raises:
-        RefusedError: the caller is no instructor, there is no such member, or no instructor would be left.
+    Raises RefusedError: the caller is no instructor, there is no such member, or no instructor would be left.
     """
     member = member_of(services, caller, person)
     require_instructor(caller)
@@ -226,8 +221,7 @@ def give_token(services: Services, caller: Caller, person: str, days: int) -> st
 
     Assistants can do so for the students they look after: a lost slip must not wait for an instructor.
 
-    Raises:
-        RefusedError: there is no such member, or it is no student and the caller no instructor.
+    Raises RefusedError: there is no such member, or it is no student and the caller no instructor.
     """
     member = member_of(services, caller, person)
     if member.role is not Role.STUDENT:
@@ -269,8 +263,7 @@ def give_tokens(
 def member_of(services: Services, caller: Caller, person: str) -> Member:
     """Return a member of the caller's course.
 
-    Raises:
-        RefusedError: the caller may not see the class, or there is no such member.
+    Raises RefusedError: the caller may not see the class, or there is no such member.
     """
     require_staff(caller)
     member = None if caller.course is None else services.courses.member(caller.course, person)

@@ -46,8 +46,7 @@ class Chosen:
 def desk_of(services: Services, secret: str) -> PickingDesk:
     """Return what the holder of a secret may choose from.
 
-    Raises:
-        RefusedError: the secret is none, or too old; or its holder is no instructor of the course.
+    Raises RefusedError: the secret is none, or too old; or its holder is no instructor of the course.
     """
     platform, asked = _opened(services, secret)
     member = _member(services, platform, asked)
@@ -66,8 +65,7 @@ def desk_of(services: Services, secret: str) -> PickingDesk:
 def show_token(services: Services, secret: str, token: str) -> bool:
     """Note who the holder of a secret is, by the token that they show; False: it is nobody's of the course.
 
-    Raises:
-        RefusedError: the secret is none, or too old; or they are no instructor, or known as another member.
+    Raises RefusedError: the secret is none, or too old; or they are no instructor, or known as another member.
     """
     platform, asked = _opened(services, secret)
     caller = services.tokens.caller(token)

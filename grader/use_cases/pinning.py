@@ -17,8 +17,7 @@ _LENGTH = Text(zh=f"最多 {LONGEST_PINNED} 个字符。", en=f"At most {LONGEST
 def pinned(services: Services, caller: Caller, assignment_id: str) -> dict[str, str]:
     """Return what is pinned at an assignment, by the code of the mistake. For staff.
 
-    Raises:
-        RefusedError: the caller may not see the class, or the assignment is not published.
+    Raises RefusedError: the caller may not see the class, or the assignment is not published.
     """
     require_staff(caller)
     require_published(services, caller, assignment_id)

@@ -40,8 +40,7 @@ class Arrived:
 def begin(services: Services, said: dict[str, str]) -> tuple[Kept, str]:
     """Return what a browser keeps, and where it goes to be recognised; `said`: the fields of the login request.
 
-    Raises:
-        RefusedError: no platform calls itself so.
+    Raises RefusedError: no platform calls itself so.
     """
     back = f"{public_url(services)}/lti/launch"
     issuer, client = said.get("iss", ""), said.get("client_id", "")
@@ -57,8 +56,7 @@ def begin(services: Services, said: dict[str, str]) -> tuple[Kept, str]:
 def finish(services: Services, kept: Kept, token: str) -> Arrived:
     """Take in whom a platform's message names.
 
-    Raises:
-        RefusedError: the message is not to be believed, or was used before.
+    Raises RefusedError: the message is not to be believed, or was used before.
     """
     asked = services.platforms.get(kept.platform)
     if asked is None:
@@ -105,8 +103,7 @@ def troubles_of(services: Services, caller: Caller) -> tuple[PlatformScore, ...]
 def public_keys(services: Services) -> dict[str, Any]:
     """Return the keys by which platforms check what the service sends, as a JSON Web Key Set.
 
-    Raises:
-        RefusedError: the service is not set up for platforms.
+    Raises RefusedError: the service is not set up for platforms.
     """
     public_url(services)
     return services.platform_channel.public_keys()
@@ -115,8 +112,7 @@ def public_keys(services: Services) -> dict[str, Any]:
 def add_platform(services: Services, caller: Caller, new: NewPlatform) -> Platform:
     """Add a platform, which may then send people to the caller's course.
 
-    Raises:
-        RefusedError: the caller is no instructor, a field is wrong, or the platform is there already.
+    Raises RefusedError: the caller is no instructor, a field is wrong, or the platform is there already.
     """
     taught_course(caller)
     public_url(services)
@@ -126,8 +122,7 @@ def add_platform(services: Services, caller: Caller, new: NewPlatform) -> Platfo
 def add_signed(services: Services, new: NewPlatform, signed: Signature) -> Platform:
     """Add a platform to the course of `signed`, for an instructor of it.
 
-    Raises:
-        RefusedError: a field is wrong, or the platform is there already.
+    Raises RefusedError: a field is wrong, or the platform is there already.
     """
     wrong = wrong_field(new)
     if wrong is not None:
@@ -150,8 +145,7 @@ def wrong_field(new: NewPlatform) -> str | None:
 def remove_platform(services: Services, caller: Caller, platform_id: str) -> None:
     """Remove a platform. People who signed in by it need a token again.
 
-    Raises:
-        RefusedError: the caller is no instructor, or there is no such platform.
+    Raises RefusedError: the caller is no instructor, or there is no such platform.
     """
     taught_course(caller)
     if not services.platforms.remove(platform_id, services.signature(caller)):
@@ -177,8 +171,7 @@ def _opened(services: Services, platform: Platform, launch: Launch) -> str:
 def public_url(services: Services) -> str:
     """Return where the service is.
 
-    Raises:
-        RefusedError: it does not know that, so that no platform can lead to it.
+    Raises RefusedError: it does not know that, so that no platform can lead to it.
     """
     if not services.providers.public_url:
         raise RefusedError("platforms_not_set_up")

@@ -28,8 +28,7 @@ class CheckedReceipt:
 def receipt_of(services: Services, caller: Caller, submission_id: str) -> str:
     """Return the signed receipt of a submission.
 
-    Raises:
-        RefusedError: there is no such submission, or the caller does not see it.
+    Raises RefusedError: there is no such submission, or the caller does not see it.
     """
     return UploadReceipt.of(visible_submission(services, caller, submission_id)).signed(
         services.receipts.key_to_sign()

@@ -64,8 +64,7 @@ class BaggedRun:
 def trajectory(services: Services, caller: Caller, submission_id: str, case: str | None) -> Recording:
     """Return what was recorded in the run `case` of a submission, None: in its first run.
 
-    Raises:
-        RefusedError: the caller may not see it, there is no grading, or nothing was recorded in such a run.
+    Raises RefusedError: the caller may not see it, there is no grading, or nothing was recorded in such a run.
     """
     _, report = graded(services, caller, submission_id)
     return _recorded(services, report, case)
@@ -84,8 +83,7 @@ async def picture(  # noqa: PLR0913, PLR0917
     It waits on the event loop while the one thread that draws is busy: a class that looks at its pictures must not
     take the threads that uploads need.
 
-    Raises:
-        RefusedError: as `trajectory`, or nobody knows the assignment any more.
+    Raises RefusedError: as `trajectory`, or nobody knows the assignment any more.
     """
     assignment, report, recording, case_id = await asyncio.to_thread(
         _drawable, services, caller, submission_id, case

@@ -36,8 +36,7 @@ def invite(services: Services, caller: Caller) -> str:
 def check(services: Services, secret: str, configuration: str) -> None:
     """Look at what a platform opened an address with; nothing is asked yet.
 
-    Raises:
-        RefusedError: the address is not good, or not any more; or no platform's configuration came with it.
+    Raises RefusedError: the address is not good, or not any more; or no platform's configuration came with it.
     """
     _invited(services, secret)
     if len(configuration) > _LONGEST_ADDRESS or not is_confidential(configuration):

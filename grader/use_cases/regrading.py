@@ -61,8 +61,7 @@ def all_regrades(services: Services, caller: Caller) -> tuple[Regrade, ...]:
 def regrade_of(services: Services, caller: Caller, regrade_id: str) -> Regrade:
     """Return a re-grade of the caller's course.
 
-    Raises:
-        RefusedError: no re-grade that the caller may see has that id, or the caller may not see the class.
+    Raises RefusedError: no re-grade that the caller may see has that id, or the caller may not see the class.
     """
     require_staff(caller)
     regrade = services.regrades.get(regrade_id, caller.course)
@@ -91,8 +90,7 @@ def both_gradings(
 ) -> tuple[Regrade, Submission, StoredReport, StoredReport]:
     """Return a re-grade, a submission, and its gradings before it and by it.
 
-    Raises:
-        RefusedError: there is no such re-grade or submission, or not both gradings.
+    Raises RefusedError: there is no such re-grade or submission, or not both gradings.
     """
     regrade = regrade_of(services, caller, regrade_id)
     submission, _ = found(services, caller, submission_id)
@@ -105,8 +103,7 @@ def both_gradings(
 def history(services: Services, caller: Caller, submission_id: str) -> tuple[PastGrading, ...]:
     """Return every grading of a submission, oldest first; one of them stands.
 
-    Raises:
-        RefusedError: the caller may not see the class, or there is no such submission.
+    Raises RefusedError: the caller may not see the class, or there is no such submission.
     """
     require_staff(caller)
     visible_submission(services, caller, submission_id)
@@ -145,8 +142,7 @@ def decide(services: Services, caller: Caller, regrade_id: str, ending: Ending, 
 def told_changes(services: Services, caller: Caller, submission_id: str) -> tuple[ToldChange, ...]:
     """Return what re-grades changed of a submission, the latest first; a student sees no hidden items in it.
 
-    Raises:
-        RefusedError: the caller may not see it.
+    Raises RefusedError: the caller may not see it.
     """
     return _shown_changes(services, caller, visible_submission(services, caller, submission_id))
 

@@ -72,8 +72,7 @@ def adopt_scores(services: Services, caller: Caller, assignment_id: str) -> OwnA
 
     Bounds that do not hold the score become the score, and a mistake that was not recognised is wanted no more.
 
-    Raises:
-        RefusedError: as `own_assignments.upload`, or the latest upload of that id was not refused.
+    Raises RefusedError: as `own_assignments.upload`, or the latest upload of that id was not refused.
     """
     refused = refused_upload(services, caller, assignment_id)
     if refused is None:

@@ -13,8 +13,7 @@ from grader.use_cases.services import Services
 def course_rules(services: Services, caller: Caller, assignment_id: str) -> CourseRules:
     """Return the rules of the caller's course, to change those of one assignment.
 
-    Raises:
-        RefusedError: the caller is no instructor, there is no course, or the assignment is not published.
+    Raises RefusedError: the caller is no instructor, there is no course, or the assignment is not published.
     """
     require_instructor(caller)
     require_published(services, caller, assignment_id)
@@ -36,8 +35,7 @@ def change_rules(  # noqa: PLR0913
 
     `reason` goes into the audit log. `seen`: the rules that the caller had looked at; None: whatever they are.
 
-    Raises:
-        RefusedError: as `course_rules`; or a hidden item does not exist, or somebody else changed the rules.
+    Raises RefusedError: as `course_rules`; or a hidden item does not exist, or somebody else changed the rules.
     """
     course_rules(services, caller, assignment_id)
     items = [item.id for item in services.assignments.of(caller.course).get(assignment_id).items]
@@ -54,8 +52,7 @@ def change_rules(  # noqa: PLR0913
 def extensions(services: Services, caller: Caller, assignment_id: str) -> list[tuple[str, Extension]]:
     """Return who got more for an assignment, and what, in order of student.
 
-    Raises:
-        RefusedError: the caller may not see the class, or the assignment is not published.
+    Raises RefusedError: the caller may not see the class, or the assignment is not published.
     """
     require_staff(caller)
     require_published(services, caller, assignment_id)

@@ -48,8 +48,7 @@ def come_back(
 ) -> Arrival:
     """Take in whom a provider has recognised.
 
-    Raises:
-        RefusedError: it has not, cannot be asked, or says what is not to be believed.
+    Raises RefusedError: it has not, cannot be asked, or says what is not to be believed.
     """
     _require_courses(services)
     with services.allowances.sign_ins.one_more(provider.id):
@@ -63,8 +62,7 @@ def come_back(
 def arrive(services: Services, provider: str, person: Person) -> Arrival:
     """Take in whom `provider` vouches for.
 
-    Raises:
-        RefusedError: there are no courses, or the provider was taken away meanwhile.
+    Raises RefusedError: there are no courses, or the provider was taken away meanwhile.
     """
     _require_courses(services)
     identities, within = services.identities, _within(services, provider)
@@ -99,8 +97,7 @@ def show_token(services: Services, held: str, token: str) -> str | None:
 def choose(services: Services, held: str, course: str) -> str:
     """Open a session in one of the courses of whom a provider recognised.
 
-    Raises:
-        RefusedError: that was too long ago, or they are in no such course.
+    Raises RefusedError: that was too long ago, or they are in no such course.
     """
     return _enter(services, held, course)
 
@@ -114,8 +111,7 @@ def ways_of(services: Services, caller: Caller, person: str) -> tuple[Identity, 
 def unbind(services: Services, caller: Caller, person: str, identity: str) -> None:
     """End a binding, and the sessions that it opened.
 
-    Raises:
-        RefusedError: the caller is no instructor, or there is no such binding.
+    Raises RefusedError: the caller is no instructor, or there is no such binding.
     """
     require_instructor(caller)
     ended = caller.course is not None and services.identities.unbind(

@@ -41,8 +41,7 @@ class SideBySide:
 async def similar(services: Services, caller: Caller, assignment_id: str) -> Similar:
     """Return which scripts of the caller's class are alike.
 
-    Raises:
-        RefusedError: the caller may not see the class, there is no such assignment, or it asks for texts.
+    Raises RefusedError: the caller may not see the class, there is no such assignment, or it asks for texts.
     """
     require_staff(caller)
     return await services.comparer.run(lambda: _shown(caller, _similar(services, caller, assignment_id)))

@@ -115,8 +115,7 @@ def _require_known(services: Services, caller: Caller, wanted: SubmissionFilter)
 def read(services: Services, caller: Caller, submission_id: str) -> ShownSubmission:
     """Return where a submission stands, and its grading once there is one.
 
-    Raises:
-        RefusedError: the caller may not see it.
+    Raises RefusedError: the caller may not see it.
     """
     submission, grading, rules = found_by_rules(services, caller, submission_id)
     position, estimated = place(services, submission)
@@ -185,8 +184,7 @@ class CourseProgress:
 def course_progress(services: Services, caller: Caller, student: str) -> CourseProgress:
     """Return how far a student has come with what they see of the course.
 
-    Raises:
-        RefusedError: the student's work is not the caller's to see.
+    Raises RefusedError: the student's work is not the caller's to see.
     """
     best = best_of(attempts(services, caller, student))
     every, terms = checklist(services, caller), all_terms(services, caller)
@@ -208,8 +206,7 @@ def attempts(
 ) -> tuple[Submission, ...]:
     """Return a student's submissions, newest first, as the caller may see them; only those to `assignment`.
 
-    Raises:
-        RefusedError: the student's work is not the caller's to see.
+    Raises RefusedError: the student's work is not the caller's to see.
     """
     if not caller.may_see(caller.course, student):
         raise RefusedError("forbidden")
@@ -222,8 +219,7 @@ def history(
 ) -> tuple[PastAttempt, ...]:
     """Return a student's submissions as `attempts` does, each with what the rules make of it.
 
-    Raises:
-        RefusedError: the student's work is not the caller's to see.
+    Raises RefusedError: the student's work is not the caller's to see.
     """
     listed, rules = attempts(services, caller, student, assignment), services.rules.of(caller.course)
     counted = set() if caller.course is None else _counted(listed, rules, caller, services.clock())

@@ -18,8 +18,7 @@ from grader.use_cases.services import Services
 def own_team(services: Services, caller: Caller, assignment_id: str) -> tuple[Team | None, int]:
     """Return the caller's team for an assignment, if there is one, and how many students it takes at most.
 
-    Raises:
-        RefusedError: the caller does not see the assignment.
+    Raises RefusedError: the caller does not see the assignment.
     """
     visible_assignment(services, caller, assignment_id)
     most = team_size(services, caller, assignment_id)
@@ -54,8 +53,7 @@ def join_team(services: Services, caller: Caller, assignment_id: str, code: str 
 def leave_team(services: Services, caller: Caller, assignment_id: str) -> None:
     """Take the caller, a student, out of their team, if there is one.
 
-    Raises:
-        RefusedError: the assignment is not for teams; or staff formed the team, or it has handed in.
+    Raises RefusedError: the assignment is not for teams; or staff formed the team, or it has handed in.
     """
     _most(services, caller, assignment_id)
     services.teams.leave(services.signature(caller), assignment_id)
@@ -72,8 +70,7 @@ def _most(services: Services, caller: Caller, assignment_id: str) -> int:
 def teams_of(services: Services, caller: Caller, assignment_id: str) -> tuple[Team, ...]:
     """Return the teams for an assignment, to an assistant those with somebody whom they look after.
 
-    Raises:
-        RefusedError: the caller may not see the class, or the assignment is not published.
+    Raises RefusedError: the caller may not see the class, or the assignment is not published.
     """
     require_staff(caller)
     require_published(services, caller, assignment_id)

@@ -55,8 +55,7 @@ def hiding(services: Services, submission: Submission) -> Hiding:
 def visible_submission(services: Services, caller: Caller, submission_id: str) -> Submission:
     """Return a submission without its grading. Its score still includes hidden items.
 
-    Raises:
-        RefusedError: no submission has that id, or it is somebody else's; the refusal is the same.
+    Raises RefusedError: no submission has that id, or it is somebody else's; the refusal is the same.
     """
     return _require_visible(caller, services.submissions.get(submission_id))
 
@@ -64,8 +63,7 @@ def visible_submission(services: Services, caller: Caller, submission_id: str) -
 def found(services: Services, caller: Caller, submission_id: str) -> tuple[Submission, StoredReport | None]:
     """Return a submission and its latest grading, None before the first, as the caller may see them.
 
-    Raises:
-        RefusedError: no submission has that id, or it is somebody else's; the refusal is the same.
+    Raises RefusedError: no submission has that id, or it is somebody else's; the refusal is the same.
     """
     submission, report, _ = found_by_rules(services, caller, submission_id)
     return submission, report

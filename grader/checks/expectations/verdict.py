@@ -169,8 +169,7 @@ def _pose(sample: TurtleSample) -> dict[str, float]:
 def resolved(wanted: Any, names: Mapping[str, Any]) -> Any:
     """Return what is wanted, with formulas carried out.
 
-    Raises:
-        FormulaError: a formula has no value.
+    Raises FormulaError: a formula has no value.
     """
     if isinstance(wanted, Mapping):
         return {name: resolved(each, names) for name, each in wanted.items()}

@@ -184,8 +184,7 @@ def _read(archive: zipfile.ZipFile, content: bytes, keep: Keep, bounds: ZipBound
 def _path(info: zipfile.ZipInfo, bounds: ZipBounds) -> str:
     """Return an entry's path, composed (NFC) and with ``/``; a folder's ends in one.
 
-    Raises:
-        ArchiveError: it does not stay inside the archive's own tree.
+    Raises ArchiveError: it does not stay inside the archive's own tree.
     """
     name = name_in_zip(info)
     if bounds.backslashes:

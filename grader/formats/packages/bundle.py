@@ -43,8 +43,7 @@ def bundled(content: bytes, bounds: ZipBounds = BOUNDS) -> bytes:
 def bundle_of(files: Mapping[str, bytes]) -> bytes:
     """Return files below any folder in the form in which a package is kept.
 
-    Raises:
-        RefusedError: ``no_package``.
+    Raises RefusedError: ``no_package``.
     """
     kept = own_files(files)
     folders = package_folders(kept)
@@ -66,8 +65,7 @@ def bundle_of(files: Mapping[str, bytes]) -> bytes:
 def files_of(source: bytes) -> dict[str, bytes]:
     """Return the files of a kept package by their paths, which begin with the package's folder.
 
-    Raises:
-        RefusedError: it is none.
+    Raises RefusedError: it is none.
     """
     return read_zip(source)
 

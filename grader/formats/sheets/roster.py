@@ -107,8 +107,7 @@ class Roster(Record):
     def checked(self) -> tuple[RosterEntry, ...]:
         """Return the entries of a list without a wrong row.
 
-        Raises:
-            CourseError: rows were skipped; the message has a line for each.
+        Raises CourseError: rows were skipped; the message has a line for each.
         """
         if self.skipped:
             rows = [(row.place.words, row.reason) for row in self.skipped]
@@ -158,8 +157,7 @@ def read_roster(content: bytes) -> Roster:
     sub-headers, legends and sums are passed over, and so is the same header again. Of a workbook with a sheet for
     each section, all are read; whose row names no section is in the one that the sheet is named after.
 
-    Raises:
-        CourseError: there is no table, no header, or nobody in it.
+    Raises CourseError: there is no table, no header, or nobody in it.
     """
     table = read_table(content, lambda cells: bool(_columns(cells)))
     _header(table)

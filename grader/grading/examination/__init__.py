@@ -108,8 +108,7 @@ def examine(
     `sensitive`: also find out from which error on each item loses credit (a few seconds). `before_each` is called
     before each file is graded; what it raises ends the examination.
 
-    Raises:
-        GraderError: the grader failed.
+    Raises GraderError: the grader failed.
     """
     assignment, solution_file = own.assignment, own.solution
     before_each()

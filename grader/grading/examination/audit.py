@@ -63,8 +63,7 @@ class Audit:
 def audited(assignment: Assignment, solution: OwnScript, grader: Grader, most: int) -> Audit:
     """Grade mutants of a solution in Python: all, or `most` of them, spread over the script.
 
-    Raises:
-        GraderError: the grader failed.
+    Raises GraderError: the grader failed.
     """
 
     def graded(source: bytes) -> GradingResult:

@@ -95,8 +95,7 @@ def driven_blindly(
 
     `elsewhere`: the same exercise with other seeds.
 
-    Raises:
-        GraderError: the grader failed.
+    Raises GraderError: the grader failed.
     """
 
     def graded(script: OwnScript, task: Assignment) -> GradingResult:

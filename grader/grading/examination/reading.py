@@ -64,8 +64,7 @@ class Reading(Record):
 def read_folder(files: Mapping[str, bytes]) -> Reading:
     """Return the assignment that the files of a folder describe, or what is wrong with them.
 
-    Raises:
-        InfrastructureError: the process that reads could not be started, failed, or got no time or memory.
+    Raises InfrastructureError: the process that reads could not be started, failed, or got no time or memory.
     """
     with tempfile.TemporaryDirectory(prefix="grader-upload-") as place, _AT_ONCE:
         folder = Path(place, declared_id(files))

@@ -32,8 +32,7 @@ def wants_reference(assignment: Assignment) -> bool:
 def traced(assignment: Assignment, name: str, source: bytes, grader: Grader) -> Trace:
     """Run the solution of an assignment that wants what it drives; return that.
 
-    Raises:
-        GraderError: the solution, which the message calls `name`, hardly drives, or the grader failed.
+    Raises GraderError: the solution, which the message calls `name`, hardly drives, or the grader failed.
     """
     bare = replace(assignment, check="node", path=None, items=(), cases=assignment.cases[:1])
     result = grader.grade(GradingJob(file_name=PurePath(name).name, source=source, assignment=bare))

@@ -122,8 +122,7 @@ def unpacked(content: bytes) -> dict[str, bytes]:
     A single folder around them is taken off, and what systems and editors add is passed over. A folder that is a
     package, such as ``solution/``, comes as ``solution.zip``.
 
-    Raises:
-        AssignmentError: it is no zip, or something in it is out of bounds; names the file.
+    Raises AssignmentError: it is no zip, or something in it is out of bounds; names the file.
     """
     if len(content) > MAX_ZIP_BYTES:
         raise refusals([("zip", _TOO_LARGE)])

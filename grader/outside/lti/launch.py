@@ -104,8 +104,7 @@ class Launches:
     def read(self, platform: Platform, token: str, nonce: str) -> Launch:
         """Return what a message says.
 
-        Raises:
-            SignInError: it is not the platform's, or not for us, or lacks what LTI asks for.
+        Raises SignInError: it is not the platform's, or not for us, or lacks what LTI asks for.
         """
         claims = self._keys_of(platform.keys_url).claims(token, algorithms=("RS256",), needs_id=True)
         now_s = self._clock_s()

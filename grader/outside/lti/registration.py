@@ -60,8 +60,7 @@ def register(address: str, token: str, public_url: str, name: str, *, private: b
     The platform knows its own request again by `token`, which may be empty; the service is at `public_url` and is
     called `name` there. `private`: the platform may be in a private network.
 
-    Raises:
-        RegistrationError: the platform does not answer, or says what cannot be used.
+    Raises RegistrationError: the platform does not answer, or says what cannot be used.
     """
     configuration = _configuration(address, private=private)
     body = msgspec.json.encode(_tool(public_url, name))

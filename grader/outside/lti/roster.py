@@ -52,8 +52,7 @@ def first_page(address: str) -> str:
 def next_page(address: str, links: str) -> str | None:
     """Return which page follows the one at `address`, whose header Link is `links`.
 
-    Raises:
-        UnreachableError: it is on another server, which must not see the token.
+    Raises UnreachableError: it is on another server, which must not see the token.
     """
     link = _NEXT.search(links)
     if link is None:
@@ -67,8 +66,7 @@ def next_page(address: str, links: str) -> str | None:
 def people_in(content: bytes) -> Iterator[Listed]:
     """Yield the people that a page of the platform's list names.
 
-    Raises:
-        UnreachableError: it cannot be read.
+    Raises UnreachableError: it cannot be read.
     """
     try:
         members = decoded(content, dict[str, Any]).get("members")

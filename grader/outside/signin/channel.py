@@ -72,8 +72,7 @@ def is_confidential(address: str) -> bool:
 def get(address: str, parameters: Mapping[str, str] | None = None, *, public_only: bool = False) -> bytes:
     """Return what an address answers.
 
-    Raises:
-        UnreachableError: nothing, nothing in time, too much, or no success.
+    Raises UnreachableError: nothing, nothing in time, too much, or no success.
     """
     return _exchange("GET", address, public_only=public_only, params=parameters).content
 
@@ -115,8 +114,7 @@ def post_json(  # noqa: PLR0913
     `public_only`: the address must not lead into a private network. `shown`: what errors call it, where it is a
     secret.
 
-    Raises:
-        UnreachableError: as `get`; but whatever is no fault of the other side's, below 500, is an answer.
+    Raises UnreachableError: as `get`; but whatever is no fault of the other side's, below 500, is an answer.
     """
     headers = {"Content-Type": media_type, **({"Authorization": f"Bearer {token}"} if token else {})}
     answers = range(200, 500)

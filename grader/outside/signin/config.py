@@ -162,8 +162,7 @@ class SignInConfig(BaseModel):
 def read_config(path: Path) -> SignInConfig:
     """Read the file.
 
-    Raises:
-        SettingsError: the file cannot be read, or a field is wrong; the message names the field.
+    Raises SettingsError: the file cannot be read, or a field is wrong; the message names the field.
     """
     try:
         document = tomllib.loads(_content(path))
@@ -181,8 +180,7 @@ def read_config(path: Path) -> SignInConfig:
 def secret_of(entry: OidcEntry) -> str:
     """Return the client's secret, empty for a client without one.
 
-    Raises:
-        SettingsError: its file cannot be read, or is empty.
+    Raises SettingsError: its file cannot be read, or is empty.
     """
     if entry.client_secret is not None:
         return entry.client_secret.get_secret_value()

@@ -217,8 +217,7 @@ class Oidc:
 def oidc(entry: OidcEntry, clock_s: Callable[[], float]) -> Oidc:
     """Return the provider; nothing is asked yet.
 
-    Raises:
-        SettingsError: its secret cannot be read, or what checks tokens is not installed.
+    Raises SettingsError: its secret cannot be read, or what checks tokens is not installed.
     """
     try:
         import joserfc  # noqa: F401 - an extra
@@ -233,8 +232,7 @@ def oidc(entry: OidcEntry, clock_s: Callable[[], float]) -> Oidc:
 def check_token(claims: Mapping[str, Any], issuer: str, client_id: str, nonce: str, now_s: float) -> None:
     """Check an ID token that is well signed (OpenID Connect Core 1.0, 3.1.3.7).
 
-    Raises:
-        SignInError: it is of or for somebody else, of another time, or of another attempt.
+    Raises SignInError: it is of or for somebody else, of another time, or of another attempt.
     """
     audience = claims.get("aud")
     audiences = audience if isinstance(audience, list) else [audience]

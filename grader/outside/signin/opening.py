@@ -11,8 +11,7 @@ from grader.outside.signin.providers import Provider, Providers
 def opened(config: SignInConfig, clock_s: Callable[[], float]) -> Providers:
     """Return the providers that are set up; nothing is asked yet.
 
-    Raises:
-        SettingsError: a secret cannot be read, or the packages for OpenID Connect are not installed.
+    Raises SettingsError: a secret cannot be read, or the packages for OpenID Connect are not installed.
     """
     sending = [provider for provider in config.providers if not isinstance(provider, HeaderEntry)]
     return Providers(

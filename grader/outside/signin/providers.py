@@ -73,15 +73,13 @@ class Provider(Protocol):
     def login_address(self, attempt: SignInAttempt, back: str) -> str:
         """Return the provider's address at which people sign in; it then redirects the browser to `back`.
 
-        Raises:
-            SignInError: it cannot be reached.
+        Raises SignInError: it cannot be reached.
         """
 
     def recognised(self, attempt: SignInAttempt, back: str, answer: Mapping[str, str]) -> Person:
         """Return who came back with `answer`, the query's fields; its state has been compared.
 
-        Raises:
-            SignInError: nobody, or nobody who is to be believed.
+        Raises SignInError: nobody, or nobody who is to be believed.
         """
 
 

@@ -100,8 +100,7 @@ def _identified(request: Request, services: ServicesDep, credentials: Credential
 def under_way(request: Request, services: Services, caller: Caller) -> Iterator[None]:
     """Count `request` as one that the caller has under way; streams that one watches are counted elsewhere.
 
-    Raises:
-        RefusedError: the caller has too many.
+    Raises RefusedError: the caller has too many.
     """
     name = name_of(caller)
     is_events = getattr(request.scope["route"], "response_class", None) is EventSourceResponse
@@ -133,8 +132,7 @@ def sent_twice(given: ImmutableMultiDict[str, Any]) -> list[tuple[str, str]]:
 def refuse(where: Literal["query", "body"], problems: Sequence[tuple[str, str]]) -> None:
     """Refuse a request for `problems`, each the kind of a validation error and the name of what was sent.
 
-    Raises:
-        RequestValidationError: there are any.
+    Raises RequestValidationError: there are any.
     """
     if problems:
         raise RequestValidationError(

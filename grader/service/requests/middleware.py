@@ -216,8 +216,7 @@ class Bounded:
     async def receive(self) -> Message:
         """Return the next part of the body.
 
-        Raises:
-            RefusedError: there are more than the limit, or the request says so.
+        Raises RefusedError: there are more than the limit, or the request says so.
         """
         message = await self._receive()
         self._left -= len(message.get("body", b""))
@@ -287,8 +286,7 @@ def arrival_of(request: Request) -> datetime:
 async def known_parts(request: Request) -> None:
     """Refuse a form with a part that is not read: the second of a name, or one whose name is misspelt.
 
-    Raises:
-        RequestValidationError: there is one.
+    Raises RequestValidationError: there is one.
     """
     form = await request.form()
     names = parameters(request.scope["route"].dependant, "body_params")

@@ -22,8 +22,7 @@ def require_reader(
 
     Not even this machine is let in without: a proxy on it would let everybody in.
 
-    Raises:
-        RefusedError: no token, or one that opens nothing; or a student's.
+    Raises RefusedError: no token, or one that opens nothing; or a student's.
     """
     token = None if credentials is None else credentials.credentials
     if token is not None and _is_own(services, token):

@@ -176,8 +176,7 @@ class Examiner:
     def _give_way(self, claim: OwnClaim, progress: Examined = Examined()) -> None:  # noqa: B008 - frozen
         """Wait for a while until no student waits, then renew the claim and say how far it is.
 
-        Raises:
-            _LostError: the claim is lost, or the worker stops.
+        Raises _LostError: the claim is lost, or the worker stops.
         """
         until_s = time.monotonic() + self._uploads.patience_s
         while not self._stopping.is_set() and time.monotonic() < until_s and self._students_wait():

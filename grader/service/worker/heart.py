@@ -67,8 +67,7 @@ class Heart:
     def beat(self) -> None:
         """Do what a heart does, once.
 
-        Raises:
-            InfrastructureError: the database does not answer. What was not done is done at the next beat.
+        Raises InfrastructureError: the database does not answer. What was not done is done at the next beat.
         """
         try:
             self._beat()

@@ -116,8 +116,7 @@ class LaunchContext:
     def visit(self, entities: Iterable[Any] | None) -> None:
         """Do what actions say, in order; None among them says nothing.
 
-        Raises:
-            RuntimeError: descriptions include each other without end.
+        Raises RuntimeError: descriptions include each other without end.
         """
         if self._depth > _DEEPEST:
             raise RuntimeError("launch descriptions include each other without end")
@@ -254,8 +253,7 @@ class Condition:
 def checked(*values: Any) -> None:
     """Check what is to be a string, a substitution, or a list of these; None: it was not given.
 
-    Raises:
-        TypeError: it is something else, such as a number.
+    Raises TypeError: it is something else, such as a number.
     """
     for value in values:
         if value is None or isinstance(value, (str, os.PathLike, Substitution)):
@@ -271,8 +269,7 @@ def checked(*values: Any) -> None:
 def perform(context: LaunchContext, value: Any) -> str:
     """Return the text of a string, a substitution, or a list of these.
 
-    Raises:
-        TypeError: it is something else.
+    Raises TypeError: it is something else.
     """
     if isinstance(value, (str, os.PathLike)):
         return os.fspath(value)
@@ -296,8 +293,7 @@ _YAML_FALSE = frozenset(
 def perform_bool(context: LaunchContext, value: Any) -> bool:
     """Return the truth that a text is in YAML 1.1, or a bool itself.
 
-    Raises:
-        ValueError: it is neither true nor false.
+    Raises ValueError: it is neither true nor false.
     """
     if isinstance(value, bool):
         return value

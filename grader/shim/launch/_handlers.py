@@ -58,8 +58,7 @@ class EventHandler(BaseEventHandler):
 class OnActionEventBase(BaseEventHandler):
     """Actions, or a function that returns them, for one kind of event of one action, or of all.
 
-    Raises:
-        TypeError: the action is none, or what is to be done is not made of actions.
+    Raises TypeError: the action is none, or what is to be done is not made of actions.
     """
 
     def __init__(

@@ -22,8 +22,7 @@ def yaml() -> Any:
 def extract_type(data_type: Any) -> tuple[Any, bool]:
     """Return the type of a scalar, or of a list's elements, and whether it is a list's.
 
-    Raises:
-        ValueError: it is neither.
+    Raises ValueError: it is neither.
     """
     elements: Any = getattr(data_type, "__args__", ())
     is_list = getattr(data_type, "__origin__", None) is list and bool(elements)
@@ -49,8 +48,7 @@ def is_instance_of(value: Any, data_type: Any = None) -> bool:
 def coerce_to_type(value: str, data_type: Any = None) -> Any:
     """Return what a text is as a value of a type; None: as YAML says.
 
-    Raises:
-        ValueError: it is none of that type. TypeError: it is no text.
+    Raises ValueError: it is none of that type. TypeError: it is no text.
     """
     ensure_argument_type(value, str, "value", "coerce_to_type")
     if data_type is None:
@@ -98,8 +96,7 @@ def is_substitution(x: Any) -> bool:
 def normalize_typed_substitution(value: Any, data_type: Any) -> Any:
     """Return a scalar, a list of substitutions, or a list with both, for `perform_typed_substitution`.
 
-    Raises:
-        TypeError: the value cannot become one of that type.
+    Raises TypeError: the value cannot become one of that type.
     """
     if isinstance(value, ScalarTypesTuple):
         if not is_instance_of(value, data_type):

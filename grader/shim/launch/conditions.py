@@ -28,8 +28,7 @@ class InvalidConditionExpressionError(Exception):
 def evaluate_condition_expression(context: LaunchContext, expression: Any) -> bool:
     """Return the truth of an expression.
 
-    Raises:
-        InvalidConditionExpressionError: it is neither true nor false.
+    Raises InvalidConditionExpressionError: it is neither true nor false.
     """
     text = perform(context, expression)
     if text.strip().lower() not in _TRUE + _FALSE:

@@ -29,8 +29,7 @@ def perform_substitutions(context: LaunchContext, subs: Iterable[Any]) -> str:
 def normalize_to_list_of_substitutions(subs: Any) -> list[Substitution]:
     """Return a list of substitutions for a text, a substitution, or several.
 
-    Raises:
-        TypeError: it is something else.
+    Raises TypeError: it is something else.
     """
     checked(subs)
     sequence = [subs] if isinstance(subs, (str, Substitution)) else subs

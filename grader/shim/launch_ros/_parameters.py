@@ -24,8 +24,7 @@ _WRAP = (
 def normalize_parameters(given: Any) -> list[Any]:
     """Return the elements of `parameters=`: dictionaries of prepared values, Parameters and ParameterFiles.
 
-    Raises:
-        TypeError: one of them is something else.
+    Raises TypeError: one of them is something else.
     """
     return [
         normalize_parameter_dict(each)
@@ -42,8 +41,7 @@ def normalize_parameter_dict(
 ) -> dict[tuple[Substitution, ...], Any]:
     """Return the prepared values of a dictionary by their names; those of one in it with its name in front.
 
-    Raises:
-        TypeError: a value can be none of a parameter.
+    Raises TypeError: a value can be none of a parameter.
     """
     flat: dict[tuple[Substitution, ...], Any] = {}
     for key, value in given.items():
@@ -87,8 +85,7 @@ def _normalized_list(value: Any) -> tuple[Any, ...]:
 def evaluate_parameter_dict(context: LaunchContext, given: dict[Any, Any]) -> dict[str, Any]:
     """Return the values of a prepared dictionary by name.
 
-    Raises:
-        TypeError: the text of one is no YAML, or neither a scalar nor a list of one kind.
+    Raises TypeError: the text of one is no YAML, or neither a scalar nor a list of one kind.
     """
     values = {}
     for key, value in given.items():

@@ -77,8 +77,7 @@ def get_global_executor() -> Executor:
 def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
     """Shut a context (default: the default one) and its executor down.
 
-    Raises:
-        RuntimeError: it was never initialised. RCLError: it is shut down already.
+    Raises RuntimeError: it was never initialised. RCLError: it is shut down already.
     """
     _shutdown(context=context)
     if uninstall_handlers or (

@@ -47,8 +47,7 @@ chosen = HUMBLE
 def choose(distro: str) -> None:
     """Make `distro` the release that the script finds. Called once, before the script is compiled.
 
-    Raises:
-        ValueError: there is no such distro here.
+    Raises ValueError: there is no such distro here.
     """
     global chosen
     chosen = distro

@@ -429,8 +429,7 @@ class Kernel:
     def new_thread(self, name: str, daemon: bool) -> Thread:
         """Return a record for a thread that is about to start.
 
-        Raises:
-            RuntimeError: there are `MAX_THREADS` already.
+        Raises RuntimeError: there are `MAX_THREADS` already.
         """
         if len(self.threads) >= MAX_THREADS:
             raise RuntimeError("can't start new thread")

@@ -58,8 +58,7 @@ class Client:
     def call(self, request: Any) -> Any:
         """Call and block until the response; never returns unless another thread spins the node.
 
-        Raises:
-            TypeError: `request` is no Request of this service.
+        Raises TypeError: `request` is no Request of this service.
         """
         if not isinstance(request, self.srv_type.Request):
             raise TypeError()

@@ -42,8 +42,7 @@ class Context:
 
         `args` are those of the command line, by default `sys.argv`. `initialize_logging`: their log levels apply.
 
-        Raises:
-            RuntimeError: the domain is negative, or the context was initialised before.
+        Raises RuntimeError: the domain is negative, or the context was initialised before.
         """
         global g_logging_ref_count
         if domain_id is not None and domain_id < 0:

@@ -13,8 +13,7 @@ if TYPE_CHECKING:
 class Duration:
     """A span of time in nanoseconds; as in Humble it has an order but no arithmetic.
 
-    Raises:
-        OverflowError: the span does not fit 64 bits.
+    Raises OverflowError: the span does not fit 64 bits.
     """
 
     def __init__(self, *, seconds: float = 0, nanoseconds: float = 0) -> None:

@@ -240,8 +240,7 @@ class Executor:
     def _trigger(self) -> None:
         """Do the same where upstream does not ask whether the executor was shut down.
 
-        Raises:
-            AttributeError: it was.
+        Raises AttributeError: it was.
         """
         if self._guard is None:
             raise AttributeError("'NoneType' object has no attribute 'trigger'")
@@ -620,8 +619,7 @@ class SingleThreadedExecutor(Executor):
         `wait_for_ready_callbacks` comes to the same and takes three times as long. If the wait finds anything
         else, that one returns it next.
 
-        Raises:
-            TimeoutException: nothing came in time.
+        Raises TimeoutException: nothing came in time.
         """
         if self._cb_iter is not None or self._tasks or self._is_shutdown or not self._context._valid():
             return None

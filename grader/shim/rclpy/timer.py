@@ -21,8 +21,7 @@ if TYPE_CHECKING:
 class Timer:
     """Calls back every period, first after one period, in phase with its creation.
 
-    Raises:
-        RCLError: the period is negative.
+    Raises RCLError: the period is negative.
     """
 
     def __init__(

@@ -16,8 +16,7 @@ def get_interface_packages() -> list[str]:
 def get_interfaces(package_names: Iterable[str] = ()) -> dict[str, list[str]]:
     """Return interfaces such as ``msg/String`` by their packages, of all packages where none is named.
 
-    Raises:
-        LookupError: there is no such package.
+    Raises LookupError: there is no such package.
     """
     return _of_kind("", package_names)
 

@@ -23,8 +23,7 @@ def get_interface(identifier: str) -> Any:
 def get_message(identifier: str) -> Any:
     """Return the message class of e.g. ``std_msgs/msg/String``, or ``std_msgs/String``.
 
-    Raises:
-        ValueError: not a message.
+    Raises ValueError: not a message.
     """
     return _imported(identifier, get_message_namespaced_type, is_message, "a message")
 
@@ -32,8 +31,7 @@ def get_message(identifier: str) -> Any:
 def get_service(identifier: str) -> Any:
     """Return the service class of e.g. ``turtlesim/srv/Spawn``, or ``turtlesim/Spawn``.
 
-    Raises:
-        ValueError: not a service.
+    Raises ValueError: not a service.
     """
     return _imported(identifier, get_service_namespaced_type, is_service, "a service")
 
@@ -41,8 +39,7 @@ def get_service(identifier: str) -> Any:
 def get_action(identifier: str) -> Any:
     """Return the action class of e.g. ``turtlesim/action/RotateAbsolute``, or without ``action``.
 
-    Raises:
-        ValueError: not an action.
+    Raises ValueError: not an action.
     """
     return _imported(identifier, get_action_namespaced_type, is_action, "an action")
 
@@ -50,8 +47,7 @@ def get_action(identifier: str) -> Any:
 def get_namespaced_type(identifier: str) -> NamespacedType:
     """Return the description of an interface's full name.
 
-    Raises:
-        ValueError: not the form of an interface's name.
+    Raises ValueError: not the form of an interface's name.
     """
     return _namespaced(identifier)
 

@@ -48,8 +48,7 @@ class BufferCore:
     def lookup_transform_core(self, target_frame: str, source_frame: str, time: Any) -> Any:
         """Return the pose of `source_frame` in `target_frame` as a TransformStamped.
 
-        Raises:
-            TransformException: its subclass tells why there is none.
+        Raises TransformException: its subclass tells why there is none.
         """
         _require_names(_1=target_frame, _2=source_frame)
         rigid, time_ns = self._lookup(target_frame, source_frame, to_ns(time), "lookupTransform")
@@ -60,8 +59,7 @@ class BufferCore:
     ) -> Any:
         """Return the pose of `source_frame` then in `target_frame` now, by way of a frame fixed in time.
 
-        Raises:
-            TransformException: its subclass tells why there is none.
+        Raises TransformException: its subclass tells why there is none.
         """
         _require_names(_1=target_frame, _3=source_frame, _5=fixed_frame)
         self._validate(target_frame, "lookupTransform argument target_frame")

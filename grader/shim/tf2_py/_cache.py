@@ -63,8 +63,7 @@ class TimeCache:
     def at(self, time_ns: int) -> Sample:
         """Return the pose at `time_ns`, interpolated between samples; time 0 asks for the latest sample.
 
-        Raises:
-            ExtrapolationException: the time lies outside the samples.
+        Raises ExtrapolationException: the time lies outside the samples.
         """
         samples = self._samples
         first_ns, last_ns = samples[0].stamp_ns, samples[-1].stamp_ns

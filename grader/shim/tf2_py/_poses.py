@@ -14,8 +14,7 @@ _NORM_TOLERANCE = 10e-3
 def to_ns(moment: Any) -> int:
     """Return nanoseconds of a Time, a Duration or one of their messages.
 
-    Raises:
-        TypeError: it is none of them.
+    Raises TypeError: it is none of them.
     """
     if hasattr(moment, "sec") and hasattr(moment, "nanosec"):
         return int(moment.sec) * 10**9 + int(moment.nanosec)

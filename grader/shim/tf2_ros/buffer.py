@@ -57,8 +57,7 @@ class Buffer(BufferCore, BufferInterface):
     ) -> Any:
         """Return the pose of `source_frame` in `target_frame`, waiting up to `timeout` for it.
 
-        Raises:
-            TransformException: its subclass tells why there is none.
+        Raises TransformException: its subclass tells why there is none.
         """
         self.can_transform(target_frame, source_frame, time, timeout)
         return self.lookup_transform_core(target_frame, source_frame, time)
@@ -79,8 +78,7 @@ class Buffer(BufferCore, BufferInterface):
     ) -> Any:
         """Return the pose of `source_frame` at one time in `target_frame` at another.
 
-        Raises:
-            TransformException: its subclass tells why there is none.
+        Raises TransformException: its subclass tells why there is none.
         """
         question = (target_frame, target_time, source_frame, source_time, fixed_frame)
         self.can_transform_full(*question, timeout)

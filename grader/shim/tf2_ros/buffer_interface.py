@@ -38,8 +38,7 @@ class BufferInterface:
     ) -> Any:
         """Return a stamped object in another frame, at its own time, converted to `new_type` if given.
 
-        Raises:
-            TypeException: its type is not registered (importing `tf2_geometry_msgs` registers the usual).
+        Raises TypeException: its type is not registered (importing `tf2_geometry_msgs` registers the usual).
         """
         do_transform = self.registration.get(type(object_stamped))
         header = object_stamped.header
@@ -60,8 +59,7 @@ class BufferInterface:
     ) -> Any:
         """Return a stamped object in another frame at another time, by way of a frame fixed in time.
 
-        Raises:
-            TypeException: its type is not registered.
+        Raises TypeException: its type is not registered.
         """
         do_transform = self.registration.get(type(object_stamped))
         header = object_stamped.header

@@ -57,8 +57,7 @@ def rotation_matrix(angle: float, direction: Sequence[float], point: Sequence[fl
 def rotation_from_matrix(matrix: Any) -> Any:
     """Return angle, axis and a point of the axis of a matrix that turns.
 
-    Raises:
-        ValueError: it does something else.
+    Raises ValueError: it does something else.
     """
     numpy = _numpy()
     whole = numpy.array(matrix, dtype=float)
@@ -85,8 +84,7 @@ def scale_matrix(factor: float, origin: Any = None, direction: Any = None) -> An
 def scale_from_matrix(matrix: Any) -> Any:
     """Return factor, origin and direction of a matrix that scales; without a direction it is None.
 
-    Raises:
-        ValueError: it does something else.
+    Raises ValueError: it does something else.
     """
     numpy = _numpy()
     whole = numpy.array(matrix, dtype=float)
@@ -108,8 +106,7 @@ def reflection_matrix(point: Any, normal: Any) -> Any:
 def reflection_from_matrix(matrix: Any) -> Any:
     """Return a point of the plane, and what is perpendicular to it, of a matrix that mirrors.
 
-    Raises:
-        ValueError: it does something else.
+    Raises ValueError: it does something else.
     """
     whole = _numpy().array(matrix, dtype=float)
     normal = _fixed_vector(whole[:3, :3], -1.0)
@@ -120,8 +117,7 @@ def reflection_from_matrix(matrix: Any) -> Any:
 def shear_matrix(angle: float, direction: Any, point: Any, normal: Any) -> Any:
     """Return the matrix that shears by `angle` along `direction` at a plane through `point`.
 
-    Raises:
-        ValueError: the direction is not in the plane, as `normal` is not perpendicular to it.
+    Raises ValueError: the direction is not in the plane, as `normal` is not perpendicular to it.
     """
     numpy = _numpy()
     along, across = unit_vector(direction[:3]), unit_vector(normal[:3])
@@ -148,8 +144,7 @@ def compose_matrix(
 def decompose_matrix(matrix: Any) -> Any:
     """Return what `compose_matrix` is given for a matrix; of the perspective None, as tf_transformations does.
 
-    Raises:
-        LinAlgError: it scales something to nothing.
+    Raises LinAlgError: it scales something to nothing.
     """
     numpy = _numpy()
     whole = numpy.array(matrix, dtype=float)
@@ -235,8 +230,7 @@ def _about(matrix: Any, point: Any) -> Any:
 def _fixed_vector(matrix: Any, factor: float) -> Any:
     """Return the last vector of length 1 that a matrix only scales by `factor`.
 
-    Raises:
-        ValueError: there is none.
+    Raises ValueError: there is none.
     """
     numpy = _numpy()
     values, vectors = numpy.linalg.eig(matrix)

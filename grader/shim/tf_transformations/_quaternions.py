@@ -159,8 +159,7 @@ def _unit(quaternion: Sequence[float]) -> Quaternion:
 def _split(axes: str) -> tuple[bool, tuple[int, int, int]]:
     """Return whether the axes are static, and their indices in order.
 
-    Raises:
-        KeyError: `axes` is not the name of a convention.
+    Raises KeyError: `axes` is not the name of a convention.
     """
     first, second, third = ("xyz".find(letter) for letter in axes[1:]) if len(axes) == 4 else (-1, -1, -1)
     if axes[:1] not in ("s", "r") or -1 in (first, second, third) or second in (first, third):

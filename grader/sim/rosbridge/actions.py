@@ -70,8 +70,7 @@ class Goals:
     def send(self, client: int, frame: SendActionGoal, name: str) -> None:
         """Send a goal to the action `name`.
 
-        Raises:
-            FrameError: there is no such action, or its goal does not fit; or the client has too many.
+        Raises FrameError: there is no such action, or its goal does not fit; or the client has too many.
         """
         service = f"{name}/_action/send_goal"
         kind = self._bridge.service_type(service)

@@ -244,8 +244,7 @@ class Bridge:
     def _established(self, topic: str, asked: str | None) -> str:
         """Return the topic's type; a topic that is not there yet begins with the type that is asked for.
 
-        Raises:
-            FrameError: there is none, it is another one, or there are too many topics.
+        Raises FrameError: there is none, it is another one, or there are too many topics.
         """
         established = self._type_of(topic)
         kind = full_type(asked) if asked else established

@@ -46,8 +46,7 @@ _Service = Callable[[Mapping[str, Any], KnownGraph], dict[str, Any]]
 def answer(name: str, args: Mapping[str, Any], graph: KnownGraph) -> dict[str, Any] | None:
     """Return the response of the service ``/rosapi/<name>``; None where there is none of that name.
 
-    Raises:
-        FrameError: the request lacks something, or asks for what does not exist.
+    Raises FrameError: the request lacks something, or asks for what does not exist.
     """
     serve = _SERVICES.get(name)
     return None if serve is None else serve(args, graph)

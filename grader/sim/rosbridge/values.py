@@ -43,8 +43,7 @@ def full_type(name: str, kind: str = "msg") -> str:
 def message(type_name: str, values: Any, types: Types, now_ns: int) -> bytes:
     """Return the CDR of a message from what JSON said of it; `now_ns` is the wall clock, for times.
 
-    Raises:
-        FrameError: it does not fit the type.
+    Raises FrameError: it does not fit the type.
     """
     if type_name not in types.fields:
         raise FrameError(f"unknown type {type_name}")
@@ -61,8 +60,7 @@ def message(type_name: str, values: Any, types: Types, now_ns: int) -> bytes:
 def in_order(type_name: str, args: dict[str, Any] | list[Any] | None, types: Types) -> dict[str, Any]:
     """Return a request's fields by name, also where they came in their order.
 
-    Raises:
-        FrameError: there are more than the type has, or the type is unknown.
+    Raises FrameError: there are more than the type has, or the type is unknown.
     """
     if args is None or isinstance(args, dict):
         return args or {}

@@ -51,8 +51,7 @@ class _Installed:
 def install(connection: Connection) -> None:
     """Create or replace Procrastinate's tables if they are not those of the installed version.
 
-    Raises:
-        SettingsError: a newer Procrastinate made them, or somebody else did.
+    Raises SettingsError: a newer Procrastinate made them, or somebody else did.
     """
     statements = SchemaManager.get_schema()
     schema = hashlib.sha256(statements.encode()).hexdigest()[:16]

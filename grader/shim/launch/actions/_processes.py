@@ -57,8 +57,7 @@ class ExecuteLocal(Action):
     def begin(self, context: LaunchContext) -> None:
         """Evaluate it, let its start be an event, and remember what is to come when it ends.
 
-        Raises:
-            RuntimeError: it was started before.
+        Raises RuntimeError: it was started before.
         """
         if self.process_details is not None:
             raise RuntimeError(f"{type(self).__name__} action executed more than once: write another one")

@@ -117,8 +117,7 @@ class ROSTimer(TimerAction):
 class LifecycleTransition(Action):
     """Transitions of nodes with states, which are not carried out.
 
-    Raises:
-        ValueError: no nodes or no transitions are given.
+    Raises ValueError: no nodes or no transitions are given.
     """
 
     def __init__(

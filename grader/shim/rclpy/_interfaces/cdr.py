@@ -58,8 +58,7 @@ def serialize(message: Any) -> bytes:
 def deserialize(data: bytes, message_class: type[_MessageT]) -> _MessageT:
     """Return the message that `data` holds, header included.
 
-    Raises:
-        CdrError: the bytes do not begin with a message of that class.
+    Raises CdrError: the bytes do not begin with a message of that class.
     """
     unpack = _UNPACKERS.get(message_class) or _unpacker(message_class)
     message: _MessageT = unpack(data)

@@ -50,8 +50,7 @@ def class_of(msg_type: Any) -> Any:
 def interface_class(full_name: str) -> type:
     """Return the message, service or action class of a full name, importing its module.
 
-    Raises:
-        KeyError: there is no such interface.
+    Raises KeyError: there is no such interface.
     """
     module = INTERFACES[full_name].module
     __import__(module)  # importlib, whose function is nicer, costs more than a message class

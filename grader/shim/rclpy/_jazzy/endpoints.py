@@ -207,8 +207,7 @@ class Client(client.Client):
     def call(self, request: Any, timeout_sec: float | None = None) -> Any:
         """Call and block until the response, or return None after the time-out.
 
-        Raises:
-            TypeError: `request` is no Request of this service.
+        Raises TypeError: `request` is no Request of this service.
         """
         if not isinstance(request, self.srv_type.Request):
             raise TypeError()

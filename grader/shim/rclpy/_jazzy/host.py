@@ -26,8 +26,7 @@ replace(
 def required(handle: handles.ContextHandle | None) -> handles.ContextHandle:
     """Return the handle of an initialised context.
 
-    Raises:
-        TypeError: there is none; Python 3.12 enters ``with None`` and fails with this text.
+    Raises TypeError: there is none; Python 3.12 enters ``with None`` and fails with this text.
     """
     if handle is None:
         raise TypeError("'NoneType' object does not support the context manager protocol")

@@ -140,8 +140,7 @@ class Node(node.Node):
     def list_parameters(self, prefixes: list[str], depth: int) -> Any:
         """Return the names that begin with one of the prefixes, down to a depth, as ListParametersResult.
 
-        Raises:
-            TypeError: an argument is of another type. ValueError: the depth is negative.
+        Raises TypeError: an argument is of another type. ValueError: the depth is negative.
         """
         if not isinstance(prefixes, list):
             raise TypeError("The prefixes argument must be a list")

@@ -55,8 +55,7 @@ def parameter_dict_from_yaml_file(
 ) -> dict[str, Any]:
     """Return the rcl_interfaces/msg/Parameter messages of a parameter file by name.
 
-    Raises:
-        RuntimeError: a node of `target_nodes` is not in it, none is, or it is no parameter file.
+    Raises RuntimeError: a node of `target_nodes` is not in it, none is, or it is no parameter file.
     """
     with open(parameter_file) as file:
         content = import_module(_YAML).safe_load(file)

@@ -218,8 +218,7 @@ class SemLock:
     def release(self) -> None:
         """Give one back.
 
-        Raises:
-            AssertionError: it is another thread's. ValueError: all are there.
+        Raises AssertionError: it is another thread's. ValueError: all are there.
         """
         if self.kind == self._RECURSIVE:
             if not self._is_mine():

@@ -34,8 +34,7 @@ class OutputBudget:
     def write(self, descriptor: int, data: Any) -> int:
         """Write `data`, or what the budget still allows of it and then end the run.
 
-        Raises:
-            OSError: the descriptor is closed.
+        Raises OSError: the descriptor is closed.
         """
         if self._left is None or self._end is None:
             return _write(descriptor, data)

@@ -180,8 +180,7 @@ def _own(context: Any, started: list[tuple[Any, str, Any]], ignored: list[str]) 
 def _check_package(name: str) -> None:
     """Refuse what is most likely one's own package, misspelt; any other may be installed at home.
 
-    Raises:
-        PackageNotFoundError: there is no such package, but one that is nearly called so.
+    Raises PackageNotFoundError: there is no such package, but one that is nearly called so.
     """
     from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 

@@ -157,8 +157,7 @@ class _Images:
     def add(self, nodes: list[Any]) -> None:
         """Start the programs of some nodes, in this order.
 
-        Raises:
-            RuntimeError: there are more than there can be threads.
+        Raises RuntimeError: there are more than there can be threads.
         """
         count = len(nodes) + sum(not each.ended for each in self.programs)
         if count >= MAX_THREADS:

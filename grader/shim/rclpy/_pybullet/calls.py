@@ -55,8 +55,7 @@ class UnreadableError(ValueError):
 def plain(value: Any, depth: int = 0) -> Any:
     """Return `value` as None, a truth value, a number, a text or a list of these, as PyBullet reads it.
 
-    Raises:
-        UnreadableError: it is something else.
+    Raises UnreadableError: it is something else.
     """
     kind = type(value)
     if kind is float or kind is int or value is None or kind is bool or kind is str:
@@ -99,8 +98,7 @@ def client_of(name: str, args: Sequence[Any], options: Mapping[str, Any]) -> Any
 def encode(number: int, args: Sequence[Any], options: Mapping[str, Any]) -> bytes:
     """Return one call; `args` and `options` are `plain`.
 
-    Raises:
-        UnreadableError: it is too long, or an integer too large.
+    Raises UnreadableError: it is too long, or an integer too large.
     """
     parts = [_HEAD.pack(number, len(args))]
     for value in args:

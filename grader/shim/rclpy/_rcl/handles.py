@@ -122,8 +122,7 @@ class ContextHandle(Handle):
     def get_domain_id(self) -> int:
         """Return the DDS domain: nodes of different domains do not see each other.
 
-        Raises:
-            RCLError: the context is shut down.
+        Raises RCLError: the context is shut down.
         """
         if not self.valid:
             raise RCLError("Failed to get domain id: error not set")
@@ -150,8 +149,7 @@ def shutdown_all_contexts() -> None:
 def required(handle: ContextHandle | None) -> ContextHandle:
     """Return the handle of an initialised context.
 
-    Raises:
-        AttributeError: there is none; Humble's Python enters ``with None`` and fails with this text.
+    Raises AttributeError: there is none; Humble's Python enters ``with None`` and fails with this text.
     """
     if handle is None:
         raise AttributeError("__enter__")

@@ -117,8 +117,7 @@ def log(severity: int, name: str, message: str | bytes | None, function: str, fi
 
     None becomes a null pointer on its way to C, which prints it as ``(null)``. (rclpy's _rclpy_logging.cpp:126)
 
-    Raises:
-        TypeError: the message is no text, with the text of upstream's C binding.
+    Raises TypeError: the message is no text, with the text of upstream's C binding.
     """
     if message is None:
         message = "(null)"
@@ -312,8 +311,7 @@ def initialize() -> None:
 def severity_of(name: str) -> int:
     """Return the number of a severity by its name in any case.
 
-    Raises:
-        RuntimeError: there is no such severity. ValueError: `name` is no text.
+    Raises RuntimeError: there is no such severity. ValueError: `name` is no text.
     """
     if not isinstance(name, str):
         raise ValueError("Log severity must be a string")

@@ -160,8 +160,7 @@ def _plain_fault(character: str, *, first: bool, inside: bool) -> str:
 def expand(name: str, node_name: str, namespace: str) -> str:
     """Return the absolute form of a topic or service name.
 
-    Raises:
-        ValueError: the name, the node's name or the namespace is invalid, or a substitution is unknown.
+    Raises ValueError: the name, the node's name or the namespace is invalid, or a substitution is unknown.
     """
     for what, text, fault, line in (
         ("topic name", name, topic_name_fault(name), 73),

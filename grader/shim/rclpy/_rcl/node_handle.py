@@ -179,8 +179,7 @@ class NodeHandle(Handle):
     def resolve(self, name: str, only_expand: bool, service: bool) -> str:
         """Return the absolute, remapped form of a name.
 
-        Raises:
-            RCLError: the name is invalid. TypeError: it is none, as when a topic and its type changed places.
+        Raises RCLError: the name is invalid. TypeError: it is none, as when a topic and its type changed places.
         """
         text = text_or_null(
             name,
@@ -236,8 +235,7 @@ class NodeHandle(Handle):
     ) -> NamesAndTypes:
         """Return the names and types of one node's endpoints.
 
-        Raises:
-            NodeNameNonExistentError: there is no such node. RCLError: the context was shut down.
+        Raises NodeNameNonExistentError: there is no such node. RCLError: the context was shut down.
         """
         self.require_context(failure)
         if not namespace:

@@ -121,8 +121,7 @@ def _read_float(text: str) -> float | None:
 def read_value(text: str, value: Value) -> None:
     """Read what follows ``:=`` on a command line.
 
-    Raises:
-        ValueError: the text is empty, no YAML, or more than a scalar or a list.
+    Raises ValueError: the text is empty, no YAML, or more than a scalar or a list.
     """
     if not text:
         raise ValueError("error not set")
@@ -145,8 +144,7 @@ def read_file(text: str, value_of: Callable[[str, str], Value]) -> None:
 
     `value_of` is called with a pattern of node names and the name of a parameter; it returns what to fill.
 
-    Raises:
-        ValueError: the file is no YAML, or has not the form ``node: {ros__parameters: {name: value}}``.
+    Raises ValueError: the file is no YAML, or has not the form ``node: {ros__parameters: {name: value}}``.
     """
     _File(text, value_of).read()
 

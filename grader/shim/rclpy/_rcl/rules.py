@@ -100,8 +100,7 @@ def read_remap(rule: str) -> Remap:
 def read_parameter_rule(rule: str) -> tuple[str, str, str]:
     """Return the pattern of nodes, the parameter's name and its value's YAML.
 
-    Raises:
-        ValueError: `rule` is no rule; the message is rcl's.
+    Raises ValueError: `rule` is no rule; the message is rcl's.
     """
     lexer = _Lexer(rule)
     node = _node_prefix(lexer)
@@ -118,8 +117,7 @@ def read_parameter_rule(rule: str) -> tuple[str, str, str]:
 def read_level_rule(rule: str) -> tuple[str, str]:
     """Return the logger's name, empty for all of them, and the level's name.
 
-    Raises:
-        ValueError: `rule` is no rule; the message is rcl's.
+    Raises ValueError: `rule` is no rule; the message is rcl's.
     """
     lexer = _Lexer(rule)
     while lexer.peek() != SEPARATOR:

@@ -28,8 +28,7 @@ class YamlEvent:
 def events(text: str) -> Iterator[YamlEvent]:
     """Yield the events of a text.
 
-    Raises:
-        YamlError: where the text is no YAML; the events before it are yielded.
+    Raises YamlError: where the text is no YAML; the events before it are yielded.
     """
     word = text.replace(".", "").replace("-", "").replace("+", "")
     if word.isascii() and word.isalnum() and not text.startswith("-"):  # what most values are: without PyYAML

@@ -47,8 +47,7 @@ class Description:
     def write(self, data: Any) -> int:
         """Write what there is room for; return how many bytes that was.
 
-        Raises:
-            OSError: it is open for reading only, or the storage is full.
+        Raises OSError: it is open for reading only, or the storage is full.
         """
         if not self.writable:
             fail(errno.EBADF)

@@ -26,8 +26,7 @@ Parts = tuple[str, ...]
 def fail(number: int, path: object = None, target: object = None) -> NoReturn:
     """Raise what a refused call raises.
 
-    Raises:
-        OSError: of the subclass that belongs to `number`, about `path` if any (and `target`, of two).
+    Raises OSError: of the subclass that belongs to `number`, about `path` if any (and `target`, of two).
     """
     if isinstance(path, os.PathLike):
         path = os.fspath(path)

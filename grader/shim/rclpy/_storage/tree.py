@@ -140,8 +140,7 @@ class Storage:
 
         A final slash may also follow a name that does not exist yet.
 
-        Raises:
-            OSError: one of them does not.
+        Raises OSError: one of them does not.
         """
         names = (text if text[0] == "/" else f"{self.cwd}/{text}").split("/")
         for place, name in enumerate(names):
@@ -164,8 +163,7 @@ class Storage:
     def find(self, parts: Parts, path: object) -> Entry:
         """Return the entry at `parts`; with an empty last part it must be a directory.
 
-        Raises:
-            OSError: there is no such entry (the error names `path`).
+        Raises OSError: there is no such entry (the error names `path`).
         """
         entry: Entry = self._root
         for name in parts:
@@ -182,8 +180,7 @@ class Storage:
         A student's home may contain any directory, so one that a script expects there is made. In the working
         directory and in ``/tmp``, which begin empty, a missing directory is an error.
 
-        Raises:
-            OSError: there is no such directory.
+        Raises OSError: there is no such directory.
         """
         generous = parts[0] in _HOMES and parts[: len(_WORK)] != _WORK
         folder = self._root
@@ -251,8 +248,7 @@ class Storage:
     def write(self, file: File, at: int, data: bytes | memoryview) -> int:
         """Write at `at` what there is room for (zeros before it, beyond the end); return how many bytes.
 
-        Raises:
-            OSError: there is no room.
+        Raises OSError: there is no room.
         """
         size = len(file.data)
         room = CAPACITY_BYTES - self._used_bytes + size - at

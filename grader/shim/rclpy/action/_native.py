@@ -128,8 +128,7 @@ class ActionClientHandle(_Members):
     def send(self, what: str, request: Any) -> int:
         """Send a request to the service for the goal, its result or its cancelling; return its number.
 
-        Raises:
-            RCLError: the client was destroyed.
+        Raises RCLError: the client was destroyed.
         """
         if self.doomed:
             invalid = "action client pointer is invalid, at ./src/rcl_action/action_client.c:470"

@@ -266,8 +266,7 @@ class ActionClient(Waitable):
     def send_goal(self, goal: Any, **kwargs: Any) -> Any:
         """Send a goal and block until its result; another thread has to spin the node.
 
-        Raises:
-            TypeError: `goal` is no Goal of this action.
+        Raises TypeError: `goal` is no Goal of this action.
         """
         call = f"send_goal() of {self._action_name!r}"
         goal_handle = block_on(self.send_goal_async(goal, **kwargs), call)
@@ -280,8 +279,7 @@ class ActionClient(Waitable):
 
         `feedback_callback` is called with each feedback message. The goal has the id `goal_uuid`, or a new one.
 
-        Raises:
-            TypeError: `goal` is no Goal of this action.
+        Raises TypeError: `goal` is no Goal of this action.
         """
         if not isinstance(goal, self._action_type.Goal):
             raise TypeError()
