@@ -181,7 +181,7 @@ def _recursion(name: str, known: Mapping[str, Fields]) -> _Misfit | None:
                 )
             if base not in visited:
                 visited.add(base)
-                waiting += [each.partition("[")[0] for each in known.get(base, {}).values()]
+                waiting += [type_text.partition("[")[0] for type_text in known.get(base, {}).values()]
     return None
 
 
@@ -201,7 +201,9 @@ def _least_bytes(name: str, known: Mapping[str, Fields], sizes: dict[str, int]) 
     """Return about how many bytes a message without recursion takes at least, padding left out."""
     if name not in sizes:
         sizes[name] = 1  # ends the recursion of a type that contains itself, which `_recursion` reports
-        sizes[name] = sum(_field_bytes(each, known, sizes) for each in known.get(name, {}).values()) or 1
+        sizes[name] = (
+            sum(_field_bytes(type_text, known, sizes) for type_text in known.get(name, {}).values()) or 1
+        )
     return sizes[name]
 
 

@@ -370,7 +370,7 @@ def _fields_at(model: type[BaseModel], place: Sequence[int | str]) -> tuple[str,
             named = [
                 one for each in models for name, one in each.model_fields.items() if step in (name, one.alias)
             ]
-            models = [each for one in named for each in _models(one.annotation)]
+            models = [each for field in named for each in _models(field.annotation)]
     return tuple(
         dict.fromkeys(one.alias or name for each in models for name, one in each.model_fields.items())
     )

@@ -50,7 +50,7 @@ class WallModel(SpecModel):
     @property
     def is_drawn(self) -> bool:
         """Whether it differs from seed to seed."""
-        return any(isinstance(each, tuple) for each in (*self.begin, *self.end))
+        return any(isinstance(value, tuple) for value in (*self.begin, *self.end))
 
     def solid(self, source: Random) -> Solid:
         """Return the contract."""
@@ -78,7 +78,7 @@ class BoxModel(SpecModel):
     @property
     def is_drawn(self) -> bool:
         """Whether it differs from seed to seed."""
-        return any(isinstance(each, tuple) for each in (*self.at, *self.size, self.heading_deg))
+        return any(isinstance(value, tuple) for value in (*self.at, *self.size, self.heading_deg))
 
     def solid(self, source: Random) -> Solid:
         """Return the contract."""
@@ -106,7 +106,7 @@ class CylinderModel(SpecModel):
     @property
     def is_drawn(self) -> bool:
         """Whether it differs from seed to seed."""
-        return any(isinstance(each, tuple) for each in (*self.at, self.radius))
+        return any(isinstance(value, tuple) for value in (*self.at, self.radius))
 
     def solid(self, source: Random) -> Solid:
         """Return the contract."""
@@ -213,7 +213,7 @@ def _edges(bounds: tuple[float, ...], height_m: float) -> Iterator[Solid]:
 
 
 def _clear_of_start(solid: Solid, start: StartPose, least_m: float) -> bool:
-    pose = (np.array([each]) for each in (start.x_m, start.y_m, math.radians(start.heading_deg)))
+    pose = (np.array([value]) for value in (start.x_m, start.y_m, math.radians(start.heading_deg)))
     return solid.kind == "ramp" or float(clearance_m(solid, *pose)[0]) > least_m
 
 

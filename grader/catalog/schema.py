@@ -362,7 +362,7 @@ class PieceModel(SpecModel):
 
     @model_validator(mode="after")
     def _is_one(self) -> Self:
-        pieces = [each for each in (self.line, self.arc, self.turn, self.goto) if each is not None]
+        pieces = [piece for piece in (self.line, self.arc, self.turn, self.goto) if piece is not None]
         if len(pieces) == 1 and (self.arc is None) != (self.radius is None):
             raise MisfitError(misfits.ARC)
         if len(pieces) != 1 or pieces[0] == 0.0:

@@ -48,7 +48,11 @@ def audit(catalog: Catalog, assignment_ids: Iterable[str], language: Language, m
 
 def _counts(audits: dict[str, Audit], language: Language) -> Table:
     table = Table(box=None)
-    for heading in (*(one.get(language) for one in (_ASSIGNMENT, _EDITS)), *_BANDS, _ALIKE.get(language)):
+    for heading in (
+        *(sentence.get(language) for sentence in (_ASSIGNMENT, _EDITS)),
+        *_BANDS,
+        _ALIKE.get(language),
+    ):
         table.add_column(heading)
     for assignment_id, one in audits.items():
         alike = sum(mutant.moves_alike for mutant in one.graded)

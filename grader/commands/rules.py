@@ -162,7 +162,7 @@ def _set(
     sections: Sequence[str],
 ) -> None:
     known = stored.of(signed.course)
-    wanted = {one.id: _wanted(one, known, arguments.rules) for one in assignments}
+    wanted = {assignment.id: _wanted(assignment, known, arguments.rules) for assignment in assignments}
     changes: dict[tuple[str, ...], list[str]] = {}
     for name, rules in wanted.items():
         before = known.of(name)
@@ -171,7 +171,7 @@ def _set(
         changes.setdefault(_change(before, rules, known.zone, arguments), []).append(name)
     for change, names in changes.items():
         _print_change(_listed(names, arguments), change)
-    empty = {one.section for rules in wanted.values() for one in rules.by_section} - set(sections)
+    empty = {rule.section for rules in wanted.values() for rule in rules.by_section} - set(sections)
     if empty and any(rule.startswith("by_section=") for rule in arguments.rules):
         listed = ", ".join(sorted(empty))
         tell(arguments, zh=f"注意：班里没有人在 {listed}", en=f"note: nobody is in the section {listed}")

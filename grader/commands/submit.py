@@ -205,7 +205,7 @@ def _accepted(response: httpx.Response) -> httpx.Response:
         problem = response.json()
         code, title, detail = (str(problem[name]) for name in ("code", "title", "detail"))
         fix = _TOKEN_FIX if code == "unauthorized" else Text(zh=problem["fix"], en=problem["fix"])
-        allowed = ", ".join(str(one) for one in problem.get("allowed") or ())
+        allowed = ", ".join(str(name) for name in problem.get("allowed") or ())
         lines = [title, detail if detail != title else "", problem.get("text") or ""]
         lines.append(f"allowed: {allowed}" if allowed else "")
     except (ValueError, KeyError, TypeError):

@@ -279,8 +279,10 @@ def _costs(found: Sequence[Sensitivity], language: Language) -> Table:
     headings = (_LESS_COSTS, _LESS_LEAVES_NOTHING, _MORE_COSTS, _MORE_LEAVES_NOTHING)
     table = _table(language, _ERROR_IN, _ITEM, *headings)
     sizes: dict[tuple[str, str], dict[bool, Sensitivity]] = {}
-    for each in found:
-        sizes.setdefault((each.perturbation.name.get(language), each.item), {})[each.starts > 0.0] = each
+    for finding in found:
+        sizes.setdefault((finding.perturbation.name.get(language), finding.item), {})[
+            finding.starts > 0.0
+        ] = finding
     named = ""
     for (name, item), by_sign in sizes.items():
         cells = [cell for more in (False, True) for cell in _sizes(by_sign.get(more))]

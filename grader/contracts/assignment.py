@@ -13,8 +13,8 @@ from grader.contracts.text import EMPTY, Language, Text
 
 Profile = Literal["nominal", "rough"]
 Input = Literal["script", "text", "package"]
-Distro = Literal["humble", "jazzy"]
 Across = Literal["each", "worst", "mean"]
+Distro = Literal["humble", "jazzy"]
 """A release of ROS 2."""
 
 DISTROS: Final[tuple[Distro, ...]] = get_args(Distro)

@@ -240,7 +240,7 @@ def parameter_value(value: Any) -> Values:
 
 
 def _all_of(kind: type) -> Any:
-    return lambda value: isinstance(value, list) and all(type(each) is kind for each in value)
+    return lambda value: isinstance(value, list) and all(type(element) is kind for element in value)
 
 
 _PARAMETER_FIELDS: Final = (
@@ -364,6 +364,6 @@ def _plain(value: Any) -> str:
     if isinstance(value, str):
         return f'"{value}"'
     if isinstance(value, list | tuple | bytes):
-        listed = [_plain(each) for each in value[:12]]
+        listed = [_plain(element) for element in value[:12]]
         return f"[{', '.join(listed)}{', …' if len(value) > 12 else ''}]"
     return str(value) if not isinstance(value, dict) else ", ".join(_fields("", value))

@@ -64,7 +64,7 @@ class Explanation(Record):
     def codes(self) -> tuple[str, ...]:
         """What takes the place of a report's mistakes where something was found."""
         if self.changes:
-            return tuple(f"change.{one.code}" for one in self.changes)
+            return tuple(f"change.{change.code}" for change in self.changes)
         return () if self.cause is None else (f"cause.{self.cause.code}",)
 
 

@@ -289,8 +289,8 @@ class _Evaluation:
     def _boolop(self, node: ast.BoolOp) -> Value:
         stops = isinstance(node.op, ast.Or)
         value: Value = None
-        for each in node.values:
-            value = self.of(each)
+        for operand in node.values:
+            value = self.of(operand)
             if bool(value) is stops:
                 break
         return value

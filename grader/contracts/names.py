@@ -110,5 +110,5 @@ def near_name(name: str, known: Iterable[str]) -> str | None:
     if len(name) > _LONGEST:
         return None
     names = [one for one in known if len(one) <= _LONGEST]
-    same = next((one for one in names if sorted(one.lower()) == sorted(name.lower())), None)
+    same = next((other for other in names if sorted(other.lower()) == sorted(name.lower())), None)
     return same or next(iter(difflib.get_close_matches(name, names, 1, _NEAR)), None)

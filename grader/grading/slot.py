@@ -387,7 +387,7 @@ def _bounded(size: int) -> int:
 
 
 def _sizes(announced: Any) -> list[int]:
-    if not isinstance(announced, list) or not all(type(one) is int and one >= 0 for one in announced):
+    if not isinstance(announced, list) or not all(type(value) is int and value >= 0 for value in announced):
         raise ValueError("the sizes of a message's blobs are no numbers")
     return announced
 

@@ -356,7 +356,7 @@ def _distinct(values: Sequence[float]) -> tuple[float, ...]:
 def _proven(candidate: Candidate, text: str, now: Graded, after: Graded) -> ProvenChange:
     return ProvenChange(
         code=candidate.proposal.code,
-        text=_change_text(candidate.proposal, now.score, after.score),
+        text=_told(candidate.proposal, now.score, after.score),
         lines=tuple(
             ChangedText(number=line.number, before=line.before, after=line.after)
             for line in changed_lines(text, candidate.text)
@@ -410,6 +410,6 @@ def _cause_of(proposal: Proposal) -> Text:
     return join([cause, _cause_of(then)], _SPACE) if isinstance(then, Proposal) else cause
 
 
-def _change_text(proposal: Proposal, before: float, after: float) -> Text:
+def _told(proposal: Proposal, before: float, after: float) -> Text:
     tried = say("change.tried", before=points(before), after=points(after))
     return say("change.whole", cause=_cause_of(proposal), tried=tried)

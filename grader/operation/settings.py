@@ -216,7 +216,7 @@ class Settings(BaseSettings):
     @property
     def assignment_folders(self) -> tuple[Path, ...]:
         """Return the folders of the operator's own assignments."""
-        return tuple(Path(one) for one in self.assignments.split(os.pathsep) if one)
+        return tuple(Path(path) for path in self.assignments.split(os.pathsep) if path)
 
     @property
     def silent_s(self) -> float:

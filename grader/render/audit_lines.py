@@ -111,7 +111,7 @@ class Teller:
         """Return what changed as name, text before and text after; only the fields that differ of two records."""
         if not (isinstance(before, dict) or isinstance(after, dict)):
             return [("", _text(before), _text(after))]
-        old, new = (one if isinstance(one, dict) else {} for one in (before, after))
+        old, new = (value if isinstance(value, dict) else {} for value in (before, after))
         return [
             (
                 self._word(FIELDS.get(name, ""), name),
@@ -201,7 +201,7 @@ def _text(value: Any) -> str:
         return "—"
     if isinstance(value, float):
         return written(value)
-    if isinstance(value, list) and all(isinstance(one, str) for one in value):
+    if isinstance(value, list) and all(isinstance(element, str) for element in value):
         value = ", ".join(value)
     text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False, sort_keys=True)
     return text if len(text) <= _LONGEST_SHOWN else text[:_LONGEST_SHOWN] + "…"

@@ -107,7 +107,9 @@ def told(report: GradeReport, explanation: Explanation, level: Hints, own: Mappi
         for item in report.items
     )
     said = dict.fromkeys((*own.values(), *(_next(step) for step in explained)))
-    hint = Text(zh="\n".join(one.zh for one in said), en="\n".join(one.en for one in said))
+    hint = Text(
+        zh="\n".join(sentence.zh for sentence in said), en="\n".join(sentence.en for sentence in said)
+    )
     if level is not Hints.CHANGE:
         return replace(report, items=items, hint=hint, mistakes=())
     return replace(report, items=items, hint=hint, mistakes=explanation.codes)

@@ -93,7 +93,9 @@ def render_steps(
     """
     own = own_hints(assignment, report)
     if own and explanation.changes:
-        yield next_steps((visible(one.get(language)) for one in dict.fromkeys(own.values())), language)
+        yield next_steps(
+            (visible(sentence.get(language)) for sentence in dict.fromkeys(own.values())), language
+        )
     found = steps(report, explanation, assignment.hints)
     for step in found:
         yield next_steps((visible(step.fact.get(language)),), language)

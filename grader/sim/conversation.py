@@ -222,7 +222,7 @@ class Talk:
             elif step.kind == "serve":
                 world["services"].append([step.target, step.type])
             else:
-                calls += [list(each) for each in _services_of(step).items()]
+                calls += [list(service) for service in _services_of(step).items()]
 
     # What the script does.
 
@@ -369,11 +369,11 @@ class Talk:
         for due_ns, event in [entry for entry in self._waiting if entry[0] <= t_ns]:
             self._waiting.remove((due_ns, event))
             self._world.outbox.add(event)
-        for each in [entry for entry in self._later if entry[0] <= t_ns]:
-            self._later.remove(each)
-            if not self._exchanges[each[1]].status:
-                self._change(each[1], cancelled_ns=t_ns)
-                self._send(each[1], "cancel", t_ns)
+        for due in [entry for entry in self._later if entry[0] <= t_ns]:
+            self._later.remove(due)
+            if not self._exchanges[due[1]].status:
+                self._change(due[1], cancelled_ns=t_ns)
+                self._send(due[1], "cancel", t_ns)
         for course in self._courses:
             while course.sent < len(course.payloads) and course.due_ns <= t_ns and self._meets(course):
                 self._take_turn(course, t_ns)

@@ -101,9 +101,9 @@ def rank(scripts: Sequence[Script], given: Hashes, known_drives: frozenset[str] 
     return Ranking(
         few=few,
         too_little=tuple(too_little.tolist()),
-        pairs=tuple(_pair(scripts, own, shared, *one, same_drive=one in drives) for one in listed),
+        pairs=tuple(_pair(scripts, own, shared, *pair, same_drive=pair in drives) for pair in listed),
         left_out=len(ranked) - len(listed),
-        same_drives=tuple(_pair(scripts, own, shared, *one, same_drive=True) for one in alike),
+        same_drives=tuple(_pair(scripts, own, shared, *pair, same_drive=True) for pair in alike),
     )
 
 
@@ -114,7 +114,7 @@ class _Own:
         self._students = len(scripts)
         different = [np.unique(script.fingerprints.hashes) for script in scripts]
         hashes = np.concatenate([np.zeros(0, dtype=np.uint64), *different])
-        owners = np.repeat(np.arange(len(scripts)), [len(one) for one in different])
+        owners = np.repeat(np.arange(len(scripts)), [len(lines) for lines in different])
         unknown = ~np.isin(hashes, given)
         order = np.argsort(hashes[unknown], kind="stable")
         self._owners = owners[unknown][order]

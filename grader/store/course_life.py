@@ -196,13 +196,13 @@ class CourseLife(TimedPart):
         Raises CourseError: the age is none.
         """
         since, erased = self._since(older_than_days), self.old_work(course, older_than_days)
-        for one in sorted(erased):
+        for name in sorted(erased):
             with self._database.reading() as session:
-                ids = ids_of(session, *finished_before(since, one))
-            signed = Signature(self._clock(), one, actor)
+                ids = ids_of(session, *finished_before(since, name))
+            signed = Signature(self._clock(), name, actor)
             after = {"submissions": len(ids), "older_than_days": older_than_days}
             with self._database.writing() as session:  # first: what is erased is in the log, whatever happens
-                record(session, signed, "course.retain", f"course {one}", after=after, reason=reason)
+                record(session, signed, "course.retain", f"course {name}", after=after, reason=reason)
             for some in in_lots(ids, AT_ONCE):  # transactions that keep nobody waiting for long
                 with self._database.writing() as session:
                     erase(session, some)

@@ -181,8 +181,8 @@ class Courses(TimedPart):
             one_at_a_time(session, "course", course_id)
             change = _roster_change(session, course_id, entries)
             add_members(session, signed, change.added)
-            for one in change.changed:
-                _change(session, signed, one)
+            for member in change.changed:
+                _change(session, signed, member)
             return change
 
     def remove(self, course_id: str, people: Sequence[str], actor: str, reason: str = "") -> None:

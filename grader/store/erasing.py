@@ -113,7 +113,7 @@ def _erase(session: Session, named: Sequence[str]) -> None:
     )
     session.execute(held.with_for_update()).all()  # who hands in the same right now names it afterwards
     session.execute(delete(SourceRow).where(col(SourceRow.sha256).in_(sources), ~_named_source()))
-    about = or_(*(col(AuditRow.subject).startswith(f"submission {one}", autoescape=True) for one in named))
+    about = or_(*(col(AuditRow.subject).startswith(f"submission {id_}", autoescape=True) for id_ in named))
     blank = {"before": _NOTHING, "after": _NOTHING, "reason": ""}
     session.execute(update(AuditRow).where(about).values(blank))
 

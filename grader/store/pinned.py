@@ -15,7 +15,7 @@ class Pinned(StorePart):
         """Return what is pinned at an assignment, by the code of the mistake, in order."""
         row = PinnedRow
         own = select(row).where(col(row.course) == course, col(row.assignment) == assignment)
-        return {one.mistake: one.text for one in self._scalars(own.order_by(col(row.mistake)))}
+        return {pinned.mistake: pinned.text for pinned in self._scalars(own.order_by(col(row.mistake)))}
 
     def pin(self, assignment: str, mistake: str, text: str, signed: Signature) -> None:
         """Pin `text` to a mistake in place of what was there; empty: nothing.

@@ -303,7 +303,7 @@ def _regrade(session: Session, row: RegradeRow, trials: list[_Trial] | None = No
         same = len(graded) - len(changes)
     else:
         outcome = json.loads(row.outcome)
-        changes = tuple(from_plain(ScoreChange, one) for one in outcome["changes"])
+        changes = tuple(from_plain(ScoreChange, change) for change in outcome["changes"])
         waiting, failed, same = 0, outcome["failed"], outcome["same"]
         kept = outcome["kept"]
     return as_contract(
@@ -392,7 +392,7 @@ def _trials_of(session: Session, regrade_id: str) -> list[_Trial]:
         .order_by(col(SubmissionRow.student), col(SubmissionRow.received_at), col(SubmissionRow.id))
     )
     originals = list(session.execute(statement).scalars())
-    latest = {one.id: one.graded_attempt for one in (*originals, *trials.values())}
+    latest = {submission.id: submission.graded_attempt for submission in (*originals, *trials.values())}
     scores = item_scores(session, {id_: attempt for id_, attempt in latest.items() if attempt is not None})
     judgements = judgements_by(session, [original.id for original in originals])
 

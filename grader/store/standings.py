@@ -117,7 +117,7 @@ def _changes(session: Session, courses: Collection[str | None]) -> dict[str | No
     """
     course = col(AuditRow.course)
     statement = select(course, func.count()).where(_among(course, courses)).group_by(course)
-    return {one[0]: one[1] for one in session.execute(statement)}
+    return {row[0]: row[1] for row in session.execute(statement)}
 
 
 def _among(column: Any, courses: Collection[str | None]) -> Any:

@@ -136,7 +136,7 @@ def _team_with(teams: Iterable[Team], person: str) -> Team | None:
 
 def _of(course: str | None, assignment: str, *person: str) -> list[ColumnElement[bool]]:
     row = TeamMemberRow
-    theirs = [col(row.person) == one for one in person]
+    theirs = [col(row.person) == id_ for id_ in person]
     return [col(row.course) == course, col(row.assignment) == assignment, *theirs]
 
 

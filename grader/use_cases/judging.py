@@ -152,7 +152,7 @@ def give_several(
 
     Raises as `give`, naming the item; or one is named twice, or none at all.
     """
-    give_each(services, caller, submission_id, [(*one, comment) for one in wanted])
+    give_each(services, caller, submission_id, [(*decision, comment) for decision in wanted])
 
 
 def give_each(
@@ -162,7 +162,7 @@ def give_each(
     wanted: Sequence[tuple[str, float, Seen | None, str]],
 ) -> None:
     """Keep points for several items, each with its own comment, as `give_several`."""
-    names = [one[0] for one in wanted]
+    names = [decision[0] for decision in wanted]
     if not names or len(set(names)) < len(names):
         raise RefusedError("invalid_request", _ITEMS, field="items")
     _give(services, caller, submission_id, wanted)

@@ -79,7 +79,7 @@ def upload(services: Services, caller: Caller, content: bytes) -> OwnAssignment:
     services.own_assignments.add(new, services.signature(caller))
     services.doorbell.ring()
     return next(
-        one for one in reversed(services.own_assignments.of(course)) if one.assignment == new.assignment
+        own for own in reversed(services.own_assignments.of(course)) if own.assignment == new.assignment
     )
 
 

@@ -254,8 +254,8 @@ def give_tokens(
     """
     course = taught_course(caller)
     members = services.courses.members(course) if everybody else without_token(services, caller)
-    chosen = [one for one in members if not section or section in one.sections]
-    ids = [one.id for one in chosen]
+    chosen = [member for member in members if not section or section in member.sections]
+    ids = [member.id for member in chosen]
     tokens = services.tokens.issue_all(course, ids, timedelta(days=days), caller.signature)
     return [(member, token) for member, (_, token) in zip(chosen, tokens, strict=True)]
 

@@ -83,19 +83,19 @@ def _planned(services: Services, platform: Platform, listed: Iterable[Listed]) -
     added: dict[str, tuple[str, RosterEntry]] = {}  # with the platform's name for the person
     taken: set[str] = set()
     nameless, enrolled, others = [], 0, 0
-    for one in listed:
-        person = next((claim for claim in one.claimed if is_person_id(claim)), None)
-        if not one.learns:
+    for entry in listed:
+        person = next((claim for claim in entry.claimed if is_person_id(claim)), None)
+        if not entry.learns:
             others += 1
-        elif one.subject in bound or any(claim.casefold() in here for claim in one.claimed):
+        elif entry.subject in bound or any(claim.casefold() in here for claim in entry.claimed):
             enrolled += 1
         elif person is None or (key := person.casefold()) in taken:
-            nameless.append(one.name or one.subject)
-        elif added.get(key, (one.subject,))[0] != one.subject:
+            nameless.append(entry.name or entry.subject)
+        elif added.get(key, (entry.subject,))[0] != entry.subject:
             taken.add(key)
-            nameless += [added.pop(key)[1].name or person, one.name or one.subject]
+            nameless += [added.pop(key)[1].name or person, entry.name or entry.subject]
         else:
-            added.setdefault(key, (one.subject, _entry(person, one)))
+            added.setdefault(key, (entry.subject, _entry(person, entry)))
     ordered = tuple(added[key][1] for key in sorted(added))
     return PeoplePlan(
         platform=platform, added=ordered, known=enrolled, nameless=tuple(sorted(nameless)), others=others

@@ -79,7 +79,9 @@ def adopt_scores(services: Services, caller: Caller, assignment_id: str) -> OwnA
         raise RefusedError("assignment_not_found")
     files = unpacked(folder(services, caller, assignment_id))
     spec: dict[str, Any] = yaml.safe_load(files[SPEC_NAME])
-    scores = {one.script: one.score for one in refused.examined.verdicts if one.problem != EMPTY}
+    scores = {
+        verdict.script: verdict.score for verdict in refused.examined.verdicts if verdict.problem != EMPTY
+    }
     for attempt in spec.get("wrong", ()):
         score = scores.get(f"wrong/{attempt['file']}")
         if score is not None:
@@ -91,7 +93,7 @@ def adopt_scores(services: Services, caller: Caller, assignment_id: str) -> OwnA
 
 def refused_upload(services: Services, caller: Caller, assignment_id: str) -> OwnAssignment | None:
     """Return the latest upload of an assignment where its scripts did not get what they must. For staff."""
-    uploads = [one for one in own_assignments(services, caller) if one.assignment == assignment_id]
+    uploads = [own for own in own_assignments(services, caller) if own.assignment == assignment_id]
     return uploads[-1] if uploads and uploads[-1].state is OwnState.REFUSED else None
 
 
@@ -100,7 +102,7 @@ def last_saved(services: Services, caller: Caller, assignment: Assignment) -> As
     if not caller.is_instructor or refused_upload(services, caller, assignment.id) is None:
         return assignment
     saved = read_folder(unpacked(folder(services, caller, assignment.id))).assignment
-    fits = saved is not None and [one.id for one in saved.items] == [one.id for one in assignment.items]
+    fits = saved is not None and [item.id for item in saved.items] == [item.id for item in assignment.items]
     return saved if saved is not None and fits else assignment
 
 

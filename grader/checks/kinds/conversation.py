@@ -60,16 +60,16 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
 def node_mistakes(run: Run) -> tuple[Mistake, ...]:
     """Return what probably went wrong with a first node."""
     outcome = run.outcome
-    found = [*script_mistakes(run)]
-    if not found and not outcome.nodes:
+    mistakes = [*script_mistakes(run)]
+    if not mistakes and not outcome.nodes:
         interrupted = outcome.status is RunStatus.INTERRUPTED
-        found.append(mistake("init_without_node") if interrupted else without_node(run))
+        mistakes.append(mistake("init_without_node") if interrupted else without_node(run))
     elif outcome.nodes:
-        found += _logging(run)
+        mistakes += _logging(run)
         if outcome.status is RunStatus.FINISHED:
             ended = number(outcome.duration_ns / 1e9, "s")
-            found.append(mistake("not_spinning", ("alive",), ended=ended))
-    return tuple(found)
+            mistakes.append(mistake("not_spinning", ("alive",), ended=ended))
+    return tuple(mistakes)
 
 
 def _logging(run: Run) -> Iterator[Mistake]:

@@ -174,7 +174,7 @@ def _is_no_source(part: str) -> bool:
 
 def _folder_above(path: str, folders: Collection[str]) -> str | None:
     """Return the outermost of `folders`, a set, that has `path` in or below it."""
-    return next((each for each in ("", *above(path)) if each in folders), None)
+    return next((folder for folder in ("", *above(path)) if folder in folders), None)
 
 
 def _common(folders: Sequence[str]) -> str:

@@ -83,7 +83,9 @@ def _interfaces(packages: Sequence[Package], files: Mapping[str, bytes]) -> dict
     for package in packages:
         if not package.has_setup and "CMakeLists.txt" in package.paths:
             lists = decoded(files[f"{package.folder}/CMakeLists.txt"])
-            generated = {each for call in _GENERATES.findall(lists) for each in _DEFINITION.findall(call)}
+            generated = {
+                definition for call in _GENERATES.findall(lists) for definition in _DEFINITION.findall(call)
+            }
             for path in sorted(generated & set(package.paths)):
                 modules[f"{package.name}/{path}"] = decoded(files[f"{package.folder}/{path}"])
     return modules

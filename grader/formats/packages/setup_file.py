@@ -56,7 +56,7 @@ class SetupFile:
     def strings(self, name: str) -> list[str] | None:
         """Return an argument that is a list of texts; None when it is not known."""
         value = self.arguments.get(name, [])
-        if isinstance(value, list | tuple) and all(isinstance(each, str) for each in value):
+        if isinstance(value, list | tuple) and all(isinstance(element, str) for element in value):
             return list(value)
         return None
 
@@ -80,13 +80,13 @@ class SetupFile:
         if not isinstance(value, list | tuple):
             return None
         targets: list[tuple[str, list[str]]] = []
-        for each in value:
-            if not (isinstance(each, list | tuple) and len(each) == 2 and isinstance(each[0], str)):
+        for element in value:
+            if not (isinstance(element, list | tuple) and len(element) == 2 and isinstance(element[0], str)):
                 return None
-            files = each[1]
+            files = element[1]
             if not (isinstance(files, list | tuple) and all(isinstance(file, str) for file in files)):
                 return None
-            targets.append((each[0], list(files)))
+            targets.append((element[0], list(files)))
             if sum(len(paths) for _, paths in targets) > _LONGEST_VALUE:
                 return None
         return targets
@@ -94,7 +94,7 @@ class SetupFile:
     def package_dir(self) -> dict[str, str] | None:
         """Return the folders of packages by their names, of all others under the empty one; None: not known."""
         value = self.arguments.get("package_dir", {})
-        if isinstance(value, dict) and all(isinstance(each, str) for each in value.values()):
+        if isinstance(value, dict) and all(isinstance(element, str) for element in value.values()):
             return {name: _plain(folder) for name, folder in value.items()}
         return None
 

@@ -294,7 +294,7 @@ def _ids(table: ListedTable) -> tuple[int, int]:
 
 def _sheet_names(given: list[str]) -> list[str]:
     """Return names that Excel takes, of which no two are the same."""
-    names = [_NOT_IN_A_NAME.sub(" ", one)[:31].strip() or "成绩" for one in given]
+    names = [_NOT_IN_A_NAME.sub(" ", name)[:31].strip() or "成绩" for name in given]
     unique = len({name.casefold() for name in names}) == len(names)
     return names if unique else [f"{number} {one}"[:31] for number, one in enumerate(names, 1)]
 

@@ -127,7 +127,7 @@ def _text(cell: str | float) -> str:
 
 def _visible(cell: str) -> str:
     """Return a cell without what web pages leave in text that is copied from them, such as zero-width spaces."""
-    return "".join(one for one in cell if unicodedata.category(one) != "Cf").strip()
+    return "".join(character for character in cell if unicodedata.category(character) != "Cf").strip()
 
 
 def _workbook(content: bytes) -> list[_Sheet]:

@@ -354,7 +354,7 @@ def _entry(row: ListedRow, columns: dict[str, int]) -> RosterEntry | None:
 
 def _joined(first: str, last: str) -> str:
     """Return a full name: in Chinese, Japanese and Korean characters the last name comes first."""
-    if any(unicodedata.east_asian_width(one) in "WF" for one in first + last):
+    if any(unicodedata.east_asian_width(character) in "WF" for character in first + last):
         return f"{last}{first}"
     return f"{first} {last}".strip()
 
@@ -385,5 +385,5 @@ def _checked_role(text: str) -> Role | None:
 
 def _checked_sections(text: str) -> tuple[str, ...] | None:
     """Return the sections that a cell names, None where it names none."""
-    named = [checked_section(one) for one in _SECTION_SEPARATOR.split(text) if one.strip()]
+    named = [checked_section(section) for section in _SECTION_SEPARATOR.split(text) if section.strip()]
     return tuple(dict.fromkeys(named)) or None

@@ -53,9 +53,9 @@ class Cas:
         if not name:
             return Person(subject=user, claimed=user)
         ids = [
-            (one.text or "").strip()
-            for one in success.iterfind(f"{_NAMESPACE}attributes/*")
-            if one.tag.removeprefix(_NAMESPACE) == name
+            (attribute.text or "").strip()
+            for attribute in success.iterfind(f"{_NAMESPACE}attributes/*")
+            if attribute.tag.removeprefix(_NAMESPACE) == name
         ]
         if len(ids) != 1:
             _log.warning("CAS %s: %d attributes %s of a user, not one", self.id, len(ids), name)

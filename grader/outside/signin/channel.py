@@ -211,7 +211,7 @@ _trust = functools.cache(trusting)  # takes longer to make than many an exchange
 def _public(host: str, port: int) -> str:
     """Return the address that the system would try first: it knows which protocols have a route."""
     try:
-        addresses = [str(one[4][0]) for one in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)]
+        addresses = [str(info[4][0]) for info in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)]
     except OSError as error:
         raise UnreachableError(f"{host}: {error}") from error
     private = [address for address in addresses if not _is_public(address)]

@@ -109,17 +109,18 @@ class HeaderEntry(_Entry):
     @field_validator("proxies")
     @classmethod
     def _networks(cls, value: tuple[str, ...]) -> tuple[str, ...]:
-        for one in value:
+        for element in value:
             try:
-                network = ipaddress.ip_network(one)
+                network = ipaddress.ip_network(element)
             except ValueError:
                 raise ValueError(
-                    f"{one!r} is no address or network such as 10.0.0.5 or 10.1.0.0/16",
-                    f"{one!r} 不是地址或网段，例如 10.0.0.5 或 10.1.0.0/16",
+                    f"{element!r} is no address or network such as 10.0.0.5 or 10.1.0.0/16",
+                    f"{element!r} 不是地址或网段，例如 10.0.0.5 或 10.1.0.0/16",
                 ) from None
             if network.prefixlen == 0:
                 raise ValueError(
-                    f"{one!r} is every address: name the proxies", f"{one!r} 是全部地址：请写明代理的地址"
+                    f"{element!r} is every address: name the proxies",
+                    f"{element!r} 是全部地址：请写明代理的地址",
                 )
         return value
 
@@ -173,7 +174,7 @@ def read_config(path: Path) -> SignInConfig:
     except ValidationError as error:
         errors = {".".join(map(str, problem["loc"])): problem for problem in error.errors()}
         wrong = [_wrong(path, place, said(one, "en"), said(one, "zh")) for place, one in errors.items()]
-        en, zh = ("\n".join(one.message_in(language) for one in wrong) for language in ("en", "zh"))
+        en, zh = ("\n".join(problem.message_in(language) for problem in wrong) for language in ("en", "zh"))
         raise SettingsError(en, zh) from None
 
 

@@ -17,7 +17,7 @@ def opened(config: SignInConfig, clock_s: Callable[[], float]) -> Providers:
     return Providers(
         public_url=config.public_url,
         private_platforms=config.allow_private_platforms,
-        away=tuple(_provider(one, clock_s) for one in sending),
+        away=tuple(_provider(settings, clock_s) for settings in sending),
         headers=tuple(provider for provider in config.providers if isinstance(provider, HeaderEntry)),
     )
 

@@ -24,9 +24,8 @@ class PageQuery(BaseModel):
     def address(self, **changes: object) -> str:
         """Return the query string of this view with some fields changed."""
         fields = {**self.model_dump(), **changes}
-        return "?" + urlencode(
-            {name: int(one) if isinstance(one, bool) else one for name, one in fields.items()}
-        )
+        plain = {name: int(value) if isinstance(value, bool) else value for name, value in fields.items()}
+        return f"?{urlencode(plain)}"
 
 
 def pages_of(count: int, size: int) -> int:
@@ -34,8 +33,8 @@ def pages_of(count: int, size: int) -> int:
     return max(1, math.ceil(count / size))
 
 
-def cut(found: Sequence[_Item], query: _Query) -> tuple[Sequence[_Item], _Query, int]:
+def cut(lines: Sequence[_Item], query: _Query) -> tuple[Sequence[_Item], _Query, int]:
     """Return the lines of the page asked for, beyond the last page the last; that page; and how many there are."""
-    pages = pages_of(len(found), _LINES)
+    pages = pages_of(len(lines), _LINES)
     page = min(query.page, pages)
-    return found[(page - 1) * _LINES : page * _LINES], query.model_copy(update={"page": page}), pages
+    return lines[(page - 1) * _LINES : page * _LINES], query.model_copy(update={"page": page}), pages

@@ -258,10 +258,10 @@ def checked(*values: Any) -> None:
     for value in values:
         if value is None or isinstance(value, (str, os.PathLike, Substitution)):
             continue
-        for each in value:
-            if not isinstance(each, (str, os.PathLike, Substitution)):
+        for part in value:
+            if not isinstance(part, (str, os.PathLike, Substitution)):
                 raise TypeError(
-                    f"Failed to normalize given item of type '{type(each)}', when only "
+                    f"Failed to normalize given item of type '{type(part)}', when only "
                     "'str' or 'launch.Substitution' were expected."
                 )
 
@@ -276,7 +276,7 @@ def perform(context: LaunchContext, value: Any) -> str:
     if isinstance(value, Substitution):
         return value.perform(context)
     if isinstance(value, (list, tuple)):
-        return "".join(perform(context, each) for each in value)
+        return "".join(perform(context, part) for part in value)
     raise TypeError(
         "Failed to normalize given item of type '{}', when only '{}' were expected.".format(
             type(value), "str, launch.Substitution, os.PathLike"

@@ -38,11 +38,11 @@ def is_instance_of(value: Any, data_type: Any = None) -> bool:
         scalar, is_list = extract_type(data_type)
         if not is_list:
             return isinstance(value, scalar)
-        return isinstance(value, list) and all(isinstance(each, scalar) for each in value)
+        return isinstance(value, list) and all(isinstance(element, scalar) for element in value)
     if not isinstance(value, list):
         return isinstance(value, ScalarTypesTuple)
-    kind = next((type(each) for each in value if type(each) is not str), str)
-    return kind in ScalarTypesTuple and all(isinstance(each, kind) for each in value)
+    kind = next((type(element) for element in value if type(element) is not str), str)
+    return kind in ScalarTypesTuple and all(isinstance(element, kind) for element in value)
 
 
 def coerce_to_type(value: str, data_type: Any = None) -> Any:
@@ -59,7 +59,7 @@ def coerce_to_type(value: str, data_type: Any = None) -> Any:
         value_read = _as_yaml(value, failure)
         if not isinstance(value_read, list):
             raise ValueError(failure)
-        if not all(isinstance(each, scalar) for each in value_read):
+        if not all(isinstance(element, scalar) for element in value_read):
             raise ValueError(f"{failure}, got {value_read}")
         return value_read
     if scalar is not bool:
@@ -88,8 +88,8 @@ def is_substitution(x: Any) -> bool:
         return True
     return (
         isinstance(x, (list, tuple))
-        and all(isinstance(each, (Substitution, str)) for each in x)
-        and any(isinstance(each, Substitution) for each in x)
+        and all(isinstance(element, (Substitution, str)) for element in x)
+        and any(isinstance(element, Substitution) for element in x)
     )
 
 
@@ -109,7 +109,7 @@ def normalize_typed_substitution(value: Any, data_type: Any) -> Any:
             "value should be either a scalar, a substitutions, or a mixed list of scalars and substitutions. "
             f"Got `value={value}` of type `{type(value)}`. "
         )
-    if not all(isinstance(each, ScalarTypesTuple) or is_substitution(each) for each in value):
+    if not all(isinstance(element, ScalarTypesTuple) or is_substitution(element) for element in value):
         raise TypeError(
             "value is a list, and one of the items is not a scalar, a Substitution "
             f"or a list of substitutions. Got value='{value}'"
@@ -122,13 +122,14 @@ def normalize_typed_substitution(value: Any, data_type: Any) -> Any:
         )
     kind = _kind_of_scalars(value, scalar)
     return [
-        normalize_to_list_of_substitutions(each) if is_substitution(each) else kind(each) for each in value
+        normalize_to_list_of_substitutions(element) if is_substitution(element) else kind(element)
+        for element in value
     ]
 
 
 def _kind_of_scalars(value: Any, wanted: Any) -> Any:
     """Return the type that all scalars of a list have, or can have as `wanted`."""
-    kinds = {type(each) for each in value if isinstance(each, ScalarTypesTuple)}
+    kinds = {type(element) for element in value if isinstance(element, ScalarTypesTuple)}
     if kinds == {int, float} or (kinds == {int} and wanted is float):
         kinds = {float}
     if len(kinds) > 1:
@@ -149,11 +150,12 @@ def perform_typed_substitution(context: LaunchContext, value: Any, data_type: An
         if not is_instance_of(value, data_type):
             raise TypeError(f"value=`{value}` is a scalar and not an instance of `{data_type}`")
         return value
-    if value and all(isinstance(each, Substitution) for each in value):
+    if value and all(isinstance(element, Substitution) for element in value):
         return coerce_to_type(perform(context, value), data_type)
     scalar = None if data_type is None else extract_type(data_type)[0]
     found = [
-        coerce_to_type(perform(context, each), scalar) if isinstance(each, list) else each for each in value
+        coerce_to_type(perform(context, element), scalar) if isinstance(element, list) else element
+        for element in value
     ]
     if not is_instance_of(found, data_type):
         raise ValueError(

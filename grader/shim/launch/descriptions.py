@@ -49,7 +49,7 @@ class Executable:
 
     def prepare(self, context: LaunchContext, action: Any) -> None:
         """Evaluate it; each one that is evaluated gets a name of its own, such as ``drive-1``."""
-        cmd = [perform(context, each) for each in self.cmd]
+        cmd = [perform(context, part) for part in self.cmd]
         self.final_cmd = [*self._prefix(context, cmd[0]), *cmd]
         name = os.path.basename(self.final_cmd[0]) if self.name is None else perform(context, self.name)
         Executable.count += 1

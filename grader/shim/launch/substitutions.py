@@ -90,8 +90,8 @@ class PythonExpression(Substitution):
 
         names = self.python_modules
         known: dict[str, Any] = {}
-        for each in [names] if isinstance(names, (str, Substitution)) else names:
-            module = import_module(perform(context, each))
+        for part in [names] if isinstance(names, (str, Substitution)) else names:
+            module = import_module(perform(context, part))
             if module is math:
                 known.update(vars(math))
             if _distro.chosen == _distro.JAZZY:
@@ -252,13 +252,13 @@ class EqualsSubstitution(Substitution):
     """``true`` where two texts are the same, or the same truth or number."""
 
     def __init__(self, left: Any, right: Any) -> None:
-        self.left, self.right = (_as_text(each) for each in (left, right))
+        self.left, self.right = (_as_text(operand) for operand in (left, right))
 
     def perform(self, context: LaunchContext) -> str:
         return str(self._same(context)).lower()
 
     def _same(self, context: LaunchContext) -> bool:
-        texts = [perform(context, each) for each in (self.left, self.right)]
+        texts = [perform(context, operand) for operand in (self.left, self.right)]
         if all(text.lower() in ("true", "false", "1", "0") for text in texts):
             return len({text.lower() in ("true", "1") for text in texts}) == 1
         try:
@@ -320,7 +320,7 @@ def _as_text(value: Any) -> Any:
         return str(value).lower()
     if isinstance(value, (str, Substitution)):
         return value
-    if isinstance(value, (list, tuple)) and any(isinstance(each, Substitution) for each in value):
+    if isinstance(value, (list, tuple)) and any(isinstance(part, Substitution) for part in value):
         checked(value)
         return value
     return "" if value is None else str(value)

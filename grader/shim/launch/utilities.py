@@ -33,7 +33,7 @@ def normalize_to_list_of_substitutions(subs: Any) -> list[Substitution]:
     """
     checked(subs)
     sequence = [subs] if isinstance(subs, (str, Substitution)) else subs
-    return [TextSubstitution(text=each) if isinstance(each, str) else each for each in sequence]
+    return [TextSubstitution(text=element) if isinstance(element, str) else element for element in sequence]
 
 
 def ensure_argument_type(argument: Any, types: Any, argument_name: str, caller: str | None = None) -> None:
@@ -41,7 +41,7 @@ def ensure_argument_type(argument: Any, types: Any, argument_name: str, caller: 
     classes = tuple(types) if isinstance(types, Iterable) else (types,)
     if not isinstance(argument, classes):
         start = "E" if caller is None else f"'{caller}' e"
-        kinds = ", ".join(str(each) for each in classes)
+        kinds = ", ".join(str(type_) for type_ in classes)
         raise TypeError(
             f"{start}xpected '{argument_name}' to be one of [{kinds}], "
             f"but got '{argument}' of type '{type(argument)}'"

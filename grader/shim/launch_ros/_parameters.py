@@ -27,12 +27,12 @@ def normalize_parameters(given: Any) -> list[Any]:
     Raises TypeError: one of them is something else.
     """
     return [
-        normalize_parameter_dict(each)
-        if isinstance(each, dict)
-        else each
-        if isinstance(each, (Parameter, ParameterFile))
-        else ParameterFile(each)
-        for each in given
+        normalize_parameter_dict(entry)
+        if isinstance(entry, dict)
+        else entry
+        if isinstance(entry, (Parameter, ParameterFile))
+        else ParameterFile(entry)
+        for entry in given
     ]
 
 
@@ -63,11 +63,11 @@ def normalize_parameter_dict(
 
 def _normalized_list(value: Any) -> tuple[Any, ...]:
     """Return numbers of one type, substitutions that make one text, or a list of these for each text."""
-    for each in value:
-        ensure_argument_type(each, (float, int, str, bool, str, Substitution, list, tuple), "subvalue")
-    kinds = {Substitution if isinstance(each, Substitution) else type(each) for each in value}
+    for element in value:
+        ensure_argument_type(element, (float, int, str, bool, str, Substitution, list, tuple), "subvalue")
+    kinds = {Substitution if isinstance(element, Substitution) else type(element) for element in value}
     if kinds == {int, float}:
-        return tuple(float(each) for each in value)
+        return tuple(float(element) for element in value)
     if kinds in ({int}, {float}, {bool}):
         return tuple(value)
     if Substitution in kinds and kinds <= {str, Substitution}:
@@ -75,10 +75,10 @@ def _normalized_list(value: Any) -> tuple[Any, ...]:
     return tuple(
         tuple(
             normalize_to_list_of_substitutions(
-                yaml().dump(each) if isinstance(each, (float, int, str)) else each
+                yaml().dump(element) if isinstance(element, (float, int, str)) else element
             )
         )
-        for each in value
+        for element in value
     )
 
 
@@ -105,7 +105,7 @@ def _evaluated(context: LaunchContext, name: str, value: Any) -> Any:
     if isinstance(value[0], Substitution):
         return _read(name, perform(context, value))
     if isinstance(value[0], tuple):
-        return _uniform([yaml().safe_load(perform(context, each)) for each in value])
+        return _uniform([yaml().safe_load(perform(context, element)) for element in value])
     return value
 
 
@@ -128,7 +128,7 @@ def _uniform(value: list[Any]) -> list[Any]:
     if (
         not value
         or type(value[0]) not in (bool, int, float, str)
-        or not all(isinstance(each, type(value[0])) for each in value)
+        or not all(isinstance(element, type(value[0])) for element in value)
     ):
         raise TypeError(_ALLOWED)
     return value

@@ -86,9 +86,9 @@ class Parameter(Substitution):
 
     def perform(self, context: LaunchContext) -> str:
         name = perform(context, self.name)
-        for each in context.launch_configurations.get("global_params", ()):
-            if isinstance(each, tuple) and each[0] == name:
-                return str(each[1])
+        for entry in context.launch_configurations.get("global_params", ()):
+            if isinstance(entry, tuple) and entry[0] == name:
+                return str(entry[1])
         if self._default is None:
             raise SubstitutionFailure(f"parameter '{name}' not found")
         given = self._default

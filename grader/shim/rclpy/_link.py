@@ -113,8 +113,10 @@ class Link:
         self._reckoned: list[tuple[int, bytes]] = []  # poses that are due, with their times
         self._listeners: tuple[int, ...] = ()  # the subscriptions they are for
         self._next_id = 1
-        self._wanted: set[int] = set()
-        self._told: set[int] = set()  # publishers whose messages are no commands: somebody reads them
+        self._heard: set[int] = set()  # publishers that the world listens to
+        self._answered: set[int] = (
+            set()
+        )  # publishers whose messages are no commands: who reads them may ask for something
         self._counts: dict[int, int] = {}
         self._noted: set[str] = set()
         self._deliver: dict[int, Deliver] = {}
@@ -178,9 +180,9 @@ class Link:
     def _sort_in(self, ident: int, what: str, topic: tuple[str, str]) -> None:
         """Remember whether the world has to do with the entity, by its topic or service and type."""
         if what == "publisher" and (topic[0] == "/rosout" or topic in self._names.get("subscribes", ())):
-            self._wanted.add(ident)
+            self._heard.add(ident)
             if topic[0] != "/rosout" and topic[1] != _COMMANDS:
-                self._told.add(ident)
+                self._answered.add(ident)
         elif what == "subscription" and topic in self._names.get("publishes", ()):
             self._listening.add(ident)
         elif what == "service" and topic in self._names.get("calls", ()):
@@ -189,7 +191,7 @@ class Link:
             self._clients.add(ident)
 
     def _sort_out(self, ident: int) -> None:
-        for members in (self._wanted, self._told, self._listening, self._services, self._clients):
+        for members in (self._heard, self._answered, self._listening, self._services, self._clients):
             members.discard(ident)
 
     def _change_world(self, text: bytes) -> None:
@@ -223,11 +225,11 @@ class Link:
 
     def wants(self, ident: int) -> bool:
         """Return whether the world listens to this publisher's topic with this type."""
-        return ident in self._wanted
+        return ident in self._heard
 
     def publish(self, ident: int, cdr: bytes) -> None:
         """Send one message at the current time, or only count it when the world does not listen."""
-        if ident not in self._wanted:
+        if ident not in self._heard:
             count = self._counts.get(ident, 0)
             self._counts[ident] = count + 1
             if count % COUNT_EVERY:
@@ -247,7 +249,7 @@ class Link:
         else:
             self._repeat(now_ns)
         self._repeated = ident
-        if ident in self._told:
+        if ident in self._answered:
             self._expect()  # who reads it may ask for something then
 
     def _repeat(self, now_ns: int) -> None:
@@ -360,7 +362,7 @@ class Link:
                 reckoned.append((reckoning.next_ns, reckoning.update()))
         if reckoned:
             target_ns = min(max(reckoned[0][0], together_ns), target_ns)
-        due = [one for one in reckoned if one[0] <= target_ns]
+        due = [pose for pose in reckoned if pose[0] <= target_ns]
         del reckoned[: len(due)]
         next_ns = 0 if reckoning is None else reckoning.next_ns
         self.quiet_ns = reckoned[0][0] if reckoned else next_ns

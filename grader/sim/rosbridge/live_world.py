@@ -124,7 +124,7 @@ class LiveWorld:
     def next_due(self) -> int | None:
         """Return the next instant at which something may become due, None when never."""
         camera_ns = self._camera_due_ns if self._camera else None
-        due = [each for each in (self._world.next_due(), camera_ns) if each is not None]
+        due = [due_ns for due_ns in (self._world.next_due(), camera_ns) if due_ns is not None]
         return min(due, default=None)
 
     def advance(self, t_ns: int) -> list[Event]:
@@ -142,4 +142,4 @@ class LiveWorld:
     def _pictures(self, t_ns: int) -> list[Event]:
         head = {"header": header(self.epoch_ns + t_ns, "camera"), "format": "png"}
         payload = encode(_IMAGE, {**head, "data": self._view.png(self._turtle.pose)}, self.types)
-        return [Event(MESSAGE_EVENT, each, 0, t_ns, payload) for each in self._camera]
+        return [Event(MESSAGE_EVENT, subscription, 0, t_ns, payload) for subscription in self._camera]

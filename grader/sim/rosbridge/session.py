@@ -33,7 +33,7 @@ class LiveSession:
 
     def next_due(self) -> int | None:
         """Return the next instant at which something may have to be sent, None when never."""
-        due = [each for each in (self._world.next_due(), self._bridge.next_due()) if each is not None]
+        due = [due_ns for due_ns in (self._world.next_due(), self._bridge.next_due()) if due_ns is not None]
         return min(due, default=None)
 
     def take(self) -> list[Out]:

@@ -65,7 +65,7 @@ def install(connection: Connection) -> None:
             connection.exec_driver_sql(f"DROP {kind} IF EXISTS {name} CASCADE")
     before = _objects(connection)
     _execute_all(connection, statements)
-    added = [list(one) for one in sorted(_objects(connection) - before)]
+    added = [list(object_) for object_ in sorted(_objects(connection) - before)]
     comment = json.dumps(asdict(_Installed(maker=_MAKER, version=__version__, schema=schema, objects=added)))
     quoted = comment.replace("'", "''")
     _execute_all(connection, f"COMMENT ON TABLE procrastinate_jobs IS '{quoted}'")

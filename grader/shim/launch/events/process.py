@@ -86,7 +86,7 @@ class ProcessIO(RunningProcessEvent):
     def __init__(self, *, text: bytes, fd: int, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self.text = text
-        self.from_stdin, self.from_stdout, self.from_stderr = (fd == each for each in range(3))
+        self.from_stdin, self.from_stdout, self.from_stderr = (fd == number for number in range(3))
 
 
 class ProcessStdin(ProcessIO):

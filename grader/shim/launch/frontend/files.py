@@ -57,7 +57,7 @@ def read_xml(text: str) -> Element:
     from xml.etree import ElementTree
 
     def element(node: Any) -> Element:
-        return Element(node.tag, dict(node.attrib), [element(each) for each in node])
+        return Element(node.tag, dict(node.attrib), [element(child) for child in node])
 
     return element(ElementTree.fromstring(text))  # noqa: S314 - the student's own file, in the student's process
 
@@ -96,14 +96,14 @@ def _element(tag: str, inner: Any) -> Element:
     attributes: dict[str, str] = {}
     children: list[Element] = []
     if isinstance(inner, list):
-        for each in inner:
-            children += [_element(str(name), value) for name, value in each.items()]
+        for element in inner:
+            children += [_element(str(name), value) for name, value in element.items()]
     elif isinstance(inner, dict):
         for name, value in inner.items():
             if name == "children":
                 children += _element("", value).children
             elif isinstance(value, list):
-                children += [_element(str(name), each) for each in value]
+                children += [_element(str(name), entry) for entry in value]
             else:
                 attributes[str(name)] = str(value)
     return Element(tag, attributes, children)
@@ -139,9 +139,9 @@ def _let(element: Element, options: dict[str, Any]) -> Any:
 
 
 def _node(element: Element, options: dict[str, Any]) -> Any:
-    parameters = [_parameter(each) for each in element.all("param")]
-    remappings = [(each.required("from"), each.required("to")) for each in element.all("remap")]
-    environment = {each.attributes["name"]: each.required("value") for each in element.all("env")}
+    parameters = [_parameter(param) for param in element.all("param")]
+    remappings = [(remap.required("from"), remap.required("to")) for remap in element.all("remap")]
+    environment = {variable.attributes["name"]: variable.required("value") for variable in element.all("env")}
     return Node(
         package=element.required("pkg"),
         executable=element.required("exec"),
@@ -160,7 +160,7 @@ def _node(element: Element, options: dict[str, Any]) -> Any:
 def _words(text: str) -> list[Any]:
     import shlex
 
-    return [parse_substitution(each) for each in shlex.split(text)]
+    return [parse_substitution(word) for word in shlex.split(text)]
 
 
 def _parameter(element: Element) -> Any:
@@ -172,13 +172,14 @@ def _parameter(element: Element) -> Any:
 def _value(element: Element) -> Any:
     nested = list(element.all("param"))
     if nested:
-        return {each.attributes["name"]: _value(each) for each in nested}
+        return {child.attributes["name"]: _value(child) for child in nested}
     return element.required("value")
 
 
 def _include(element: Element, options: dict[str, Any]) -> Any:
     values = [
-        (each.required("name"), each.required("value")) for each in (*element.all("arg"), *element.all("let"))
+        (argument.required("name"), argument.required("value"))
+        for argument in (*element.all("arg"), *element.all("let"))
     ]
     return actions.IncludeLaunchDescription(element.required("file"), launch_arguments=values, **options)
 

@@ -74,7 +74,8 @@ class Node(ExecuteProcess):
     def is_node_name_fully_specified(self) -> bool:
         """Return whether the launch file says both name and namespace."""
         return not any(
-            each in self.node_name for each in (self.UNSPECIFIED_NODE_NAME, self.UNSPECIFIED_NODE_NAMESPACE)
+            unspecified in self.node_name
+            for unspecified in (self.UNSPECIFIED_NODE_NAME, self.UNSPECIFIED_NODE_NAMESPACE)
         )
 
     def execute_in(self, context: LaunchContext) -> None:
@@ -106,13 +107,13 @@ class Node(ExecuteProcess):
         self._full_name = f"{self.expanded_node_namespace.rstrip('/')}/{name}"
         node = self._full_name if self.is_node_name_fully_specified() else "/**"
         configurations = context.launch_configurations
-        for each in configurations.get("global_params", ()):
-            if isinstance(each, tuple):  # by SetParameter
-                arguments += ["-p", f"{each[0]}:={each[1]}"]
+        for entry in configurations.get("global_params", ()):
+            if isinstance(entry, tuple):  # by SetParameter
+                arguments += ["-p", f"{entry[0]}:={entry[1]}"]
             else:
-                arguments += ["--params-file", os.path.abspath(each)]
-        for each in self._parameters:
-            arguments += _parameter_arguments(context, each, node)
+                arguments += ["--params-file", os.path.abspath(entry)]
+        for entry in self._parameters:
+            arguments += _parameter_arguments(context, entry, node)
         rules = list(configurations.get("ros_remaps", ()))
         rules += [(perform(context, source), perform(context, target)) for source, target in self._remappings]
         self.expanded_remapping_rules = rules or None
@@ -190,10 +191,10 @@ class LoadComposableNodes(Action):
         self._descriptions = composable_node_descriptions
 
     def execute(self, context: LaunchContext) -> None:
-        for each in self._descriptions:
-            if each.condition() is None or each.condition().evaluate(context):
-                plugin = perform(context, each.node_plugin)
-                context.untold.append(f"the component {plugin} of {perform(context, each.package)}")
+        for description in self._descriptions:
+            if description.condition() is None or description.condition().evaluate(context):
+                plugin = perform(context, description.node_plugin)
+                context.untold.append(f"the component {plugin} of {perform(context, description.package)}")
 
 
 def joined_namespace(base: str | None, own: str | None) -> str | None:

@@ -131,7 +131,7 @@ class LifecycleTransition(Action):
             raise ValueError("No lifecycle_node_names provided.")
 
     def execute(self, context: LaunchContext) -> None:
-        names = ", ".join(perform(context, each) for each in self._names)
+        names = ", ".join(perform(context, part) for part in self._names)
         context.untold.append(f"LifecycleTransition of {names}")
 
 

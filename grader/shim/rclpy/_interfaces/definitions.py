@@ -106,17 +106,17 @@ class Interface:
 
     def structures(self) -> list[Structure]:
         """Parse the structures it consists of, in order of definition."""
-        found: list[Structure] = []
+        structures: list[Structure] = []
         for line in self._entry.splitlines()[1:]:
             if line.startswith("="):
-                found.append(Structure(f"{self.package}/{self.kind}/{line[1:]}"))
+                structures.append(Structure(f"{self.package}/{self.kind}/{line[1:]}"))
                 continue
             name, type_text, *literal = line.split(" ", 2)
             if name.startswith("!"):
-                found[-1].constants.append((name[1:], literal[0]))
+                structures[-1].constants.append((name[1:], literal[0]))
             else:
-                found[-1].fields.append(Field(name, type_text, literal[0] if literal else None))
-        return found
+                structures[-1].fields.append(Field(name, type_text, literal[0] if literal else None))
+        return structures
 
 
 def load(distro: str) -> dict[str, Interface]:

@@ -46,9 +46,9 @@ def __getattr__(name: str) -> Any:
     for package in _PACKAGES:
         for kind in ("msg", "srv"):
             if f"{package}/{kind}/{upstream_name}" in INTERFACES:
-                found = interface_class(f"{package}/{kind}/{upstream_name}")
-                globals()[name] = found
-                return found
+                cls = interface_class(f"{package}/{kind}/{upstream_name}")
+                globals()[name] = cls
+                return cls
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 # Deprecated there, which is said to nobody here.
-_UP_TO_1_23 = {one.__name__: one for one in (bool, int, float, complex, object, str)}
+_UP_TO_1_23 = {type_.__name__: type_ for type_ in (bool, int, float, complex, object, str)}
 _UP_TO_1 = {
     "Inf": "inf",
     "NaN": "nan",

@@ -75,7 +75,7 @@ def _change_asyncio(asyncio: Any) -> None:
                 "scheduled for removal in Python 3.11."
             )
             warn(text, DeprecationWarning, stacklevel=2)
-            fs = {asyncio.ensure_future(each) for each in fs}
+            fs = {asyncio.ensure_future(awaitable) for awaitable in fs}
         return await wait(fs, **options)
 
     wait_for_any.__name__ = wait_for_any.__qualname__ = "wait"

@@ -64,11 +64,15 @@ def _is_taken(name: str) -> bool:
 def _note(source: bytes) -> str:
     """Return the note on a script that calls its `main` otherwise than an entry point wants it; empty: none."""
     tree: Any = compile(source, "", "exec", _ast.PyCF_ONLY_AST, dont_inherit=True)
-    if not any(isinstance(one, _ast.FunctionDef) and one.name == "main" for one in tree.body):
+    if not any(
+        isinstance(statement, _ast.FunctionDef) and statement.name == "main" for statement in tree.body
+    ):
         return ""
-    if any(_calls_main(one) for one in tree.body):
+    if any(_calls_main(statement) for statement in tree.body):
         return "main_twice"
-    guarded = any(isinstance(one, _ast.If) and any(map(_calls_main, one.body)) for one in tree.body)
+    guarded = any(
+        isinstance(statement, _ast.If) and any(map(_calls_main, statement.body)) for statement in tree.body
+    )
     return "" if guarded else "main_called"
 
 

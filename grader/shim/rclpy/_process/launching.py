@@ -43,7 +43,10 @@ def launch(guard: Any) -> None:
         from rclpy._process.side_by_side import run
 
         if len(own) > 1:
-            link.note(_SEVERAL_NOTE, ", ".join(f"{each.package}/{each.executable}" for each in own)[:1000])
+            link.note(
+                _SEVERAL_NOTE,
+                ", ".join(f"{executable.package}/{executable.executable}" for executable in own)[:1000],
+            )
         run(own, guard, launched)
         return
     node = own[0]
@@ -75,7 +78,9 @@ def _described() -> tuple[Any, Any, str]:
         )
         sys.exit(1)
     context = LaunchContext(argv=sys.argv[1:])
-    context.launch_configurations |= dict(each.split(":=", 1) for each in sys.argv[1:] if ":=" in each)
+    context.launch_configurations |= dict(
+        argument.split(":=", 1) for argument in sys.argv[1:] if ":=" in argument
+    )
     return context, AnyLaunchDescriptionSource(path).get_launch_description(context), path
 
 
@@ -117,7 +122,7 @@ class Launched:
 
         later = [handler for handler in self._context.handlers if handler not in self._own_handlers]
         return self._has_shut_down or any(
-            not each.never and not isinstance(each, OnProcessStart) for each in later
+            not handler.never and not isinstance(handler, OnProcessStart) for handler in later
         )
 
     def new_nodes(self) -> list[Any]:
@@ -163,7 +168,7 @@ def _own(context: Any, started: list[tuple[Any, str, Any]], ignored: list[str]) 
         if kind == "node" and what.package in workspace.names:
             ExecutableInPackage(what.executable, what.package).perform(context)
             own.append(what)
-            ignored += [f"{each} of {what.package} {what.executable}" for each in what.untold]
+            ignored += [f"{name} of {what.package} {what.executable}" for name in what.untold]
         elif kind == "node" and (what.package, what.executable) == _TURTLESIM:
             if what.arguments != ["--ros-args"] and "-r" in what.arguments:
                 ignored.append("turtlesim_node " + " ".join(what.arguments[1:]))

@@ -51,7 +51,7 @@ class Workspace:
             start += size
         self.names = fields["packages"]
         self.launch = fields["launch"]
-        self._executables = [tuple(each) for each in fields["executables"]]
+        self._executables = [tuple(executable) for executable in fields["executables"]]
         self.choose(*fields["run"])
         self._installed = {f"{WORK}/{installed}": path for installed, path in fields["shared"]}
         placed = {path: storage.place(f"{WORK}/src/{path}", data) for path, data in self._files.items()}
@@ -90,7 +90,10 @@ class Workspace:
 
     def entry_source(self) -> tuple[str, bytes]:
         """Return path and content of the module that is called; of nothing where there is none."""
-        path = next((self._known[each[2]][0] for each in self._chosen() if each[2] in self._known), "")
+        path = next(
+            (self._known[executable[2]][0] for executable in self._chosen() if executable[2] in self._known),
+            "",
+        )
         return path, self._files.get(path, b"")
 
     def prefixes(self) -> list[str]:
@@ -103,7 +106,7 @@ class Workspace:
 
     def argv0(self) -> str:
         """Return the path of the executable, as ``sys.argv[0]`` has it."""
-        return next((executable_path(each[0], each[1]) for each in self._chosen()), "ros2")
+        return next((executable_path(executable[0], executable[1]) for executable in self._chosen()), "ros2")
 
     def call(self) -> None:
         """Do what the executable's own few lines do: import the module and exit with what its function returns.

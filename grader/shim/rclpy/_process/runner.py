@@ -269,8 +269,8 @@ def _execute(module: ModuleType, code: CodeType, entry: EntryPoint | None) -> No
         from rclpy._process.finalizing import end_imports, finalize
 
         end_imports()
-        for each in (*workspace.modules, module):
-            _guard(lambda names=each.__dict__: finalize(names))
+        for name in (*workspace.modules, module):
+            _guard(lambda names=name.__dict__: finalize(names))
 
 
 def _launch() -> None:

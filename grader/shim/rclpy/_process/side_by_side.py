@@ -191,12 +191,12 @@ class _Images:
         """Do something in each program that has not ended, and in launch itself."""
         present = kernel.running.program
         act()
-        for each in (None, *self.programs):
-            if each is not present and (each is None or not each.ended):
-                self.switch(present, each)
+        for program in (None, *self.programs):
+            if program is not present and (program is None or not program.ended):
+                self.switch(present, program)
                 act()
                 kernel.called.append(kernel.main)
-                self.switch(each, present)
+                self.switch(program, present)
 
 
 images = _Images()

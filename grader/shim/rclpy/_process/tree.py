@@ -33,7 +33,7 @@ def tree_rows(source: bytes, file_name: str) -> list[list[Any]]:
         node, parent, name = waiting.pop()
         if len(rows) >= MOST_NODES:
             return []
-        place = [getattr(node, one, None) for one in _PLACE]
+        place = [getattr(node, attribute, None) for attribute in _PLACE]
         plain: dict[str, Any] = {}
         children: list[tuple[_ast.AST, int, str]] = []
         for field in node._fields:
@@ -42,8 +42,10 @@ def tree_rows(source: bytes, file_name: str) -> list[list[Any]]:
                 continue
             if isinstance(value, _ast.AST):
                 children.append((value, len(rows), field))
-            elif isinstance(value, list) and any(isinstance(one, _ast.AST) for one in value):
-                children += [(one, len(rows), field) for one in value if isinstance(one, _ast.AST)]
+            elif isinstance(value, list) and any(isinstance(element, _ast.AST) for element in value):
+                children += [
+                    (element, len(rows), field) for element in value if isinstance(element, _ast.AST)
+                ]
             else:
                 plain[field] = _plain(value)
         rows.append([type(node).__name__, parent, name, None if place[0] is None else place, plain])
@@ -54,7 +56,7 @@ def tree_rows(source: bytes, file_name: str) -> list[list[Any]]:
 def _plain(value: object) -> object:
     """Return a constant as JSON can hold it; None for what it cannot."""
     if isinstance(value, list):
-        return [one for one in value if isinstance(one, str)]
+        return [element for element in value if isinstance(element, str)]
     if isinstance(value, str):
         return value[:MOST_CHARACTERS].encode("utf-8", "replace").decode()
     if isinstance(value, int):

@@ -63,7 +63,7 @@ def plain(value: Any, depth: int = 0) -> Any:
     if kind is list or kind is tuple:
         if depth == _MOST_DEPTH:
             raise UnreadableError("nested too deeply")
-        return [plain(each, depth + 1) for each in value]
+        return [plain(element, depth + 1) for element in value]
     return _plain_object(value, depth)
 
 
@@ -125,12 +125,12 @@ def _put(parts: list[bytes], value: Any) -> None:
     elif kind is list:
         if len(value) > 0xFFFF:
             raise UnreadableError("a list has more than 65,535 elements")
-        if value and all(type(each) is float for each in value):
+        if value and all(type(element) is float for element in value):
             parts += (_TAGGED_COUNT.pack(_NUMBERS, len(value)), struct.pack(f"<{len(value)}d", *value))
             return
         parts.append(_TAGGED_COUNT.pack(_LIST, len(value)))
-        for each in value:
-            _put(parts, each)
+        for element in value:
+            _put(parts, element)
     elif kind is str:
         text = value.encode("utf-8", "replace")
         if len(text) > _MOST_TEXT_BYTES:

@@ -239,8 +239,8 @@ class _Window:
         cameraTargetPosition: Any,
         physicsClientId: int = 0,
     ) -> None:
-        distance, yaw, pitch = (float(each) for each in (cameraDistance, cameraYaw, cameraPitch))
-        x, y, z = (float(each) for each in cameraTargetPosition)
+        distance, yaw, pitch = (float(value) for value in (cameraDistance, cameraYaw, cameraPitch))
+        x, y, z = (float(coordinate) for coordinate in cameraTargetPosition)
         self._camera = (x, y, z, distance, yaw, pitch)
         number = calls.RECORDED.index("resetDebugVisualizerCamera")
         recorder.note(number, (distance, yaw, pitch, [x, y, z]), {})
@@ -252,8 +252,8 @@ class _Window:
         view = real.computeViewMatrixFromYawPitchRoll((x, y, z), distance, yaw, pitch, 0, 2)
         lens = real.computeProjectionMatrixFOV(60.0, width / height, 0.01, 1000.0)
         ahead, up = (-view[2], -view[6], -view[10]), (0.0, 0.0, 1.0)
-        across = tuple(20.0 * width / height * each for each in (view[0], view[4], view[8]))
-        above = tuple(20.0 * each for each in (view[1], view[5], view[9]))
+        across = tuple(20.0 * width / height * component for component in (view[0], view[4], view[8]))
+        above = tuple(20.0 * component for component in (view[1], view[5], view[9]))
         return (width, height, view, lens, up, ahead, across, above, yaw, pitch, distance, (x, y, z))
 
     def getCameraImage(self, width: int, height: int, *args: Any, **options: Any) -> Any:

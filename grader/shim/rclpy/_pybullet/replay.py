@@ -350,7 +350,7 @@ def _overview() -> tuple[float, float, float, tuple[float, ...]]:
         if bullet.getDynamicsInfo(body, -1)[0] > 0.0 or bullet.getNumJoints(body):
             low, high = bullet.getAABB(body)
             places += [low, high]
-    lows, highs = ([f(each) for each in zip(*places, strict=True)] for f in (min, max))
+    lows, highs = ([f(coordinates) for coordinates in zip(*places, strict=True)] for f in (min, max))
     lows, highs = [max(each, -20.0) for each in lows], [min(each, 20.0) for each in highs]
     size = max(0.5, *(high - low for low, high in zip(lows, highs, strict=True)))
     return 1.7 * size, 50.0, -25.0, tuple((low + high) / 2.0 for low, high in zip(lows, highs, strict=True))

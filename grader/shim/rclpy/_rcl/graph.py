@@ -175,7 +175,7 @@ class Graph:
             (self.servers.remove, self.servers, "services"),
         ):
             for name, _ in world[key]:
-                for endpoint in [one for one in members.at(name) if isinstance(one, WorldEndpoint)]:
+                for endpoint in [member for member in members.at(name) if isinstance(member, WorldEndpoint)]:
                     remove(endpoint)
 
     def add_writer(self, writer: Writer) -> None:
