@@ -48,14 +48,14 @@ def waits_in_vain(run: Run, world: World, *, surely: bool = False) -> Mistake | 
 
 def _without_clock(run: Run, world: World) -> Mistake | None:
     """Recognise a node that takes its time from a topic that only robots publish."""
-    waits = [each.node for each in _of_kind(run, "subscription") if each.name == "/clock"]
-    ticks = world.kind == "robot" or any(each.name == "/clock" for each in _of_kind(run, "publisher"))
+    waits = [endpoint.node for endpoint in _of_kind(run, "subscription") if endpoint.name == "/clock"]
+    ticks = world.kind == "robot" or any(endpoint.name == "/clock" for endpoint in _of_kind(run, "publisher"))
     return mistake("sim_time", node=waits[0]) if waits and not ticks else None
 
 
 def _unanswered_client(run: Run, world: World) -> Mistake | None:
     """Recognise a client of a service that nobody offers."""
-    offered = {each.name: each.type for each in _of_kind(run, "service")} | services_of(world)
+    offered = {endpoint.name: endpoint.type for endpoint in _of_kind(run, "service")} | services_of(world)
     for client in _not_of_spawned(run, _of_kind(run, "client")):
         if "/_action/" in client.name or client.type.startswith(_OF_PARAMETERS):
             continue
@@ -73,7 +73,7 @@ def _unanswered_client(run: Run, world: World) -> Mistake | None:
 
 def _unanswered_action(run: Run, world: World) -> Mistake | None:
     """Recognise a client of an action that has nearly the name of turtlesim's."""
-    offered = {each.name for each in _of_kind(run, "service")}
+    offered = {endpoint.name for endpoint in _of_kind(run, "service")}
     if world.kind == "robot" or _has_spawned(run):
         return None
     for client in _of_kind(run, "client"):
@@ -89,23 +89,29 @@ def _unanswered_action(run: Run, world: World) -> Mistake | None:
 
 def _silent_topic(run: Run, world: World, *, surely: bool) -> Mistake | None:
     """Recognise a subscription, in the node that commands the car, to a topic that nobody publishes."""
-    publishers = [each for each in _of_kind(run, "publisher") if each.name not in _OF_ROS]
+    publishers = [endpoint for endpoint in _of_kind(run, "publisher") if endpoint.name not in _OF_ROS]
     commanding = {publisher.node for publisher in publishers if publisher.name == world.cmd_vel_topic}
     own = {publisher.name: publisher.type for publisher in publishers}
     published = set(own) | set(topics_of(world))
     heard = [
-        each
-        for each in _of_kind(run, "subscription")
-        if each.name not in (*_OF_ROS, world.cmd_vel_topic) and "/_action/" not in each.name
+        endpoint
+        for endpoint in _of_kind(run, "subscription")
+        if endpoint.name not in (*_OF_ROS, world.cmd_vel_topic) and "/_action/" not in endpoint.name
     ]
-    concerned = [each for each in _not_of_spawned(run, heard) if each.node in commanding]
-    for each in concerned:
-        if each.name in own and each.name not in topics_of(world) and own[each.name] != each.type:
-            return mistake("types_differ", topic=each.name, published=own[each.name], heard=each.type)
-    silent = [each for each in concerned if each.name not in published]
-    for each in silent:
-        if near := _near(each.name, published - {world.cmd_vel_topic}):
-            return mistake("topic_nearly", topic=each.name, near=near)
+    concerned = [endpoint for endpoint in _not_of_spawned(run, heard) if endpoint.node in commanding]
+    for endpoint in concerned:
+        if (
+            endpoint.name in own
+            and endpoint.name not in topics_of(world)
+            and own[endpoint.name] != endpoint.type
+        ):
+            return mistake(
+                "types_differ", topic=endpoint.name, published=own[endpoint.name], heard=endpoint.type
+            )
+    silent = [endpoint for endpoint in concerned if endpoint.name not in published]
+    for endpoint in silent:
+        if near := _near(endpoint.name, published - {world.cmd_vel_topic}):
+            return mistake("topic_nearly", topic=endpoint.name, near=near)
     if surely or not silent or len(silent) < len(concerned):
         return None
     topics = ", ".join(sorted(published - {world.cmd_vel_topic})[:_MOST_NAMED])
@@ -140,7 +146,9 @@ def _not_of_spawned(run: Run, endpoints: list[Endpoint]) -> list[Endpoint]:
 
 
 def _has_spawned(run: Run) -> bool:
-    return any(each.type == "turtlesim/srv/Spawn" and each.count for each in _of_kind(run, "client"))
+    return any(
+        endpoint.type == "turtlesim/srv/Spawn" and endpoint.count for endpoint in _of_kind(run, "client")
+    )
 
 
 def _near(name: str, known: Iterable[str]) -> str:

@@ -140,7 +140,10 @@ def command_mistakes(
     outcome, topic = run.outcome, world.cmd_vel_topic
     if _teleports(run.trajectory):
         return (mistake("teleported", topic=topic),)
-    killed = any(one.kind == "client" and one.name == "/kill" and one.count for one in run.outcome.endpoints)
+    killed = any(
+        endpoint.kind == "client" and endpoint.name == "/kill" and endpoint.count
+        for endpoint in run.outcome.endpoints
+    )
     stood = float(np.ptp(run.trajectory.x_m)) < _SAME_M > float(np.ptp(run.trajectory.y_m))
     if killed and stood:
         return (mistake("turtle_killed"),)
@@ -171,7 +174,7 @@ def robot_mistakes(run: Run, world: World) -> tuple[Mistake, ...]:
     if (unfit := noted(outcome, "sensor_qos")) is not None:
         return (mistake("sensor_qos", topic=unfit),)
     if outcome.status is RunStatus.INTERRUPTED:
-        own = {one.name for one in outcome.endpoints if one.kind == "publisher"}
+        own = {endpoint.name for endpoint in outcome.endpoints if endpoint.kind == "publisher"}
         unheard = (name for name in outcome.heard if name not in own | usual.keys() | {topic})
         moved = bool(moves_of(run.trajectory))
         unknown = next((name for name in unheard if not moved or _is_misspelt(name, usual)), None)
@@ -275,7 +278,11 @@ def swings(run: Run, spoilt: tuple[str, ...]) -> Mistake | None:
     if run.outcome.status is not RunStatus.INTERRUPTED or not run.outcome.hears:
         return None
     last = track.t_ns >= since_ns
-    turns = [one.w_radps for one in track.commands if one.t_ns >= since_ns and is_motion(one) and one.w_radps]
+    turns = [
+        command.w_radps
+        for command in track.commands
+        if command.t_ns >= since_ns and is_motion(command) and command.w_radps
+    ]
     flips = sum(before * after < 0.0 for before, after in itertools.pairwise(turns))
     if (
         flips < _FLIPS
@@ -309,7 +316,7 @@ def _unpublished(run: Run, world: World) -> Mistake | None:
     """Recognise a script that never ended and listens to what robots publish and turtlesim does not."""
     if world.odometry or run.outcome.status is not RunStatus.INTERRUPTED:
         return None
-    published = {one.name for one in run.outcome.endpoints if one.kind == "publisher"}
+    published = {endpoint.name for endpoint in run.outcome.endpoints if endpoint.kind == "publisher"}
     missing = next((name for name in run.outcome.heard if name in _OF_ROBOTS and name not in published), None)
     return (
         None
@@ -331,12 +338,14 @@ def error_caught(run: Run) -> Mistake | None:
 
 def _elsewhere(publishers: list[Endpoint], outcome: RunOutcome, topic: str) -> Mistake:
     """Return what was sent to others than the car, if anything was."""
-    twists = [each for each in publishers if each.type == TWIST]
-    lost = [each for each in twists or publishers if each.name not in outcome.heard]  # not between own nodes
-    if lost and all(each.type == _POSE for each in lost):
+    twists = [publisher for publisher in publishers if publisher.type == TWIST]
+    lost = [
+        twist for twist in twists or publishers if twist.name not in outcome.heard
+    ]  # not between own nodes
+    if lost and all(endpoint.type == _POSE for endpoint in lost):
         return mistake("pose_published", used=lost[0].name, topic=topic)
     used = _names(lost or twists or publishers)
-    if not any(each.count for each in publishers):
+    if not any(publisher.count for publisher in publishers):
         return mistake("nothing_sent", used=used, topic=topic)
     return mistake("wrong_topic", used=used, topic=topic) if twists else mistake("no_publisher", topic=topic)
 
@@ -346,8 +355,12 @@ def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
     outcome, topic = run.outcome, world.cmd_vel_topic
     if (caught := error_caught(run)) is not None:
         return (caught,)
-    made = [each for each in outcome.endpoints if each.kind == "publisher" and each.name not in _OWN_TOPICS]
-    publishers = [each for each in made if _may_command(each, topic)]
+    made = [
+        endpoint
+        for endpoint in outcome.endpoints
+        if endpoint.kind == "publisher" and endpoint.name not in _OWN_TOPICS
+    ]
+    publishers = [endpoint for endpoint in made if _may_command(endpoint, topic)]
     right = [publisher for publisher in publishers if publisher.name == topic]
     twists = [publisher for publisher in publishers if publisher.type == TWIST]
     if set(right) & set(twists):

@@ -34,8 +34,8 @@ def with_package_mistakes(check: Check, mistakes: Sequence[Mistake], run: Run) -
         return tuple(mistakes)
     driven = tuple(name for name in check.measures if name not in MEASURES)
     own = (
-        mistake(each.code, (each.area, *(driven if each.fatal else ())), **each.values)
-        for each in run.package
+        mistake(problem.code, (problem.area, *(driven if problem.fatal else ())), **problem.values)
+        for problem in run.package
     )
     return (*own, *_placed(mistakes, run))
 

@@ -58,7 +58,7 @@ def _corners_deg(motion: Trajectory) -> list[float]:
 def _extent(motion: Trajectory) -> tuple[tuple[float, Unit], ...]:
     """Return how far a motion goes, and how far it turns, back and forth added."""
     path = path_of(motion, len(motion))
-    gone, turned = (float(np.abs(np.diff(each)).sum()) for each in (path.signed_m, path.heading_rad))
+    gone, turned = (float(np.abs(np.diff(values)).sum()) for values in (path.signed_m, path.heading_rad))
     return (gone, "m"), (math.degrees(turned), "deg")
 
 

@@ -116,9 +116,18 @@ class _Place:
         self.line = line
         self.statements = (
             seen.script.statements_on(line)
-            or [one for one in _statements(seen.script) if one.lineno <= line <= (one.end_lineno or 0)][-1:]
+            or [
+                statement
+                for statement in _statements(seen.script)
+                if statement.lineno <= line <= (statement.end_lineno or 0)
+            ][-1:]
         )
-        own = [node for one in self.statements for node in ast.walk(one) if isinstance(node, ast.expr)]
+        own = [
+            node
+            for statement in self.statements
+            for node in ast.walk(statement)
+            if isinstance(node, ast.expr)
+        ]
         self.nodes = [node for node in own if node.lineno <= line <= (node.end_lineno or 0)][:_MOST_NODES]
         self.calls = [node for node in self.nodes if isinstance(node, ast.Call)]
         self.known = assignments(seen.script)
@@ -158,7 +167,7 @@ def _is_called(at: _Place, node: ast.expr) -> bool:
 def _brackets(at: _Place) -> Iterator[Proposal]:
     """Yield brackets where a function or class itself is used, and none where a value or a callback is called."""
     classes = {one.name for one in _classes(at.script)}
-    callables = {*_CALLED, *classes, *(one.name for one in _own_functions(at.script))}
+    callables = {*_CALLED, *classes, *(own_function.name for own_function in _own_functions(at.script))}
     for node in at.nodes:
         if isinstance(node, ast.Name | ast.Attribute) and not _is_called(at, node):
             name = dotted(node).rpartition(".")[2] or getattr(node, "attr", "")
@@ -174,7 +183,7 @@ def _brackets(at: _Place) -> Iterator[Proposal]:
         if is_class and (name in classes or name in IMPORTS or name.endswith((".Request", "Twist"))):
             yield at.mended(0.6, one.value, f"{name}()")
     makers = [call for name in _MAKERS for call in calls_of(at.script, name)]
-    for call in (*at.calls, *(one for maker in makers for one in maker.args if isinstance(one, ast.Call))):
+    for call in (*at.calls, *(arg for maker in makers for arg in maker.args if isinstance(arg, ast.Call))):
         if not call.args and not call.keywords and isinstance(call.func, ast.Name | ast.Attribute):
             yield at.mended(0.7, call, at.script.source(call.func))
 
@@ -182,13 +191,13 @@ def _brackets(at: _Place) -> Iterator[Proposal]:
 def _orders(at: _Place) -> Iterator[Proposal]:
     """Yield two arguments of a call exchanged; of what makes publishers and timers also where it failed later."""
     makers = [call for name in _MAKERS for call in calls_of(at.script, name) if call not in at.calls]
-    for cost, call in [*((0.8, one) for one in at.calls), *((1.4, one) for one in makers)]:
+    for cost, call in [*((0.8, one) for one in at.calls), *((1.4, maker) for maker in makers)]:
         if not 2 <= len(call.args) <= 4 or dotted(call.func).endswith(("range", "publish")):
             continue
         for i in range(len(call.args) - 1):
             one, other = call.args[i], call.args[i + 1]
             texts = (at.script.source(one), at.script.source(other))
-            rest = [at.script.source(each) for each in call.args]
+            rest = [at.script.source(arg) for arg in call.args]
             rest[i], rest[i + 1] = texts[1], texts[0]
             yield at.mended(cost + 0.1 * i, call, f"{at.script.source(call.func)}({', '.join(rest)})")
 
@@ -197,7 +206,7 @@ def _arguments(at: _Place) -> Iterator[Proposal]:
     """Yield a call with an argument less, with the node, with two numbers as one, or without a keyword."""
     nodes = [one.target for one in at.known if _makes_node(at, one)]
     for call in at.calls:
-        func, given = at.script.source(call.func), [at.script.source(one) for one in call.args]
+        func, given = at.script.source(call.func), [at.script.source(arg) for arg in call.args]
         if given and "positional" in at.error.message and "missing" not in at.error.message:
             yield at.mended(1.5, call, f"{func}()")
             yield at.mended(1.2, call, f"{func}({', '.join(given[:-1])})")
@@ -232,7 +241,7 @@ def _signatures(at: _Place) -> Iterator[Proposal]:
     for function in _own_functions(at.script):
         if match is None or function.name != match[1]:
             continue
-        names = [one.arg for one in function.args.args]
+        names = [arg.arg for arg in function.args.args]
         head = at.script.line(function.lineno)
         if not head.rstrip().endswith(":") or function.args.defaults or head.count("(") != 1:
             continue
@@ -259,7 +268,8 @@ def _given_name(at: _Place, function: "ast.FunctionDef | ast.AsyncFunctionDef") 
     owner = at.script.parent(function)
     names = {function.name, owner.name if isinstance(owner, ast.ClassDef) else ""}
     given = next(
-        (one.args[-1] for one in at.calls if one.args and dotted(one.func).rpartition(".")[2] in names), None
+        (call.args[-1] for call in at.calls if call.args and dotted(call.func).rpartition(".")[2] in names),
+        None,
     )
     return "msg" if given is None else dotted(given).rpartition(".")[2].lower() or "value"
 
@@ -290,7 +300,7 @@ def _node_parts(at: _Place) -> Iterator[Proposal]:
 
 
 def _bases(at: _Place, owner: ast.ClassDef) -> Iterator[Proposal]:
-    if [dotted(one).rpartition(".")[2] for one in owner.bases] != ["Node"]:
+    if [dotted(base).rpartition(".")[2] for base in owner.bases] != ["Node"]:
         yield _with_head(at, 0.4, owner, f"class {owner.name}(Node):")
     elif dotted(owner.bases[0]) == "rclpy.Node":
         edit = at.script.inserted_before(at.script.tree.body[0], "from rclpy.node import Node")
@@ -319,7 +329,7 @@ def _beginnings(at: _Place, method: ast.FunctionDef) -> Iterator[Proposal]:
 
 def _own_names(at: _Place) -> Iterator[Proposal]:
     """Yield another name for what has one of Node's, of a builtin, of a module, or of an own method."""
-    methods = {one.name for one in _own_functions(at.script)}
+    methods = {own_function.name for own_function in _own_functions(at.script)}
     taken = {one.target.removeprefix("self.") for one in at.known} | methods
     for name in sorted(taken & _OF_NODE):
         yield from _renamed(at, 0.6, name, f"my_{name.strip('_')}", calls=True)
@@ -338,7 +348,7 @@ def _own_names(at: _Place) -> Iterator[Proposal]:
                     if isinstance(node, ast.Name) and node.id == argument.arg
                 ]
                 uses = [one for one in names if not isinstance(at.script.parent(one), ast.Attribute)]
-                edits = [at.script.replaced(one, new) for one in uses]
+                edits = [at.script.replaced(use, new) for use in uses]
                 start = at.script.text.find(
                     argument.arg, at.script.span(function)[0] + len(function.name) + 4
                 )
@@ -500,7 +510,7 @@ def _objects(at: _Place) -> Iterator[Proposal]:
 def _words(at: _Place) -> Iterator[Proposal]:
     """Yield ``self.`` before a method of Node's, Python's word for one of another language, a key that is near."""
     match = re.match(r"name '(\w+)' is not defined|.*has no attribute '(\w+)'|'(.+)'$", at.error.message)
-    name = next((one for one in match.groups() if one), "") if match else ""
+    name = next((group for group in match.groups() if group), "") if match else ""
     for node in at.nodes:
         if isinstance(node, ast.Name) and node.id == name:
             if name in _OF_NODE:
@@ -513,7 +523,7 @@ def _words(at: _Place) -> Iterator[Proposal]:
             yield at.mended(0.2, node, f"{at.script.source(node.value)}.get_logger().{level}")
         if isinstance(node, ast.Constant) and node.value == name and isinstance(name, str):
             keys = [one.value for one in ast.walk(at.script.tree) if isinstance(one, ast.Constant)]
-            near = near_name(name, [one for one in keys if isinstance(one, str) and one != name])
+            near = near_name(name, [key for key in keys if isinstance(key, str) and key != name])
             if near is not None:
                 yield at.mended(0.3, node, f"'{near}'")
 
@@ -530,7 +540,7 @@ def _durations(at: _Place) -> Iterator[Proposal]:
 def _blocks(at: _Place) -> Iterator[Proposal]:
     """Yield a method that stands outside of its class, or within another one, as far in as it belongs."""
     for function in _own_functions(at.script):
-        names = [one.arg for one in function.args.args]
+        names = [arg.arg for arg in function.args.args]
         is_inside = isinstance(at.script.parent(function), _Functions)
         if f"'{function.name}'" not in at.error.message or names[:1] != ["self"]:
             continue
@@ -557,7 +567,7 @@ def _imports(at: _Place) -> Iterator[Proposal]:
     """Yield the statement that imports what another one did not find, and a module for its function."""
     for statement in at.statements:
         if isinstance(statement, ast.Import | ast.ImportFrom):
-            names = [one.name.rpartition(".")[2] for one in statement.names]
+            names = [name.name.rpartition(".")[2] for name in statement.names]
             known = [_statement_for(name) for name in names]
             lines = list(dict.fromkeys(one for one in known if one))
             if lines and len(names) == len([one for one in known if one]):
@@ -590,7 +600,7 @@ def _texts(at: _Place) -> Iterator[Proposal]:
             and call.func.attr in ("info", "warning", "error")
             and call.args
         ):
-            texts = [at.script.source(one) for one in call.args]
+            texts = [at.script.source(arg) for arg in call.args]
             joined = " + ".join(one if one[:1] in "'\"" else f"str({one})" for one in texts)
             yield at.mended(0.4, call, f"{at.script.source(call.func)}({joined})")
     for node in at.nodes:
@@ -625,9 +635,9 @@ def _answers(at: _Place) -> Iterator[Proposal]:
     makers = [("create_service", 2)] if (at.error.type, at.error.message.strip()) == ("TypeError", "") else []
     makers += [("add_on_set_parameters_callback", 1)] * ("'successful'" in at.error.message)
     for maker, needed in makers:
-        names = {dotted(one).rpartition(".")[2] for call in calls_of(at.script, maker) for one in call.args}
+        names = {dotted(arg).rpartition(".")[2] for call in calls_of(at.script, maker) for arg in call.args}
         for function in _own_functions(at.script):
-            arguments = [one.arg for one in function.args.args]
+            arguments = [arg.arg for arg in function.args.args]
             if function.name not in names or len(arguments) < needed:
                 continue
             answer = "SetParametersResult(successful=True)" if needed == 1 else arguments[-1]

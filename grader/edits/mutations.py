@@ -24,7 +24,7 @@ class Mutant(NamedTuple):
 
 def mutants(script: ParsedScript) -> Iterator[Mutant]:
     """Yield the script's mutants, by place: numbers scaled, counts one off, statements removed or swapped."""
-    for node in sorted(_places(script.tree), key=lambda one: (one.lineno, one.col_offset)):
+    for node in sorted(_places(script.tree), key=lambda place: (place.lineno, place.col_offset)):
         edits = _of_number(script, node) if isinstance(node, ast.Constant) else _of_statement(script, node)
         for change, edit in edits:
             yield Mutant(node.lineno, change, applied(script.text, [edit]))

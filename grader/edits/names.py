@@ -185,7 +185,11 @@ def _at_top(script: ParsedScript, line: str) -> Edit:
 
 def _of_self(seen: Situation, line: int, name: str) -> Iterator[Proposal]:
     """Yield ``self.`` before a name that only the object has."""
-    own = {one.target.partition(".")[2] for one in assignments(seen.script) if one.target.startswith("self.")}
+    own = {
+        assignment.target.partition(".")[2]
+        for assignment in assignments(seen.script)
+        if assignment.target.startswith("self.")
+    }
     own |= {node.name for node in ast.walk(seen.script.tree) if isinstance(node, ast.FunctionDef)}
     if name in own:
         edits = tuple(_renamed(seen.script, line, name, f"self.{name}"))
@@ -296,15 +300,15 @@ def _init(seen: Situation, line: int) -> Iterator[Proposal]:
 
 def _makers(script: ParsedScript) -> Iterator[ast.stmt]:
     classes = {node.name for node in ast.walk(script.tree) if isinstance(node, ast.ClassDef)}
-    for one in assignments(script):
-        if isinstance(one.value, ast.Call) and dotted(one.value.func) in classes:
-            yield one.statement
+    for assignment in assignments(script):
+        if isinstance(assignment.value, ast.Call) and dotted(assignment.value.func) in classes:
+            yield assignment.statement
 
 
 def _topics(seen: Situation) -> Iterator[Proposal]:
     """Yield the topic, the type and the message that move the car, for a publisher that does not."""
     for call in calls_of(seen.script, "create_publisher"):
-        given = [*call.args, *(one.value for one in call.keywords)]
+        given = [*call.args, *(keyword.value for keyword in call.keywords)]
         for argument in given:
             topic = argument.value if isinstance(argument, ast.Constant) else None
             if isinstance(topic, str) and topic.lstrip("/") != seen.topic.lstrip("/"):

@@ -79,7 +79,7 @@ def apart(one: Sequence[float], other: Sequence[float]) -> float:
 
 def length(vector: Iterable[float]) -> float:
     """Return the length of a vector of any dimension; NaN where one component is no finite number."""
-    return math.sqrt(total(each * each for each in vector))
+    return math.sqrt(total(component * component for component in vector))
 
 
 def atan2(y: Value, x: Value) -> Value:

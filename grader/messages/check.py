@@ -161,14 +161,16 @@ def pairs() -> Iterator[str]:
         text = path.read_text(encoding="utf-8")
         for node in ast.walk(ast.parse(text)) if "Text(" in text else ():
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Text":
-                said = [_values(one.value) for one in node.keywords if isinstance(one.value, _WRITTEN)]
+                said = [
+                    _values(keyword.value) for keyword in node.keywords if isinstance(keyword.value, _WRITTEN)
+                ]
                 if len(said) == len(LANGUAGES) and said[0] != said[1]:
                     yield f"{path.relative_to(_ROOT)}:{node.lineno}: the languages name other values"
 
 
 def _values(node: ast.expr) -> frozenset[str]:
     """Return the names of what an f-string, or a text to be formatted, puts in."""
-    put = {one.id for one in ast.walk(node) if isinstance(one, ast.Name)} - set(LANGUAGES)
+    put = {child.id for child in ast.walk(node) if isinstance(child, ast.Name)} - set(LANGUAGES)
     if isinstance(node, ast.Constant) and isinstance(node.value, str):
         put |= set(re.findall(r"\{(\w*)\}", node.value))
     return frozenset(put)

@@ -190,7 +190,7 @@ def _misspelt_word(error: StudentError) -> Closer:
     match = re.match(r"([A-Za-z]+)(?=[ \t]+[A-Za-z_(\"']|[ \t]*:)", script_line(error))
     if match is None or match[1] in STATEMENTS:
         return None
-    near = near_name(match[1], [one for one in STATEMENTS if one[0] == match[1][0].lower()])
+    near = near_name(match[1], [statement for statement in STATEMENTS if statement[0] == match[1][0].lower()])
     return None if near is None else ("misspelt_keyword", {"name": match[1], "suggestion": near})
 
 

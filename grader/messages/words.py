@@ -39,21 +39,21 @@ def in_digits(text: str, pattern: re.Pattern[str]) -> str:
 def _digits(found: re.Match[str]) -> str:
     if found["english"]:
         return str(sum(_ENGLISH[one.lower()] for one in (found["english"], found["more"]) if one))
-    decimals = "".join(str(_DIGITS[one]) for one in found["decimals"] or "")
+    decimals = "".join(str(_DIGITS[sign]) for sign in found["decimals"] or "")
     return f"{_value(found['chinese'])}{'.' if decimals else ''}{decimals}"
 
 
 def _value(numeral: str) -> int:
     """Return the value of a Chinese number, with places (``一百零二``) or without (``一二``)."""
-    if all(one in _DIGITS for one in numeral):
-        return int("".join(str(_DIGITS[one]) for one in numeral))
+    if all(sign in _DIGITS for sign in numeral):
+        return int("".join(str(_DIGITS[sign]) for sign in numeral))
     before, _, behind = numeral.rpartition(_TEN_THOUSAND)
     if before:
         return 10_000 * _value(before) + (_value(behind) if behind else 0)
     value = digit = 0
-    for one in numeral:
-        if one in _PLACES:
-            value, digit = value + (digit or 1) * _PLACES[one], 0
+    for sign in numeral:
+        if sign in _PLACES:
+            value, digit = value + (digit or 1) * _PLACES[sign], 0
         else:
-            digit = _DIGITS.get(one, 0)
+            digit = _DIGITS.get(sign, 0)
     return value + digit

@@ -396,7 +396,7 @@ def _parameter_told(expectation: Expectation, evidence: Evidence) -> Verdict:
         if node not in evidence.run.outcome.nodes:
             why: Reason = because("node_name", node=node, used=named(evidence.run.outcome.nodes))
         else:
-            others = named(each for each in declared if each != "use_sim_time")
+            others = named(name for name in declared if name != "use_sim_time")
             why = because("declared_missing", name=expectation.target, node=node, others=others)
         return Verdict(
             share=0.0, wanted=plain(expectation.target), came=say("expected.not_declared"), why=why

@@ -52,7 +52,7 @@ def frame(expectation: Expectation, evidence: Evidence) -> Verdict:
         for link in links
         if link.child == expectation.target and evidence.looks_at(expectation, link.t_ns)
     ]
-    direct = [each for each in own if each.parent == expectation.parent]
+    direct = [transform for transform in own if transform.parent == expectation.parent]
     wanted = _wanted_text(expectation)
     poses = _poses(expectation, evidence, links, direct)
     if not poses:
@@ -64,7 +64,7 @@ def frame(expectation: Expectation, evidence: Evidence) -> Verdict:
     if (
         expectation.static is not None
         and direct
-        and any(each.static is not expectation.static for each in direct)
+        and any(transform.static is not expectation.static for transform in direct)
     ):
         code = "frame_not_static" if expectation.static else "frame_static"
         topic = "/tf_static" if direct[0].static else "/tf"
@@ -73,7 +73,7 @@ def frame(expectation: Expectation, evidence: Evidence) -> Verdict:
         )
     share, came, why, there = _where(expectation, evidence, poses)
     if expectation.rate_hz is not None or expectation.count is not None:
-        often = _quantity(expectation, evidence, [each.t_ns for each in direct], 0)
+        often = _quantity(expectation, evidence, [transform.t_ns for transform in direct], 0)
         parts = ((share, came, why, there), (*often, wanted))
         share, came, why, there = min(parts, key=lambda part: part[0])
     return Verdict(share=share, wanted=there, came=came, why=why)
@@ -97,7 +97,7 @@ def _poses(
 ) -> list[tuple[int, Vector, Quaternion]]:
     """Return where the frame is: each time that it is sent, or each half second where frames lie between."""
     if expectation.at_s is None and direct:
-        return [(each.t_ns, each.translation, each.rotation) for each in direct]
+        return [(transform.t_ns, transform.translation, transform.rotation) for transform in direct]
     from_ns, until_ns = round(expectation.from_s * NS_PER_S), round(evidence.until_s(expectation) * NS_PER_S)
     times = (
         range(from_ns, until_ns + 1, _STEP_NS)
@@ -120,7 +120,7 @@ def _looked_up(
         if name == expectation.parent:
             return translation, rotation
         own = links.get(name, ())
-        index = bisect_right([each.t_ns for each in own], t_ns)
+        index = bisect_right([transform.t_ns for transform in own], t_ns)
         if not index:
             return None
         link = own[index - 1]
@@ -174,7 +174,7 @@ def _where(
 def _should(expectation: Expectation, place: Any, turn: Quaternion | None) -> Text:
     """Say where a frame should be at one time."""
     parts = [f"{expectation.parent} → {expectation.target}"]
-    if isinstance(place, list) and all(isinstance(each, int | float) for each in place):
+    if isinstance(place, list) and all(isinstance(coordinate, int | float) for coordinate in place):
         parts.append(f"({', '.join(f'{each:.2f}' for each in place)})")
     if turn is not None and math.isfinite(turn[3]):
         parts.append(f"yaw {_yaw_deg(turn):.1f}°")
@@ -182,14 +182,16 @@ def _should(expectation: Expectation, place: Any, turn: Quaternion | None) -> Te
 
 
 def _near(place: Any, translation: Vector, within: float) -> bool:
-    numbers = isinstance(place, list) and all(isinstance(each, int | float) for each in place)
+    numbers = isinstance(place, list) and all(isinstance(coordinate, int | float) for coordinate in place)
     return numbers and round(exact.apart(place, translation), 9) <= within
 
 
 def _wanted_turn(expectation: Expectation, names: dict[str, Any]) -> Quaternion | None:
     if expectation.rotation is not None:
         wanted = wanted_of(list(expectation.rotation), names)
-        if not isinstance(wanted, list) or not all(isinstance(each, int | float) for each in wanted):
+        if not isinstance(wanted, list) or not all(
+            isinstance(coordinate, int | float) for coordinate in wanted
+        ):
             return math.nan, math.nan, math.nan, math.nan
         x, y, z, w = map(float, wanted)
         return x, y, z, w
@@ -240,11 +242,15 @@ def _missing(expectation: Expectation, evidence: Evidence, links: Sequence[_Link
 def _wanted_text(expectation: Expectation) -> Text:
     parts = [plain(f"{expectation.parent} → {expectation.target}")]
     if expectation.translation is not None:
-        parts.append(plain(f"({', '.join(str(each).lstrip('= ') for each in expectation.translation)})"))
+        parts.append(
+            plain(f"({', '.join(str(coordinate).lstrip('= ') for coordinate in expectation.translation)})")
+        )
     if expectation.yaw_deg is not None:
         parts.append(plain(f"yaw {str(expectation.yaw_deg).lstrip('= ')}°"))
     if expectation.rotation is not None:
-        parts.append(plain(f"[{', '.join(str(each).lstrip('= ') for each in expectation.rotation)}]"))
+        parts.append(
+            plain(f"[{', '.join(str(component).lstrip('= ') for component in expectation.rotation)}]")
+        )
     if expectation.rate_hz is not None:
         parts.append(plain(f"{expectation.rate_hz:g} Hz"))
     return join(parts, _AND)

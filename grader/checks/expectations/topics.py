@@ -57,11 +57,11 @@ def topic(expectation: Expectation, evidence: Evidence) -> Verdict:
 def log(expectation: Expectation, evidence: Evidence) -> Verdict:
     """Judge the log messages of a text."""
     records = [
-        each
-        for each in evidence.run.outcome.logs
-        if evidence.looks_at(expectation, each.t_ns)
-        and (expectation.level is None or each.level_name.lower() == expectation.level)
-        and (expectation.node is None or each.name == expectation.node.strip("/").replace("/", "."))
+        record
+        for record in evidence.run.outcome.logs
+        if evidence.looks_at(expectation, record.t_ns)
+        and (expectation.level is None or record.level_name.lower() == expectation.level)
+        and (expectation.node is None or record.name == expectation.node.strip("/").replace("/", "."))
     ]
     messages = [Message(record.t_ns, {"text": record.message}) for record in records]
     if expectation.step:
@@ -92,7 +92,7 @@ def log(expectation: Expectation, evidence: Evidence) -> Verdict:
 def _unlogged(expectation: Expectation, evidence: Evidence, text: object) -> Mistake | None:
     """Return why no log message fits: it was printed, or has another level."""
     outcome = evidence.run.outcome
-    fits = [each for each in outcome.logs if equals(text, each.message, 0.0)]
+    fits = [record for record in outcome.logs if equals(text, record.message, 0.0)]
     if expectation.level is not None and fits:
         return mistake("log_level", level=fits[0].level_name, wanted=expectation.level.upper())
     printed = [line for line in outcome.stdout.text.splitlines()[:200] if equals(text, line, 0.0)]
@@ -132,7 +132,7 @@ def _wanted_quantity(expectation: Expectation) -> list[Text]:
 
 def wanted_quality(expectation: Expectation) -> str:
     """Return the quality that is wanted as ROS writes it, empty where any will do."""
-    named_ones = [each.upper() for each in (expectation.reliability, expectation.durability) if each]
+    named_ones = [policy.upper() for policy in (expectation.reliability, expectation.durability) if policy]
     return ", ".join([*named_ones, *([f"depth {expectation.depth}"] if expectation.depth else [])])
 
 
@@ -264,7 +264,9 @@ def _answers(expectation: Expectation, evidence: Evidence, messages: list[Messag
     good, row = 0, None
     for exchange in exchanges:
         reached = _in_time(expectation, exchange, exchanges, left)
-        fitting = next((each for each in reached if _fits(expectation, evidence, exchange, each)), None)
+        fitting = next(
+            (message for message in reached if _fits(expectation, evidence, exchange, message)), None
+        )
         chosen = fitting or (reached[0] if reached else None)
         if chosen is not None:
             left.remove(chosen)
@@ -297,7 +299,7 @@ def _in_time(
     else:
         later = [each.sent_ns for each in exchanges if each.sent_ns is not None and each.sent_ns > sent_ns]
         until_ns = min([sent_ns + NS_PER_S, *(next_ns - 1 for next_ns in later)])
-    return [each for each in left if sent_ns <= each.t_ns <= until_ns]
+    return [message for message in left if sent_ns <= message.t_ns <= until_ns]
 
 
 def _fits(expectation: Expectation, evidence: Evidence, exchange: Sent, message: Message) -> bool:
@@ -316,7 +318,9 @@ def _logged_for(expectation: Expectation, evidence: Evidence, messages: list[Mes
     for exchange in exchanges:
         text = wanted_of(expectation.target, evidence.said(exchange, None))
         reached = _in_time(expectation, exchange, exchanges, left)
-        fitting = next((each for each in reached if equals(text, (each.values or {})["text"], 0.0)), None)
+        fitting = next(
+            (message for message in reached if equals(text, (message.values or {})["text"], 0.0)), None
+        )
         if fitting is not None:
             good += 1
             left.remove(fitting)
@@ -368,17 +372,17 @@ def not_heard(name: str, kind: str, evidence: Evidence) -> Mistake:
 def _silence(expectation: Expectation, evidence: Evidence) -> Mistake | None:
     """Return why nothing came on a topic."""
     same = evidence.parties("publisher", expectation.target)
-    if same and all(each.type != expectation.type for each in same):
+    if same and all(endpoint.type != expectation.type for endpoint in same):
         return mistake("other_type", name=expectation.target, type=same[0].type, wanted=expectation.type)
-    if same and expectation.node is not None and all(each.node != expectation.node for each in same):
+    if same and expectation.node is not None and all(endpoint.node != expectation.node for endpoint in same):
         return mistake(
             "publishes_as_other", topic=expectation.target, node=same[0].node, wanted=expectation.node
         )
     if same and expectation.joins_s is not None and evidence.talk.heard.get(expectation.target):
         return mistake("publishes_volatile", topic=expectation.target)
-    own = {each.id for each in same if expectation.node in (None, each.node)}
+    own = {endpoint.id for endpoint in same if expectation.node in (None, endpoint.node)}
     if times_ns := [
-        each.t_ns for each in evidence.talk.heard.get(expectation.target, ()) if each.party in own
+        message.t_ns for message in evidence.talk.heard.get(expectation.target, ()) if message.party in own
     ]:
         times = {"first": times_ns[0], "last": times_ns[-1]}
         told = {name: number(t_ns / NS_PER_S, "s") for name, t_ns in times.items()}

@@ -91,14 +91,16 @@ class Evidence:
     def messages(self, expectation: Expectation) -> list[Message]:
         """Return the messages on the expectation's topic that it looks at."""
         found = [
-            each
-            for each in self.talk.heard.get(expectation.target, ())
-            if self.looks_at(expectation, each.t_ns)
+            heard
+            for heard in self.talk.heard.get(expectation.target, ())
+            if self.looks_at(expectation, heard.t_ns)
         ]
         if expectation.node is not None:
-            found = [each for each in found if self._parties[each.party].node == expectation.node]
+            found = [heard for heard in found if self._parties[heard.party].node == expectation.node]
         return [
-            each for each in found if expectation.joins_s is None or self._reaches(expectation, each, found)
+            heard
+            for heard in found
+            if expectation.joins_s is None or self._reaches(expectation, heard, found)
         ]
 
     def _reaches(self, expectation: Expectation, message: Message, found: Sequence[Message]) -> bool:
@@ -109,7 +111,7 @@ class Evidence:
         party = self._parties[message.party]
         gone = party.until_ns is not None and party.until_ns < joins_ns
         later = [
-            each for each in found if each.party == message.party and message.t_ns < each.t_ns < joins_ns
+            heard for heard in found if heard.party == message.party and message.t_ns < heard.t_ns < joins_ns
         ]
         return party.transient_local and not gone and len(later) < party.depth
 
@@ -135,7 +137,7 @@ class Evidence:
 
     def said(self, exchange: Sent, t_ns: int | None, **others: Any) -> dict[str, Any]:
         """Return what a formula is given about something that was sent, and all that was sent up to then."""
-        sent = [each.values for each in self.exchanges(exchange.step)[: exchange.n + 1]]
+        sent = [earlier.values for earlier in self.exchanges(exchange.step)[: exchange.n + 1]]
         return self.names(t_ns, n=exchange.n, in_=exchange.values, sent=sent, **others)
 
     def turtle(self, name: str, t_ns: int) -> TurtleSample | None:
@@ -174,7 +176,7 @@ def resolved(wanted: Any, names: Mapping[str, Any]) -> Any:
     if isinstance(wanted, Mapping):
         return {name: resolved(each, names) for name, each in wanted.items()}
     if isinstance(wanted, list | tuple):
-        return [resolved(each, names) for each in wanted]
+        return [resolved(value, names) for value in wanted]
     if isinstance(wanted, str) and wanted.startswith(FORMULA_MARK):
         return formula(wanted[1:]).value(names)
     return wanted
@@ -259,7 +261,7 @@ def _without_marks(wanted: Any) -> Any:
     if isinstance(wanted, Mapping):
         return {name: _without_marks(each) for name, each in wanted.items()}
     if isinstance(wanted, list | tuple):
-        return [_without_marks(each) for each in wanted]
+        return [_without_marks(value) for value in wanted]
     if isinstance(wanted, str) and wanted.startswith(PATTERN_MARK):
         return wanted[1:].replace("#", "<n>").replace("*", "…")
     return wanted

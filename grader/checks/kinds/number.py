@@ -67,10 +67,10 @@ def given_answers(text: str, unit: Unit) -> list[SpokenQuantity]:
     computed with (``12 s + 6 s``).
     """
     found = list(quantities(text))
-    fitting = [each for each in found if each.unit and each.in_unit(unit) is not None]
+    fitting = [answer for answer in found if answer.unit and answer.in_unit(unit) is not None]
     if not fitting:
         return found[-1:]
-    return [fitting[-1], *(each for each in fitting[:1] if _EXPLAINED.match(each.behind))]
+    return [fitting[-1], *(answer for answer in fitting[:1] if _EXPLAINED.match(answer.behind))]
 
 
 def guesses(text: str, unit: Unit) -> list[SpokenQuantity]:
@@ -80,7 +80,7 @@ def guesses(text: str, unit: Unit) -> list[SpokenQuantity]:
     first is a part.
     """
     found = list(quantities(text))
-    fits = [bool(each.unit) and each.in_unit(unit) is not None for each in found]
+    fits = [bool(answer.unit) and answer.in_unit(unit) is not None for answer in found]
     lists = _EACH.search(text) is None
     chosen = [
         {i, i + 1}
@@ -94,10 +94,14 @@ def guesses(text: str, unit: Unit) -> list[SpokenQuantity]:
 
 def _answering(assignment: Assignment, text: str, unit: Unit) -> SpokenQuantity | None:
     """Return what answers: of several guesses a wrong one, else one that is right; None without any number."""
-    if (several := guesses(text, unit)) and not all(_is_right(assignment, each, unit) for each in several):
-        return next(each for each in several if not _is_right(assignment, each, unit))
+    if (several := guesses(text, unit)) and not all(
+        _is_right(assignment, answer, unit) for answer in several
+    ):
+        return next(answer for answer in several if not _is_right(assignment, answer, unit))
     given = given_answers(text, unit)
-    return next((each for each in given if _is_right(assignment, each, unit)), given[0] if given else None)
+    return next(
+        (answer for answer in given if _is_right(assignment, answer, unit)), given[0] if given else None
+    )
 
 
 def _is_right(assignment: Assignment, given: SpokenQuantity, unit: Unit) -> bool:

@@ -47,7 +47,11 @@ def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mista
 
 def _goals(run: Run) -> int:
     """Return how many goals the script sent to turtlesim's own action for turning."""
-    return sum(each.count for each in run.outcome.endpoints if (each.kind, each.name) == ("client", ROTATE))
+    return sum(
+        endpoint.count
+        for endpoint in run.outcome.endpoints
+        if (endpoint.kind, endpoint.name) == ("client", ROTATE)
+    )
 
 
 def _rotation(path: Path) -> dict[str, Measure]:

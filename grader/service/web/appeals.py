@@ -83,10 +83,13 @@ def read_queue(errand: StaffDep, query: Annotated[AppealsQuery, Query()]) -> Res
         listed=listed,
         query=query,
         pages=pages_of(listed.total, _PAGE),
-        assignments={one.id: one for one in errand.services.assignments.of(errand.caller.course).all()},
+        assignments={
+            assignment.id: assignment
+            for assignment in errand.services.assignments.of(errand.caller.course).all()
+        },
         item_title=partial(item_title, language=errand.language),
         sections=sections_of(students),
-        names={one.id: one.name for one in students},
+        names={student.id: student.name for student in students},
         named=named,
     )
 
@@ -143,7 +146,9 @@ def _one(
     errand: PageErrand, submission_id: str, form: AnswerForm, errors: dict[str, str] | None = None
 ) -> Response:
     submission = access.require_sight(errand, submission_id)
-    found = {one.item: one for one in appealing.appeals_of(errand.services, errand.caller, submission.id)}
+    found = {
+        appeal.item: appeal for appeal in appealing.appeals_of(errand.services, errand.caller, submission.id)
+    }
     if form.item not in found:
         raise RefusedError("appeal_not_found")
     assignment = published(errand.services, errand.caller, submission.assignment)
@@ -168,7 +173,7 @@ def _one(
 def _judged(errand: PageErrand, submission_id: str, item: str) -> JudgedItem | None:
     """Return the item as it is now; None when a later grading does not have it."""
     items = judging.items_of(errand.services, errand.caller, submission_id)[1]
-    return next((one for one in items if one.id == item), None)
+    return next((result for result in items if result.id == item), None)
 
 
 def _back(submission_id: str, item: str) -> RedirectResponse:

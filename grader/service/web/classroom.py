@@ -52,7 +52,7 @@ def read_matrix(errand: StaffDep, query: Annotated[MatrixQuery, Query()]) -> Res
         overview=whole,
         matrix=matrix(whole, query, whole.roster),
         sections=sections_of(whole.roster),
-        titles={one.id: one.title for one in whole.assignments},
+        titles={assignment.id: assignment.title for assignment in whole.assignments},
         shows=SHOWS,
         stuck_attempts=STUCK_ATTEMPTS,
         unread=unread(errand.services, errand.caller),
@@ -64,12 +64,15 @@ def read_matrix(errand: StaffDep, query: Annotated[MatrixQuery, Query()]) -> Res
 def read_assignment(errand: StaffDep, assignment_id: str) -> Response:
     """Show how the class does at one assignment: scores, failed items, mistakes."""
     whole = _overview(errand)
-    statistics = next((one for one in whole.assignments if one.id == assignment_id), None)
+    statistics = next(
+        (assignment for assignment in whole.assignments if assignment.id == assignment_id), None
+    )
     if statistics is None:
         raise RefusedError("assignment_not_found")
     language = errand.language
     mistakes = [
-        (one.code, _outline(language, one.code), one.students) for one in statistics.most_common_mistakes
+        (most_common_mistake.code, _outline(language, most_common_mistake.code), most_common_mistake.students)
+        for most_common_mistake in statistics.most_common_mistakes
     ]
     return page(
         errand.request,
@@ -138,8 +141,8 @@ def read_student(errand: StaffDep, student: str, assignment: _Id = "") -> Respon
         raise RefusedError("member_not_found")
     every = errand.services.assignments.of(errand.caller.course).all()
     by_assignment: dict[str, list[Submission]] = {one.id: [] for one in every}
-    for one in attempts:
-        by_assignment.setdefault(one.assignment, []).append(one)
+    for attempt in attempts:
+        by_assignment.setdefault(attempt.assignment, []).append(attempt)
     groups = [(id_, own) for id_, own in by_assignment.items() if own]
     titles = {one.id: one.title for one in every}
     return page(
@@ -151,9 +154,9 @@ def read_student(errand: StaffDep, student: str, assignment: _Id = "") -> Respon
         groups=groups,
         titles=titles,
         refused=[
-            (one, form_problem(RefusedError(one.code), errand.language).title)
-            for one in errand.services.refused.of(errand.caller.course, student)
-            if assignment in ("", one.assignment)
+            (upload, form_problem(RefusedError(upload.code), errand.language).title)
+            for upload in errand.services.refused.of(errand.caller.course, student)
+            if assignment in ("", upload.assignment)
         ],
     )
 
@@ -161,7 +164,7 @@ def read_student(errand: StaffDep, student: str, assignment: _Id = "") -> Respon
 @router.get("/compare")
 def read_comparison(errand: StaffDep, first: _Id, second: _Id) -> Response:
     """Show two attempts side by side: rubric items, pictures and what changed in the file."""
-    chosen = sorted((_graded(errand, one) for one in (first, second)), key=lambda one: one[0].received_at)
+    chosen = sorted((_graded(errand, id_) for id_ in (first, second)), key=lambda one: one[0].received_at)
     (earlier, earlier_stored), (later, later_stored) = chosen
     comparison = compare(
         judged(earlier_stored),
@@ -170,7 +173,7 @@ def read_comparison(errand: StaffDep, first: _Id, second: _Id) -> Response:
         _source(errand.services, later),
         errand.language,
     )
-    cases = [tuple(one.cases) for one in (earlier_stored, later_stored)]
+    cases = [tuple(stored.cases) for stored in (earlier_stored, later_stored)]
     return page(
         errand.request, "compare.html", first=earlier, second=later, comparison=comparison, cases=cases
     )

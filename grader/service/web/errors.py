@@ -66,7 +66,7 @@ def _for_people(handler: _Handler) -> _Handler:
         if not _is_person(request):
             return await handler(request, error)
         language = language_of(request).encode()
-        headers = [one for one in request.scope["headers"] if one[0] != b"accept-language"]
+        headers = [header for header in request.scope["headers"] if header[0] != b"accept-language"]
         spoken = Request({**request.scope, "headers": [*headers, (b"accept-language", language)]})
         said = await handler(spoken, error)
         problem: dict[str, Any] = json.loads(bytes(said.body))

@@ -33,7 +33,10 @@ def read_all(errand: StaffDep, submission_id: SubmissionId) -> Response:
         submission=submission,
         person=person(names(errand.services, errand.caller), submission.student),
         gradings=history(errand.services, errand.caller, submission.id),
-        titles={one.id: one.title for one in errand.services.assignments.of(errand.caller.course).all()},
+        titles={
+            assignment.id: assignment.title
+            for assignment in errand.services.assignments.of(errand.caller.course).all()
+        },
     )
 
 

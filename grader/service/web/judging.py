@@ -94,7 +94,7 @@ class WholeForm(BaseModel):
 
     def of(self, item: JudgedItem) -> TypedItem:
         """Return what is typed for an item, or what was given."""
-        comments = (one.replace("\r\n", "\n").strip() for one in self.comment)
+        comments = (comment.replace("\r\n", "\n").strip() for comment in self.comment)
         lines = zip(self.item, self.points, comments, self.seen, strict=False)
         typed = {name: TypedItem(*rest) for name, *rest in lines}
         return typed.get(item.id) or self.of_now(item)
@@ -119,7 +119,10 @@ def read_waiting(errand: StaffDep, query: Annotated[WaitingQuery, Query()]) -> R
         errand.request,
         "judgements.html",
         listed=listed,
-        assignments={one.id: one for one in errand.services.assignments.of(errand.caller.course).all()},
+        assignments={
+            assignment.id: assignment
+            for assignment in errand.services.assignments.of(errand.caller.course).all()
+        },
         item_title=partial(item_title, language=errand.language),
         query=query,
         pages=pages_of(listed.total, _PAGE),
@@ -203,7 +206,7 @@ def _manual(errand: PageErrand, submission_id: str) -> tuple[Submission, Sequenc
         RefusedError: there are none.
     """
     submission, items = judging.items_of(errand.services, errand.caller, submission_id)
-    manual = [one for one in items if one.machine is None]
+    manual = [item for item in items if item.machine is None]
     if not manual:
         raise RefusedError("item_not_found")
     return submission, manual
@@ -313,7 +316,7 @@ def _changed(
     form: SeveralPoints, items: Sequence[JudgedItem]
 ) -> tuple[list[tuple[str, float, Seen | None]], dict[str, str]]:
     """Return the points that differ from what counts now, and by item what is wrong with them."""
-    known = {one.id: one for one in items}
+    known = {result.id: result for result in items}
     wanted: list[tuple[str, float, Seen | None]] = []
     errors: dict[str, str] = {}
     for item, typed, seen in zip(form.item, form.points, form.seen, strict=False):
@@ -345,7 +348,7 @@ def _several(
         status=422 if errors else 200,
         submission=submission,
         assignment=published(errand.services, errand.caller, submission.assignment),
-        corrections={one.id: one for one in items},
+        corrections={item.id: item for item in items},
         typed=dict(zip(form.item, form.points, strict=False)),
         reason=form.comment,
         errors=errors or {},
@@ -425,10 +428,10 @@ def _chosen(items: Sequence[JudgedItem], item_id: str, *, corrects: bool) -> Jud
         RefusedError: the submission has no such item, or the machine judged it and the visitor `corrects` nothing.
     """
     wanted = [
-        one
-        for one in items
-        if (one.id == item_id if item_id else one.machine is None) and (corrects or one.machine is None)
+        item
+        for item in items
+        if (item.id == item_id if item_id else item.machine is None) and (corrects or item.machine is None)
     ]
     if not wanted:
         raise RefusedError("item_not_found")
-    return next((one for one in wanted if one.waits), wanted[0])
+    return next((row for row in wanted if row.waits), wanted[0])

@@ -74,7 +74,7 @@ def matrix(dashboard: Overview, query: MatrixQuery, members: Sequence[Member]) -
 
     `members` are the students on the roster: who handed in nothing has a row, too.
     """
-    ids = [one.id for one in dashboard.assignments]
+    ids = [assignment.id for assignment in dashboard.assignments]
     judged = [query.assignment] if query.assignment in ids else ids
     wanted = query.search.strip().lower()
     everybody = _everybody(dashboard, members)
@@ -86,9 +86,9 @@ def matrix(dashboard: Overview, query: MatrixQuery, members: Sequence[Member]) -
         and (query.show == "at_risk" or _fits(student, judged, query.show))
     ]
     students.sort(key=_sort_key(query.sort), reverse=query.descending)
-    risks = {one.student: one for one in dashboard.at_risk if query.show == "at_risk"}
+    risks = {risk.student: risk for risk in dashboard.at_risk if query.show == "at_risk"}
     if query.show == "at_risk":
-        students = [one for one in students if _at_risk_in(risks.get(one.student), judged)]
+        students = [student for student in students if _at_risk_in(risks.get(student.student), judged)]
         if query.sort == "student":
             students.sort(key=lambda one: risks[one.student].urgency)
     shown, query, pages = cut(students, query)
@@ -107,18 +107,20 @@ def _at_risk_in(risk: Risk | None, judged: Sequence[str]) -> bool:
 
 
 def _everybody(dashboard: Overview, members: Sequence[Member]) -> list[StudentLine]:
-    active = {one.student for one in dashboard.students}
+    active = {student.student for student in dashboard.students}
     idle = [
-        StudentLine(student=one.id, name=one.name, sections=one.sections, total_score=0.0, assignments={})
-        for one in members
-        if one.id not in active
+        StudentLine(
+            student=member.id, name=member.name, sections=member.sections, total_score=0.0, assignments={}
+        )
+        for member in members
+        if member.id not in active
     ]
     return [*dashboard.students, *idle]
 
 
 def _row(student: StudentLine, ids: Sequence[str], risk: Risk | None) -> Row:
     name = "" if student.name == student.student else student.name
-    cells = (student.assignments.get(one) for one in ids)
+    cells = (student.assignments.get(id_) for id_ in ids)
     return Row(
         student=student,
         name=name,
@@ -141,7 +143,7 @@ def _look(cell: Cell | None) -> str:
 def _fits(student: StudentLine, judged: Sequence[str], show: Show) -> bool:
     if show == "all":
         return True
-    return any(_CONDITIONS[show](student.assignments.get(one)) for one in judged)
+    return any(_CONDITIONS[show](student.assignments.get(id_)) for id_ in judged)
 
 
 _CONDITIONS: Mapping[Show, Callable[[Cell | None], bool]] = {

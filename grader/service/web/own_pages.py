@@ -78,7 +78,10 @@ def remove(
 
 def _page(errand: PageErrand, *, error: RefusedError | None = None, of: str = "", done: str = "") -> Response:
     found = own_assignments.own_assignments(errand.services, errand.caller)
-    known = {one.id: one.title for one in errand.services.assignments.of(errand.caller.course).all()}
+    known = {
+        assignment.id: assignment.title
+        for assignment in errand.services.assignments.of(errand.caller.course).all()
+    }
     problem = None if error is None else form_problem(error, errand.language)
     return page(
         errand.request,
@@ -87,9 +90,11 @@ def _page(errand: PageErrand, *, error: RefusedError | None = None, of: str = ""
         uploads=found,
         titles=known,
         shipped=[
-            one for one in errand.services.assignments.of(None).all() if (default_root() / one.id).is_dir()
+            assignment
+            for assignment in errand.services.assignments.of(None).all()
+            if (default_root() / assignment.id).is_dir()
         ],
-        waits=any(one.state is OwnState.WAITING for one in found),
+        waits=any(own.state is OwnState.WAITING for own in found),
         problem=problem,
         problem_of=of,
         misfits=() if error is None else error.members.get("misfits", ()),

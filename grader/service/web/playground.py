@@ -33,9 +33,9 @@ def read(errand: KnownDep) -> Response:
         errand.request,
         "playground.html",
         assignments=[
-            one
-            for one in checklist(errand.services, caller)
-            if offered and may_practise(errand.services, caller, one)
+            assignment
+            for assignment in checklist(errand.services, caller)
+            if offered and may_practise(errand.services, caller, assignment)
         ],
         off=None if errand.services.live.most else form_problem(RefusedError("live_off"), language),
         idle_minutes=round(errand.services.live.idle_s / 60),

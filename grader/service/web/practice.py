@@ -149,7 +149,10 @@ def _shown(request: Request, practice: Practice) -> dict[str, Any]:
         run=next(iter(practice.report.runs), None),
         replay=moved,
         replay_words=replay_words(language),
-        cut={one.case: (stream_text(one.stdout), stream_text(one.stderr)) for one in practice.cut_output},
+        cut={
+            output.case: (stream_text(output.stdout), stream_text(output.stderr))
+            for output in practice.cut_output
+        },
         cases=practice.cases,
         untouched=practice.untouched,
         rough=practice.assignment.world.profile == "rough",

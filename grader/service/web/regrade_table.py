@@ -77,10 +77,10 @@ def changes(
 ) -> ChangesPage:
     """Return the page of what `moved` that `query` asks for; beyond the last page, the last."""
     titles = partial(item_title, assignment, language=language)
-    fitting = {part: [one for one in moved if _FITS[part](one.by)] for part in PARTS}
+    fitting = {part: [change for change in moved if _FITS[part](change.by)] for part in PARTS}
     lines, query, pages = cut(fitting[query.part], query)
     return ChangesPage(
-        lines=tuple(_line(one, names, titles) for one in lines),
+        lines=tuple(_line(line, names, titles) for line in lines),
         totals=tuple(_totals(moved, titles)),
         counts={part: len(found) for part, found in fitting.items()},
         pages=pages,

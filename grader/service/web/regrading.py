@@ -61,7 +61,7 @@ def read_all(errand: StaffDep, order: Annotated[Order, Query()]) -> Response:
 @router.post("", dependencies=OWN_FORM)
 def start(errand: InstructorDep, order: Annotated[Order, Form()]) -> Response:
     """Start a trial and lead to its page; on a refusal show the form with the reason."""
-    students = [one for one in _SEPARATORS.split(order.students) if one]
+    students = [id_ for id_ in _SEPARATORS.split(order.students) if id_]
     if len(students) > _MOST_STUDENTS:
         text = on_page(errand.language, "regrade.many_students", most=_MOST_STUDENTS)
         return _list(errand, order, FormError(field="students", text=text))
@@ -122,7 +122,7 @@ def _list(errand: access.PageErrand, order: Order, wrong: FormError | None = Non
         "regrades.html",
         status=200 if wrong is None else 422,
         regrades=all_regrades(errand.services, errand.caller),
-        titles={one.id: one.title for one in assignments},
+        titles={assignment.id: assignment.title for assignment in assignments},
         assignments=assignments,
         order=order,
         choices=WHICH,
@@ -141,7 +141,7 @@ def _one(
         "title": regrade.wanted.assignment if assignment is None else assignment.title.get(language),
         "changes": changes(regrade.changes, assignment, known, language, query),
         "parts": PARTS,
-        "people": [person(known, one) for one in regrade.wanted.students],
+        "people": [person(known, student) for student in regrade.wanted.students],
         "refusal": wrong,
     }
     return page(errand.request, "regrade.html", status=200 if wrong is None else 422, **values)

@@ -336,7 +336,9 @@ def replay_words(language: Language) -> dict[str, str]:
 
 def figure_document(figure: FigureSketch, language: Language) -> dict[str, Any]:
     """Return a figure as plain data with its remarks in `language`."""
-    labels = [{"at_m": one.at_m, "text": one.text.get(language), "ok": one.ok} for one in figure.labels]
+    labels = [
+        {"at_m": label.at_m, "text": label.text.get(language), "ok": label.ok} for label in figure.labels
+    ]
     plain = asdict(figure)
     regions = [
         {**shown, "text": one.text.get(language)}

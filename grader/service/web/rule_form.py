@@ -63,7 +63,7 @@ def _short(contract: type) -> dict[str, FieldKind]:
 
 def _typed(*contracts: type) -> Callable[[type[_Form]], type[_Form]]:
     """Return a decorator that gives a form the short fields of contracts."""
-    made: Any = {typed_name(name): (str, _SHORT) for one in contracts for name in _short(one)}
+    made: Any = {typed_name(name): (str, _SHORT) for contract in contracts for name in _short(contract)}
     return lambda form: create_model(form.__name__, __base__=form, __doc__=form.__doc__, **made)
 
 
@@ -90,7 +90,7 @@ class RuleForm(BaseModel):
     def steps(self) -> list[tuple[str, str]]:
         """Return the lines of the late rule with some empty ones behind them."""
         lines = zip(self.step_after, self.step_keep, strict=False)
-        typed = [line for line in lines if any(one.strip() for one in line)]
+        typed = [line for line in lines if any(text.strip() for text in line)]
         return [*typed, *[("", "")] * _SPARE_STEPS]
 
     def late_texts(self) -> list[object]:
@@ -150,8 +150,8 @@ def form_of(rules: Rules, zone: ZoneInfo, seen: str = "") -> RuleForm:
             **_texts(rules, zone),
             **_texts(late, zone),
             "late": late.kind,
-            "step_after": [_text(step["after_s"], one.after_s, zone) for one in late.steps],
-            "step_keep": [_text(step["keep"], one.keep, zone) for one in late.steps],
+            "step_after": [_text(step["after_s"], late_step.after_s, zone) for late_step in late.steps],
+            "step_keep": [_text(step["keep"], late_step.keep, zone) for late_step in late.steps],
             "shown": rules.shown,
             "counts": rules.counts,
             "hints": rules.hints,
@@ -192,7 +192,7 @@ def _text(kind: FieldKind, value: Any, zone: ZoneInfo) -> str:
 
 
 def _defaults(contract: Any) -> Mapping[str, Any]:
-    return {one.name: one.default for one in dataclasses.fields(contract)}
+    return {parameter.name: parameter.default for parameter in dataclasses.fields(contract)}
 
 
 class TypedFieldError(ValueError):

@@ -206,7 +206,7 @@ def _page(  # noqa: PLR0913
 def _sections(errand: PageErrand, known: CourseRules, assignment_id: str) -> list[tuple[str, str, str]]:
     """Return every section with its own due date (else nothing) and what lateness costs there."""
     rules, teller = known.of(assignment_id), Teller(errand.language, known.zone)
-    own = {one.section: teller.value("due", one.due.isoformat()) for one in rules.by_section}
+    own = {rule.section: teller.value("due", rule.due.isoformat()) for rule in rules.by_section}
     everybody = {*sections_of(members(errand.services, errand.caller)), *own}
     return [
         (name, own.get(name, ""), teller.late(asdict(rules.for_sections([name]).late), in_full=False))

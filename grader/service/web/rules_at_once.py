@@ -54,7 +54,7 @@ def change_several(errand: InstructorDep, form: Annotated[SeveralForm, Form()]) 
     errors: dict[str, str] = {}
     if form.every:
         every = errand.services.assignments.of(errand.caller.course).all()
-        form = form.model_copy(update={"assignment": [one.id for one in every]})
+        form = form.model_copy(update={"assignment": [assignment.id for assignment in every]})
     if not form.assignment:
         errors["assignment"] = "rules.error.no_assignment"
     elif form.action == "rules":
@@ -110,9 +110,11 @@ def _extend(errand: PageErrand, form: SeveralForm) -> dict[str, str]:
     errors = {("new_due" if name == "due" else name): key for name, key in reader.errors.items()}
     named = set(filter(None, _BETWEEN_IDS.split(form.students)))
     everybody = members(errand.services, errand.caller, Role.STUDENT)
-    if named - {one.id for one in everybody}:
+    if named - {member.id for member in everybody}:
         errors["students"] = "rules.error.students"
-    wanted = [one.id for one in everybody if one.id in named or set(one.sections) & set(form.section)]
+    wanted = [
+        member.id for member in everybody if member.id in named or set(member.sections) & set(form.section)
+    ]
     if not wanted:
         errors.setdefault("students", "rules.error.nobody")
     if due is None and extra is None:

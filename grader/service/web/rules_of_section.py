@@ -104,7 +104,7 @@ def _page(  # noqa: PLR0913, PLR0917
         zone=known.zone,
         form=form or form_of(_shown(rules, section), known.zone, tag(rules)),
         errors=errors or {},
-        has_rule=any(one.section == section for one in rules.by_section),
+        has_rule=any(rule.section == section for rule in rules.by_section),
         short_fields=widgets(),
         late_parameters=late_parameters(),
         late_kinds=tuple(LATE_PARAMETERS),

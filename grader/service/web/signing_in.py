@@ -150,4 +150,4 @@ def _is_among(address: str, networks: tuple[str, ...]) -> bool:
         return False
     if isinstance(found, ipaddress.IPv6Address) and found.ipv4_mapped is not None:
         found = found.ipv4_mapped  # so says a socket that listens for both
-    return any(found in ipaddress.ip_network(one) for one in networks)
+    return any(found in ipaddress.ip_network(network) for network in networks)

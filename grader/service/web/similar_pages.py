@@ -54,9 +54,9 @@ async def read_similar(errand: StaffDep, assignment_id: str) -> Response:
     def made() -> Response:
         known = names(errand.services, errand.caller)
         people = {
-            one.student: person(known, one.student)
+            script.student: person(known, script.student)
             for pair in (*found.pairs, *found.same_drives)
-            for one in (pair.first, pair.second)
+            for script in (pair.first, pair.second)
         }
         title = _title(errand.services, errand.caller, assignment_id, errand.language)
         return page(errand.request, "similar.html", title=title, similar=found, people=people)
@@ -114,6 +114,7 @@ def _lines(source: bytes, places: Sequence[tuple[Range, Range]]) -> tuple[Sequen
     for number, (here, there) in enumerate(places, start=1):
         begins[here.first_line].append((number, there))
     lines = [
-        MarkedLine(one.number, one.text, one.number in alike, tuple(begins[one.number])) for one in view.lines
+        MarkedLine(line.number, line.text, line.number in alike, tuple(begins[line.number]))
+        for line in view.lines
     ]
     return lines, view.left_out

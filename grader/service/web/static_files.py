@@ -37,7 +37,7 @@ class StaticFile:
 @cache
 def files() -> dict[str, StaticFile]:
     """Return the files by their names."""
-    return {one.name: _read(one) for one in sorted(FOLDER.iterdir())}
+    return {path.name: _read(path) for path in sorted(FOLDER.iterdir())}
 
 
 @cache

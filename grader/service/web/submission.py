@@ -322,7 +322,7 @@ def _corrections(
     """Return the items by id, for whoever may correct what the machine gave; else none."""
     if stored is None or not may_correct(errand.services, errand.caller, submission.assignment):
         return {}
-    return {one.id: one for one in judged_items(stored)}
+    return {judged_item.id: judged_item for judged_item in judged_items(stored)}
 
 
 def _source(services: Services, submission: Submission, stored: StoredReport | None) -> SourceView:
@@ -344,7 +344,7 @@ def _beside(errand: PageErrand, submission: Submission) -> dict[str, Any]:
     own = caller.course is not None and errand.visitor.student == submission.student
     return {
         "attempts": attempts,
-        "changed": _changed(errand.services, submission, [one.submission for one in attempts]),
+        "changed": _changed(errand.services, submission, [attempt.submission for attempt in attempts]),
         "beside": submissions.student_in_class(errand.services, caller, submission)
         if errand.visitor.staff
         else None,
@@ -359,8 +359,8 @@ def _comments(errand: PageErrand, submission: Submission) -> dict[str, Any]:
     """Return the comments by line, those about the whole under None, and what their authors are called."""
     found = commenting.read_comments(errand.services, errand.caller, submission)
     by_line: dict[int | None, list[Comment]] = {}
-    for one in found:
-        by_line.setdefault(one.line, []).append(one)
+    for finding in found:
+        by_line.setdefault(finding.line, []).append(finding)
     return {
         "comments": by_line,
         "authors": commenting.author_names(errand.services, found, submission.course),
@@ -381,11 +381,11 @@ def _appeals(errand: PageErrand, submission: Submission, stored: StoredReport | 
 
 def _changed(services: Services, submission: Submission, attempts: Sequence[Submission]) -> Changed | None:
     """Return what differs from the student's attempt before this one; `attempts` are all, newest first."""
-    earlier = attempts[[one.id for one in attempts].index(submission.id) + 1 :]
+    earlier = attempts[[attempt.id for attempt in attempts].index(submission.id) + 1 :]
     if not earlier:
         return None
     before, after = (
-        text_of(services.submissions.source(one) or b"") for one in (earlier[0].id, submission.id)
+        text_of(services.submissions.source(id_) or b"") for id_ in (earlier[0].id, submission.id)
     )
     return Changed(since=earlier[0], lines=changes(before, after))
 
@@ -402,7 +402,7 @@ def _cut_output(services: Services, stored: StoredReport) -> dict[str, tuple[Str
     """
     measured = services.submissions.measurements(stored)
     cut = () if measured is None else measured.cut_output
-    return {one.case: (stream_text(one.stdout), stream_text(one.stderr)) for one in cut}
+    return {output.case: (stream_text(output.stdout), stream_text(output.stderr)) for output in cut}
 
 
 def _result(

@@ -52,7 +52,9 @@ def read(
 ) -> Response:
     """Show the teams, a line each, in a form for instructors; `like`: filled with those of another assignment."""
     teams = teams_of(errand.services, errand.caller, like or assignment_id)
-    return _page(errand, assignment_id, "\n".join(" ".join(one.members) for one in teams), saved=bool(saved))
+    return _page(
+        errand, assignment_id, "\n".join(" ".join(team.members) for team in teams), saved=bool(saved)
+    )
 
 
 @router.post("/{assignment_id}", dependencies=OWN_FORM)
@@ -62,7 +64,7 @@ def change(
     teams: Annotated[str, Form(max_length=200_000)] = "",
 ) -> Response:
     """Put the teams that are written in place of the old ones, or say what is wrong with them."""
-    wanted = [line for text in teams.splitlines() if (line := [one for one in _BETWEEN.split(text) if one])]
+    wanted = [line for text in teams.splitlines() if (line := [id_ for id_ in _BETWEEN.split(text) if id_])]
     try:
         set_teams(errand.services, errand.caller, assignment_id, wanted)
     except RefusedError as problem:
@@ -84,7 +86,7 @@ def _page(
     assignment = require_published(services, caller, assignment_id)
     teams = teams_of(services, caller, assignment_id)
     everybody = names(services, caller)
-    inside = {one for team in teams for one in team.members}
+    inside = {member for team in teams for member in team.members}
     refusal = None if problem is None else form_problem(problem, errand.language)
     rules = services.rules.of(caller.course)
     every = services.assignments.of(caller.course).all()
@@ -97,8 +99,8 @@ def _page(
         size=team_size(services, caller, assignment_id),
         largest=LARGEST_TEAM,
         teams=teams,
-        people={one: person(everybody, one) for one in everybody},
-        alone=[one for one in everybody if one not in inside],
+        people={id_: person(everybody, id_) for id_ in everybody},
+        alone=[id_ for id_ in everybody if id_ not in inside],
         text=text,
         refusal=refusal,
         saved=saved,

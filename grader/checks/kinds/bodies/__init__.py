@@ -225,7 +225,7 @@ def _reach(assignment: Assignment, counted: _Counted) -> dict[str, Measure]:
     link = counted.replayed.link[: counted.count]
     if None in target or not len(link) or not np.isfinite(link).all():
         return {}
-    apart = _lengths(link[:, :3] - np.array([float(each or 0.0) for each in target]))
+    apart = _lengths(link[:, :3] - np.array([float(coordinate or 0.0) for coordinate in target]))
     seconds, hold_s = counted.seconds, _hold_s(assignment)
     ends = np.searchsorted(seconds, seconds + hold_s - _SLACK_S)
     kept = [float(np.max(apart[i : end + 1])) for i, end in enumerate(ends) if end < len(seconds)]
@@ -259,9 +259,9 @@ def _lifted(assignment: Assignment, counted: _Counted) -> Measure:
     """
     robots = {body.id for body in counted.replayed.bodies if body.role == "robot"}
     pushes = counted.replayed.pushes[: counted.count]
-    held = np.array([_holds(one, robots) for one in pushes], dtype=bool)
+    held = np.array([_holds(push, robots) for push in pushes], dtype=bool)
     propped = np.array(
-        [any(force > 0.0 and body not in robots for body, _, force in one) for one in pushes], dtype=bool
+        [any(force > 0.0 and body not in robots for body, _, force in push) for push in pushes], dtype=bool
     )
     held &= np.logical_or.accumulate(propped)
     if not held.any():

@@ -109,8 +109,8 @@ def _there_already(assignment: Assignment, replayed: Replayed) -> Iterator[Mista
     """Recognise a link that was put at its target before the first step."""
     target = [assignment.options.get(f"target_{axis}_m") for axis in "xyz"]
     if None not in target and len(replayed.link):
-        place = [float(each) for each in replayed.link[0, :3]]
-        if exact.apart(place, [float(each or 0.0) for each in target]) < STARTS_AWAY_M:
+        place = [float(coordinate) for coordinate in replayed.link[0, :3]]
+        if exact.apart(place, [float(coordinate or 0.0) for coordinate in target]) < STARTS_AWAY_M:
             yield mistake("bodies_there_already", ("reach_m",))
 
 
@@ -119,7 +119,7 @@ def _not_reached(assignment: Assignment, replayed: Replayed) -> Iterator[Mistake
     target = [assignment.options.get(f"target_{axis}_m") for axis in "xyz"]
     if None not in target and len(replayed.base):
         place = [float(assignment.options.get(f"base_{axis}_m") or 0.0) for axis in "xyz"]
-        base = [float(each) for each in replayed.base[0]]
+        base = [float(coordinate) for coordinate in replayed.base[0]]
         if exact.apart(base, place) > BASE_SLACK_M:
             told = {"base": _point(base), "place": _point(place)}
             yield mistake("bodies_base_elsewhere", ("reach_m",), **told)

@@ -165,8 +165,8 @@ def _of_the_whole(figure: Figure, on_m: float) -> dict[str, Measure]:
 def _of_the_pieces(figure: Figure, stretches: list[DrivenStretch], scale: float) -> dict[str, Measure]:
     if len(stretches) < len(figure.track.stretches):
         return {}
-    lines = [each for each in stretches if each.wanted.kind == "line"]
-    arcs = [each for each in stretches if each.wanted.kind == "arc"]
+    lines = [stretch for stretch in stretches if stretch.wanted.kind == "line"]
+    arcs = [stretch for stretch in stretches if stretch.wanted.kind == "arc"]
     taken = {"corner_error_deg": _corners(figure, stretches)}
     if lines:
         taken["length_error_pct"] = _worst(lines, lambda one: (one.length_m, scale * one.wanted.length_m))
@@ -187,7 +187,7 @@ def _corners(figure: Figure, stretches: list[DrivenStretch]) -> Measure:
 
 def _worst(stretches: Sequence[DrivenStretch], pair: _Pair) -> Measure:
     """Return the largest share by which a piece is off what is wanted, and which piece that is."""
-    errors = [_error_pct(*pair(each)) for each in stretches]
+    errors = [_error_pct(*pair(stretch)) for stretch in stretches]
     if any(math.isnan(error) for error in errors):
         return UNMEASURED
     worst = stretches[int(np.argmax(errors))]
@@ -200,7 +200,7 @@ def _error_pct(driven: float, wanted: float) -> float:
 
 
 def _roundness(arcs: Sequence[DrivenStretch]) -> Measure:
-    shares = [100.0 * each.deviation_m / each.radius_m for each in arcs]
+    shares = [100.0 * arc.deviation_m / arc.radius_m for arc in arcs]
     if any(math.isnan(share) for share in shares):
         return UNMEASURED
     worst = arcs[int(np.argmax(shares))]
@@ -239,12 +239,16 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     stretches, scale = driven_stretches(figure, drive), figure.placed.scale
     return FigureSketch(
         view="path",
-        sides=tuple(_side(assignment, each, scale) for each in stretches if each.wanted.kind == "line"),
+        sides=tuple(
+            _side(assignment, stretch, scale) for stretch in stretches if stretch.wanted.kind == "line"
+        ),
         corners=_sketched_corners(assignment, figure, stretches),
         ideal_m=tuple(_point(point) for point in _from_the_start(figure).tolist()),
         ideal_closed=False,
         labels=tuple(
-            _radius_label(assignment, each, scale) for each in stretches if not math.isnan(each.radius_m)
+            _radius_label(assignment, stretch, scale)
+            for stretch in stretches
+            if not math.isnan(stretch.radius_m)
         ),
         end_ns=end_ns(figure, drive),
     )
@@ -295,7 +299,7 @@ def _consult(assignment: Assignment) -> Iterable[Misfit]:
     track = track_of(assignment.path)
     if track is None:
         return (("path.pieces", _NOTHING_DRIVEN),)
-    kinds = {each.kind for each in track.stretches}
+    kinds = {stretch.kind for stretch in track.stretches}
     return unmet(
         assignment,
         (("length_error_pct",), "line" in kinds, _NO_LINES),

@@ -85,7 +85,7 @@ class Track:
         """Whether all its arcs and corners turn to the same side; False for a trace, whose turns are not known."""
         corners = [corner_rad(before, after) for before, after in itertools.pairwise(self.stretches)]
         turns = [turn for turn in corners if abs(turn) >= MIN_CORNER_RAD]
-        turns += [math.radians(each.angle_deg) for each in self.stretches if each.kind == "arc"]
+        turns += [math.radians(stretch.angle_deg) for stretch in self.stretches if stretch.kind == "arc"]
         return bool(turns) and (min(turns) > 0.0 or max(turns) < 0.0)
 
     @property
@@ -140,7 +140,7 @@ def tracks(wanted: WantedPath) -> tuple[Track, ...]:
         ways.append(reverse(given))
     if given.is_closed and wanted.any_start and wanted.any_direction:
         ways += [
-            one for way in ways for first in range(len(way.stretches)) for one in _begun_near(way, first)
+            begun for way in ways for first in range(len(way.stretches)) for begun in _begun_near(way, first)
         ]
     return tuple(ways)
 
@@ -149,13 +149,13 @@ def reverse(track: Track) -> Track:
     """Return a track driven from its end to its start."""
     turned = [
         replace(
-            each,
-            points=each.points[::-1],
-            begins_rad=each.ends_rad + math.pi,
-            ends_rad=each.begins_rad + math.pi,
-            angle_deg=-each.angle_deg,
+            stretch,
+            points=stretch.points[::-1],
+            begins_rad=stretch.ends_rad + math.pi,
+            ends_rad=stretch.begins_rad + math.pi,
+            angle_deg=-stretch.angle_deg,
         )
-        for each in reversed(track.stretches)
+        for stretch in reversed(track.stretches)
     ]
     return Track(_numbered(turned), reversed=True)
 
@@ -186,9 +186,9 @@ def _numbered(stretches: Sequence[Stretch]) -> tuple[Stretch, ...]:
     """Return the stretches numbered in the order driven, each kind by itself."""
     counts = {"line": 0, "arc": 0, "trace": 0}
     found = []
-    for each in stretches:
-        counts[each.kind] += 1
-        found.append(replace(each, number=counts[each.kind]))
+    for stretch in stretches:
+        counts[stretch.kind] += 1
+        found.append(replace(stretch, number=counts[stretch.kind]))
     return tuple(found)
 
 

@@ -126,7 +126,7 @@ def outside_of(region: Region, way: Way) -> Floats:
 def visits(wanted: WantedPlaces, way: Way) -> list[Visit]:
     """Return what became of each goal, in the order of the assignment."""
     outside = [outside_of(goal.region, way) for goal in wanted.visit]
-    stays = [_stays(each, way) for each in outside]
+    stays = [_stays(span, way) for span in outside]
     done = _done(wanted, stays)
     found = []
     for i, goal in enumerate(wanted.visit):
@@ -150,7 +150,7 @@ def visits(wanted: WantedPlaces, way: Way) -> list[Visit]:
 def nearly_reached(wanted: WantedPlaces, way: Way, seen: Sequence[Visit]) -> list[float]:
     """Return how much of each missed goal counts: the less, the larger all goals must be for it to be reached."""
     shares = [0.0] * len(seen)
-    if not any(one.done_s is None and one.outside_m <= _size_m(one.goal.region) for one in seen):
+    if not any(visit.done_s is None and visit.outside_m <= _size_m(visit.goal.region) for visit in seen):
         return shares
     for step in range(1, NEARLY_STEPS):
         more = step / NEARLY_STEPS

@@ -102,7 +102,7 @@ def _moving_s(trajectory: Trajectory) -> float:
 
 def _touched_s(trajectory: Trajectory) -> float:
     """Return when the robot first touched something."""
-    return min((one.start_ns * 1e-9 for one in trajectory.contacts), default=math.inf)
+    return min((contact.start_ns * 1e-9 for contact in trajectory.contacts), default=math.inf)
 
 
 def _covered(room: Room, trajectory: Trajectory) -> float:
