@@ -19,6 +19,7 @@ from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 from starlette.datastructures import ImmutableMultiDict
 
+from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Seen, sections_of
 from grader.contracts.notation import decimal, whole
@@ -77,6 +78,12 @@ class Errand:
 
     services: Services
     caller: Caller
+
+    @property
+    def assignments(self) -> dict[str, Assignment]:
+        """What the caller's course is given, by id, in the order of the checklist."""
+        every = self.services.assignments.of(self.caller.course).all()
+        return {assignment.id: assignment for assignment in every}
 
 
 CredentialsDep = Annotated[HTTPAuthorizationCredentials | None, Depends(bearer)]

@@ -304,9 +304,7 @@ def _tagged(
 
 
 def _waiting(errand: Errand, page: WaitingPage, language: Language, *, anonymous: bool) -> WaitingList:
-    assignments = {
-        assignment.id: assignment for assignment in errand.services.assignments.of(errand.caller.course).all()
-    }
+    assignments = errand.assignments
     return WaitingList(
         total=page.total,
         questions=[

@@ -83,10 +83,7 @@ def read_queue(errand: StaffDep, query: Annotated[AppealsQuery, Query()]) -> Res
         listed=listed,
         query=query,
         pages=pages_of(listed.total, _PAGE),
-        assignments={
-            assignment.id: assignment
-            for assignment in errand.services.assignments.of(errand.caller.course).all()
-        },
+        assignments=errand.assignments,
         item_title=partial(item_title, language=errand.language),
         sections=sections_of(students),
         names={student.id: student.name for student in students},

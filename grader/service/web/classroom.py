@@ -139,12 +139,11 @@ def read_student(errand: StaffDep, student: str, assignment: _Id = "") -> Respon
     known = names(errand.services, errand.caller)
     if not errand.caller.may_see(errand.caller.course, student) or (not attempts and student not in known):
         raise RefusedError("member_not_found")
-    every = errand.services.assignments.of(errand.caller.course).all()
-    by_assignment: dict[str, list[Submission]] = {one.id: [] for one in every}
+    by_assignment: dict[str, list[Submission]] = {id_: [] for id_ in errand.assignments}
     for attempt in attempts:
         by_assignment.setdefault(attempt.assignment, []).append(attempt)
     groups = [(id_, own) for id_, own in by_assignment.items() if own]
-    titles = {one.id: one.title for one in every}
+    titles = {id_: assignment.title for id_, assignment in errand.assignments.items()}
     return page(
         errand.request,
         "class_student.html",

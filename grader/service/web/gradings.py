@@ -33,10 +33,7 @@ def read_all(errand: StaffDep, submission_id: SubmissionId) -> Response:
         submission=submission,
         person=person(names(errand.services, errand.caller), submission.student),
         gradings=history(errand.services, errand.caller, submission.id),
-        titles={
-            assignment.id: assignment.title
-            for assignment in errand.services.assignments.of(errand.caller.course).all()
-        },
+        titles={id_: assignment.title for id_, assignment in errand.assignments.items()},
     )
 
 

@@ -119,10 +119,7 @@ def read_waiting(errand: StaffDep, query: Annotated[WaitingQuery, Query()]) -> R
         errand.request,
         "judgements.html",
         listed=listed,
-        assignments={
-            assignment.id: assignment
-            for assignment in errand.services.assignments.of(errand.caller.course).all()
-        },
+        assignments=errand.assignments,
         item_title=partial(item_title, language=errand.language),
         query=query,
         pages=pages_of(listed.total, _PAGE),

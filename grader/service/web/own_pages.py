@@ -78,17 +78,13 @@ def remove(
 
 def _page(errand: PageErrand, *, error: RefusedError | None = None, of: str = "", done: str = "") -> Response:
     found = own_assignments.own_assignments(errand.services, errand.caller)
-    known = {
-        assignment.id: assignment.title
-        for assignment in errand.services.assignments.of(errand.caller.course).all()
-    }
     problem = None if error is None else form_problem(error, errand.language)
     return page(
         errand.request,
         "own.html",
         status=200 if problem is None else problem.status,
         uploads=found,
-        titles=known,
+        titles={id_: assignment.title for id_, assignment in errand.assignments.items()},
         shipped=[
             assignment
             for assignment in errand.services.assignments.of(None).all()

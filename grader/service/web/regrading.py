@@ -116,14 +116,13 @@ def read_change(errand: StaffDep, regrade_id: RegradeId, submission_id: str) -> 
 
 
 def _list(errand: access.PageErrand, order: Order, wrong: FormError | None = None) -> Response:
-    assignments = errand.services.assignments.of(errand.caller.course).all()
     return page(
         errand.request,
         "regrades.html",
         status=200 if wrong is None else 422,
         regrades=all_regrades(errand.services, errand.caller),
-        titles={assignment.id: assignment.title for assignment in assignments},
-        assignments=assignments,
+        titles={id_: assignment.title for id_, assignment in errand.assignments.items()},
+        assignments=errand.assignments.values(),
         order=order,
         choices=WHICH,
         refusal=wrong,

@@ -51,7 +51,7 @@ def overview_page(
     known = errand.services.rules.of(errand.caller.course)
     teller = Teller(errand.language, known.zone)
     lines = []
-    for assignment in errand.services.assignments.of(errand.caller.course).all():
+    for assignment in errand.assignments.values():
         rules = known.of(assignment.id)
         late = teller.late(asdict(rules.late), in_full=False)
         lines.append((assignment, rules, late, len(known.extended(assignment.id))))

@@ -53,8 +53,7 @@ def change_several(errand: InstructorDep, form: Annotated[SeveralForm, Form()]) 
     """Change what was chosen, all of it or nothing, or show the form again with what is wrong."""
     errors: dict[str, str] = {}
     if form.every:
-        every = errand.services.assignments.of(errand.caller.course).all()
-        form = form.model_copy(update={"assignment": [assignment.id for assignment in every]})
+        form = form.model_copy(update={"assignment": list(errand.assignments)})
     if not form.assignment:
         errors["assignment"] = "rules.error.no_assignment"
     elif form.action == "rules":
