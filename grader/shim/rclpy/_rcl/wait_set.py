@@ -11,6 +11,17 @@ if TYPE_CHECKING:
 KINDS = ("subscription", "guard_condition", "timer", "client", "service", "event")
 
 
+def _adder(kind: str) -> Any:
+    def add(self: WaitSet, handle: Any) -> int:
+        """Add an entity; return its index."""
+        handle.require()
+        members = self._members[kind]
+        members.append(handle)
+        return len(members) - 1
+
+    return add
+
+
 class WaitSet:
     """Entities by kind; their place in it is the index asked for later."""
 
@@ -24,34 +35,12 @@ class WaitSet:
             members.clear()
         self._ready = {}
 
-    def _add(self, kind: str, handle: Any) -> int:
-        handle.require()
-        self._members[kind].append(handle)
-        return len(self._members[kind]) - 1
-
-    def add_subscription(self, handle: Any) -> int:
-        """Add one and return its index."""
-        return self._add("subscription", handle)
-
-    def add_guard_condition(self, handle: Any) -> int:
-        """Add one and return its index."""
-        return self._add("guard_condition", handle)
-
-    def add_timer(self, handle: Any) -> int:
-        """Add one and return its index."""
-        return self._add("timer", handle)
-
-    def add_client(self, handle: Any) -> int:
-        """Add one and return its index."""
-        return self._add("client", handle)
-
-    def add_service(self, handle: Any) -> int:
-        """Add one and return its index."""
-        return self._add("service", handle)
-
-    def add_event(self, handle: Any) -> int:
-        """Add one and return its index."""
-        return self._add("event", handle)
+    add_subscription = _adder("subscription")
+    add_guard_condition = _adder("guard_condition")
+    add_timer = _adder("timer")
+    add_client = _adder("client")
+    add_service = _adder("service")
+    add_event = _adder("event")
 
     def backlogs(self) -> list[Any]:
         """Return what becomes true when an entity is ready."""
