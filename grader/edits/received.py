@@ -75,8 +75,7 @@ class Ledger(Record):
 def received_ledger(content: bytes) -> Ledger:
     """Return the ledger; an empty one where none came.
 
-    Raises:
-        ProtocolError: it is not one.
+    Raises ProtocolError: it is not one.
     """
     if not content:
         return Ledger()
@@ -89,8 +88,7 @@ def received_ledger(content: bytes) -> Ledger:
 def received_script(text: str, content: bytes) -> ParsedScript | None:
     """Return the script's text with its tree; None where no tree came.
 
-    Raises:
-        ProtocolError: it is no tree of this text.
+    Raises ProtocolError: it is no tree of this text.
     """
     if not content:
         return None

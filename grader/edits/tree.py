@@ -46,8 +46,7 @@ class ParsedScript:
     def parsed(cls, text: str) -> Self:
         """Return a trusted text with its tree.
 
-        Raises:
-            SyntaxError: it is not Python.
+        Raises SyntaxError: it is not Python.
         """
         return cls(text, ast.parse(text))
 
@@ -62,8 +61,7 @@ class ParsedScript:
     def span(self, node: ast.expr | ast.stmt) -> tuple[int, int]:
         """Return the characters that a node covers, as start and end.
 
-        Raises:
-            ValueError: the node has no place in this text.
+        Raises ValueError: the node has no place in this text.
         """
         if node.end_lineno is None or node.end_col_offset is None:
             raise ValueError("the node has no end")
@@ -160,8 +158,7 @@ class ParsedScript:
 def applied(text: str, edits: Iterable[Edit]) -> str:
     """Return `text` with all edits made. Insertions at one place keep their order.
 
-    Raises:
-        ValueError: an edit is outside of the text, or two overlap.
+    Raises ValueError: an edit is outside of the text, or two overlap.
     """
     pieces: list[str] = []
     at = 0

@@ -68,8 +68,7 @@ def template(language: Language, message_id: str, /) -> str | None:
 def sentence(language: Language, message_id: str, /, **values: object) -> str:
     """Return one sentence with `values` filled in.
 
-    Raises:
-        MissingMessageError: there is no such id in `language`.
+    Raises MissingMessageError: there is no such id in `language`.
     """
     text = template(language, message_id)
     if text is None:
@@ -99,8 +98,7 @@ def on_page(language: Language, key: str, /, **values: object) -> str:
     A word that stands in reports, too, is ``word.<key>``. Without values the fields stay in their braces: the
     pages' scripts fill some of them in.
 
-    Raises:
-        MissingMessageError: there is no such sentence: a defect of the page.
+    Raises MissingMessageError: there is no such sentence: a defect of the page.
     """
     message_id = f"page.{key}" if template(language, f"page.{key}") is not None else f"word.{key}"
     if values:

@@ -128,8 +128,7 @@ async def present(
 ) -> AsyncIterator[PageErrand]:
     """Dependency of every page: what a visitor asks for.
 
-    Raises:
-        RefusedError: a student of a course asks too often, or somebody for too much at once.
+    Raises RefusedError: a student of a course asks too often, or somebody for too much at once.
     """
     services = services_of(request)
     with under_way(request, services, visitor.caller):
@@ -172,8 +171,7 @@ StaffDep = Annotated[PageErrand, Depends(require_staff)]
 async def require_instructor(errand: StaffDep) -> PageErrand:
     """Dependency of pages and forms that show or change what only instructors may.
 
-    Raises:
-        RefusedError: the visitor is an assistant.
+    Raises RefusedError: the visitor is an assistant.
     """
     if not errand.caller.is_instructor:
         raise RefusedError("forbidden")
@@ -186,8 +184,7 @@ InstructorDep = Annotated[PageErrand, Depends(require_instructor)]
 async def require_known(errand: ErrandDep) -> PageErrand:
     """Dependency of what is personal: the visitor is asked for their name before anything is looked up.
 
-    Raises:
-        EnterFirstError: the visitor has not said who they are.
+    Raises EnterFirstError: the visitor has not said who they are.
     """
     if not errand.visitor.known:
         raise EnterFirstError
@@ -200,8 +197,7 @@ KnownDep = Annotated[PageErrand, Depends(require_known)]
 async def require_member(errand: ErrandDep) -> PageErrand:
     """Dependency of what rules show or hide: where there are courses, the visitor is asked for their name.
 
-    Raises:
-        EnterFirstError: there are courses, and the visitor has not said who they are.
+    Raises EnterFirstError: there are courses, and the visitor has not said who they are.
     """
     return errand if errand.visitor.open else await require_known(errand)
 
@@ -212,8 +208,7 @@ MemberDep = Annotated[PageErrand, Depends(require_member)]
 def seen(errand: PageErrand, submission_id: str) -> tuple[Submission, StoredReport | None]:
     """Return a submission and its grading, if there is one yet, to somebody who may see it.
 
-    Raises:
-        RefusedError: there is none of that id, or it is somebody else's: the visitor cannot tell which.
+    Raises RefusedError: there is none of that id, or it is somebody else's: the visitor cannot tell which.
     """
     submission, stored = found(errand.services, errand.caller, submission_id)
     require_own(errand.visitor, submission)
@@ -230,8 +225,7 @@ def require_sight(errand: PageErrand, submission_id: str) -> Submission:
 def require_own(visitor: Visitor, submission: Submission) -> None:
     """Make sure that a student sees only their own submissions, also without courses, where an id opens any.
 
-    Raises:
-        RefusedError: it is somebody else's; the same refusal as when there is none.
+    Raises RefusedError: it is somebody else's; the same refusal as when there is none.
     """
     if not (visitor.staff or visitor.student == submission.student):
         raise RefusedError("submission_not_found")
@@ -252,8 +246,7 @@ def enter_student(request: Request, response: Response, student: str) -> None:
 def enter_by_token(request: Request, response: Response, token: str) -> Caller | None:
     """Open a session on this browser by a token and return whose it is; a token of nobody opens none.
 
-    Raises:
-        RefusedError: a student asks too often, or too many wrong tokens were shown.
+    Raises RefusedError: a student asks too often, or too many wrong tokens were shown.
     """
     services = services_of(request)
     caller = services.callers.identify(token, address_of(request))

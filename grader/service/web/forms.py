@@ -46,8 +46,7 @@ def require_own_form(
 ) -> None:
     """Refuse a form of another site.
 
-    Raises:
-        RefusedError: the form was not sent by one of our pages, or the browser was closed in between.
+    Raises RefusedError: the form was not sent by one of our pages, or the browser was closed in between.
     """
     known = request.cookies.get(COOKIE, "")
     own_site = request.headers.get("sec-fetch-site", "none") in _OWN_SITES

@@ -199,8 +199,7 @@ def _typed_for(
 def _manual(errand: PageErrand, submission_id: str) -> tuple[Submission, Sequence[JudgedItem]]:
     """Return a submission and those of its items that a person judges.
 
-    Raises:
-        RefusedError: there are none.
+    Raises RefusedError: there are none.
     """
     submission, items = judging.items_of(errand.services, errand.caller, submission_id)
     manual = [item for item in items if item.machine is None]
@@ -369,8 +368,7 @@ def _read(form: PointsForm) -> tuple[tuple[float, str] | None, dict[str, str]]:
 def typed_points(text: str) -> float:
     """Return what was typed as points; a comma before one or two digits is a decimal one.
 
-    Raises:
-        ValueError: it is no number from 0, or could be a thousand as well as one.
+    Raises ValueError: it is no number from 0, or could be a thousand as well as one.
     """
     units, comma, cents = text.partition(",")
     if comma and len(cents) > _CENT:

@@ -331,8 +331,7 @@ def _seconds(text: str, kind: fields.Seconds) -> int:
 def _between(text: str, high: float, wrong: str) -> float:
     """Return the number that was typed.
 
-    Raises:
-        TypedFieldError: `wrong`: it is none from 0 to `high`.
+    Raises TypedFieldError: `wrong`: it is none from 0 to `high`.
     """
     try:
         number = decimal(text)

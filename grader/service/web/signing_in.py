@@ -96,8 +96,7 @@ def choose(
 def kept_by(cookie: str, secrets: tuple[str, ...], state: str) -> dict[str, str]:
     """Return what a browser kept while it was away, if it comes back with the state that it went with.
 
-    Raises:
-        RefusedError: it was another browser, or one of the `secrets` is none of ours.
+    Raises RefusedError: it was another browser, or one of the `secrets` is none of ours.
     """
     kept = dict(parse_qsl(cookie))
     ours = all(_SECRET.fullmatch(kept.get(name, "")) for name in secrets)
