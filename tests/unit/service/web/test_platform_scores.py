@@ -314,7 +314,7 @@ def test_two_processes_that_look_at_once_send_one_score_once(
     (activity,) = linked.platforms.links("ros")
     before = linked.platform_scores.of_link(activity)
     assert send_scores(linked) == 1
-    monkeypatch.setattr(store, "known", lambda *_: before)
+    monkeypatch.setattr(store, "of_link", lambda *_: before)
     assert send_scores(linked) == 0
     assert given(moodle) == [5.0]
 
