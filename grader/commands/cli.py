@@ -35,6 +35,7 @@ _GROUPS: dict[str, dict[str, str]] = {
         "course": "create a course and import its people / 创建课程、导入名单",
         "token": "issue and revoke the tokens people identify with / 发放和撤销令牌",
         "rules": "dates, limits and late rules of assignments / 截止时间、次数与迟交规则",
+        "receipt": "say whether a receipt is genuine / 检查回执是真是假",
         "regrade": "list re-grades, and undo one that was applied / 重新评分：查看、撤销",
         "regrade-folder": "grade a downloaded class without a service / 离线评一整班的提交",
         "lti": "learning platforms (LTI 1.3) of a course / 课程的学习平台",

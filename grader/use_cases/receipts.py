@@ -1,11 +1,12 @@
 """Receipts: given for each submission, and checked, above all after an older backup was restored."""
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
 from grader.contracts.receipt import UploadReceipt, read_receipt
+from grader.store.submissions import Submissions
 from grader.use_cases.callers import require_staff
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import visible_submission
@@ -45,13 +46,22 @@ def check_receipt(services: Services, caller: Caller, text: str, file: bytes) ->
             for this course.
     """
     require_staff(caller)
-    key = services.receipts.key()
-    receipt = None if key is None else read_receipt(text, key)
-    if receipt is None or receipt.course != (caller.course or ""):
+    found = checked(services.receipts.key(), services.submissions, text, file)
+    if found is None or found.receipt.course != (caller.course or ""):
         raise RefusedError("false_receipt", field="receipt")
-    stored = services.submissions.get(receipt.submission)
+    return found
+
+
+def checked(key: bytes | None, submissions: Submissions, text: str, file: bytes) -> CheckedReceipt | None:
+    """Return what a receipt of any course says, as `check_receipt`; None: `key` did not sign it."""
+    receipt = None if key is None else read_receipt(text, key)
+    if receipt is None:
+        return None
+    row = submissions.get(receipt.submission)
+    # the student may have got another id since
+    stored = None if row is None else replace(UploadReceipt.of(row), student=receipt.student)
     return CheckedReceipt(
         receipt=receipt,
-        stored=stored is not None and UploadReceipt.of(stored) == receipt,
+        stored=stored == receipt,
         same_file=hashlib.sha256(file).hexdigest() == receipt.sha256 if file else None,
     )

@@ -32,5 +32,7 @@ def test_a_receipt_outlives_the_submission(
     file = {"file": ("square.py", b"better", "text/x-python")}
     assert "The file is not the one" in browser.post(PAGE, {"receipt": saved.text}, file).text
 
-    services.course_life.forget("li", Signature(services.clock(), "ros", "wang"))
+    services.course_life.renumber("li", "li-2", Signature(services.clock(), "ros", "wang"))
+    assert f'href="{address}"' in browser.post(PAGE, {"receipt": saved.text}, page=PAGE).text
+    services.course_life.forget("li-2", Signature(services.clock(), "ros", "wang"))
     assert "is not in the database" in browser.post(PAGE, {"receipt": saved.text}, page=PAGE).text
