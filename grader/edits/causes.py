@@ -14,7 +14,7 @@ from grader.contracts.outcome import RunStatus
 from grader.edits.flow import AXES
 from grader.edits.received import Motion
 from grader.edits.situation import HOLD_NS, Driven, Situation
-from grader.edits.slices import NameSet, assignments, calls_of, dotted, number_of
+from grader.edits.slices import NameSet, assignments, calls_of, dotted, known_number, number_of
 from grader.edits.tree import ParsedScript
 
 _Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -180,7 +180,11 @@ class _Reached:
             return Cause("nothing_spins", line, values)
         if dotted(maker.func).endswith("subscription"):
             return Cause("no_message", line, values)
-        period_s = number_of(maker.args[0]) if dotted(maker.func).endswith("timer") and maker.args else None
+        period_s = (
+            known_number(self._script, maker.args[0])
+            if dotted(maker.func).endswith("timer") and maker.args
+            else None
+        )
         if period_s is None or period_s * 1e9 < self._seen.outcome.duration_ns:
             return None
         return Cause("timer_later", maker.lineno, {"name": name, "period": f"{period_s:g}"})
@@ -407,7 +411,7 @@ def _wrong_size(seen: Situation) -> Iterator[Cause]:
         size, wanted, unit = _compared(seen, driven)
         if (
             wanted is None
-            or _is_part(seen, driven)
+            or is_part(seen, driven)
             or abs(size - wanted) <= _OFF * wanted
             or (unit == "m" and not seen.lost & _LENGTHS)
         ):
@@ -424,7 +428,7 @@ def _wrong_size(seen: Situation) -> Iterator[Cause]:
         yield Cause(code if waits else plain, line, {**values, "seconds": driven.seconds, "waits": waits})
 
 
-def _is_part(seen: Situation, driven: Driven) -> bool:
+def is_part(seen: Situation, driven: Driven) -> bool:
     """Whether the next command goes on with a motion at another rate, as a controller does: one size of many."""
     rows = seen.ledger.motions
     after = next((later for one, later in itertools.pairwise(rows) if one is driven.motion), None)

@@ -686,5 +686,13 @@ def _objects(seen: Situation) -> Iterator[Proposal]:
     for call in calls_of(seen.script, "spin"):
         if call.args and dotted(call.args[0]) in classes:
             name = dotted(call.args[0])
+            made = next((one.target for one in assignments(seen.script) if _calls(one.value, name)), "")
+            if made:
+                values = {"line": call.lineno, "old": name, "new": made}
+                yield Proposal("name", 0.4, (seen.script.replaced(call.args[0], made),), values)
             edit = seen.script.replaced(call.args[0], f"{name}()")
             yield Proposal("brackets", 0.6, (edit,), {"line": call.lineno, "old": name, "new": f"{name}()"})
+
+
+def _calls(value: ast.expr, name: str) -> bool:
+    return isinstance(value, ast.Call) and dotted(value.func) == name

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from grader.contracts.outcome import RunStatus
+from grader.edits.causes import is_part
 from grader.edits.situation import Driven, Proposal, Situation
 from grader.edits.slices import (
     NumberUse,
@@ -25,6 +26,8 @@ _LEAST_DEGREES: Final = 20.0
 _FITS: Final = 0.02
 _MOST_WANTED: Final = 3
 _MOST_CALLS: Final = 6
+_MOST_SWAPS: Final = 2
+_SWAP_COST: Final = 2.3  # as likely as a number that is not right
 _PERIODS: Final = ("sleep", "create_timer", "create_rate", "Rate")
 _DEPTHS: Final = ("create_publisher", "create_subscription")
 _LONGEST_PERIOD_S: Final = 0.2
@@ -92,6 +95,8 @@ def _lines(seen: Situation, driven: Driven) -> tuple[int, ...]:
 
 def _targets(seen: Situation, driven: Driven) -> list[tuple[float, float]]:
     """Return what the motion came to and what was wanted instead, nearest first; nothing where it fits."""
+    if is_part(seen, driven):
+        return []
     if driven.is_turn:
         size, wanted = abs(driven.angle_deg), seen.wanted.turns_deg
     elif driven.is_drive:
@@ -302,8 +307,13 @@ def _counts_something(script: ParsedScript, node: ast.Constant) -> bool:
         return dotted(parent.func) == "range"
     if isinstance(parent, ast.BinOp) and isinstance(parent.op, ast.Mult):
         return isinstance(parent.left, ast.List | ast.Tuple)
-    if isinstance(parent, ast.Assign):
-        return True
+    if isinstance(parent, ast.Assign):  # a number of rounds, and no period or size
+        names = {dotted(one) for one in parent.targets}
+        counting = [
+            *calls_of(script, "range"),
+            *(one for one in ast.walk(script.tree) if isinstance(one, ast.Compare)),
+        ]
+        return any(dotted(one) in names for each in counting for one in ast.walk(each))
     return isinstance(parent, ast.Compare)
 
 
@@ -437,6 +447,7 @@ def _is_product(node: ast.expr) -> bool:
 def _crossed(seen: Situation) -> Iterator[Proposal]:
     """Yield two arguments of a function exchanged that takes a speed and a turn, or x and y."""
     functions = (node for node in ast.walk(seen.script.tree) if isinstance(node, ast.FunctionDef))
+    led_here = {line for one in seen.distinct for line, _, _ in one.motion.stack}
     for function in functions:
         names = [one.arg for one in function.args.args if one.arg != "self"]
         for place, pair in enumerate(itertools.pairwise(names)):
@@ -445,6 +456,8 @@ def _crossed(seen: Situation) -> Iterator[Proposal]:
                 for call in calls_of(seen.script, function.name)
                 if len(call.args) > place + 1
             ]
+            here = [given for given in calls if given[0].lineno in led_here]
+            yield from (next(_exchanged(seen.script, _SWAP_COST, *given)) for given in here[:_MOST_SWAPS])
             if calls and _are_twins(seen, function, pair):
                 swapped = [next(_exchanged(seen.script, 1.25, *given)) for given in calls[:_MOST_CALLS]]
                 edits = tuple(edit for one in swapped for edit in one.edits)

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from grader.contracts.outcome import RunOutcome
+from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.edits.received import Ledger, Motion
 from grader.edits.slices import calls_of, dotted
 from grader.edits.tree import Edit, ParsedScript
@@ -109,6 +109,20 @@ class Situation:
             for one, end in zip(motions, ends, strict=True)
             if not one.is_stop
         )
+
+    @property
+    def comes_to_rest(self) -> bool:
+        """Whether the script commanded motions, and none up to its end."""
+        if not self.driven:
+            return False
+        until_ns = self.driven[-1].motion.t + round(self.driven[-1].seconds * 1e9)
+        return until_ns < self.outcome.duration_ns - HOLD_NS or self.outcome.status is RunStatus.FINISHED
+
+    def sizes_beside(self, unit: str) -> frozenset[float]:
+        """Return how far the car drove at a time (of turns in ``deg``), or turned (of drives in ``m``)."""
+        if unit == "deg":
+            return frozenset(round(abs(one.length_m), 2) for one in self.driven if one.is_drive)
+        return frozenset(round(abs(one.angle_deg), 1) for one in self.driven if one.is_turn)
 
     @cached_property
     def distinct(self) -> tuple[Driven, ...]:

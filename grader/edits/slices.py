@@ -143,6 +143,12 @@ def number_of(node: ast.AST) -> float | None:
     return None
 
 
+def known_number(script: ParsedScript, node: ast.expr) -> float | None:
+    """Return the value of a number, or of a name that is set once, to a number; None for anything else."""
+    values = [one.value for one in assignments(script) if one.target == dotted(node)] or [node]
+    return number_of(values[0]) if len(values) == 1 else None
+
+
 def _is_part_of_number(script: ParsedScript, node: ast.expr) -> bool:
     parent = script.parent(node)
     return isinstance(parent, ast.UnaryOp) and number_of(parent) is not None

@@ -7,7 +7,7 @@ from itertools import islice
 from typing import Final
 
 from grader.edits.situation import Proposal, Situation
-from grader.edits.slices import NameSet, assignments, calls_of, dotted, number_of
+from grader.edits.slices import NameSet, assignments, calls_of, dotted, known_number, number_of
 from grader.edits.tree import Edit, ParsedScript
 
 _Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -17,6 +17,7 @@ _MOST_CLOCKS: Final = 12
 _MOST_TESTS: Final = 30
 _MOST_NAMES: Final = 200
 _LONG_PERIOD: Final = 5.0
+_MILLISECONDS: Final = 40.0
 _PERIODS: Final = ("create_timer", "sleep", "create_rate")
 
 
@@ -201,9 +202,11 @@ def _units(seen: Situation, tests: list[ast.While | ast.If]) -> Iterator[Proposa
     """Yield seconds for what is given in milliseconds, and nanoseconds where these are compared."""
     for name in _PERIODS:
         for call in calls_of(seen.script, name):
-            value = number_of(call.args[0]) if call.args else None
+            value = known_number(seen.script, call.args[0]) if call.args else None
             if value is not None and value >= _LONG_PERIOD and name != "create_rate":
-                new = f"{value / 1000.0:g}" if value >= 20.0 * _LONG_PERIOD / 10.0 else "0.5"
+                new = (
+                    f"{value / 1000.0:g}" if value >= _MILLISECONDS else f"{1.0 / value:.2g}"
+                )  # or so often a second
                 values = {"line": call.lineno, "old": seen.script.source(call.args[0]), "new": new}
                 yield Proposal("seconds", 1.0, (seen.script.replaced(call.args[0], new),), values)
     for test in tests:

@@ -47,9 +47,9 @@ _GUESSED: Final = frozenset(
 _AS_LIKELY: Final = 0.5
 """Kinds of change that may gain by chance, because they make up for what is wrong elsewhere; and how much further
 down in the order another one stands for just as likely."""
+_SAME: Final = 0.03
 _SPINS: Final = ("spin", "spun_once", "spin_once", "brackets", "call", "class")
 """What lets a node run on that is meant to."""
-_A_WHILE_NS: Final = 1_500_000_000
 _MOST_BRANCHES: Final = 2
 _STEP_DEG: Final = 15.0
 _STEP_M: Final = 0.1
@@ -176,39 +176,52 @@ class Search:
         further: Candidate | None = None
         for step in self._trials(text, now):
             candidate, after = step
-            goes_on = _goes_on(now.outcome, after.outcome)
-            if goes_on and candidate.proposal.code not in _SPINS:
-                continue
             if not after.gains_on(now):
                 if further is None and _is_further(now.outcome, after.outcome):
                     further = candidate
-            elif (after.is_full and not goes_on) or _is_mended(
-                now.outcome, after.outcome, candidate.proposal
-            ):
-                if steps := self._continued(step, left):
+            elif after.is_full or _is_mended(now.outcome, after.outcome, candidate.proposal):
+                if not self._is_trick(text, now, candidate) and (steps := self._continued(step, left)):
                     return [] if self._is_one_of_many(text, now, candidate) else steps
-            elif after.is_full or after.explains(now):
+            elif after.explains(now):
                 gaining.append(step)
-        # stable: of equal ones the more plausible, and first those that end as the script did
-        gaining.sort(key=lambda step: (-step[1].score, _goes_on(now.outcome, step[1].outcome)))
+        gaining.sort(key=lambda step: -step[1].score)  # stable: of equal ones the more plausible
         for step in gaining[:_MOST_BRANCHES]:
             if steps := self._continued(step, left):
                 return steps
         return [] if further is None or left < MOST_CHANGES else self._with_next(now, further, left)
 
+    def _is_trick(self, text: str, now: Graded, candidate: Candidate) -> bool:
+        """Whether a change earns all for another reason than what is wrong.
+
+        It keeps a car moving that had come to rest, or a number that was changed for the sake of turns changes the
+        drives as well, or the reverse.
+        """
+        proposal = candidate.proposal
+        if now.outcome.error is not None or proposal.code in _SPINS:
+            return False
+        before, after = (
+            self._situation(text, now),
+            self._situation(candidate.text, self._traced(candidate.text)),
+        )
+        if before is None or after is None:
+            return False
+        if before.comes_to_rest and after.driven and not after.comes_to_rest:
+            return True
+        unit = str(proposal.values.get("unit", "")) if proposal.code == "scaled" else ""
+        sizes, later = (before.sizes_beside(unit), after.sizes_beside(unit)) if unit else ((), ())
+        return any(all(abs(one - other) > _SAME * one for other in later) for one in sizes)
+
     def _is_one_of_many(self, text: str, now: Graded, first: Candidate) -> bool:
-        """Whether a change of another kind, at another line, is as likely as `first` and has full marks as well.
+        """Whether a change of another kind is as likely as `first`, and has full marks as well.
 
         Then neither is known to be the cause.
         """
         if first.proposal.code not in _GUESSED:
             return False
-        line, most = first.proposal.values.get("line"), first.proposal.cost + _AS_LIKELY
+        most = first.proposal.cost + _AS_LIKELY
         for candidate in self._candidates(text, now):
             one = candidate.proposal
-            differs = (
-                one.code in _GUESSED and one.code != first.proposal.code and one.values.get("line") != line
-            )
+            differs = one.code in _GUESSED and one.code != first.proposal.code
             if one.cost > most or not self._has_budget:
                 return False
             if differs and one.cost >= first.proposal.cost:
@@ -219,12 +232,17 @@ class Search:
         return False
 
     def _trials(self, text: str, now: Graded) -> Iterator[Step]:
-        """Yield the proposals for a text with what each came to, the most plausible first, within the budget."""
+        """Yield the proposals for a text with what each came to, the most plausible first, within the budget.
+
+        Left out are those with which a script that came to its end never does.
+        """
         for candidate in self._candidates(text, now):
             if not self._has_budget:
                 return
             self._tried += 1
-            yield candidate, self._graded(candidate.text, self._assignment)
+            after = self._graded(candidate.text, self._assignment)
+            if candidate.proposal.code in _SPINS or not _goes_on(now.outcome, after.outcome):
+                yield candidate, after
 
     def _continued(self, step: Step, left: int) -> list[Step]:
         """Return a step with those that are needed on top of it; nothing where these do not end at full marks."""
@@ -373,17 +391,11 @@ def _is_mended(before: RunOutcome, after: RunOutcome, proposal: Proposal) -> boo
 
 
 def _goes_on(before: RunOutcome, after: RunOutcome) -> bool:
-    """Whether a script that came to its end, or to that of its motions, does so no more.
+    """Whether a script that came to its end does so no more.
 
     To draw a figure again and again earns all, so an endless loop would make up for any count.
     """
-    return _comes_to_an_end(before) and after.status is RunStatus.INTERRUPTED and not _comes_to_an_end(after)
-
-
-def _comes_to_an_end(outcome: RunOutcome) -> bool:
-    last_ns = outcome.last_command_ns or 0
-    rests = _A_WHILE_NS < last_ns < outcome.duration_ns - _A_WHILE_NS
-    return outcome.status is RunStatus.FINISHED or (outcome.status is RunStatus.INTERRUPTED and rests)
+    return before.status is RunStatus.FINISHED and after.status is RunStatus.INTERRUPTED
 
 
 def _is_further(before: RunOutcome, after: RunOutcome) -> bool:

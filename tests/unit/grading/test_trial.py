@@ -281,7 +281,7 @@ for _ in range(2):
     ("assignment", "motions", "stated"),
     [
         ("backward", SLOW_TIMER.replace("HERTZ", "5"), ("period", 21)),
-        ("backward", SLOW_TIMER.replace("HERTZ", "7"), ("period", 21)),
+        ("backward", SLOW_TIMER.replace("HERTZ", "10 / 2"), ("period", 21)),
         ("spin", IDLE.replace("AXIS", "angular.x"), ("idle_axis", 19)),
         ("spin", IDLE.replace("AXIS", "angular.y"), ("idle_axis", 19)),
         ("two_circles", CIRCLES.replace("RATE", "r").replace("WAY * r", "2 * math.pi / r"), ("radius", 13)),
@@ -295,3 +295,22 @@ def test_what_a_line_did_is_stated(
     explanation = explained(slot, TURTLE.replace("MOTIONS", motions), assignment)
     assert explanation.cause is not None
     assert (explanation.changes, explanation.cause.code, explanation.cause.line) == ((), *stated)
+
+
+@pytest.mark.parametrize(
+    "motions",
+    [
+        "i = 1\nwhile i < 4:\n    drive(1.0, 0.0, 2.0)\n    drive(0.0, 1.0, 1.5708)\n    i += 1",
+        "side = 2.0\nfor i in range(4):\n    drive(1.0, 0.0, side)\n    drive(0.0, 1.0, side)",
+    ],
+    ids=["a loop that would never end", "a number that changes the sides, too"],
+)
+def test_what_earns_all_by_a_trick_is_not_told(slot: Slot, motions: str) -> None:
+    for change in explained(slot, TURTLE.replace("MOTIONS", motions)).changes:
+        assert change.code not in ("out_of_loop", "scaled", "sign")
+
+
+def test_two_arguments_that_were_confused_are_exchanged(slot: Slot) -> None:
+    motions = "for i in range(4):\n    drive(0.0, 2.0, 1.0)\n    drive(1.5708, 0.0, 1.0)"
+    (change,) = explained(slot, TURTLE.replace("MOTIONS", motions)).changes
+    assert (change.code, len(change.lines)) == ("exchanged", 2)
