@@ -29,6 +29,7 @@ def test_whoever_makes_the_mistake_reads_it_above_the_hint(
     assert browser.post(PIN, {"mistake": CODE, "text": " Look at <line> 3.\n"}, page=MADE).status_code == 303
     page = browser.get(MADE).text
     assert 'value="Look at &lt;line&gt; 3."' in page
+    assert "Your teacher says: Look at &lt;line&gt; 3." in page  # so it was saved
     assert '<input type="hidden" name="students" value="li">' in page
     assert "li</textarea>" in browser.get("/class/regrades?assignment=square&students=li").text
     assert browser.post(PIN, {"mistake": "none", "text": "x"}, page=MADE).status_code == 422
