@@ -7,6 +7,7 @@ on every exercise with a sensor or a goal.
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from itertools import chain
 from typing import Final, NamedTuple
 
@@ -178,9 +179,9 @@ def _bumper(vehicle: Vehicle, _: float) -> Iterable[Step]:
         yield math.radians(100.0) / vehicle.turn_radps, 0.0, vehicle.turn_radps
 
 
-def _bolt(vehicle: Vehicle, _: float) -> Iterable[Step]:
-    """A little ahead, then rest."""
-    yield vehicle.field_m / 4.0 / vehicle.speed_mps, vehicle.speed_mps, 0.0
+def _bolt(vehicle: Vehicle, _: float, share: float = 0.25) -> Iterable[Step]:
+    """Ahead for a share of the field, then rest."""
+    yield share * vehicle.field_m / vehicle.speed_mps, vehicle.speed_mps, 0.0
     yield math.inf, 0.0, 0.0
 
 
@@ -191,6 +192,7 @@ _FIGURES: Final[Mapping[str, Callable[[Vehicle, float], Iterable[Step]]]] = {
     "sweep": _sweep,
     "bumper": _bumper,
     "bolt": _bolt,
+    "long bolt": partial(_bolt, share=0.5),
 }
 
 

@@ -148,6 +148,10 @@ steps(240); p.removeBody(car); p.loadURDF('racecar/racecar.urdf', [2, 0, 0.06]);
     ("pb_car", "down_a_slope", 20, CAR.replace("plane = p.loadURDF('plane.urdf')", """
 plane = p.loadURDF('plane.urdf', [0, 0, 0], p.getQuaternionFromEuler([0, 0.03, 0]))""") + """
 motors(0, 0); wall([2.4, 0, 0], [0.1, 2, 1]); steps(3000)"""),
+    ("pb_car", "turned_on_a_jack_then_down_a_slope", 20, CAR.replace("plane = p.loadURDF('plane.urdf')", """
+plane = p.loadURDF('plane.urdf', [0, 0, 0], p.getQuaternionFromEuler([0, 0.03, 0]))""").replace("0.2])", "0.3])") + """
+jack = wall([0, 0, 0.1], [0.1, 0.05, 0.08]); motors(80); steps(240); motors(0, 100); steps(120); motors(0, 0)
+p.removeBody(jack); steps(10); wall([2.35, 0, 0], [0.1, 2, 1]); steps(3000)"""),
     ("pb_car", "sideways_gravity", 20, CAR + """
 p.setGravity(0.3, 0, -9.8); motors(0, 0); wall([2.4, 0, 0], [0.1, 2, 1]); steps(3000)"""),
     ("pb_car", "pushed_by_walls_that_appear", 20, CAR + """
@@ -180,6 +184,9 @@ p.changeConstraint(gear, gearRatio=1, relativePositionTarget=1.0, erp=0.5, maxFo
     ("panda_reach", "pushed_by_a_box_that_appears", 40, ARM + """
 pose([0.5, 0, 0.4]); free(); box = p.createCollisionShape(p.GEOM_BOX, halfExtents=[0.5, 0.25, 0.5])
 steps(10); p.createMultiBody(0, box, basePosition=[0.5, -0.05, 0.5]); steps(600)"""),
+    ("panda_reach", "falls_on_a_box", 40, ARM + """
+pose([0.5, 0.2, 0.75]); free(); box = p.createCollisionShape(p.GEOM_BOX, halfExtents=[0.2, 0.2, 0.15])
+p.createMultiBody(0, box, basePosition=[0.5, 0.2, 0.13]); steps(2400)"""),
     ("panda_reach", "all_joints_at_once", 40, ARM + """
 steps(30); angles = p.calculateInverseKinematics(arm, 11, target, maxNumIterations=300)
 p.resetJointStatesMultiDof(arm, list(range(7)), [[angle] for angle in angles[:7]]); steps(300)"""),

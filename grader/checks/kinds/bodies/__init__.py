@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grader.checks.fit import Misfit, is_number, unmet
 from grader.checks.kinds.bodies.mistakes import BASE_SLACK_M, STARTS_AWAY_M, bodies_mistakes
@@ -20,6 +21,7 @@ from grader.contracts.scoring import Run
 from grader.contracts.text import Text
 from grader.contracts.trajectory import Floats
 from grader.geometry import exact
+from grader.messages import say
 from grader.messages.quantity import number
 
 EARTH_MPS2 = 9.81
@@ -44,6 +46,7 @@ MEASURES = {
 }
 _TARGET = ("target_x_m", "target_y_m", "target_z_m")
 _BASE = ("base_x_m", "base_y_m", "base_z_m")
+_CREEPS_MPS = 0.05  # a slower car has not set out
 _LEAST_WORK = 0.5  # of a car's greatest kinetic energy; the rest may be lost between two samples
 _NO_WORLD = Text(
     zh="检查 bodies 需要 PyBullet 的世界：写 world: {kind: pybullet, watch: …}",
@@ -195,14 +198,21 @@ def _heading(rows: Floats) -> float:
 
 
 def _wheels(counted: _Counted) -> dict[str, Measure]:
-    """Measure the wheels' turns; absent if the motors did not do the work that the car's speed takes."""
+    """Measure the wheels' turns; absent if the motors did not do the work that the car's speed takes.
+
+    What they did before the car set out, as on a jack, drove nothing.
+    """
     rows, power_w = counted.object, counted.replayed.power_w[: counted.count]
     if len(rows) < 2:
         return {}
-    work_j = exact.total(np.maximum(np.nan_to_num(power_w[1:]), 0.0) * np.diff(counted.seconds))
+    speeds_mps = exact.hypot(*np.nan_to_num(rows[:, 7:9]).T)
+    fastest = int(np.argmax(speeds_mps))
+    still = np.flatnonzero(speeds_mps[:fastest] < _CREEPS_MPS)
+    since = int(still[-1]) if len(still) else 0
+    works_w = np.maximum(np.nan_to_num(power_w), 0.0)
+    work_j = exact.total((works_w[1:] * np.diff(counted.seconds))[since:])
     mass_kg = next((body.total_kg for body in counted.replayed.bodies if body.role == "object"), 0.0)
-    fastest_mps = float(np.max(exact.hypot(*np.nan_to_num(rows[:, 7:9]).T)))
-    if work_j < _LEAST_WORK * mass_kg * fastest_mps**2 / 2.0:
+    if work_j < _LEAST_WORK * mass_kg * float(speeds_mps[fastest]) ** 2 / 2.0:
         return {"wheels_turned": UNMEASURED}
     return {"wheels_turned": Measure(_turned(counted))}
 
@@ -216,33 +226,33 @@ def _turned(counted: _Counted) -> float:
 
 
 def _reach(assignment: Assignment, counted: _Counted) -> dict[str, Measure]:
-    """Measure the least distance to the target within which the link was kept for the wanted time.
+    """Measure the least distance to the target within which motors alone kept the link for the wanted time.
 
-    Absent if the run was shorter than that time, the link was at the target before the first step or did not make
-    half of the way, or the arm does not stand fixed at its place.
+    Absent if the run was shorter than that time, the link was at the target before the first step or came no
+    nearer, or the arm does not stand fixed at its place. Less counts if the link made less than half of the way.
     """
     target = [assignment.options.get(name) for name in _TARGET]
     link = counted.replayed.link[: counted.count]
     if None in target or not len(link) or not np.isfinite(link).all():
         return {}
     apart = _lengths(link[:, :3] - np.array([float(coordinate or 0.0) for coordinate in target]))
+    start_m, apart = float(apart[0]), np.where(_propped(counted), np.inf, apart)
     seconds, hold_s = counted.seconds, _hold_s(assignment)
     ends = np.searchsorted(seconds, seconds + hold_s - _SLACK_S)
     kept = [float(np.max(apart[i : end + 1])) for i, end in enumerate(ends) if end < len(seconds)]
-    if (
-        not kept
-        or min(kept) > apart[0] / 2.0
-        or apart[0] < STARTS_AWAY_M
-        or not _stands(assignment, counted.replayed)
-    ):
+    if not kept or start_m < STARTS_AWAY_M or not _stands(assignment, counted.replayed):
+        return {}
+    share = min(2.0 * (1.0 - min(kept) / start_m), 1.0)
+    if share <= 0.0:
         return {}
     nearest = int(np.argmin(apart))
     details = {
         "hold": number(hold_s, "s"),
         "nearest": number(float(apart[nearest]), "m"),
         "time": number(float(seconds[nearest]), "s"),
+        "why": say("bodies.part_of_way"),
     }
-    return {"reach_m": Measure(min(kept), details)}
+    return {"reach_m": Measure(min(kept), details, share)}
 
 
 def _stands(assignment: Assignment, replayed: Replayed) -> bool:
@@ -260,9 +270,7 @@ def _lifted(assignment: Assignment, counted: _Counted) -> Measure:
     robots = {body.id for body in counted.replayed.bodies if body.role == "robot"}
     pushes = counted.replayed.pushes[: counted.count]
     held = np.array([_holds(push, robots) for push in pushes], dtype=bool)
-    propped = np.array(
-        [any(force > 0.0 and body not in robots for body, _, force in push) for push in pushes], dtype=bool
-    )
+    propped = _propped(counted)
     held &= np.logical_or.accumulate(propped)
     if not held.any():
         return UNMEASURED
@@ -274,6 +282,15 @@ def _lifted(assignment: Assignment, counted: _Counted) -> Measure:
         if end < len(seconds):
             best = max(best, float(np.min(raised[i : end + 1])))
     return Measure(best, {"hold": number(hold_s, "s")})
+
+
+def _propped(counted: _Counted) -> NDArray[np.bool_]:
+    """Return when something else than the robot pushed what is looked at."""
+    robots = {body.id for body in counted.replayed.bodies if body.role == "robot"}
+    pushed = np.zeros(counted.count, dtype=bool)
+    for i, pushes in enumerate(counted.replayed.pushes[: counted.count]):
+        pushed[i] = any(force > 0.0 and body not in robots for body, _, force in pushes)
+    return pushed
 
 
 def _holds(pushes: tuple[tuple[int, int, float], ...], robots: set[int]) -> bool:
