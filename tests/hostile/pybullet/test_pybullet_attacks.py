@@ -149,8 +149,10 @@ steps(240); p.removeBody(car); p.loadURDF('racecar/racecar.urdf', [2, 0, 0.06]);
 plane = p.loadURDF('plane.urdf', [0, 0, 0], p.getQuaternionFromEuler([0, 0.03, 0]))""") + """
 motors(0, 0); wall([2.4, 0, 0], [0.1, 2, 1]); steps(3000)"""),
     ("pb_car", "turned_on_a_jack_then_down_a_slope", 20, CAR.replace("plane = p.loadURDF('plane.urdf')", """
-plane = p.loadURDF('plane.urdf', [0, 0, 0], p.getQuaternionFromEuler([0, 0.03, 0]))""").replace("0.2])", "0.3])") + """
-jack = wall([0, 0, 0.1], [0.1, 0.05, 0.08]); motors(80); steps(240); motors(0, 100); steps(120); motors(0, 0)
+plane = p.loadURDF('plane.urdf', [0, 0, 0], p.getQuaternionFromEuler([0, 0.03, 0]))""") + """
+jack = wall([0, 0, 0.1], [0.1, 0.05, 0.08])
+p.resetBasePositionAndOrientation(car, [0, 0, 0.3], [0, 0, 0, 1])
+motors(80); steps(240); motors(0, 100); steps(120); motors(0, 0)
 p.removeBody(jack); steps(10); wall([2.35, 0, 0], [0.1, 2, 1]); steps(3000)"""),
     ("pb_car", "sideways_gravity", 20, CAR + """
 p.setGravity(0.3, 0, -9.8); motors(0, 0); wall([2.4, 0, 0], [0.1, 2, 1]); steps(3000)"""),
