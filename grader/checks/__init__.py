@@ -148,7 +148,8 @@ def explained(assignment: Assignment, marks: Marks) -> Scoring:
         return whole
     kind = CHECKS[_kind_name(assignment)]
     measures = {item.id: item.measure for item in assignment.items if item.measure in kind.measures}
-    return replace(whole, hint=first_step(whole.items, measures))
+    step = first_step(whole.items, measures)
+    return whole if step == EMPTY else replace(whole, hint=step)
 
 
 def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:

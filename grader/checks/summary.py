@@ -56,7 +56,10 @@ def first_step(items: Sequence[RubricItem], measures: Mapping[str, str]) -> Text
     if not hinted:
         return EMPTY
     names = {item.id: measures.get(item.id.rpartition("/")[2]) for item in hinted}
-    item = min(hinted, key=lambda one: (names[one.id] in _FOLLOWS, one.earned >= _SLIGHT * one.points))
+    item = min(
+        hinted,
+        key=lambda item: (item.is_in_band, names[item.id] in _FOLLOWS, item.earned >= _SLIGHT * item.points),
+    )
     if names[item.id] is None or item.message == EMPTY:
         return item.hint
     fact = say("step.fact", title=item.title, seen=item.message)

@@ -49,6 +49,13 @@ class RubricItem(Record):
     hint: Text = EMPTY
     wanted: Text = EMPTY
 
+    @property
+    def is_in_band(self) -> bool:
+        """Whether its own measurement earns all: it lost points only because others did."""
+        if self.measured is None or self.target is None:
+            return False
+        return abs(self.measured - self.target) <= (self.tolerance or 0.0)
+
 
 class PublishedItem(Record):
     """One line of the rubric as it is published before anything is submitted.

@@ -58,15 +58,8 @@ def first_fact(report: GradeReport) -> Text:
 
 def _first_fact(items: Sequence[RubricItem]) -> Text:
     """Return the fact of the first one that failed by itself: what comes later may follow from it."""
-    ordered = sorted(items, key=lambda item: (item.status is ItemStatus.NOT_CHECKED, _is_in_band(item)))
+    ordered = sorted(items, key=lambda item: (item.status is ItemStatus.NOT_CHECKED, item.is_in_band))
     return _fact(ordered[0]) if ordered else EMPTY
-
-
-def _is_in_band(item: RubricItem) -> bool:
-    """Whether an item's own measurement earns all: it lost points only because others did."""
-    if item.measured is None or item.target is None:
-        return False
-    return abs(item.measured - item.target) <= (item.tolerance or 0.0)
 
 
 def _fact(item: RubricItem) -> Text:

@@ -314,3 +314,17 @@ def test_two_arguments_that_were_confused_are_exchanged(slot: Slot) -> None:
     motions = "for i in range(4):\n    drive(0.0, 2.0, 1.0)\n    drive(1.5708, 0.0, 1.0)"
     (change,) = explained(slot, TURTLE.replace("MOTIONS", motions)).changes
     assert (change.code, len(change.lines)) == ("exchanged", 2)
+
+
+def test_the_first_step_is_of_what_its_own_measurement_costs(slot: Slot) -> None:
+    five = "for _ in range(5):\n    drive(1.0, 0.0, 1.5)\n    drive(0.0, 1.0, math.pi / 3)"
+    report = grade(slot, "hexagon", TURTLE.replace("MOTIONS", five))
+    sides = next(item for item in report.items if item.id == "sides")
+    assert report.hint.en.startswith(f"{sides.title.en}: {sides.message.en}")
+    assert report.hint.en.endswith(sides.hint.en)
+
+
+def test_what_an_error_after_full_marks_means_is_said(slot: Slot) -> None:
+    report = grade(slot, "straight", TURTLE.replace("MOTIONS", "drive(1.0, 0.0, 1.0)\nprint(way)"))
+    assert report.score == 100
+    assert "way" in report.hint.en
