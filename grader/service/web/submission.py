@@ -308,12 +308,11 @@ def _told(errand: PageErrand, submission: Submission, stored: StoredReport | Non
     if stored is None:
         return {"steps": steps, "hint": "", "fact": ""}
     report = judged(stored)
+    hint = report.hint.get(errand.language)
+    if not report.mistakes:  # then the hint begins with what was measured
+        return {"steps": steps, "hint": "", "fact": hint}
     crashed = any(run.outcome.error is not None for run in report.runs)
-    return {
-        "steps": steps,
-        "hint": report.hint.get(errand.language),
-        "fact": "" if crashed else first_fact(report).get(errand.language),
-    }
+    return {"steps": steps, "hint": hint, "fact": "" if crashed else first_fact(report).get(errand.language)}
 
 
 def _corrections(
