@@ -133,10 +133,12 @@ class Browser:
     def complaints(self) -> list[str]:
         """What the browser itself found wrong: refused by the policy, not found, an exception in a script.
 
-        A form that is shown again because of what was typed is no fault.
+        A form that is shown again because of what was typed is no fault, nor is what was still being loaded for a
+        page that a test has left.
         """
-        found = [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
-        return [one for one in found if "status of 422" not in one]
+        logged = self.driver.get_log("browser")
+        severe = [entry["message"] for entry in logged if entry["level"] == "SEVERE"]
+        return [line for line in severe if "status of 422" not in line and not line.startswith("about:blank")]
 
 
 @contextmanager
