@@ -161,7 +161,8 @@ def _empty_messages(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Pro
         if is_new or (dotted(given) and all(dotted(given) != name for name, _ in filled)):
             for name in unsent:
                 values = {"line": call.lineno, "old": seen.script.source(given), "new": name}
-                yield Proposal("message", 1.5, (seen.script.replaced(given, name),), values)
+                cost = 0.8 if is_new else 1.5  # a new message is empty: it cannot be what was meant
+                yield Proposal("message", cost, (seen.script.replaced(given, name),), values)
     yield from _filled_nowhere(seen, fresh)
 
 

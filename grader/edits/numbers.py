@@ -58,6 +58,7 @@ _NOW: Final = re.compile(r"theta|yaw|heading|position|pose\.|odom|actual|current
 _TOLERANCE: Final = "0.05"
 _SIZE_COST: Final = 1.7
 _DIRECTIONS: Final = (0, 90, 270)
+_CONSTANTS: Final = frozenset({"pi", "π", "tau", "two_pi"})
 _OPERATOR_COSTS: Final = {ast.BitXor: 0.5, ast.FloorDiv: 0.9}
 """Taken from mathematics and from a slip for `/`; of the others each is as often meant."""
 
@@ -154,6 +155,8 @@ def _scaled(
 
     A factor within a larger expression, or a speed, would only make up for what is wrong elsewhere.
     """
+    if _is_constant(seen.script, use.node):
+        return
     unit = "deg" if driven.is_turn else "m"
     whole = _is_whole(seen.script, use.node)
     for place, (size, wanted) in enumerate(targets):
@@ -175,6 +178,13 @@ def _scaled(
         yield _replaced(seen, "scaled", cost, (use, new), unit=unit, size=size, wanted=wanted)
     if 1e3 <= abs(use.value) <= 1e12 and math.log10(abs(use.value)).is_integer() and use.value != 1e9:
         yield _replaced(seen, "nanoseconds", 1.5, (use, "1e9"))
+
+
+def _is_constant(script: ParsedScript, number: ast.expr) -> bool:
+    """Whether a number is that of mathematics, by the name that it is given."""
+    statement = script.parent(number)
+    targets = statement.targets if isinstance(statement, ast.Assign) else ()
+    return any(dotted(target).rpartition(".")[2].casefold() in _CONSTANTS for target in targets)
 
 
 def _unit_of(value: float, size: float, unit: str, share: float) -> float | None:

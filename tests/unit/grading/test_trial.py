@@ -328,3 +328,12 @@ def test_what_an_error_after_full_marks_means_is_said(slot: Slot) -> None:
     report = grade(slot, "straight", TURTLE.replace("MOTIONS", "drive(1.0, 0.0, 1.0)\nprint(way)"))
     assert report.score == 100
     assert "way" in report.hint.en
+
+
+def test_a_constant_is_not_scaled_and_an_empty_message_is_replaced(slot: Slot) -> None:
+    half = "PI = 3.1416\ndrive(0.0, 1.0, PI)"
+    turn = explained(slot, TURTLE.replace("MOTIONS", half), "spin")
+    assert not any("6.28" in (line.after or "") for change in turn.changes for line in change.lines)
+    empty = TURTLE.replace("        pub.publish(msg)", "        pub.publish(Twist())")
+    (change,) = explained(slot, empty.replace("MOTIONS", "drive(-0.5, 0.0, 4)"), "backward").changes
+    assert (change.code, change.after) == ("message", 100)
