@@ -248,6 +248,13 @@ def database_url(request: pytest.FixtureRequest) -> str:
 
 # for tests with `database_url` whose subject is SQLite's file, or has nothing to do with the database
 on_sqlite = pytest.mark.parametrize("database_url", ["sqlite_url"], indirect=True, ids=["sqlite"])
+# for tests of processes, which take seconds on either kind and differ by what the contract's tests try on both
+first_on_sqlite = pytest.mark.parametrize(
+    "database_url",
+    ["sqlite_url", pytest.param("postgres_url", marks=pytest.mark.slow)],
+    indirect=True,
+    ids=["sqlite", "postgresql"],
+)
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

@@ -41,7 +41,14 @@ def test_the_core_needs_no_wing(module: str) -> None:
     assert not {name for name in present if name.startswith(WINGS)}
 
 
-@pytest.mark.parametrize("module", ["grader.api", "grader.service.composition", "grader.commands.serve"])
+@pytest.mark.parametrize(
+    "module",
+    [
+        "grader.api",
+        pytest.param("grader.service.composition", marks=pytest.mark.slow),
+        pytest.param("grader.commands.serve", marks=pytest.mark.slow),
+    ],
+)
 def test_the_service_needs_none_of_its_own_extras(module: str) -> None:
     assert module in imported_without(OPTIONAL - {"matplotlib"}, module)
 

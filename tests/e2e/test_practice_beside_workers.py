@@ -11,6 +11,7 @@ from grader.store.clock import clock_of
 from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.tokens import Tokens
+from tests.conftest import first_on_sqlite
 from tests.e2e.test_scale_out import PATIENCE_S, process, serving
 from tests.fakes.prepared import Prepared
 from tests.fakes.waiting import wait_until
@@ -31,6 +32,7 @@ def send(client: httpx.Client, path: str) -> httpx.Response:
     return client.post(path, files={"file": ("hello_node.py", HELLO)}, data={"assignment": "hello"})
 
 
+@first_on_sqlite
 def test_practice_runs_in_the_process_that_serves_and_after_what_others_grade(
     database_url: str, tmp_path: Path, prepared: Prepared
 ) -> None:

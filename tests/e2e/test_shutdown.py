@@ -14,6 +14,7 @@ from grader.contracts.submission import SubmissionState
 from grader.store.clock import utc_now
 from grader.store.database import Database
 from grader.store.occupancy import alone
+from tests.conftest import first_on_sqlite
 from tests.fakes.prepared import Forked, Prepared
 from tests.fakes.submissions import Submissions
 from tests.fakes.waiting import wait_until
@@ -36,6 +37,7 @@ def process(database_url: str, prepared: Prepared) -> Iterator[Forked]:
         yield started
 
 
+@first_on_sqlite
 def test_told_to_stop_it_ends_streams_returns_gradings_and_loses_nothing(
     process: Forked, database_url: str
 ) -> None:
@@ -66,6 +68,7 @@ def test_told_to_stop_it_ends_streams_returns_gradings_and_loses_nothing(
     assert TOKEN not in str(records)
 
 
+@first_on_sqlite
 def test_a_worker_that_is_killed_is_replaced_and_none_outlives_its_service(
     process: Forked, database_url: str
 ) -> None:
