@@ -445,7 +445,8 @@ def _simulator(world: World) -> str:
         from grader.sim.bullet import ENGINE, ROUNDING
     except ModuleNotFoundError as error:
         raise MissingExtraError.named("physics") from error
-    # of the cars and robots the recording's grid swallows what C libraries round otherwise
+    # of the cars the recording's grid swallows what C libraries round otherwise; of robots, too, but for a few
+    # that drive into something: four of the corpus, without another mark
     replayed = f", {ROUNDING}" if world.kind == "pybullet" else ""
     return f"{_MODELS[world.kind]}, {ENGINE}{replayed}"
 
