@@ -56,14 +56,14 @@ def first_step(items: Sequence[RubricItem], measures: Mapping[str, str]) -> Text
     if not hinted:
         return EMPTY
     names = {item.id: measures.get(item.id.rpartition("/")[2]) for item in hinted}
-    item = min(
+    first = min(
         hinted,
         key=lambda item: (item.is_in_band, names[item.id] in _FOLLOWS, item.earned >= _SLIGHT * item.points),
     )
-    if names[item.id] is None or item.message == EMPTY:
-        return item.hint
-    fact = say("step.fact", title=item.title, seen=item.message)
-    return Text(zh=f"{fact.zh}{item.hint.zh}", en=f"{fact.en} {item.hint.en}")
+    if names[first.id] is None or first.message == EMPTY:
+        return first.hint
+    fact = say("step.fact", title=first.title, seen=first.message)
+    return Text(zh=f"{fact.zh}{first.hint.zh}", en=f"{fact.en} {first.hint.en}")
 
 
 def summarise_text(items: Sequence[RubricItem], findings: Findings) -> Scoring:

@@ -14,7 +14,7 @@ from grader.contracts.outcome import RunStatus
 from grader.edits.flow import AXES
 from grader.edits.received import Motion
 from grader.edits.situation import HOLD_NS, Driven, Situation
-from grader.edits.slices import NameSet, assignments, calls_of, dotted, known_number, number_of
+from grader.edits.slices import NameSet, assignments, calls_of, dotted, known_number, named_in, number_of
 from grader.edits.tree import ParsedScript
 
 _Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -246,11 +246,7 @@ def _is_in(script: ParsedScript, node: ast.AST, loop: ast.AST) -> bool:
 
 def _set_by_callbacks(script: ParsedScript, names: set[str]) -> str:
     """Return the first of `names` that only a subscription's callback sets; empty if none is."""
-    callbacks = {
-        dotted(one).rpartition(".")[2]
-        for call in calls_of(script, "create_subscription")
-        for one in call.args
-    }
+    callbacks = named_in(calls_of(script, "create_subscription"))
     for one in assignments(script):
         if one.target in names:
             functions = [node.name for node in script.around(one.statement) if isinstance(node, _Functions)]
@@ -262,7 +258,7 @@ def _set_by_callbacks(script: ParsedScript, names: set[str]) -> str:
 def _timers_in_callbacks(seen: Situation) -> Iterator[Cause]:
     """Yield a timer that a timer's callback creates each time it runs, and that nothing cancels."""
     makers = list(calls_of(seen.script, "create_timer"))
-    callbacks = {dotted(one).rpartition(".")[2] for call in makers for one in call.args}
+    callbacks = named_in(makers)
     if any(True for name in ("cancel", "destroy_timer") for _ in calls_of(seen.script, name)):
         return
     for call in makers:
@@ -274,7 +270,7 @@ def _timers_in_callbacks(seen: Situation) -> Iterator[Cause]:
 def _forgets(seen: Situation) -> Iterator[Cause]:
     """Yield a local name that a callback sets anew each time before it counts it."""
     for call in calls_of(seen.script, "create_timer"):
-        names = {dotted(one).rpartition(".")[2] for one in call.args}
+        names = named_in([call])
         for node in ast.walk(seen.script.tree):
             if not isinstance(node, ast.FunctionDef) or node.name not in names:
                 continue
@@ -411,7 +407,7 @@ def _wrong_size(seen: Situation) -> Iterator[Cause]:
         size, wanted, unit = _compared(seen, driven)
         if (
             wanted is None
-            or is_part(seen, driven)
+            or seen.is_part(driven)
             or abs(size - wanted) <= _OFF * wanted
             or (unit == "m" and not seen.lost & _LENGTHS)
         ):
@@ -426,16 +422,6 @@ def _wrong_size(seen: Situation) -> Iterator[Cause]:
         values = {"size": size, "wanted": wanted, "unit": unit, "rate": f"{rate:g}"}
         code, plain = ("turned", "turned_plain") if unit == "deg" else ("drove", "drove_plain")
         yield Cause(code if waits else plain, line, {**values, "seconds": driven.seconds, "waits": waits})
-
-
-def is_part(seen: Situation, driven: Driven) -> bool:
-    """Whether the next command goes on with a motion at another rate, as a controller does: one size of many."""
-    rows = seen.ledger.motions
-    after = next((later for one, later in itertools.pairwise(rows) if one is driven.motion), None)
-    rates = (
-        (driven.motion.w, after.w) if after and driven.is_turn else (driven.motion.v, after.v if after else 0)
-    )
-    return after is not None and after.line == driven.motion.line and rates[0] * rates[1] > 0.0
 
 
 def _compared(seen: Situation, driven: Driven) -> tuple[float, float | None, str]:

@@ -13,7 +13,7 @@ from typing import Final
 from grader.contracts.names import IMPORTS, MODULES, OTHER_LANGUAGES, near_name
 from grader.contracts.outcome import RunStatus, StudentError
 from grader.edits.situation import Proposal, Situation
-from grader.edits.slices import NameSet, assignments, calls_of, dotted, number_of
+from grader.edits.slices import NameSet, assignments, calls_of, dotted, named_in, number_of
 from grader.edits.tree import Edit, ParsedScript
 
 _Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -635,19 +635,18 @@ def _answers(at: _Place) -> Iterator[Proposal]:
     makers = [("create_service", 2)] if (at.error.type, at.error.message.strip()) == ("TypeError", "") else []
     makers += [("add_on_set_parameters_callback", 1)] * ("'successful'" in at.error.message)
     for maker, needed in makers:
-        names = {dotted(arg).rpartition(".")[2] for call in calls_of(at.script, maker) for arg in call.args}
+        names = named_in(calls_of(at.script, maker))
         for function in _own_functions(at.script):
             arguments = [arg.arg for arg in function.args.args]
             if function.name not in names or len(arguments) < needed:
                 continue
-            answer = "SetParametersResult(successful=True)" if needed == 1 else arguments[-1]
+            line = f"return {'SetParametersResult(successful=True)' if needed == 1 else arguments[-1]}"
             last = function.body[-1]
             if isinstance(last, ast.Return):
-                yield at.mended(0.4, last, f"return {answer}")
+                yield at.mended(0.4, last, line)
             else:
                 end = last.end_lineno or last.lineno
-                edit = at.script.inserted_after(function.body[-1], f"return {answer}")
-                yield at.added(0.3, edit, end + 1, f"return {answer}")
+                yield at.added(0.3, at.script.inserted_after(last, line), end + 1, line)
 
 
 def _without(at: _Place) -> Iterator[Proposal]:

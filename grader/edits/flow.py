@@ -6,7 +6,7 @@ from typing import Final
 
 from grader.contracts.outcome import RunStatus
 from grader.edits.situation import Proposal, Situation
-from grader.edits.slices import NameSet, assignments, calls_of, dotted, number_of
+from grader.edits.slices import NameSet, assignments, calls_of, dotted, named_in, number_of
 from grader.edits.tree import Edit, ParsedScript
 
 AXES: Final = {
@@ -667,9 +667,7 @@ def _has_rest(seen: Situation, statement: ast.stmt) -> bool:
 def _is_callback(seen: Situation, statement: ast.stmt) -> bool:
     function = next((one for one in seen.script.around(statement) if isinstance(one, _Functions)), None)
     makers = [*calls_of(seen.script, "create_timer"), *calls_of(seen.script, "create_subscription")]
-    return function is not None and any(
-        dotted(one).rpartition(".")[2] == function.name for call in makers for one in call.args
-    )
+    return function is not None and function.name in named_in(makers)
 
 
 def _lambdas(seen: Situation) -> Iterator[Proposal]:

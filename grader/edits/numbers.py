@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from typing import Final
 
 from grader.contracts.outcome import RunStatus
-from grader.edits.causes import is_part
 from grader.edits.situation import Driven, Proposal, Situation
 from grader.edits.slices import (
     NumberUse,
@@ -96,7 +95,7 @@ def _lines(seen: Situation, driven: Driven) -> tuple[int, ...]:
 
 def _targets(seen: Situation, driven: Driven) -> list[tuple[float, float]]:
     """Return what the motion came to and what was wanted instead, nearest first; nothing where it fits."""
-    if is_part(seen, driven):
+    if seen.is_part(driven):
         return []
     if driven.is_turn:
         size, wanted = abs(driven.angle_deg), seen.wanted.turns_deg

@@ -1,5 +1,6 @@
 """What a search for a change begins with: the script, what its lines did, and what was wanted of the car."""
 
+import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -123,6 +124,15 @@ class Situation:
         if unit == "deg":
             return frozenset(round(abs(one.length_m), 2) for one in self.driven if one.is_drive)
         return frozenset(round(abs(one.angle_deg), 1) for one in self.driven if one.is_turn)
+
+    def is_part(self, driven: Driven) -> bool:
+        """Whether the next command goes on with a motion at another rate, as a controller does: one of many."""
+        motion = driven.motion
+        pairs = itertools.pairwise(self.ledger.motions)
+        after = next((later for earlier, later in pairs if earlier is motion), None)
+        if after is None or after.line != motion.line:
+            return False
+        return (motion.w * after.w if driven.is_turn else motion.v * after.v) > 0.0
 
     @cached_property
     def distinct(self) -> tuple[Driven, ...]:

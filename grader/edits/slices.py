@@ -234,6 +234,11 @@ def calls_of(script: ParsedScript, name: str) -> Iterator[ast.Call]:
     yield from _calls(script).get(name, ())
 
 
+def named_in(calls: Iterable[ast.Call]) -> set[str]:
+    """Return the names that calls are given, without what stands before their last dot: such as callbacks'."""
+    return {dotted(value).rpartition(".")[2] for call in calls for value in call.args} - {""}
+
+
 @lru_cache(maxsize=2)  # as `assignments`
 def _calls(script: ParsedScript) -> dict[str, list[ast.Call]]:
     calls: dict[str, list[ast.Call]] = {}

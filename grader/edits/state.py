@@ -7,7 +7,7 @@ from itertools import islice
 from typing import Final
 
 from grader.edits.situation import Proposal, Situation
-from grader.edits.slices import NameSet, assignments, calls_of, dotted, known_number, number_of
+from grader.edits.slices import NameSet, assignments, calls_of, dotted, known_number, named_in, number_of
 from grader.edits.tree import Edit, ParsedScript
 
 _Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -39,11 +39,7 @@ def state_changes(seen: Situation) -> Iterator[Proposal]:
 
 def _kept_first(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
     """Yield a callback that keeps each message, for one whose `if` lets it keep only the first."""
-    heard = {
-        dotted(one).rpartition(".")[2]
-        for call in calls_of(seen.script, "create_subscription")
-        for one in call.args
-    }
+    heard = named_in(calls_of(seen.script, "create_subscription"))
     for function in ast.walk(seen.script.tree):
         if not isinstance(function, _Functions) or function.name not in heard:
             continue

@@ -47,7 +47,7 @@ _GUESSED: Final = frozenset(
 _AS_LIKELY: Final = 0.5
 """Kinds of change that may gain by chance, because they make up for what is wrong elsewhere; and how much further
 down in the order another one stands for just as likely."""
-_SAME: Final = 0.03
+_SAME: Final = 0.03  # of a drive or a turn: what updates of turtlesim change
 _SPINS: Final = ("spin", "spun_once", "spin_once", "brackets", "call", "class")
 """What lets a node run on that is meant to."""
 _MOST_BRANCHES: Final = 2

@@ -96,14 +96,14 @@ def render_steps(
         yield next_steps(
             (visible(sentence.get(language)) for sentence in dict.fromkeys(own.values())), language
         )
-    found = steps(report, explanation, assignment.hints)
-    for step in found:
+    explained = steps(report, explanation, assignment.hints)
+    for step in explained:
         yield next_steps((visible(step.fact.get(language)),), language)
         if step.line != EMPTY:
             yield Text(f"  {visible_line(step.line.get(language), _LONGEST_LINE)}")
         if step.change != EMPTY:
             yield Group(Prose(f"  {visible(step.change.get(language))}"), *_changed(step.lines))
-    if not found:
+    if not explained:
         yield Group(*_next_steps(told(report, Explanation(), assignment.hints, own), language))
 
 

@@ -356,13 +356,13 @@ def _beside(errand: PageErrand, submission: Submission) -> dict[str, Any]:
 
 def _comments(errand: PageErrand, submission: Submission) -> dict[str, Any]:
     """Return the comments by line, those about the whole under None, and what their authors are called."""
-    found = commenting.read_comments(errand.services, errand.caller, submission)
+    comments = commenting.read_comments(errand.services, errand.caller, submission)
     by_line: dict[int | None, list[Comment]] = {}
-    for finding in found:
-        by_line.setdefault(finding.line, []).append(finding)
+    for comment in comments:
+        by_line.setdefault(comment.line, []).append(comment)
     return {
         "comments": by_line,
-        "authors": commenting.author_names(errand.services, found, submission.course),
+        "authors": commenting.author_names(errand.services, comments, submission.course),
         "longest_comment": LONGEST_COMMENT,
         "may_comment": errand.caller.course is not None,
     }
