@@ -348,7 +348,7 @@ def _into_branches(seen: Situation) -> Iterator[Proposal]:
 
 
 def _into_ends(seen: Situation) -> Iterator[Proposal]:
-    """Yield what ends or sets something, behind an `if`, moved to its end: it was to happen only then."""
+    """Yield a stop, a return or an assignment behind an `if`, moved into it: it was meant for that case only."""
     for node in ast.walk(seen.script.tree):
         if not isinstance(node, ast.If) or node.orelse or node.lineno not in seen.ledger.ran:
             continue

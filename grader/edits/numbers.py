@@ -187,7 +187,7 @@ def _is_constant(script: ParsedScript, number: ast.expr) -> bool:
 
 
 def _unit_of(value: float, size: float, unit: str, share: float) -> float | None:
-    """Return what makes a number, within a share, of a size in metres or degrees; None: it is no such size."""
+    """Return 1 where a number is a size within a share, π / 180 where it is one in radians; None: neither."""
     factors = (1.0, math.radians(1.0)) if unit == "deg" else (1.0,)
     return next((one for one in factors if abs(value - size * one) <= share * size * one), None)
 

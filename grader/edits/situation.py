@@ -89,7 +89,7 @@ class Situation:
 
     Attributes:
         topic: moves the car. lost: names of the measures that cost points.
-        fields: of the message that has not the one which an exception names.
+        fields: those that a message has, where an exception says that it lacks one.
     """
 
     script: ParsedScript
@@ -120,7 +120,7 @@ class Situation:
         return until_ns < self.outcome.duration_ns - HOLD_NS or self.outcome.status is RunStatus.FINISHED
 
     def sizes_beside(self, unit: str) -> frozenset[float]:
-        """Return how far the car drove at a time (of turns in ``deg``), or turned (of drives in ``m``)."""
+        """Return the sizes of the other kind of motion: of the drives for ``deg``, of the turns for ``m``."""
         if unit == "deg":
             return frozenset(round(abs(one.length_m), 2) for one in self.driven if one.is_drive)
         return frozenset(round(abs(one.angle_deg), 1) for one in self.driven if one.is_turn)

@@ -235,7 +235,7 @@ def calls_of(script: ParsedScript, name: str) -> Iterator[ast.Call]:
 
 
 def named_in(calls: Iterable[ast.Call]) -> set[str]:
-    """Return the names that calls are given, without what stands before their last dot: such as callbacks'."""
+    """Return the names given to calls, such as those of callbacks, without what stands before the last dot."""
     return {dotted(value).rpartition(".")[2] for call in calls for value in call.args} - {""}
 
 

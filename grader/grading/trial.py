@@ -44,12 +44,11 @@ _NO_FIELD: Final = re.compile(r"'(\w+)' object has no attribute ")
 _GUESSED: Final = frozenset(
     ("comparison", "converted", "count", "exchanged", "operator", "removed", "scaled", "sign")
 )
-_AS_LIKELY: Final = 0.5
-"""Kinds of change that may gain by chance, because they make up for what is wrong elsewhere; and how much further
-down in the order another one stands for just as likely."""
+"""Kinds of change that may gain by chance, because they make up for what is wrong elsewhere."""
+_AS_LIKELY: Final = 0.5  # of cost: proposals that are no further apart are taken to be equally likely
 _SAME: Final = 0.03  # of a drive or a turn: what updates of turtlesim change
 _SPINS: Final = ("spin", "spun_once", "spin_once", "brackets", "call", "class")
-"""What lets a node run on that is meant to."""
+"""Changes after which a node runs on, as it is meant to."""
 _MOST_BRANCHES: Final = 2
 _STEP_DEG: Final = 15.0
 _STEP_M: Final = 0.1
@@ -320,7 +319,7 @@ class Search:
 
 
 def _fields_of(error: StudentError | None) -> tuple[str, ...]:
-    """Return the fields of ROS's messages of the type which has not the one that an exception names."""
+    """Return the fields that a message of ROS has, where an exception says that it lacks one; else none."""
     match = None if error is None else _NO_FIELD.match(error.message)
     if match is None:
         return ()
