@@ -64,10 +64,6 @@ _FILE_OF = (
 """What was graded, and as what."""
 _FORGET = delete(table_of(ExplanationRow)).where(_row.submission_id == bindparam("of"))
 _mistake = table_of(GradedMistakeRow)
-_FORGET_MISTAKES = delete(_mistake).where(
-    _mistake.c.submission_id == bindparam("of"), _mistake.c.attempt == bindparam("under")
-)
-_ADD_MISTAKES = insert(_mistake)
 _QUEUE = insert(table_of(ExplanationRow)).values(tries=0, took_s=0.0)
 
 
@@ -149,7 +145,10 @@ class Explanations(TimedPart):
         return self._write(claim, values, explanation.codes)
 
     def _write(self, claim: ExplanationClaim, values: dict[str, Any], codes: Sequence[str] = ()) -> bool:
-        """Write to a claim's row; `codes`: what the class's overview counts in place of mistakes."""
+        """Write to a claim's row; `codes`: what the class's overview counts of a grading.
+
+        Where the report names a mistake, that stays: else one mistake would stand in two rows.
+        """
         of = _row.submission_id == claim.submission_id, _row.attempt == claim.attempt
         latest = update(table_of(ExplanationRow)).where(
             *of, _row.tries == claim.tries, _row.finished_at.is_(None)
@@ -160,11 +159,12 @@ class Explanations(TimedPart):
                 return False
             if codes:
                 key = {"submission_id": claim.submission_id, "attempt": claim.attempt}
-                connection.execute(_FORGET_MISTAKES, {"of": claim.submission_id, "under": claim.attempt})
-                ranked = enumerate(dict.fromkeys(codes))
-                connection.execute(
-                    _ADD_MISTAKES, [{**key, "code": code, "rank": rank} for rank, code in ranked]
-                )
+                own = _mistake.c.submission_id == claim.submission_id, _mistake.c.attempt == claim.attempt
+                connection.execute(delete(_mistake).where(*own, _mistake.c.code.contains(".")))
+                if connection.execute(select(_mistake.c.code).where(*own).limit(1)).first() is None:
+                    ranked = enumerate(dict.fromkeys(codes))
+                    rows = [{**key, "code": code, "rank": rank} for rank, code in ranked]
+                    connection.execute(insert(_mistake), rows)
             return True
 
 

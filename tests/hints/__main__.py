@@ -53,13 +53,11 @@ def _judged(script: Beginner, given: Answer, one: Tried | None) -> list[str]:
         return [*kinds, "full"] if one.last == one.most else kinds
     cause = one.explanation.cause
     kinds += ["stated"] if cause is not None else []
-    if cause is not None and is_right(
-        script.category, script.lines, cause.code, cause.text.en, given.crashed
-    ):
-        return [*kinds, "right"]
-    if is_right(script.category, script.lines, given.cause, given.en, given.crashed):
-        return [*kinds, "right"]
-    return [*kinds, "misleading"]
+    told = [(given.cause, given.en)] if cause is None else [(cause.code, cause.text.en), (given.cause, given.en)]
+    right = any(
+        is_right(script.category, script.lines, code, sentence, crashed=given.crashed) for code, sentence in told
+    )
+    return [*kinds, "right" if right else "misleading"]
 
 
 def _told(given: Answer, one: Tried | None) -> str:

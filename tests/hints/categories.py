@@ -1,48 +1,65 @@
 """What kinds of causes there are, so that a hint may be worded otherwise and still be right.
 
-``error``: Python says it. ``silent``: nothing came of the script, or nothing but stops. ``size``: a turn, a side
-or a count that is too large or too small. ``shape``: where or how the car drove. ``stop``: how the drive ended.
-``task``: the input, a service or the exercise itself.
+``error``: Python says it. ``silent``: a part of the script, or all of it, came to nothing: it did not run, was not
+sent or not obeyed. ``size``: a turn, a side or a count that is too large or too small, a script that is too slow.
+``shape``: where or how the car drove. ``stop``: how the drive ended. ``task``: the input, a service, or the exercise
+itself. What the car did may have causes of two kinds: it never turned because the line did not run, or because its
+turns were too small.
 """
 
 import re
 from typing import Final
 
-_SIGNS: Final = (
-    (
-        "stop",
-        r"stop(?!_in_loop)|settled|drove_on|turned_on|never_finish|time_was_up|approach|came_back|place_left|laps",
-    ),
-    (
-        "size",
-        r"turns?_too|sides_|interior|radian|half_turn|lengths|unequal|corner|too_slow|too_short|too_far|degrees|count|"
-        r"length|radius|swept|size|unfinished|too_long|drives?_too|brief|scaled|drove|turned|endless|far|late|early|slow|"
-        r"missed|share|sides|spread|advance|covered|no_turns|turn_missing|other_figure|published_once|stop_in_loop",
-    ),
-    (
-        "shape",
-        r"arc|curved|kept|wall|zigzag|slipped|crooked|astray|overshot|way|path|place|room|circ|left_|backward|forward|"
-        r"sideways|both|too$|fro$|swings|side|instead|drive|contended|long_way|rotation",
-    ),
-    (
-        "task",
-        r"ignored|argument|service|answer|agent|tool|goal|frame|slip_|declared|rate_off|message|package|bodies|asks_again",
-    ),
-)
+KINDS: Final = {
+    kind: frozenset(codes.split())
+    for kind, codes in {
+        "silent": """
+            action_nearly alive always_true class_not_made deaf_loop empty_loop error_caught forgets held idle_axis
+            incompatible_qos info_logs init_without_node killed left_before listens_nowhere listens_other_quality
+            never_called never_logged never_published never_spun never_true no_drive no_message no_publisher no_turns
+            nodes not_received not_spinning nothing_ran nothing_sent nothing_spins nothing_spins_while only_printed
+            only_stops period pose_published printed publishes_at_other_times publishes_nothing publishes_nowhere
+            sensor_qos service_nearly service_nowhere sideways sim_time sleeps_too_long stalled stop_in_loop
+            stopped_at_once swings thread_crashed timer_in_callback timer_later too_brief topic_nearly topic_nowhere
+            turtle_killed two_spins types_differ waits_before wrong_topic wrong_type
+        """,
+        "size": """
+            advance_m corner_deg cpu_limit degrees_as_radians detour_pct drove drove_plain endless_loop
+            heading_error_deg interior_angle in_line length_error_pct missed_m no_turns one_radian output_limit
+            period published_once radius radius_error_pct rate_radps reached reached_pct side_error_pct
+            side_spread_pct sides stop_in_loop time_s time_was_up too_brief touch_pct turned turned_deg turned_plain
+            turn_radps
+        """,
+        "shape": """
+            arc band_m band_pct contended corner_error_deg covered_pct curved_pct drift_m gap_pct in_line jolt_mps
+            lateral_pct line_covered_pct line_pct mean_off_pct moving_s no_drive off_pct opposite_corners place_entered
+            place_hit place_no_feedback place_order place_wall room_blind room_hit round_pct sideways speed_mps
+            swings turned_deg unasked wall_hit way_back_m
+        """,
+        "stop": """
+            ahead_m clearance_m contacts end_off_m endless_loop no_stop place_late place_not_held room_blind room_hit
+            settled time_was_up
+        """,
+        "task": """
+            argument_ignored asks_again client_missing client_silent declared_missing input_ignored known_wrong_answer
+            no_action no_arguments no_number no_service other_name other_type other_unit right_in_other_unit
+            service_silent teleported with_unit
+        """,
+    }.items()
+}  # fmt: skip
 
 
 _LINES: Final = re.compile(r"\b[Ll]ines? (\d+(?:(?:, | and )\d+)*)")
 
 
-def category_of(code: str, *, crashed: bool) -> str:
-    """Return the kind of cause that a code names; of a script that an error ended always ``error``."""
-    if crashed:
-        return "error"
-    return next((name for name, sign in _SIGNS if re.search(sign, code)), "silent")
+def is_right(category: str, lines: frozenset[int], code: str, sentence: str, *, crashed: bool) -> bool:
+    """Whether a hint names one of the expected lines, or at least the expected kind of cause.
 
-
-def is_right(category: str, lines: frozenset[int], code: str, sentence: str, crashed: bool) -> bool:
-    """Whether a hint names one of the expected lines, or at least the expected kind of cause."""
+    What Python says has a line: there the kind is enough only where no line is expected.
+    """
     named = {int(number) for run in _LINES.findall(sentence) for number in re.findall(r"\d+", run)}
-    near = any(abs(line - other) <= 1 for line in named for other in lines)
-    return near or category_of(code, crashed=crashed) == category
+    if any(abs(line - other) <= 1 for line in named for other in lines):
+        return True
+    if crashed:
+        return category == "error" and not lines
+    return code in KINDS.get(category, ()) or (category == "task" and code.startswith("expected."))

@@ -17,7 +17,7 @@ from grader.checks.measure import (
     Option,
     one_of,
 )
-from grader.checks.mistakes import command_mistakes, driving_mistakes, only_turned, time_was_up
+from grader.checks.mistakes import command_mistakes, driving_mistakes, only_turned
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchLabel, SketchSide
@@ -56,7 +56,7 @@ def measure(assignment: Assignment, run: Run) -> Measures:
 def explain(assignment: Assignment, run: Run, measures: Measures) -> tuple[Mistake, ...]:
     """Return what probably went wrong."""
     drive = drive_of(run, until_contact=True)
-    return driving_mistakes(run, () if drive is None else motion_mistakes(assignment, run, drive, measures))
+    return driving_mistakes(run, () if drive is None else motion_mistakes(assignment, run, drive))
 
 
 def _is_backward(assignment: Assignment) -> bool:
@@ -173,7 +173,7 @@ def _problem_with_direction(value: Option) -> Text | None:
     return None if value in DIRECTIONS else one_of(DIRECTIONS)
 
 
-def motion_mistakes(assignment: Assignment, run: Run, drive: Drive, measures: Measures) -> Iterator[Mistake]:
+def motion_mistakes(assignment: Assignment, run: Run, drive: Drive) -> Iterator[Mistake]:
     """Yield what probably went wrong while driving straight."""
     # in whatever direction: then no drive that ended too early is why it did not get far
     drove_enough = fits(assignment, "advance_m", float(drive.path.along_m[-1])) is True
@@ -181,8 +181,6 @@ def motion_mistakes(assignment: Assignment, run: Run, drive: Drive, measures: Me
         run, assignment.world, turns=(), drives=() if drove_enough else ("advance_m",)
     )
     yield from only_turned(run, ("advance_m", "turned_deg", "lateral_pct"))
-    if fits(assignment, "advance_m", measures["advance_m"].value) is False:
-        yield from time_was_up(run, drive, ("advance_m",))
 
 
 def _turns_on_the_spot(drive: Drive) -> bool:

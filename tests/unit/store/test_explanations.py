@@ -5,6 +5,8 @@ from dataclasses import replace
 from datetime import timedelta
 
 import pytest
+from sqlalchemy import select
+from sqlmodel import col
 
 from grader.contracts.explanation import ChangedText, Explanation, ProvenChange
 from grader.contracts.grading import GradingJob, GradingResult
@@ -13,6 +15,7 @@ from grader.contracts.text import Text
 from grader.store.database import Database
 from grader.store.explanations import LEASE_S, MOST_BYTES, Explanations
 from grader.store.queue import Queue
+from grader.store.tables import GradedMistakeRow
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import FakeAssignments, grade, grade_next
 from tests.fakes.submissions import Submissions
@@ -130,6 +133,28 @@ def test_one_that_is_asked_for_anew_is_thrown_away(
     again = explanations.claim()
     assert again is not None
     assert again.tries == 1
+
+
+@pytest.mark.parametrize("recognised", [("one_radian",), ()])
+def test_the_class_counts_a_change_only_where_the_report_names_no_mistake(
+    database: Database, explanations: Explanations, graded: Callable[..., str], recognised: tuple[str, ...]
+) -> None:
+    """Else forty of one mistake stand in two rows: those that are explained, and those that wait."""
+
+    def grading(job: GradingJob) -> GradingResult:
+        result = grade(job)
+        return replace(result, report=replace(result.report, mistakes=recognised))
+
+    id_ = graded(b"good", grading=grading)
+    for change in (CHANGE, replace(CHANGE, code="count")):  # the second is looked for anew
+        claim = explanations.claim()
+        assert claim is not None
+        assert explanations.finish(claim, Explanation(changes=(change,)), 0.5)
+        with database.reading() as session:
+            of = col(GradedMistakeRow.submission_id) == id_
+            codes = session.execute(select(col(GradedMistakeRow.code)).where(of)).scalars().all()
+        assert tuple(codes) == (recognised or (f"change.{change.code}",))
+        explanations.ask(id_, 1)
 
 
 def test_one_that_is_too_long_is_not_kept(explanations: Explanations, graded: Callable[..., str]) -> None:
