@@ -53,9 +53,12 @@ def _judged(script: Beginner, given: Answer, one: Tried | None) -> list[str]:
         return [*kinds, "full"] if one.last == one.most else kinds
     cause = one.explanation.cause
     kinds += ["stated"] if cause is not None else []
-    told = [(given.cause, given.en)] if cause is None else [(cause.code, cause.text.en), (given.cause, given.en)]
+    told = (
+        [(given.cause, given.en)] if cause is None else [(cause.code, cause.text.en), (given.cause, given.en)]
+    )
     right = any(
-        is_right(script.category, script.lines, code, sentence, crashed=given.crashed) for code, sentence in told
+        is_right(script.category, script.lines, code, sentence, crashed=given.crashed)
+        for code, sentence in told
     )
     return [*kinds, "right" if right else "misleading"]
 
