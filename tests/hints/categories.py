@@ -1,10 +1,10 @@
 """What kinds of causes there are, so that a hint may be worded otherwise and still be right.
 
-``error``: Python says it. ``silent``: a part of the script, or all of it, came to nothing: it did not run, was not
-sent or not obeyed. ``size``: a turn, a side or a count that is too large or too small, a script that is too slow.
-``shape``: where or how the car drove. ``stop``: how the drive ended. ``task``: the input, a service, or the exercise
-itself. What the car did may have causes of two kinds: it never turned because the line did not run, or because its
-turns were too small.
+``error``: Python says it. ``silent``: a part of the script, or all of it, came to nothing: it did not run, was
+not sent or not obeyed. ``size``: a turn, a side or a count that is too large or too small, a script that is too
+slow. ``shape``: where or how the car drove. ``stop``: how the drive ended. ``task``: the input, a service, or the
+exercise itself. What the car did may have causes of two kinds: it never turned because the line did not run, or
+because its turns were too small.
 """
 
 import re
