@@ -143,8 +143,16 @@ def _for_assignment(seen: Situation) -> Iterator[Proposal]:
                 yield Proposal("kept", 0.5, (Edit(start, end, f" {sign}= "),), values)
         elif isinstance(node, ast.Assign) and isinstance(node.value, ast.UnaryOp):
             start, end = seen.script.span(node.targets[0])[1], seen.script.span(node.value.operand)[0]
-            if isinstance(node.value.op, ast.UAdd):
-                yield Proposal("grow", 0.5, (Edit(start, end, " += "),), {"line": node.lineno})
+            sign = {ast.UAdd: "+", ast.USub: "-"}.get(type(node.value.op), "")
+            is_apart = (
+                seen.script.text[start:end].strip(" ") == f"={sign}" and seen.script.text[end - 1] == " "
+            )
+            if sign == "+" or (sign and is_apart):  # of `=-1` the sign belongs to the number
+                new = (
+                    f"{seen.script.source(node.targets[0])} {sign}= {seen.script.source(node.value.operand)}"
+                )
+                values = {"line": node.lineno, "new": new}
+                yield Proposal("grow", 0.5, (Edit(start, end, f" {sign}= "),), values)
 
 
 def _empty_messages(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
@@ -258,8 +266,12 @@ def _outermost(seen: Situation, statement: ast.stmt) -> ast.stmt:
 
 def _stops(seen: Situation) -> Iterator[Proposal]:
     """Yield a stop behind the last motion: behind its loop, or behind what called for it."""
-    if not seen.ledger.motions:
-        return
+    if (
+        not any(one.is_held for one in seen.driven)
+        and seen.ledger.motions[-1:]
+        and seen.ledger.motions[-1].is_stop
+    ):
+        return  # each motion was ended
     last = next((one for one in reversed(seen.ledger.motions) if not one.is_stop), None)
     published = None if last is None else seen.publish_on(last.line)
     if last is None or published is None:
@@ -302,7 +314,8 @@ def _moved(seen: Situation) -> Iterator[Proposal]:
                     "into_loop", 3.5 + count * 0.2, edits, {"line": later[0].lineno, "loop": node.lineno}
                 )
         for count in (1, 2):
-            if len(node.body) > count:
+            is_paced = _publishes(node) and any(_is_wait(one) for one in node.body[-count:])
+            if len(node.body) > count and not is_paced:
                 edits = _out_of(seen.script, node, node.body[-count:])
                 line = node.body[-count].lineno
                 yield Proposal("out_of_loop", 3.7 + count * 0.2, edits, {"line": line, "loop": node.lineno})
@@ -388,16 +401,24 @@ def _counters(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]
     for one in known:
         if one.target in tests and isinstance(one.statement, ast.Assign) and number_of(one.value) == 1.0:
             start, end = seen.script.span(one.statement.targets[0])[1], seen.script.span(one.value)[0]
-            yield Proposal("grow", 3.0, (Edit(start, end, " += "),), {"line": one.statement.lineno})
+            values = {"line": one.statement.lineno, "new": f"{one.target} += 1"}
+            yield Proposal("grow", 3.0, (Edit(start, end, " += "),), values)
     for name, node in tests.items():
-        if not isinstance(node, ast.While) or node.lineno not in seen.ledger.ran:
+        sets = [one for one in known if one.target == name]
+        if node.lineno not in seen.ledger.ran or not sets or not isinstance(sets[0].value, ast.Constant):
             continue
         inside = range(node.lineno, (node.end_lineno or node.lineno) + 1)
-        if not any(one.target == name and one.statement.lineno in inside for one in known) and any(
-            one.target == name and isinstance(one.value, ast.Constant) for one in known
-        ):
+        if isinstance(node, ast.While) and not any(one.statement.lineno in inside for one in sets):
             edit = seen.script.inserted_after(node.body[-1], f"{name} += 1")
-            yield Proposal("counter", 3.2, (edit,), {"line": node.lineno, "name": name})
+            yield Proposal("counter", 1.5, (edit,), {"line": node.lineno, "name": name})
+        elif isinstance(node, ast.If) and len(sets) == 1 and number_of(sets[0].value) == 0.0:
+            own = [one.statement for one in known if one.target.startswith("self.")]
+            blocks = [seen.script.block_of(one) for one in own if isinstance(seen.script.parent(one), ast.If)]
+            for block in blocks if name.startswith("self.") else ():  # what else sets, when a step is over
+                last = next(one for one in reversed(block) if one in own)
+                values = {"line": last.lineno, "name": name, "sentence": "counter_of_steps"}
+                edit = seen.script.inserted_after(last, f"{name} += 1")
+                yield Proposal("counter", 1.5, (edit,), values)
 
 
 def _without_call(seen: Situation) -> Iterator[Proposal]:

@@ -56,6 +56,7 @@ _NOW: Final = re.compile(r"theta|yaw|heading|position|pose\.|odom|actual|current
 """What a script calls the angle or the place that it has; the wanted one is what it goes to."""
 _TOLERANCE: Final = "0.05"
 _SIZE_COST: Final = 1.7
+_BRIEF_S: Final = 0.1
 _DIRECTIONS: Final = (0, 90, 270)
 _CONSTANTS: Final = frozenset({"pi", "π", "tau", "two_pi"})
 _OPERATOR_COSTS: Final = {ast.BitXor: 0.5, ast.FloorDiv: 0.9}
@@ -73,7 +74,6 @@ def number_changes(seen: Situation) -> Iterator[Proposal]:
             yield from _turned_round(seen, driven, use)
         if driven.is_turn:
             yield from _angles(seen, lines, targets)
-    yield from _counts(seen)
     yield from _operators(seen)
     yield from _rays(seen)
     yield from _opposed(seen)
@@ -113,6 +113,8 @@ def _in_radians(seen: Situation, driven: Driven, use: NumberUse) -> Iterator[Pro
     """Yield a number of degrees in radians, where nothing between it and the motion converts it."""
     degrees = abs(use.value)
     is_plain = degrees in _DEGREES or degrees >= _LEAST_DEGREES
+    if _with_pi(seen.script.parent(use.node)) is not None:
+        return  # a part of a turn
     if driven.motion.w and is_plain and degrees <= 720.0 and not _is_converted(seen.script, use.node):
         new = written(math.radians(use.value), like_float=True)
         yield _replaced(seen, "degrees", 1.0 + use.steps * 0.1, (use, new))
@@ -291,41 +293,6 @@ def _turned_round(seen: Situation, driven: Driven, use: NumberUse) -> Iterator[P
         yield _replaced(seen, "sign", 4.0 + use.steps * 0.2, (use, new))
 
 
-def _counts(seen: Situation) -> Iterator[Proposal]:
-    """Yield other counts for loops and comparisons that ran."""
-    for node in ast.walk(seen.script.tree):
-        if not isinstance(node, ast.Constant) or type(node.value) is not int or not 1 <= node.value <= 40:
-            continue
-        if not _counts_something(seen.script, node) or node.lineno not in seen.ledger.ran:
-            continue
-        use = NumberUse(node, float(node.value), 0)
-        for place, count in enumerate(seen.wanted.counts):
-            if count != node.value:
-                cost = 2.2 + place * 0.3 + abs(count - node.value) * 0.05
-                yield _replaced(seen, "count", cost, (use, str(count)))
-        waited = any(line == node.lineno for line, _, _ in seen.ledger.end)
-        for near in (node.value + 1, node.value - 1):
-            if near not in seen.wanted.counts and near >= 0:
-                yield _replaced(seen, "count", 1.5 if waited else 5.0, (use, str(near)))
-
-
-def _counts_something(script: ParsedScript, node: ast.Constant) -> bool:
-    """Whether a whole number says how often: in a `range`, a comparison, or behind a list."""
-    parent = script.parent(node)
-    if isinstance(parent, ast.Call):
-        return dotted(parent.func) == "range"
-    if isinstance(parent, ast.BinOp) and isinstance(parent.op, ast.Mult):
-        return isinstance(parent.left, ast.List | ast.Tuple)
-    if isinstance(parent, ast.Assign):  # a number of rounds, and no period or size
-        names = {dotted(one) for one in parent.targets}
-        counting = [
-            *calls_of(script, "range"),
-            *(one for one in ast.walk(script.tree) if isinstance(one, ast.Compare)),
-        ]
-        return any(dotted(one) in names for each in counting for one in ast.walk(each))
-    return isinstance(parent, ast.Compare)
-
-
 def _operators(seen: Situation) -> Iterator[Proposal]:
     """Yield the other comparison, operator, order or unit, where it decides about a motion."""
     behind = expressions_behind(seen.script, seen.lines)
@@ -337,27 +304,45 @@ def _operators(seen: Situation) -> Iterator[Proposal]:
     for node, steps in behind:
         cost = steps * 0.1
         if isinstance(node, ast.Compare) and len(node.ops) == 1:
-            yield from _comparisons(seen.script, node, cost)
+            yield from _comparisons(seen, node, cost)
         elif isinstance(node, ast.BinOp):
             yield from _calculations(seen, node, cost)
         elif isinstance(node, ast.Call):
             yield from _conversions(seen.script, node, cost)
 
 
-def _comparisons(script: ParsedScript, node: ast.Compare, cost: float) -> Iterator[Proposal]:
+def _comparisons(seen: Situation, node: ast.Compare, cost: float) -> Iterator[Proposal]:
+    script = seen.script
     operands = (node.left, node.comparators[0])
     if any(isinstance(getattr(one, "value", None), str) for one in operands):
         return
     exact = isinstance(node.ops[0], ast.Eq | ast.NotEq)
+    if (
+        exact
+        and isinstance(node.left, ast.BinOp)
+        and isinstance(node.left.op, ast.Div | ast.FloorDiv | ast.Mod)
+    ):
+        if not isinstance(node.left.op, ast.Mod):
+            yield from _between(script, "operator", 0.9 + cost, (node.left.left, node.left.right), "%")
+        return  # any other comparison with a remainder is nearly always true, or never
     if exact and number_of(operands[1]) == 0.0:
         start, end = script.span(operands[0])[1], script.span(node)[1]
         new = f"{'<' if isinstance(node.ops[0], ast.Eq) else '>'} {_TOLERANCE}"
         values = {"line": node.lineno, "old": script.text[start:end].strip(), "new": new}
         yield Proposal("comparison", 1.4 + cost, (Edit(start, end, f" {new}"),), values)
-    if exact and isinstance(operands[0], ast.BinOp) and isinstance(operands[0].op, ast.Mod):
-        return  # any other comparison with a remainder is nearly always true, or never
     for new in _COMPARISONS.get(type(node.ops[0]), ()):
-        yield from _between(script, "comparison", (1.5 if exact else 5.5) + cost, operands, new)
+        likely = exact or (
+            new[0] != script.text[script.span(operands[0])[1] :].lstrip()[0] and _at_once(seen, node)
+        )
+        yield from _between(script, "comparison", (1.5 if likely else 5.5) + cost, operands, new)
+
+
+def _at_once(seen: Situation, test: ast.Compare) -> bool:
+    """Whether a test ended at once what it should end: its loop never ran, or a motion was over in no time."""
+    loop = next((one for one in seen.script.around(test) if isinstance(one, ast.While | ast.If)), None)
+    if isinstance(loop, ast.While):
+        return loop.body[0].lineno not in seen.ledger.ran
+    return any(one.seconds <= _BRIEF_S for one in seen.driven)
 
 
 def _calculations(seen: Situation, node: ast.BinOp, cost: float) -> Iterator[Proposal]:
@@ -456,7 +441,7 @@ def _is_product(node: ast.expr) -> bool:
 def _crossed(seen: Situation) -> Iterator[Proposal]:
     """Yield two arguments of a function exchanged that takes a speed and a turn, or x and y."""
     functions = (node for node in ast.walk(seen.script.tree) if isinstance(node, ast.FunctionDef))
-    led_here = {line for one in seen.distinct for line, _, _ in one.motion.stack}
+    led_here = {line for one in seen.driven for line, _, _ in one.motion.stack}
     for function in functions:
         names = [one.arg for one in function.args.args if one.arg != "self"]
         for place, pair in enumerate(itertools.pairwise(names)):

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from grader.contracts.outcome import StudentError
+from grader.edits.counts import count_changes
 from grader.edits.errors import error_changes
 from grader.edits.flow import flow_changes
 from grader.edits.names import name_changes
@@ -15,7 +16,9 @@ from grader.edits.tree import applied
 
 _MOST_PLACES = 6
 _EVERYWHERE = 0.05  # behind the change at the one place where it is most plausible
-_SOURCES = (name_changes, error_changes, flow_changes, state_changes, number_changes)
+_SOURCES = (name_changes, error_changes, flow_changes, state_changes, count_changes, number_changes)
+_OF_SIZES = frozenset(("converted", "degrees", "exchanged", "left_over", "scaled", "sign", "stop"))
+"""Kinds of change that cannot make up for rounds that are missing."""
 
 
 def _everywhere(found: list[Proposal]) -> Iterator[Proposal]:
@@ -41,6 +44,8 @@ class Candidate(NamedTuple):
 def candidates(seen: Situation) -> Iterator[Candidate]:
     """Yield proposals with their texts, each text once, the most plausible first."""
     found = [one for source in _SOURCES for one in source(seen)]
+    if seen.rounds_missing:
+        found = [one for one in found if one.code not in _OF_SIZES]
     return _applied(seen.script.text, [*found, *_everywhere(found)])
 
 

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -14,6 +14,7 @@ from grader.edits.tree import Edit, ParsedScript
 HOLD_NS = 1_000_000_000
 """For so long turtlesim obeys the last command."""
 _SLOW = 1e-6
+_FITS = 0.03  # of a size: what turtlesim's updates and a loop's period add or take away
 _MOST_MOTIONS = 8
 _MOST_LINES = 12
 
@@ -83,6 +84,13 @@ class Proposal:
     values: Mapping[str, object] = field(default_factory=dict)
 
 
+def _all_fit(sizes: Sequence[float], wanted: Sequence[float]) -> bool:
+    """Whether sizes have one sign, and each is one of those that are wanted."""
+    return len({size > 0.0 for size in sizes}) == 1 and all(
+        any(abs(abs(size) - abs(one)) <= _FITS * abs(one) for one in wanted) for size in sizes
+    )
+
+
 @dataclass(frozen=True)
 class Situation:
     """A script that lacks marks, with what its traced run told.
@@ -124,6 +132,25 @@ class Situation:
         if unit == "deg":
             return frozenset(round(abs(one.length_m), 2) for one in self.driven if one.is_drive)
         return frozenset(round(abs(one.angle_deg), 1) for one in self.driven if one.is_turn)
+
+    @cached_property
+    def rounds_missing(self) -> int:
+        """How many drives are missing, where each one and each turn has the wanted size; negative: too many.
+
+        0 also where something else is wrong: then a count is not why marks are lost.
+        """
+        if not self.wanted.counts or not self.comes_to_rest or any(one.is_arc for one in self.driven):
+            return 0
+        rounds = [
+            sum(one.length_m if is_drive else one.angle_deg for one in group)
+            for is_drive, group in itertools.groupby(self.driven, key=lambda one: one.is_drive)
+        ]
+        first = 0 if self.driven[0].is_drive else 1
+        drives, turns = rounds[first::2], rounds[1 - first :: 2]
+        lengths = self.wanted.lengths_m if "side_error_pct" in self.lost else drives[:1]
+        if _all_fit(drives, lengths) and _all_fit(turns, self.wanted.turns_deg):
+            return self.wanted.counts[0] - len(drives)
+        return 0
 
     def is_part(self, driven: Driven) -> bool:
         """Whether the next command goes on with a motion at another rate, as a controller does: one of many."""

@@ -3,8 +3,8 @@
 import ast
 import difflib
 from collections.abc import Iterator
-from itertools import islice
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 from grader.edits.situation import Proposal, Situation
 from grader.edits.slices import NameSet, assignments, calls_of, dotted, known_number, named_in, number_of
@@ -65,32 +65,82 @@ def _clocks(
     seen: Situation, known: tuple[NameSet, ...], tests: list[ast.While | ast.If]
 ) -> Iterator[Proposal]:
     """Yield a time that is taken anew before the loop that asks for it, or no more within that loop."""
-    clocks = (
+    clocks = [
         one for one in known if isinstance(one.statement, ast.Assign) and _is_clock(seen.script, one.value)
-    )
-    for one in islice(clocks, _MOST_CLOCKS):
+    ]
+    for one in clocks[:_MOST_CLOCKS]:
         text = seen.script.source(one.statement)
+        taken = [each.statement for each in clocks if each.target == one.target]
+        function = seen.script.parent(one.statement)
+        loops: list[ast.stmt] = []
         for test in tests:
             if not _mentions(seen.script, test.test, one.target) and not _mentions_behind(
                 seen, known, test, one
             ):
                 continue
             values = {"line": one.statement.lineno, "name": one.target, "loop": test.lineno}
-            inside = any(node is test for node in seen.script.around(one.statement))
-            if inside and isinstance(test, ast.While):
+            around = [*seen.script.around(test)]
+            if isinstance(test, ast.While) and test in seen.script.around(one.statement):
                 edits = (seen.script.removed(one.statement), seen.script.inserted_before(test, text))
                 yield Proposal("clock_once", 1.6, edits, values)
             elif isinstance(test, ast.While) and not _is_set_for(seen.script, known, one.target, test):
-                yield Proposal("clock_anew", 2.0, (seen.script.inserted_before(test, text),), values)
-        for change in known:
-            if (
-                change.target != one.target
-                and isinstance(change.value, ast.Constant)
-                and _in_test(change, tests)
-            ):
-                values = {"line": one.statement.lineno, "name": one.target, "loop": change.statement.lineno}
-                edit = seen.script.inserted_after(change.statement, text)
-                yield Proposal("clock_anew", 2.8, (edit,), values)
+                loops.append(test)
+            elif isinstance(test, ast.While) and _waits_between(seen.script, one.statement, test):
+                edits = (seen.script.removed(one.statement), seen.script.inserted_before(test, text))
+                yield Proposal("clock_once", 1.2, edits, {**values, "sentence": "clock_early"})
+            elif len(taken) > 1 and function in around and "." in one.target and one.statement in taken[1:]:
+                values = {"line": one.statement.lineno, "old": text, "sentence": "clock_each_call"}
+                yield Proposal("removed", 1.2, (seen.script.removed(one.statement),), values)
+        anew = Proposal(
+            "clock_anew", 0.0, (), {"line": one.statement.lineno, "name": one.target, "added": text}
+        )
+        yield from _anew(anew, loops, [seen.script.inserted_before(loop, text) for loop in loops], taken)
+        if not any(isinstance(node, ast.Sub) for node in ast.walk(one.value)):  # a time that has passed
+            changes = _changes(seen.script, known, tests, one.target)
+            lacking = [each for each in changes if not any(s in taken for s in seen.script.block_of(each))]
+            yield from _anew(
+                anew, lacking, [seen.script.inserted_after(each, text) for each in lacking], taken
+            )
+
+
+def _waits_between(script: ParsedScript, clock: ast.stmt, loop: ast.stmt) -> bool:
+    """Whether a script waits behind the line that takes a time, before the loop that asks how much is over."""
+    between = range(clock.lineno, loop.lineno)
+    return loop in script.block_of(clock) and any(
+        call.lineno in between and script.parent(script.parent(call) or call) is script.parent(loop)
+        for call in calls_of(script, "sleep")
+    )
+
+
+def _changes(
+    script: ParsedScript, known: tuple[NameSet, ...], tests: list[ast.While | ast.If], besides: str
+) -> list[ast.stmt]:
+    """Return where a state changes, or a step is counted: in a branch, once, and a test asks for it."""
+    changes: list[ast.stmt] = []
+    for one in known:
+        around = [
+            node for node in (one.statement, *script.around(one.statement)) if isinstance(node, ast.stmt)
+        ]
+        beside = [statement for node in around for statement in script.block_of(node)]
+        if (
+            one.target != besides
+            and isinstance(one.value, ast.Constant | ast.Name | ast.Attribute | ast.UnaryOp)
+            and _in_test(one, tests)
+            and any(_mentions(script, test.test, one.target) for test in tests)
+            and not any(each in beside for each in changes)
+        ):
+            changes.append(one.statement)
+    return changes
+
+
+def _anew(
+    proposal: Proposal, places: list[ast.stmt], edits: list[Edit], sets: list[ast.stmt]
+) -> Iterator[Proposal]:
+    """Yield a line that sets a name anew where a motion begins: at all places, if it is set only once by now."""
+    together = [(places[0], tuple(edits), 1.2)] if len(sets) == 1 and places else []
+    apart = [(one, (edit,), 2.0) for one, edit in zip(places, edits, strict=True)]
+    for statement, parts, cost in together or apart:
+        yield replace(proposal, cost=cost, edits=parts, values={**proposal.values, "loop": statement.lineno})
 
 
 def _mentions(script: ParsedScript, part: ast.expr, name: str) -> bool:
@@ -131,31 +181,39 @@ def _resets(
 ) -> Iterator[Proposal]:
     """Yield a count or sum that begins again where a state changes, or before the loop that it ends."""
     for one in known:
-        if not isinstance(one.statement, ast.AugAssign):
+        sets = [
+            each for each in known if each.target == one.target and isinstance(each.statement, ast.Assign)
+        ]
+        begin = sets[0] if sets else None
+        if not isinstance(one.statement, ast.AugAssign) or begin is None or number_of(begin.value) is None:
             continue
-        begin = next(
-            (each for each in known if each.target == one.target and isinstance(each.statement, ast.Assign)),
-            None,
-        )
-        if begin is None or number_of(begin.value) is None:
+        if _ends_rounds(seen, one.target, tests):
             continue
         line = f"{one.target} = {seen.script.source(begin.value)}"
         own = seen.script.block_of(one.statement)
-        for change in known:
-            if (
-                change.target != one.target
-                and isinstance(change.value, ast.Constant)
-                and _in_test(change, tests)
-                and any(_mentions(seen.script, test.test, change.target) for test in tests)  # a state
-                and not any(each is change.statement for each in own)  # it would count no more
-            ):
-                values = {"line": change.statement.lineno, "name": one.target, "new": line}
-                yield Proposal("reset", 2.2, (seen.script.inserted_after(change.statement, line),), values)
-        for test in tests:
-            if isinstance(test, ast.While) and _mentions(seen.script, test.test, one.target):
-                values = {"line": test.lineno, "name": one.target, "new": line}
-                if not _is_set_for(seen.script, known, one.target, test):
-                    yield Proposal("reset", 2.0, (seen.script.inserted_before(test, line),), values)
+        anew = Proposal("reset", 0.0, (), {"name": one.target, "added": line})
+        statements = [each.statement for each in sets]
+        changes = [each for each in _changes(seen.script, known, tests, one.target) if each not in own]
+        lacking = [each for each in changes if not any(s in statements for s in seen.script.block_of(each))]
+        edits = [seen.script.inserted_after(each, line) for each in lacking]
+        yield from _anew(anew, lacking, edits, statements)
+        loops: list[ast.stmt] = [
+            test
+            for test in tests
+            if isinstance(test, ast.While)
+            and _mentions(seen.script, test.test, one.target)
+            and not _is_set_for(seen.script, known, one.target, test)
+        ]
+        yield from _anew(anew, loops, [seen.script.inserted_before(loop, line) for loop in loops], statements)
+
+
+def _ends_rounds(seen: Situation, name: str, tests: list[ast.While | ast.If]) -> bool:
+    """Whether a counter is compared with the wanted number of rounds: set back, it would never get there."""
+    compared = (node for test in tests for node in ast.walk(test.test) if isinstance(node, ast.Compare))
+    return any(
+        dotted(node.left) == name and number_of(node.comparators[0]) in seen.wanted.counts
+        for node in compared
+    )
 
 
 def _states(
@@ -169,9 +227,68 @@ def _states(
             asked = node.value if isinstance(node, ast.Constant) else None
             if not isinstance(asked, str) or asked in texts or not isinstance(node, ast.Constant):
                 continue
-            for place, text in enumerate(difflib.get_close_matches(asked, texts, 3, 0.3)):
+            for place, text in enumerate(_alike(asked, texts, 0.3)):
                 values = {"line": node.lineno, "old": asked, "new": text}
                 yield Proposal("state", 1.0 + place * 0.2, (seen.script.replaced(node, f"'{text}'"),), values)
+    branches = list(_branches(seen.script, tests))
+    for name in dict.fromkeys(one.name for one in branches):
+        own = [one for one in branches if one.name == name]
+        yield from _of_state(seen.script, own, [one for one in known if one.target == name])
+
+
+def _alike(text: str, others: list[str], least: float) -> list[str]:
+    folded = {one.casefold(): one for one in others}
+    return [folded[one] for one in difflib.get_close_matches(text.casefold(), folded, 3, least)]
+
+
+class _Branch(NamedTuple):
+    """What runs in one state. `state`: as the script writes it."""
+
+    name: str
+    state: str
+    body: list[ast.stmt]
+
+
+def _branches(script: ParsedScript, tests: list[ast.While | ast.If]) -> Iterator[_Branch]:
+    for test in tests:
+        asked, turned = test.test, isinstance(test.test, ast.UnaryOp)
+        if isinstance(asked, ast.UnaryOp):
+            asked = asked.operand
+        if isinstance(asked, ast.Compare) and len(asked.ops) == 1 and isinstance(asked.ops[0], ast.Eq):
+            yield _Branch(dotted(asked.left), script.source(asked.comparators[0]), test.body)
+        elif isinstance(test, ast.If) and (name := dotted(asked)):
+            yield _Branch(name, str(not turned), test.body)
+            yield _Branch(name, str(turned), test.orelse)
+
+
+def _of_state(script: ParsedScript, branches: list[_Branch], sets: list[NameSet]) -> Iterator[Proposal]:
+    """Yield the state that a branch does not go on to: the one that all began with, or any but its own."""
+    states = list(dict.fromkeys(one.state for one in branches))
+    given = [script.source(one.value) for one in sets if isinstance(one.statement, ast.Assign)]
+    if len(given) != len(sets) or len(states) < 2 or len(set(given)) < 2:
+        return
+    for one, text in zip(sets, given, strict=True):
+        for new in _alike(text, states, 0.7) if text not in states else ():
+            values = {"line": one.statement.lineno, "old": text, "new": new, "sentence": "state_set"}
+            yield Proposal("state", 1.0, (script.replaced(one.value, new),), values)
+    for branch in branches:
+        inside = {id(node) for statement in branch.body for node in ast.walk(statement)}
+        for one, text in zip(sets, given, strict=True):
+            others = [each for each in states if each != text] if id(one.statement) in inside else []
+            for place, new in enumerate(others if text == branch.state else ()):
+                values = {
+                    "line": one.statement.lineno,
+                    "name": branch.name,
+                    "new": new,
+                    "sentence": "state_next",
+                }
+                yield Proposal("state", 0.8 + place * 0.1, (script.replaced(one.value, new),), values)
+        if given[0] not in states or given[0] in given[1:] or branch.state == given[0]:
+            continue
+        line = f"{branch.name} = {given[0]}"
+        for inner in (one for one in branch.body if isinstance(one, ast.If)):
+            values = {"line": inner.lineno, "name": branch.name, "new": given[0], "sentence": "state_back"}
+            yield Proposal("state", 0.9, (script.inserted_before(inner.body[0], line),), values)
 
 
 def _scopes(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:

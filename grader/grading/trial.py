@@ -41,15 +41,16 @@ _DELAY: Final = "__import__('time').sleep(0.107)\n"
 """What is told also ends at full marks when Ctrl+C comes later, and when the script begins later, by so many
 seconds: it does not only fit the phase of the horizon, or of turtlesim's updates and a robot's scans."""
 _NO_FIELD: Final = re.compile(r"'(\w+)' object has no attribute ")
-_GUESSED: Final = frozenset(
-    ("comparison", "converted", "count", "exchanged", "operator", "removed", "scaled", "sign")
-)
+_FITTED: Final = frozenset(("count", "scaled"))
+"""Kinds of change whose number is computed from what was wanted: that it has full marks proves little."""
+_GUESSED: Final = _FITTED | {"comparison", "converted", "exchanged", "operator", "removed", "sign"}
 """Kinds of change that may gain by chance, because they make up for what is wrong elsewhere."""
 _AS_LIKELY: Final = 0.5  # of cost: proposals that are no further apart are taken to be equally likely
 _SAME: Final = 0.03  # of a drive or a turn: what updates of turtlesim change
 _SPINS: Final = ("spin", "spun_once", "spin_once", "brackets", "call", "class")
 """Changes after which a node runs on, as it is meant to."""
 _MOST_BRANCHES: Final = 2
+_SHARE_OF_STEP: Final = 0.25
 _STEP_DEG: Final = 15.0
 _STEP_M: Final = 0.1
 """What is wanted at least is told as the next number of these steps that people use."""
@@ -153,9 +154,8 @@ class Search:
         cause = None if changes else self._cause(text, begin)
         return Explanation(changes=tuple(changes), tried=self._tried, cause=cause)
 
-    @property
-    def _has_budget(self) -> bool:
-        return self._tried < MOST_TRIALS and self._work_s < MOST_WORK_S
+    def _has_budget(self, share: float = 1.0) -> bool:
+        return self._tried < MOST_TRIALS * share and self._work_s < MOST_WORK_S * share
 
     def _graded(self, text: str, assignment: Assignment, *, traced: bool = False) -> Graded:
         graded = self._grade(text, assignment, traced)
@@ -169,23 +169,26 @@ class Search:
         """Return up to `left` changes, each on top of those before, with the last of which nothing is lost.
 
         The first proposal that suffices alone is taken. Else the search goes on from one that mends an error, or
-        from those that gain most.
+        from those that gain most: a share of the budget is left for that.
         """
+        proposed = self._candidates(text, now)
         gaining: list[Step] = []
         further: Candidate | None = None
-        for step in self._trials(text, now):
+        for step in self._trials(proposed, now):
             candidate, after = step
             if not after.gains_on(now):
                 if further is None and _is_further(now.outcome, after.outcome):
                     further = candidate
             elif after.is_full or _is_mended(now.outcome, after.outcome, candidate.proposal):
-                if not self._is_trick(text, now, candidate) and (steps := self._continued(step, left)):
-                    return [] if self._is_one_of_many(text, now, candidate) else steps
+                if not self._is_trick(text, now, candidate) and (steps := self._continued(text, step, left)):
+                    return self._without_rival(steps, proposed)
             elif after.explains(now):
                 gaining.append(step)
+            if gaining and not self._has_budget(1.0 - _SHARE_OF_STEP * (left - 1)):
+                break
         gaining.sort(key=lambda step: -step[1].score)  # stable: of equal ones the more plausible
         for step in gaining[:_MOST_BRANCHES]:
-            if steps := self._continued(step, left):
+            if steps := self._continued(text, step, left):
                 return steps
         return [] if further is None or left < MOST_CHANGES else self._with_next(now, further, left)
 
@@ -210,52 +213,51 @@ class Search:
         sizes, later = (before.sizes_beside(unit), after.sizes_beside(unit)) if unit else ((), ())
         return any(all(abs(one - other) > _SAME * one for other in later) for one in sizes)
 
-    def _is_one_of_many(self, text: str, now: Graded, first: Candidate) -> bool:
-        """Whether a change of another kind is as likely as `first`, and has full marks as well.
+    def _without_rival(self, steps: list[Step], proposed: Iterator[Candidate]) -> list[Step]:
+        """Return `steps` if no change of another kind is as likely as the first one and has full marks as well.
 
-        Then neither is known to be the cause.
+        A change that nothing was fitted for is known better than a fitted number, and is returned in its place. Of
+        two others neither is known to be the cause.
         """
-        if first.proposal.code not in _GUESSED:
-            return False
-        most = first.proposal.cost + _AS_LIKELY
-        for candidate in self._candidates(text, now):
+        first = steps[0][0].proposal
+        for candidate in proposed if first.code in _GUESSED else ():
             one = candidate.proposal
-            differs = one.code in _GUESSED and one.code != first.proposal.code
-            if one.cost > most or not self._has_budget:
-                return False
-            if differs and one.cost >= first.proposal.cost:
-                self._tried += 1
-                after = self._graded(candidate.text, self._assignment)
-                if after.is_full and self._holds(candidate.text):
-                    return True
-        return False
+            if one.cost > first.cost + _AS_LIKELY or not self._has_budget():
+                break
+            if one.code not in _GUESSED - {first.code} - (_FITTED if first.code not in _FITTED else set()):
+                continue
+            self._tried += 1
+            after = self._graded(candidate.text, self._assignment)
+            if after.is_full and self._holds(candidate.text):
+                return [(candidate, after)] if first.code in _FITTED and one.code not in _FITTED else []
+        return steps
 
-    def _trials(self, text: str, now: Graded) -> Iterator[Step]:
-        """Yield the proposals for a text with what each came to, the most plausible first, within the budget.
+    def _trials(self, proposed: Iterator[Candidate], now: Graded) -> Iterator[Step]:
+        """Yield proposals with what each came to, within the budget.
 
         Left out are those with which a script that came to its end never does.
         """
-        for candidate in self._candidates(text, now):
-            if not self._has_budget:
+        for candidate in proposed:
+            if not self._has_budget():
                 return
             self._tried += 1
             after = self._graded(candidate.text, self._assignment)
             if candidate.proposal.code in _SPINS or not _goes_on(now.outcome, after.outcome):
                 yield candidate, after
 
-    def _continued(self, step: Step, left: int) -> list[Step]:
+    def _continued(self, text: str, step: Step, left: int) -> list[Step]:
         """Return a step with those that are needed on top of it; nothing where these do not end at full marks."""
         candidate, after = step
         if after.is_full:
             return [step] if self._holds(candidate.text) else []
-        if left == 1 or not self._has_budget:
+        if left == 1 or not self._has_budget():
             return []
         rest = self._chain(candidate.text, self._traced(candidate.text), left - 1)
-        return [step, *rest] if rest else []
+        return [step, *rest] if rest and not _is_undone(text, candidate.text, rest[-1][0].text) else []
 
     def _with_next(self, now: Graded, first: Candidate, left: int) -> list[Step]:
         """Return a change that gains nothing alone as one step with the next one, if both gain."""
-        if not self._has_budget:
+        if not self._has_budget():
             return []
         rest = self._chain(first.text, self._traced(first.text), left - 1)
         if not rest or not rest[0][1].gains_on(now):
@@ -345,6 +347,7 @@ def wanted_of(assignment: Assignment, lost: frozenset[str]) -> WantedSizes:
     for piece in pieces:
         turns += [abs(piece.angle_deg)] if piece.angle_deg else []
         lengths += [abs(piece.length_m)] if piece.length_m else []
+    counts += [sum(piece.kind == "line" for piece in pieces)] if pieces else []
     measures = CHECKS[OLDER_NAMES.get(assignment.check, assignment.check)].measures
     for item in assignment.items:
         kind, low, high = measures.get(item.measure), item.low, item.high
@@ -395,6 +398,12 @@ def _goes_on(before: RunOutcome, after: RunOutcome) -> bool:
     To draw a figure again and again earns all, so an endless loop would make up for any count.
     """
     return before.status is RunStatus.FINISHED and after.status is RunStatus.INTERRUPTED
+
+
+def _is_undone(before: str, after: str, at_last: str) -> bool:
+    """Whether a line that a change has changed is as it was in the end."""
+    changed = {line.before for line in changed_lines(before, after)} - {None}
+    return bool(changed & {line.after for line in changed_lines(after, at_last)})
 
 
 def _is_further(before: RunOutcome, after: RunOutcome) -> bool:
