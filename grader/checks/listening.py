@@ -23,10 +23,6 @@ TURTLE_SERVICES = {
 }
 """The services to which a client's name is compared. Those of turtlesim's parameters are left out."""
 
-TURTLE_ACTION = "/turtle1/rotate_absolute"
-SEND_GOAL = "/_action/send_goal"
-"""Ends the name of the service that an action's client calls first."""
-
 _OF_ROS = ("/clock", "/parameter_events", "/rosout", "/tf_static")
 _OF_PARAMETERS = "rcl_interfaces/"
 _SIMILARITY = 0.75
@@ -38,19 +34,7 @@ def waits_in_vain(run: Run, world: World, *, surely: bool = False) -> Mistake | 
 
     `surely`: report only what is certain: a service, or a topic whose name is nearly right.
     """
-    return (
-        _without_clock(run, world)
-        or _unanswered_client(run, world)
-        or _unanswered_action(run, world)
-        or _silent_topic(run, world, surely=surely)
-    )
-
-
-def _without_clock(run: Run, world: World) -> Mistake | None:
-    """Recognise a node that takes its time from a topic that only robots publish."""
-    waits = [endpoint.node for endpoint in _of_kind(run, "subscription") if endpoint.name == "/clock"]
-    ticks = world.kind == "robot" or any(endpoint.name == "/clock" for endpoint in _of_kind(run, "publisher"))
-    return mistake("sim_time", node=waits[0]) if waits and not ticks else None
+    return _unanswered_client(run, world) or _silent_topic(run, world, surely=surely)
 
 
 def _unanswered_client(run: Run, world: World) -> Mistake | None:
@@ -60,30 +44,10 @@ def _unanswered_client(run: Run, world: World) -> Mistake | None:
         if "/_action/" in client.name or client.type.startswith(_OF_PARAMETERS):
             continue
         if client.name not in offered:
-            near = _near(client.name, (name for name in offered if offered[name] == client.type)) or _near(
-                client.name, offered
-            )
-            code = "service_nearly" if near else "service_nowhere"
-            return mistake(code, service=client.name, near=near)
+            return mistake("service_nowhere", service=client.name, services=_listed(client.name, offered))
         if offered[client.name] != client.type:
             wanted = offered[client.name]
             return mistake("other_type", name=client.name, type=client.type, wanted=wanted)
-    return None
-
-
-def _unanswered_action(run: Run, world: World) -> Mistake | None:
-    """Recognise a client of an action that has nearly the name of turtlesim's."""
-    offered = {endpoint.name for endpoint in _of_kind(run, "service")}
-    if world.kind == "robot" or _has_spawned(run):
-        return None
-    for client in _of_kind(run, "client"):
-        action = client.name.removesuffix(SEND_GOAL)
-        if (
-            action not in (client.name, TURTLE_ACTION)
-            and client.name not in offered
-            and _near(action, [TURTLE_ACTION])
-        ):
-            return mistake("action_nearly", action=action, near=TURTLE_ACTION)
     return None
 
 
@@ -92,7 +56,7 @@ def _silent_topic(run: Run, world: World, *, surely: bool) -> Mistake | None:
     publishers = [endpoint for endpoint in _of_kind(run, "publisher") if endpoint.name not in _OF_ROS]
     commanding = {publisher.node for publisher in publishers if publisher.name == world.cmd_vel_topic}
     own = {publisher.name: publisher.type for publisher in publishers}
-    published = set(own) | set(topics_of(world))
+    published = (set(own) | set(topics_of(world))) - {world.cmd_vel_topic}
     heard = [
         endpoint
         for endpoint in _of_kind(run, "subscription")
@@ -109,13 +73,11 @@ def _silent_topic(run: Run, world: World, *, surely: bool) -> Mistake | None:
                 "types_differ", topic=endpoint.name, published=own[endpoint.name], heard=endpoint.type
             )
     silent = [endpoint for endpoint in concerned if endpoint.name not in published]
-    for endpoint in silent:
-        if near := _near(endpoint.name, published - {world.cmd_vel_topic}):
-            return mistake("topic_nearly", topic=endpoint.name, near=near)
-    if surely or not silent or len(silent) < len(concerned):
+    near = [endpoint for endpoint in silent if _near(endpoint.name, published)]
+    if not near and (surely or not silent or len(silent) < len(concerned)):
         return None
-    topics = ", ".join(sorted(published - {world.cmd_vel_topic})[:_MOST_NAMED])
-    return mistake("topic_nowhere", topic=silent[0].name, topics=topics)
+    topic = (near or silent)[0].name
+    return mistake("topic_nowhere", topic=topic, topics=_listed(topic, published))
 
 
 def _of_kind(run: Run, kind: str) -> list[Endpoint]:
@@ -151,8 +113,14 @@ def _has_spawned(run: Run) -> bool:
     )
 
 
-def _near(name: str, known: Iterable[str]) -> str:
-    """Return the known name that was probably meant, empty if none: the same last part, or similar letters."""
+def _listed(name: str, known: Iterable[str]) -> str:
+    """Return the known names, those first that were probably meant."""
+    near = _near(name, known)
+    return ", ".join([*near, *sorted(set(known) - set(near))][:_MOST_NAMED]) or "—"
+
+
+def _near(name: str, known: Iterable[str]) -> list[str]:
+    """Return the known names that were probably meant: the same last part, or similar letters."""
     names = sorted(known)
     same_end = [each for each in names if each.rpartition("/")[2].lower() == name.rpartition("/")[2].lower()]
-    return next(iter(same_end or difflib.get_close_matches(name, names, 1, _SIMILARITY)), "")
+    return same_end or difflib.get_close_matches(name, names, 1, _SIMILARITY)

@@ -38,7 +38,6 @@ _ENDINGS = {
 }
 TWIST = "geometry_msgs/msg/Twist"
 _USAGE = 2  # argparse's exit code
-_POSE = "turtlesim/msg/Pose"
 _OWN_TOPICS = ("/rosout", "/parameter_events")  # every node publishes these
 _OF_ROBOTS = ("/odom", "/tf", "/scan", "/imu", "/joint_states", "/camera/image_raw")
 _SAME_M, _SAME_RAD = 0.01, 0.01
@@ -342,8 +341,6 @@ def _elsewhere(publishers: list[Endpoint], outcome: RunOutcome, topic: str) -> M
     lost = [
         twist for twist in twists or publishers if twist.name not in outcome.heard
     ]  # not between own nodes
-    if lost and all(endpoint.type == _POSE for endpoint in lost):
-        return mistake("pose_published", used=lost[0].name, topic=topic)
     used = _names(lost or twists or publishers)
     if not any(publisher.count for publisher in publishers):
         return mistake("nothing_sent", used=used, topic=topic)

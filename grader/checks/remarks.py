@@ -1,13 +1,6 @@
-"""What is worth saying of a script that works here, and yet is not what its author meant.
+"""Notes on a run whose motion as driven differs from that as commanded; they cost nothing."""
 
-Remarks are notes: they cost nothing, and `note.<code>` says what to change. Each is tied to what happened.
-"""
-
-import itertools
 import math
-import re
-from collections.abc import Iterator
-from typing import Final
 
 import numpy as np
 
@@ -19,17 +12,6 @@ from grader.contracts.trajectory import Trajectory
 from grader.geometry import exact
 from grader.geometry.path import segment
 from grader.messages.quantity import number
-
-_PLACEHOLDER: Final = re.compile(r"\{([A-Za-z_][\w.]*)(?:[:!][^{}]*)?\}")
-_SLOW_S: Final = 2.0
-_LONGEST: Final = 50_000  # characters that are searched
-_TOO_FAST_MPS: Final = 5.0
-
-
-def remarks(run: Run) -> tuple[Note, ...]:
-    """Return the notes for a run that lost no points."""
-    looks = (_braces, _slow_timer, _faster)
-    return tuple(Note(code=code, text=text) for look in looks for code, text in look(run))
 
 
 def notes_of_both(run: Run, *, as_commanded: bool) -> tuple[Note, ...]:
@@ -60,30 +42,3 @@ def _extent(motion: Trajectory) -> tuple[tuple[float, Unit], ...]:
     path = path_of(motion, len(motion))
     gone, turned = (float(np.abs(np.diff(values)).sum()) for values in (path.signed_m, path.heading_rad))
     return (gone, "m"), (math.degrees(turned), "deg")
-
-
-def _braces(run: Run) -> Iterator[tuple[str, str]]:
-    """Recognise a message in which ``{name}`` stands as it is written, though the script sets that name."""
-    said = [*(record.message for record in run.outcome.logs[:50]), run.outcome.stdout.text[:2_000]]
-    for found in _PLACEHOLDER.finditer("\n".join(said)):
-        written, name = found[0], re.escape(found[1])
-        lines = [n for n, line in enumerate(run.source.split("\n"), start=1) if written in line]
-        if lines and re.search(rf"(?<![\w.{{]){name}[ \t]*=(?!=)|\bfor {name} in\b", run.source[:_LONGEST]):
-            yield "braces", f"{lines[0]}|{written}"
-            return
-
-
-def _slow_timer(run: Run) -> Iterator[tuple[str, str]]:
-    """Recognise motions so far apart that turtlesim stops the car between each two."""
-    moves = [command.t_ns for command in run.trajectory.commands if command.v_mps or command.w_radps]
-    gaps_s = {round((after - before) / 1e9, 1) for before, after in itertools.pairwise(moves)}
-    if len(moves) > 2 and len(gaps_s) == 1 and min(gaps_s) >= _SLOW_S:
-        yield "slow_timer", f"{gaps_s.pop():g}"
-
-
-def _faster(run: Run) -> Iterator[tuple[str, str]]:
-    """Recognise a speed that grows with every message, and never stops growing."""
-    speeds = [abs(command.v_mps) for command in run.trajectory.commands]
-    grows = len(speeds) > 20 and all(one < other for one, other in itertools.pairwise(speeds))
-    if grows and speeds[-1] > _TOO_FAST_MPS:
-        yield "faster", f"{speeds[-1]:.1f}"

@@ -426,14 +426,6 @@ def _episode_spec(job: GradingJob, script: _Script, case: Case) -> EpisodeSpec:
     )
 
 
-def _with_remarks(run: Run, outcomes: Sequence[RunOutcome]) -> list[RunOutcome]:
-    """Return the outcomes with what is to be said of the script besides its score, by its first run."""
-    from grader.checks.remarks import remarks
-
-    first, *others = outcomes
-    return [replace(first, notes=(*first.notes, *remarks(run))), *others]
-
-
 def _simulator(world: World) -> str:
     """Return what computed a run's motion, with PyBullet's version where its numbers are scored.
 
@@ -458,8 +450,6 @@ def _report(
     status = status_of(scoring.items, [run.outcome for run in runs])
     outcomes = within_budget(run.outcome for run in runs)  # scored as a whole, shown in part
     score = summed(item.earned for item in scoring.items)
-    if runs and score == assignment.max_score:
-        outcomes = _with_remarks(runs[0], outcomes)
     return GradeReport(
         submission_sha256=hashlib.sha256(job.source).hexdigest(),
         assignment=assignment.id,

@@ -487,12 +487,12 @@ def test_more_nodes_than_threads_are_refused_before_one_is_started(slot: Slot) -
 @pytest.mark.parametrize(
     ("old", "new", "code", "words"),
     [
-        ("('wish', 'order')", "('wish', 'orders')", "topic_nearly", "Nobody publishes /team/order,"),
+        ("('wish', 'order')", "('wish', 'orders')", "topic_nowhere", "What is published: /team/orders,"),
         (
             "name='boss', namespace='team'",
             "name='boss', namespace='crew'",
-            "topic_nearly",
-            "There is /crew/order",
+            "topic_nowhere",
+            "What is published: /crew/order,",
         ),
         ("'drive', name='wheels'", "'idle', name='wheels'", "never_published", "never called publish()"),
         ("'ask', name='boss'", "'shouts', name='boss'", "types_differ", "as std_msgs/msg/String"),

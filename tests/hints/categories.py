@@ -14,14 +14,14 @@ KINDS: Final = {
     kind: frozenset(codes.split())
     for kind, codes in {
         "silent": """
-            action_nearly alive always_true class_not_made deaf_loop empty_loop error_caught forgets held
+            alive always_true class_not_made deaf_loop empty_loop error_caught forgets held
             idle_axis incompatible_qos info_logs init_without_node killed left_before listens_nowhere
             listens_other_quality never_called never_logged never_published never_spun never_true no_drive
             no_message no_publisher no_turns nodes not_received not_spinning nothing_ran nothing_sent
-            nothing_spins nothing_spins_while only_printed only_stops period pose_published printed
-            publishes_at_other_times publishes_nothing publishes_nowhere sensor_qos service_nearly
-            service_nowhere sideways sim_time sleeps_too_long stalled stop_in_loop stopped_at_once swings
-            thread_crashed timer_in_callback timer_later too_brief topic_nearly topic_nowhere turtle_killed
+            nothing_spins nothing_spins_while only_printed only_stops period printed
+            publishes_at_other_times publishes_nothing publishes_nowhere sensor_qos
+            service_nowhere sideways sleeps_too_long stalled stop_in_loop stopped_at_once swings
+            thread_crashed timer_in_callback timer_later too_brief topic_nowhere turtle_killed
             two_spins types_differ waits_before wrong_topic wrong_type
         """,
         "size": """
@@ -34,16 +34,16 @@ KINDS: Final = {
         "shape": """
             advance_m arc band_m band_pct contended corner_error_deg covered_pct curved_pct drift_m gap_pct
             in_line jolt_mps lateral_pct line_covered_pct line_pct mean_off_pct moving_s no_drive off_pct
-            opposite_corners place_entered place_hit place_no_feedback place_order place_wall room_blind
+            opposite_corners place_hit place_order place_wall
             room_hit rotation_absolute round_pct sideways speed_mps swings turned_deg unasked wall_hit
             way_back_m
         """,
         "stop": """
-            ahead_m clearance_m contacts end_off_m endless_loop no_stop place_late place_not_held room_blind
+            ahead_m clearance_m contacts end_off_m endless_loop no_stop place_late place_not_held
             room_hit settled time_was_up
         """,
         "task": """
-            argument_ignored asks_again client_missing client_silent declared_missing input_ignored
+            argument_ignored asks_again client_missing input_ignored
             known_wrong_answer no_action no_arguments no_number no_service other_name other_type other_unit
             right_in_other_unit service_silent teleported with_unit
         """,

@@ -7,8 +7,11 @@ import re
 
 import pytest
 
+from grader.checks.kinds import KINDS as KINDS_OF_CHECKS
 from grader.contracts.grading import Grader
+from grader.messages import template
 from tests.hints.beginners import FOLDER, Beginner, answer, beginners, changes
+from tests.hints.categories import KINDS
 
 ODD = [script for script in beginners() if script.verdict == "harmless" and script.category == ""][::3]
 ALIKE = [script for script in beginners() if re.search(r"_looks_like_\w*[a-z]\.py", script.file)]
@@ -31,3 +34,11 @@ def test_each_script_has_one_row() -> None:
 )
 def test_the_answer_is_what_a_teacher_expects(grader: Grader, script: Beginner) -> None:
     assert answer(grader, script).faults(script) == []
+
+
+def test_the_kinds_of_causes_name_codes_that_exist() -> None:
+    measures = {name for check in KINDS_OF_CHECKS.values() for name in check.measures}
+    for code in frozenset().union(*KINDS.values()):
+        assert code in measures or any(template("en", f"{kind}.{code}") for kind in ("mistake", "cause")), (
+            code
+        )

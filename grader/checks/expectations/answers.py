@@ -62,10 +62,7 @@ def answer(expectation: Expectation, evidence: Evidence) -> Verdict:
     )
     told = join(parts, _AND) if parts else say("expected.an_answer")
     came = _came(expectation, exchange, exchange.answer, expectation.values)
-
-    def why() -> Mistake | None:
-        return _unanswered(step, exchanges, evidence) or _late(expectation, step, exchanges)
-
+    why = partial(_unanswered, step, exchanges, evidence)
     return Verdict(share=share, sent=shown(exchange.values), wanted=told, came=came, why=why)
 
 
@@ -90,25 +87,6 @@ def _came(expectation: Expectation, exchange: Sent, values: Any, wanted: Any) ->
         took = number((exchange.answered_ns - exchange.sent_ns) / NS_PER_S, "s", 3)
         return join([told, say("expected.after", time=took)], _AND)
     return told
-
-
-def _late(expectation: Expectation, step: Step, exchanges: Sequence[Sent]) -> Mistake | None:
-    """Return that answers came late: something in a callback takes long."""
-    if expectation.within_s is None:
-        return None
-    late = [
-        exchange.answered_ns - exchange.sent_ns
-        for exchange in exchanges
-        if exchange.answered_ns is not None
-        and exchange.sent_ns is not None
-        and exchange.answered_ns - exchange.sent_ns > expectation.within_s * NS_PER_S
-    ]
-    if not late:
-        return None
-    took, most = number(min(late) / NS_PER_S, "s", 2), number(expectation.within_s, "s", 2)
-    return mistake(
-        "answers_late", name=step.target, took=took, most=most, late=len(late), count=len(exchanges)
-    )
 
 
 def _unanswered(step: Step, exchanges: Sequence[Sent], evidence: Evidence) -> Mistake | None:
@@ -203,14 +181,13 @@ def _goal_parts(
         came = say("expected.not_there") if goal.sent_ns is None else say("expected.no_answer")
         return [(0.0, say("expected.accepted"), came, unknown)]
     parts: list[tuple[float, Text, Text, Reason]] = []
-    rejected = because("goal_rejected", name=evidence.step(expectation.target).target)
     if expectation.accepted is not None:
         word = {True: "accepted", False: "rejected"}
-        why = rejected if expectation.accepted else because("goal_not_rejected", sent=shown(goal.values))
+        why = unknown if expectation.accepted else because("goal_not_rejected", sent=shown(goal.values))
         told = say(f"expected.{word[expectation.accepted]}"), say(f"expected.{word[goal.accepted]}")
         parts.append((float(goal.accepted is expectation.accepted), *told, why))
     if not goal.accepted and expectation.accepted is None:
-        parts.append((0.0, say("expected.accepted"), say("expected.rejected"), rejected))
+        parts.append((0.0, say("expected.accepted"), say("expected.rejected"), unknown))
     if goal.accepted:
         parts += [
             _state(expectation, evidence, goal),
@@ -226,9 +203,7 @@ def _state(expectation: Expectation, evidence: Evidence, goal: Sent) -> tuple[fl
         return 1.0, EMPTY, EMPTY, unknown
     came = plain(goal.status) if status else say("expected.no_result")
     why = unknown
-    if not status:
-        why = because("goal_endless", name=name)
-    elif goal.cancelled_ns is not None and expectation.status == "canceled":
+    if status and goal.cancelled_ns is not None and expectation.status == "canceled":
         why = because("cancel_ignored", name=name, status=goal.status)
     elif status == "aborted" and expectation.status == "succeeded":
         why = because("goal_aborted", name=name)
@@ -262,15 +237,13 @@ def _feedback(
     expectation: Expectation, evidence: Evidence, goal: Sent
 ) -> list[tuple[float, Text, Text, Reason]]:
     parts: list[tuple[float, Text, Text, Reason]] = []
-    name = evidence.step(expectation.target).target
     if expectation.feedback_count is not None:
         count = len(goal.feedback)
-        why = unknown if count else because("no_feedback", name=name)
         told = (
             say("expected.feedback", count=counted(expectation.feedback_count)),
             say("expected.came", count=count),
         )
-        parts.append((in_count(count, expectation.feedback_count), *told, why))
+        parts.append((in_count(count, expectation.feedback_count), *told, unknown))
     if expectation.feedback is not None or expectation.feedback_that is not None:
         parts.append(_feedback_values(expectation, evidence, goal))
     return parts
@@ -296,8 +269,7 @@ def _feedback_values(
         expectation.feedback if bad is None else bad[0]
     )
     came = say("expected.no_feedback") if not goal.feedback else plain("" if bad is None else shown(bad[1]))
-    why = unknown if goal.feedback else because("no_feedback", name=evidence.step(expectation.target).target)
-    return good / max(len(goal.feedback), 1), plain(wanted_text), came, why
+    return good / max(len(goal.feedback), 1), plain(wanted_text), came, unknown
 
 
 def _without_action(step: Step, exchange: Sent, evidence: Evidence) -> Mistake | None:
@@ -374,11 +346,7 @@ def parameter(expectation: Expectation, evidence: Evidence) -> Verdict:
         why = because("service_silent", service=f"{node}/get_parameters")
         return Verdict(share=0.0, wanted=plain(expectation.target), came=say("expected.no_answer"), why=why)
     if "type" not in came:
-        others = sorted(each for each, told in (exchange.answer or {}).items() if told)
-        why = because("declared_missing", name=expectation.target, node=node, others=named(others))
-        return Verdict(
-            share=0.0, wanted=plain(expectation.target), came=say("expected.not_declared"), why=why
-        )
+        return Verdict(share=0.0, wanted=plain(expectation.target), came=say("expected.not_declared"))
     return _parameter_fits(expectation, came)
 
 
@@ -392,12 +360,8 @@ def _parameter_told(expectation: Expectation, evidence: Evidence) -> Verdict:
                 declared[each["name"]] = each["value"]
     told = plain_parameter(declared[expectation.target]) if expectation.target in declared else None
     if told is None:
-        node = expectation.node or ""
-        if node not in evidence.run.outcome.nodes:
-            why: Reason = because("node_name", node=node, used=named(evidence.run.outcome.nodes))
-        else:
-            others = named(name for name in declared if name != "use_sim_time")
-            why = because("declared_missing", name=expectation.target, node=node, others=others)
+        node, nodes = expectation.node or "", evidence.run.outcome.nodes
+        why = unknown if node in nodes else because("node_name", node=node, used=named(nodes))
         return Verdict(
             share=0.0, wanted=plain(expectation.target), came=say("expected.not_declared"), why=why
         )
@@ -484,7 +448,5 @@ def _never_asked(step: Step, evidence: Evidence) -> Mistake:
     same = evidence.parties("client", step.target)
     if same and same[0].type != step.type:
         return mistake("other_type", name=step.target, type=same[0].type, wanted=step.type)
-    if same:
-        return mistake("client_silent", service=step.target)
-    others = [party.name for party in evidence.parties("client") if not party.type.startswith(_OWN_TYPES)]
-    return mistake("client_missing", service=step.target, type=step.type, used=named(others))
+    used = [party.name for party in evidence.parties("client") if not party.type.startswith(_OWN_TYPES)]
+    return mistake("client_missing", service=step.target, type=step.type, used=named(used))

@@ -58,19 +58,16 @@ def frame(expectation: Expectation, evidence: Evidence) -> Verdict:
     if not poses:
         used = named(f"{link.parent} → {link.child}" for link in links)
         came = plain(used) if links else say("expected.no_frames")
-        return Verdict(
-            share=0.0, wanted=wanted, came=came, why=lambda: _missing(expectation, evidence, links)
-        )
+        return Verdict(share=0.0, wanted=wanted, came=came, why=lambda: _missing(expectation, links))
     if (
         expectation.static is not None
         and direct
         and any(transform.static is not expectation.static for transform in direct)
     ):
-        code = "frame_not_static" if expectation.static else "frame_static"
         topic = "/tf_static" if direct[0].static else "/tf"
-        return Verdict(
-            share=0.0, wanted=wanted, came=plain(topic), why=because(code, frame=expectation.target)
-        )
+        needed = "StaticTransformBroadcaster" if expectation.static else "TransformBroadcaster"
+        why = because("frame_broadcaster", frame=expectation.target, wanted=needed)
+        return Verdict(share=0.0, wanted=wanted, came=plain(topic), why=why)
     share, came, why, there = _where(expectation, evidence, poses)
     if expectation.rate_hz is not None or expectation.count is not None:
         often = _quantity(expectation, evidence, [transform.t_ns for transform in direct], 0)
@@ -226,17 +223,12 @@ def _askew(expectation: Expectation, turn: Quaternion | None, rotation: Quaterni
     return mistake("frame_no_quaternion", frame=expectation.target, length=f"{exact.length(rotation):.2f}")
 
 
-def _missing(expectation: Expectation, evidence: Evidence, links: Sequence[_Link]) -> Mistake:
+def _missing(expectation: Expectation, links: Sequence[_Link]) -> Mistake:
     pairs = {(link.parent, link.child) for link in links}
     if (expectation.target, expectation.parent) in pairs:
         return mistake("frame_swapped", frame=expectation.target, parent=expectation.parent)
-    if pairs:
-        used = named(f"{parent} → {child}" for parent, child in sorted(pairs))
-        return mistake("frame_other", frame=expectation.target, parent=expectation.parent, used=used)
-    sends = [party for party in evidence.parties("publisher") if party.name in ("/tf", "/tf_static")]
-    return mistake(
-        "frame_unsent" if sends else "frame_missing", frame=expectation.target, parent=expectation.parent
-    )
+    used = named(f"{parent} → {child}" for parent, child in sorted(pairs))
+    return mistake("frame_missing", frame=expectation.target, parent=expectation.parent, used=used)
 
 
 def _wanted_text(expectation: Expectation) -> Text:

@@ -156,8 +156,6 @@ def test_what_follows_a_trick_does_not_count() -> None:
 
 
 def test_what_is_missing_is_told() -> None:
-    assert mistakes(None) == ["bodies_unused"]
-    assert mistakes(replayed(FALL, calls=0)) == ["bodies_unused"]
     assert "bodies_not_loaded" in mistakes(replayed(FALL, bodies=()))
     assert "bodies_no_car" in mistakes(replayed(FALL, bodies=()), task(watch=Watch(object="*")))
     assert "bodies_no_steps" in mistakes(replayed(FALL, steps=0))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from grader.checks.listening import SEND_GOAL, TURTLE_ACTION, services_of, topics_of
+from grader.checks.listening import services_of, topics_of
 from grader.contracts.assignment import World
 from grader.sim.driving import Car
 from grader.sim.recorder import Recorder
@@ -22,7 +22,5 @@ def test_turtlesims_names_are_those_of_the_simulated_one(odometry: bool) -> None
         for name, kind in graph["services"]
         if "/_action/" not in name and not kind.startswith("rcl_interfaces/")
     }
-    goals = [name for name, _ in graph["services"] if name.endswith(SEND_GOAL)]
-    assert goals == [TURTLE_ACTION + SEND_GOAL]
     assert topics == set(topics_of(world))
     assert services == services_of(world)

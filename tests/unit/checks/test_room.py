@@ -130,7 +130,7 @@ def test_the_floor_that_was_visited() -> None:
 
 @pytest.mark.parametrize(
     ("contact_s", "status", "ended_s", "code"),
-    [(5.0, RunStatus.INTERRUPTED, 9.0, "room_blind")],
+    [(5.0, RunStatus.INTERRUPTED, 9.0, "room_hit")],
 )
 def test_what_was_hit_and_why(contact_s: float, status: RunStatus, ended_s: float, code: str) -> None:
     at = round(contact_s * 1e9)

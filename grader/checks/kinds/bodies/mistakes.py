@@ -41,9 +41,7 @@ def bodies_mistakes(
 ) -> tuple[Mistake, ...]:
     """Return what probably went wrong; `trick` is the call after which nothing counted."""
     found = [*script_mistakes(run)]
-    if replayed is None or (replayed.calls == 0 and not found):
-        found.append(mistake("bodies_unused"))
-    elif replayed.calls:  # what makes others follow comes first: see `first_causes`
+    if replayed is not None and replayed.calls:  # what makes others follow comes first: see `first_causes`
         found += _ended(replayed)
         found += _by_hand(trick)
         found += _absent(assignment, replayed)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from grader.checks.drive import Drive
-from grader.checks.kinds.places.visits import Visit, Way, entered
+from grader.checks.kinds.places.visits import Visit, Way
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import command_mistakes, only_turned, swings, time_was_up
 from grader.checks.surroundings import name_of
@@ -31,19 +31,15 @@ def place_mistakes(
         yield _entered_in_vain(visits, first)
     elif first is not None and way.put:
         yield mistake("teleported", spoilt, topic=assignment.world.cmd_vel_topic)
-    elif first is not None and _ignores_the_pose(assignment, run):
-        reached = sum(visit.done_s is not None for visit in visits)
-        topic = _pose_topic(assignment)
-        yield mistake("place_no_feedback", spoilt, topic=topic, reached=reached, goals=len(visits))
-    yield from _touched(assignment, run, way)
+    yield from _touched(assignment, run)
     if first is not None and (swung := swings(run, (*spoilt, "settled"))) is not None:
         yield swung
     elif first is not None:
         yield from time_was_up(run, drive, (*spoilt, "settled"))
 
 
-def _touched(assignment: Assignment, run: Run, way: Way) -> Iterator[Mistake]:
-    """Name the first thing that the car touched, and the first place to avoid that it entered."""
+def _touched(assignment: Assignment, run: Run) -> Iterator[Mistake]:
+    """Name the first thing that the car touched."""
     spoilt = ("contacts", "clearance_m", *_GOAL_MEASURES)
     for contact in run.trajectory.contacts[:1]:
         time = number(contact.start_ns / 1e9, "s")
@@ -52,11 +48,6 @@ def _touched(assignment: Assignment, run: Run, way: Way) -> Iterator[Mistake]:
             continue
         wall = say(f"wall.{contact.wall}")
         yield mistake("place_wall", spoilt, time=time, wall=wall)
-    avoid = () if assignment.places is None else assignment.places.avoid
-    for i in entered(avoid, way)[:1]:
-        region = avoid[i - 1]
-        at = f"({number(region.x_m, 'm')}, {number(region.y_m, 'm')})"
-        yield mistake("place_entered", ("entered", "clearance_m"), at=at)
 
 
 def _entered_in_vain(visits: Sequence[Visit], first: Visit) -> Mistake:
@@ -75,16 +66,3 @@ def _entered_in_vain(visits: Sequence[Visit], first: Visit) -> Mistake:
     order = " → ".join(str(visit.number) for visit in came_in)
     wanted = " → ".join(str(visit.number) for visit in visits)
     return mistake("place_order", _GOAL_MEASURES, order=order, wanted=wanted)
-
-
-def _ignores_the_pose(assignment: Assignment, run: Run) -> bool:
-    """Whether the cases start at different places, and the script never subscribes to the car's pose."""
-    starts = {case.start for case in assignment.cases}
-    suffix = _pose_topic(assignment).removeprefix("/turtle1")  # the pose of another turtle counts as well
-    return len(starts) > 1 and not any(name.endswith(suffix) for name in run.outcome.heard)
-
-
-def _pose_topic(assignment: Assignment) -> str:
-    """Return the topic on which the world publishes where the car is."""
-    is_robot = assignment.world.kind == "robot"
-    return assignment.world.topics.get("/odom", "/odom") if is_robot else "/turtle1/pose"

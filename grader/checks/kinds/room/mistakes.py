@@ -21,6 +21,5 @@ def room_mistakes(
     yield from only_turned(run, _TOUCH)
     leads_past_walls = "line_pct" in measures
     for contact in run.trajectory.contacts[: drive is not None and not leads_past_walls]:
-        code = "room_hit" if run.outcome.hears else "room_blind"
         time, what = number(contact.start_ns / 1e9, "s"), name_of(contact.wall)
-        yield mistake(code, _TOUCH, time=time, what=what)
+        yield mistake("room_hit", _TOUCH, time=time, what=what)
