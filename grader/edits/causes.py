@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from grader.contracts.outcome import RunStatus
+from grader.edits.directions import alternating
 from grader.edits.flow import AXES
 from grader.edits.received import Motion
 from grader.edits.situation import HOLD_NS, Driven, Situation
@@ -25,6 +26,7 @@ _CLOCKS: Final = ("time", "now", "nanoseconds")
 _CLOCK_S: Final = 1e6  # more is a time since 1970, which says nothing to a reader
 _CHANGES: Final = 6  # from one of two lines to the other, before they are said to contend
 _BRIEF_S: Final = 0.5
+_AXIS_NAMES: Final = {"w": "angular.z", "v": "linear.x"}
 _LENGTHS: Final = frozenset({"side_error_pct", "length_error_pct", "off_pct"})
 _MOST_CALLERS: Final = 8  # functions may call each other in a circle
 _FEW: Final = 3  # where more is lost, the missing stop is not why
@@ -46,7 +48,10 @@ def stated_cause(seen: Situation) -> Cause | None:
     """Return the first fact that explains why the script lacks marks; None where none does for certain."""
     if seen.outcome.status in (RunStatus.CRASHED, RunStatus.SYNTAX_ERROR):
         return None  # the exception says it
-    of_drives = (_held, _in_line, _wrong_arc, _wrong_size, _unasked, _both_at_once, _no_stop)
+    of_drives = (
+        *(_alternates, _held, _in_line, _wrong_arc, _wrong_size, _too_slow),
+        *(_unasked, _both_at_once, _no_stop),
+    )
     of_flow = (_timers_in_callbacks, _contended, _forgets, _slow_timer, _never_ran, _endless, _idle_axis)
     explainers = (*of_flow, *(of_drives if seen.outcome.command_count else ()))
     return next((cause for one in explainers for cause in one(seen)), None)
@@ -345,7 +350,41 @@ def _slow_timer(seen: Situation) -> Iterator[Cause]:
     for motion, longest_ns in _dropped(seen):
         if (call := _timer_of(seen.script, _source_of(motion, handed))) is not None:
             values: dict[str, object] = {"name": dotted(call.args[1]), "period": f"{longest_ns / 1e9:.3g}"}
-            yield Cause("period", call.lineno, values)
+            waits = [line for line, (times, ns) in motion.waits.items() if times and ns > HOLD_NS * times / 2]
+            sleeps = [one.lineno for one in calls_of(seen.script, "sleep") if one.lineno in waits]
+            yield Cause("sleeps", sleeps[0], values) if sleeps else Cause("period", call.lineno, values)
+
+
+def _alternates(seen: Situation) -> Iterator[Cause]:
+    """Yield the line whose motion goes one way and then the other, by turns, where all are to go one way."""
+    for axis, motions in alternating(seen):
+        first, second = (one.motion.w if axis == "w" else one.motion.v for one in motions[:2])
+        values: dict[str, object] = {
+            "axis": _AXIS_NAMES[axis],
+            "first": f"{first:g}",
+            "second": f"{second:g}",
+        }
+        lines = zip(motions[0].motion.stack, motions[1].motion.stack, strict=False)
+        line = next((b[0] for a, b in lines if a[0] != b[0]), motions[0].motion.line)
+        yield Cause("alternates", line, values)
+
+
+def _too_slow(seen: Situation) -> Iterator[Cause]:
+    """Yield the drive that goes on at the horizon, where all up to it is right: it needs more time."""
+    drives = [one for one in seen.driven if one.is_drive]
+    count = max((one for one in seen.wanted.counts if one > len(drives)), default=0)
+    if seen.outcome.status is not RunStatus.INTERRUPTED or seen.comes_to_rest or not 1 < len(drives) < count:
+        return
+    whole = drives[:-1] if seen.driven[-1] is drives[-1] else drives
+    lengths = [abs(one.length_m) for one in whole]
+    if max(lengths) - min(lengths) > _OFF * max(lengths):
+        return
+    needed_s = whole[-1].motion.t / 1e9 * count / (len(whole) - 1) if len(whole) > 1 else 0.0
+    limit_s = seen.outcome.duration_ns / 1e9
+    if needed_s > limit_s:
+        values: dict[str, object] = {"rate": f"{whole[0].motion.v:g}", "side": f"{whole[0].seconds:.3g}"}
+        values |= {"needed": f"{needed_s:.3g}", "limit": f"{limit_s:.3g}", "count": count}
+        yield Cause("too_slow", whole[0].motion.line, values)
 
 
 def _held(seen: Situation) -> Iterator[Cause]:

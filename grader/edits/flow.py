@@ -71,7 +71,7 @@ def _guards(seen: Situation) -> Iterator[Proposal]:
 
 def _logs(seen: Situation) -> Iterator[Proposal]:
     """Yield the level that is wanted of a message, and a log for what is only printed."""
-    for node in ast.walk(seen.script.tree) if "info_logs" in seen.lost else ():
+    for node in ast.walk(seen.script.tree) if seen.asked.logs else ():
         func = node.func if isinstance(node, ast.Call) else None
         if isinstance(func, ast.Attribute) and func.attr in ("warn", "warning", "error", "debug", "fatal"):
             new = f"{seen.script.source(func.value)}.info"

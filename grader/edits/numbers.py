@@ -290,7 +290,8 @@ def _turned_round(seen: Situation, driven: Driven, use: NumberUse) -> Iterator[P
     """Yield the other sign for a number that a speed is set to."""
     if use.value in (driven.motion.v, driven.motion.w) and use.value:
         new = written(-use.value, like_float="." in seen.script.source(use.node))
-        yield _replaced(seen, "sign", 4.0 + use.steps * 0.2, (use, new))
+        cost = 2.2 if seen.outcome.hears else 4.0
+        yield _replaced(seen, "sign", cost + use.steps * 0.2, (use, new))
 
 
 def _operators(seen: Situation) -> Iterator[Proposal]:
@@ -404,14 +405,10 @@ def _opposed(seen: Situation) -> Iterator[Proposal]:
             continue
         names = {dotted(node) for node in ast.walk(one.value)} - {""}
         for node in ast.walk(script.tree):
-            if (
-                isinstance(node, ast.BinOp)
-                and isinstance(node.op, ast.Sub)
-                and _goes_into(script, node, names)
-                and not _is_summand(script, node)
-            ):
+            if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Sub) and not _is_summand(script, node):
                 left, right = (bool(_NOW.search(script.source(side))) for side in (node.left, node.right))
-                if left >= right:  # unless it is "wanted minus present" already
+                # unless it is "wanted minus present" already
+                if left > right or (left == right and _goes_into(script, node, names)):
                     yield from _exchanged(script, 1.2 if left > right else 2.0, node.left, node.right)
         old = script.source(one.value)
         new = f"-{old}" if _is_product(one.value) else f"-({old})"

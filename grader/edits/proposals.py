@@ -4,7 +4,9 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from grader.contracts.outcome import StudentError
+from grader.edits.asked import asked_changes
 from grader.edits.counts import count_changes
+from grader.edits.directions import direction_changes
 from grader.edits.errors import error_changes
 from grader.edits.flow import flow_changes
 from grader.edits.names import name_changes
@@ -16,7 +18,10 @@ from grader.edits.tree import applied
 
 _MOST_PLACES = 6
 _EVERYWHERE = 0.05  # behind the change at the one place where it is most plausible
-_SOURCES = (name_changes, error_changes, flow_changes, state_changes, count_changes, number_changes)
+_SOURCES = (
+    *(name_changes, error_changes, asked_changes, direction_changes),
+    *(flow_changes, state_changes, count_changes, number_changes),
+)
 _OF_SIZES = frozenset(("converted", "degrees", "exchanged", "left_over", "scaled", "sign", "stop"))
 """Kinds of change that cannot make up for rounds that are missing."""
 

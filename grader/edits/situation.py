@@ -33,6 +33,26 @@ class WantedSizes:
 
 
 @dataclass(frozen=True)
+class Stated:
+    """What an assignment names beside sizes.
+
+    Attributes:
+        names: of topics, services, actions, nodes, parameters. kinds: classes of messages, services, actions.
+        fields: of what is expected. inputs: fields of what is sent. logs: whether log messages are expected.
+        levels: distances in m that a robot is to keep. goals: places in m that are to be reached.
+    """
+
+    names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    kinds: frozenset[str] = frozenset()
+    fields: frozenset[str] = frozenset()
+    inputs: tuple[str, ...] = ()
+    rates_hz: tuple[float, ...] = ()
+    levels: tuple[float, ...] = ()
+    goals: tuple[tuple[float, float], ...] = ()
+    logs: bool = False
+
+
+@dataclass(frozen=True)
 class Driven:
     """A motion with its size: how far it drove or turned, and for how long it lasted.
 
@@ -97,7 +117,7 @@ class Situation:
 
     Attributes:
         topic: moves the car. lost: names of the measures that cost points.
-        fields: those that a message has, where an exception says that it lacks one.
+        fields: those that a message has, where an exception says that it lacks one. asked: beside sizes.
     """
 
     script: ParsedScript
@@ -107,6 +127,7 @@ class Situation:
     topic: str = "/turtle1/cmd_vel"
     lost: frozenset[str] = frozenset()
     fields: tuple[str, ...] = ()
+    asked: Stated = field(default_factory=Stated)
 
     @cached_property
     def driven(self) -> tuple[Driven, ...]:

@@ -16,10 +16,12 @@ from grader.contracts.explanation import ChangedText, Explanation, ProvenChange,
 from grader.contracts.outcome import RunOutcome, RunStatus, StudentError
 from grader.contracts.rubric import ItemStatus, RubricItem, summed
 from grader.contracts.text import Text
-from grader.edits.causes import stated_cause
+from grader.edits.asked import asked_of
+from grader.edits.causes import Cause, stated_cause
 from grader.edits.proposals import Candidate, candidates, syntax_candidates
 from grader.edits.received import received_ledger, received_script
 from grader.edits.situation import Proposal, Situation, WantedSizes
+from grader.edits.slices import calls_of
 from grader.edits.tree import changed_lines
 from grader.formats.interfaces import standard_entries, structures_of
 from grader.messages import join, say
@@ -174,7 +176,7 @@ class Search:
         proposed = self._candidates(text, now)
         gaining: list[Step] = []
         further: Candidate | None = None
-        for step in self._trials(proposed, now):
+        for step in self._trials(text, now, proposed):
             candidate, after = step
             if not after.gains_on(now):
                 if further is None and _is_further(now.outcome, after.outcome):
@@ -232,18 +234,32 @@ class Search:
                 return [(candidate, after)] if first.code in _FITTED and one.code not in _FITTED else []
         return steps
 
-    def _trials(self, proposed: Iterator[Candidate], now: Graded) -> Iterator[Step]:
+    def _trials(self, text: str, now: Graded, proposed: Iterator[Candidate]) -> Iterator[Step]:
         """Yield proposals with what each came to, within the budget.
 
-        Left out are those with which a script that came to its end never does.
+        Left out are those with which a script that came to its end never does. Of several cases the one that
+        failed is run first, and the others only if that gains.
         """
+        alone = self._alone_in(now.case)
+        before = None if alone is None else self._graded(text, alone)
         for candidate in proposed:
             if not self._has_budget():
                 return
             self._tried += 1
+            if alone is not None and before is not None:
+                first = self._graded(candidate.text, alone)
+                if first.score <= before.score and not _is_further(now.outcome, first.outcome):
+                    continue
             after = self._graded(candidate.text, self._assignment)
             if candidate.proposal.code in _SPINS or not _goes_on(now.outcome, after.outcome):
                 yield candidate, after
+
+    def _alone_in(self, case_id: str) -> Assignment | None:
+        """Return the assignment with one of its cases; None where it has but one."""
+        cases = tuple(case for case in self._assignment.cases if case.id == case_id)
+        return (
+            replace(self._assignment, cases=cases) if 0 < len(cases) < len(self._assignment.cases) else None
+        )
 
     def _continued(self, text: str, step: Step, left: int) -> list[Step]:
         """Return a step with those that are needed on top of it; nothing where these do not end at full marks."""
@@ -283,8 +299,10 @@ class Search:
     def _cause(self, text: str, now: Graded) -> StatedCause | None:
         seen = self._situation(text, now)
         cause = None if seen is None else stated_cause(seen)
-        if cause is None:
+        if seen is None or cause is None:
             return None
+        if cause.code == "drove" and (line := self._ignored_input(text, now, seen)) is not None:
+            cause = Cause("input_ignored", line, {"drive": cause.line, **cause.values})
         values = dict(cause.values)
         if "unit" in values:
             for name in ("size", "wanted"):
@@ -293,6 +311,21 @@ class Search:
         return StatedCause(
             code=cause.code, line=cause.line, text=say(f"cause.{cause.code}", line=cause.line, **values)
         )
+
+    def _ignored_input(self, text: str, now: Graded, seen: Situation) -> int | None:
+        """Return the line that reads what a case gives, where the drives of another case are the same."""
+        calls = (one for name in ("input", "get_parameter") for one in calls_of(seen.script, name))
+        reading, given = (
+            next(calls, None),
+            {case.id: (case.stdin, case.args) for case in self._assignment.cases},
+        )
+        other = next((id_ for id_, one in given.items() if one != given.get(now.case)), None)
+        alone = None if reading is None or other is None else self._alone_in(other)
+        if reading is None or alone is None:
+            return None
+        there = self._situation(text, self._graded(text, alone, traced=True))
+        same = there is not None and there.sizes_beside("deg") == seen.sizes_beside("deg")
+        return reading.lineno if same else None
 
     def _situation(self, text: str, now: Graded) -> Situation | None:
         """Return what the traced run of a text told; None without a tree, and of a script that tells tales."""
@@ -317,6 +350,7 @@ class Search:
             topic=self._assignment.world.cmd_vel_topic,
             lost=lost,
             fields=_fields_of(now.outcome.error),
+            asked=asked_of(self._assignment.in_case(now.case), lost),
         )
 
 
