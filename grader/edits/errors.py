@@ -11,12 +11,14 @@ from collections.abc import Iterator
 from typing import Final
 
 from grader.contracts.names import IMPORTS, MODULES, OTHER_LANGUAGES, near_name
-from grader.contracts.outcome import RunStatus, StudentError
+from grader.contracts.outcome import RunStatus
+from grader.edits.failing import FailingLine, Functions, classes_of, makes_node, own_functions
+from grader.edits.ros import ROS_OPERATORS
 from grader.edits.situation import Proposal, Situation
-from grader.edits.slices import NameSet, assignments, calls_of, dotted, named_in, number_of
-from grader.edits.tree import Edit, ParsedScript
+from grader.edits.slices import calls_of, dotted, number_of
+from grader.edits.tree import Edit
 
-_Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
+_LENT: Final = (".get_logger", ".get_clock")
 _CALLED: Final = ("get_logger", "get_clock", "now", "Request", "Response", "super", "input", "time", "random")
 _OF_NODE: Final = frozenset(
     [
@@ -55,7 +57,6 @@ _OF_NODE: Final = frozenset(
 _AXES: Final = {"linear": "x", "angular": "z"}
 _INDICES: Final = {0: "x", 1: "y", 2: "z", "x": "x", "y": "y", "z": "z"}
 _MAKERS: Final = ("create_timer", "create_subscription", "create_service", "create_publisher")
-_MOST_NODES: Final = 60
 _MOST_PLACES: Final = 8
 
 
@@ -64,28 +65,29 @@ def error_changes(seen: Situation) -> Iterator[Proposal]:
     error = seen.outcome.error
     if seen.outcome.status is not RunStatus.CRASHED or error is None or error.line is None:
         return
-    at = _Place(seen, error, error.line)
+    at = FailingLine(seen, error, error.line)
     for operator in (
         _brackets,
         _orders,
         _arguments,
+        _missing_arguments,
         _signatures,
-        _node_parts,
         _own_names,
+        _own_classes,
+        _copies,
         _fields,
         _vectors,
         _numbers,
-        _parameters_of_ros,
         _scopes,
         _objects,
         _blocks,
+        _class_bodies,
+        _uncalled,
         _words,
-        _durations,
-        _makers,
         _imports,
         _texts,
         _waits,
-        _answers,
+        *ROS_OPERATORS,
         _without,
     ):
         for proposal in operator(at):
@@ -93,8 +95,11 @@ def error_changes(seen: Situation) -> Iterator[Proposal]:
             yield from _everywhere(at, proposal)
 
 
-def _everywhere(at: "_Place", proposal: Proposal) -> Iterator[Proposal]:
-    """Yield the same change wherever the same text stands: who errs on one line errs on the next."""
+def _everywhere(at: FailingLine, proposal: Proposal) -> Iterator[Proposal]:
+    """Yield the same change wherever the same text stands: who errs on one line errs on the next.
+
+    It comes first where the text is more than a name: then it is as wrong in the other places.
+    """
     if len(proposal.edits) != 1 or proposal.code != "mended":
         return
     start, end, new = proposal.edits[0]
@@ -103,71 +108,19 @@ def _everywhere(at: "_Place", proposal: Proposal) -> Iterator[Proposal]:
     spans = {at.script.span(node) for node in nodes if at.script.source(node) == old}
     if 1 < len(spans) <= _MOST_PLACES:
         edits = tuple(Edit(*span, new) for span in sorted(spans))
-        yield Proposal(proposal.code, proposal.cost + 0.01, edits, proposal.values)
+        cost = proposal.cost + (-0.01 if "(" in old else 0.01)
+        yield Proposal(proposal.code, cost, edits, proposal.values)
 
 
-class _Place:
-    """The failing line: its nodes, and proposals about them."""
-
-    def __init__(self, seen: Situation, error: StudentError, line: int) -> None:
-        self.seen = seen
-        self.script = seen.script
-        self.error = error
-        self.line = line
-        self.statements = (
-            seen.script.statements_on(line)
-            or [
-                statement
-                for statement in _statements(seen.script)
-                if statement.lineno <= line <= (statement.end_lineno or 0)
-            ][-1:]
-        )
-        own = [
-            node
-            for statement in self.statements
-            for node in ast.walk(statement)
-            if isinstance(node, ast.expr)
-        ]
-        self.nodes = [node for node in own if node.lineno <= line <= (node.end_lineno or 0)][:_MOST_NODES]
-        self.calls = [node for node in self.nodes if isinstance(node, ast.Call)]
-        self.known = assignments(seen.script)
-
-    def mended(self, cost: float, node: ast.expr | ast.stmt, new: str, *others: Edit) -> Proposal:
-        """Return the proposal that puts `new` in the place of a node."""
-        old = self.script.source(node)
-        values = {"line": node.lineno, "old": old.partition("\n")[0], "new": new, "error": self.error.type}
-        return Proposal("mended", cost, (self.script.replaced(node, new), *others), values)
-
-    def added(self, cost: float, edit: Edit, line: int, new: str) -> Proposal:
-        """Return the proposal that adds a line."""
-        return Proposal("added", cost, (edit,), {"line": line, "new": new, "error": self.error.type})
-
-    def function(self, node: ast.AST) -> "ast.FunctionDef | ast.AsyncFunctionDef | None":
-        """Return the function around a node."""
-        return next((one for one in self.script.around(node) if isinstance(one, _Functions)), None)
-
-
-def _statements(script: ParsedScript) -> Iterator[ast.stmt]:
-    return (node for node in ast.walk(script.tree) if isinstance(node, ast.stmt))
-
-
-def _classes(script: ParsedScript) -> list[ast.ClassDef]:
-    return [node for node in ast.walk(script.tree) if isinstance(node, ast.ClassDef)]
-
-
-def _own_functions(script: ParsedScript) -> "list[ast.FunctionDef | ast.AsyncFunctionDef]":
-    return [node for node in ast.walk(script.tree) if isinstance(node, _Functions)]
-
-
-def _is_called(at: _Place, node: ast.expr) -> bool:
+def _is_called(at: FailingLine, node: ast.expr) -> bool:
     parent = at.script.parent(node)
     return isinstance(parent, ast.Call) and parent.func is node
 
 
-def _brackets(at: _Place) -> Iterator[Proposal]:
+def _brackets(at: FailingLine) -> Iterator[Proposal]:
     """Yield brackets where a function or class itself is used, and none where a value or a callback is called."""
-    classes = {one.name for one in _classes(at.script)}
-    callables = {*_CALLED, *classes, *(own_function.name for own_function in _own_functions(at.script))}
+    classes = {one.name for one in classes_of(at.script)}
+    callables = {*_CALLED, *classes, *(own_function.name for own_function in own_functions(at.script))}
     for node in at.nodes:
         if isinstance(node, ast.Name | ast.Attribute) and not _is_called(at, node):
             name = dotted(node).rpartition(".")[2] or getattr(node, "attr", "")
@@ -180,6 +133,8 @@ def _brackets(at: _Place) -> Iterator[Proposal]:
     for one in at.known:
         name = dotted(one.value)
         is_class = name.rpartition(".")[2][:1].isupper() and not name.isupper()
+        if name.endswith(_LENT) and any(dotted(node) == one.target for node in at.nodes):
+            yield at.mended(0.4, one.value, f"{name}()")
         if is_class and (name in classes or name in IMPORTS or name.endswith((".Request", "Twist"))):
             yield at.mended(0.6, one.value, f"{name}()")
     makers = [call for name in _MAKERS for call in calls_of(at.script, name)]
@@ -188,7 +143,7 @@ def _brackets(at: _Place) -> Iterator[Proposal]:
             yield at.mended(0.7, call, at.script.source(call.func))
 
 
-def _orders(at: _Place) -> Iterator[Proposal]:
+def _orders(at: FailingLine) -> Iterator[Proposal]:
     """Yield two arguments of a call exchanged; of what makes publishers and timers also where it failed later."""
     makers = [call for name in _MAKERS for call in calls_of(at.script, name) if call not in at.calls]
     for cost, call in [*((0.8, one) for one in at.calls), *((1.4, maker) for maker in makers)]:
@@ -202,9 +157,9 @@ def _orders(at: _Place) -> Iterator[Proposal]:
             yield at.mended(cost + 0.1 * i, call, f"{at.script.source(call.func)}({', '.join(rest)})")
 
 
-def _arguments(at: _Place) -> Iterator[Proposal]:
+def _arguments(at: FailingLine) -> Iterator[Proposal]:
     """Yield a call with an argument less, with the node, with two numbers as one, or without a keyword."""
-    nodes = [one.target for one in at.known if _makes_node(at, one)]
+    nodes = [one.target for one in at.known if makes_node(at, one)]
     for call in at.calls:
         func, given = at.script.source(call.func), [at.script.source(arg) for arg in call.args]
         if given and "positional" in at.error.message and "missing" not in at.error.message:
@@ -230,15 +185,32 @@ def _arguments(at: _Place) -> Iterator[Proposal]:
                 yield Proposal("mended", 0.5, (edit,), values)
 
 
-def _makes_node(at: _Place, one: NameSet) -> bool:
-    called = dotted(one.value.func) if isinstance(one.value, ast.Call) else ""
-    return called in {each.name for each in _classes(at.script)} or called.endswith(("create_node", "Node"))
+def _missing_arguments(at: FailingLine) -> Iterator[Proposal]:
+    """Yield a name of the script's for an argument that a call lacks: one with a word of the function's."""
+    match = re.match(
+        r"(?:\w+\.)?(\w+)\(\) missing \d+ required positional arguments?: '(\w+)'", at.error.message
+    )
+    if match is None:
+        return
+    wanted = _words_of(f"{match[1]}_{match[2]}")
+    names = {one.target: len(wanted & _words_of(one.target)) for one in at.known if one.target != match[2]}
+    for call in at.calls:
+        if dotted(call.func).rpartition(".")[2] == match[1]:
+            given = [at.script.source(arg) for arg in call.args]
+            for place, name in enumerate(sorted(names, key=lambda one: -names[one])[:2]):
+                if names[name]:
+                    new = f"{at.script.source(call.func)}({', '.join([*given, name])})"
+                    yield at.mended(0.3 + 0.05 * place, call, new)
 
 
-def _signatures(at: _Place) -> Iterator[Proposal]:
+def _words_of(name: str) -> set[str]:
+    return set(re.findall("[a-z]+", name.lower())) - {"self"}
+
+
+def _signatures(at: FailingLine) -> Iterator[Proposal]:
     """Yield other parameters for a function of the script's own that got too many or too few arguments."""
     match = re.match(r"(?:\w+\.)?(\w+)\(\) (takes|missing)", at.error.message)
-    for function in _own_functions(at.script):
+    for function in own_functions(at.script):
         if match is None or function.name != match[1]:
             continue
         names = [arg.arg for arg in function.args.args]
@@ -246,6 +218,8 @@ def _signatures(at: _Place) -> Iterator[Proposal]:
         if not head.rstrip().endswith(":") or function.args.defaults or head.count("(") != 1:
             continue
         in_class = isinstance(at.script.parent(function), ast.ClassDef)
+        if in_class and names == ["self"] and "'self'" in at.error.message:
+            yield at.headed(0.4, function, f"def {function.name}():")
         ways = [
             [*names, _given_name(at, function)],
             names[:-1],
@@ -260,10 +234,10 @@ def _signatures(at: _Place) -> Iterator[Proposal]:
             ways.append([*names[:-1], f"{names[-1]}=None"])
         for place, way in enumerate(ways):
             if way[:1] == ["self"] or not in_class:
-                yield _with_head(at, 0.5 + 0.2 * place, function, f"def {function.name}({', '.join(way)}):")
+                yield at.headed(0.5 + 0.2 * place, function, f"def {function.name}({', '.join(way)}):")
 
 
-def _given_name(at: _Place, function: "ast.FunctionDef | ast.AsyncFunctionDef") -> str:
+def _given_name(at: FailingLine, function: "ast.FunctionDef | ast.AsyncFunctionDef") -> str:
     """Return how a parameter is called that takes what the failing line gives; a callback's is the message."""
     owner = at.script.parent(function)
     names = {function.name, owner.name if isinstance(owner, ast.ClassDef) else ""}
@@ -274,62 +248,9 @@ def _given_name(at: _Place, function: "ast.FunctionDef | ast.AsyncFunctionDef") 
     return "msg" if given is None else dotted(given).rpartition(".")[2].lower() or "value"
 
 
-def _with_head(at: _Place, cost: float, function: ast.stmt, head: str) -> Proposal:
-    """Return a proposal with another first line of a `def` or `class`."""
-    line = at.script.line(function.lineno)
-    start = at.script.span(function)[0]
-    end = start + len(line.rstrip()) - (len(line) - len(line.lstrip()))
-    values = {"line": function.lineno, "old": line.strip(), "new": head, "error": at.error.type}
-    return Proposal("mended", cost, (Edit(start, end, head),), values)
-
-
-def _node_parts(at: _Place) -> Iterator[Proposal]:
-    """Yield what makes a node of a class: its base, `__init__` under its name, the call of Node's, a name."""
-    for node in ast.walk(at.script.tree):
-        if isinstance(node, ast.Call) and not node.args and "node_name" in at.error.message:
-            func = at.script.source(node.func)
-            if func.endswith((".__init__", "create_node")) or (func == "Node" and node in at.calls):
-                yield at.mended(0.3, node, f"{func}('my_node')")
-        if isinstance(node, ast.Attribute) and dotted(node) == "super.__init__":
-            yield at.mended(0.3, node, "super().__init__")
-    for owner in _classes(at.script):
-        yield from _bases(at, owner)
-        for method in owner.body:
-            if isinstance(method, ast.FunctionDef):
-                yield from _beginnings(at, method)
-
-
-def _bases(at: _Place, owner: ast.ClassDef) -> Iterator[Proposal]:
-    if [dotted(base).rpartition(".")[2] for base in owner.bases] != ["Node"]:
-        yield _with_head(at, 0.4, owner, f"class {owner.name}(Node):")
-    elif dotted(owner.bases[0]) == "rclpy.Node":
-        edit = at.script.inserted_before(at.script.tree.body[0], "from rclpy.node import Node")
-        yield at.mended(0.3, owner.bases[0], "Node", edit)
-
-
-def _beginnings(at: _Place, method: ast.FunctionDef) -> Iterator[Proposal]:
-    letters = method.name.strip("_").lower()
-    if method.name != "__init__" and sorted(letters) in (sorted("init"), sorted("int"), sorted("inti")):
-        head = at.script.line(method.lineno).strip().replace(method.name, "__init__", 1)
-        yield _with_head(at, 0.2, method, head)
-    if method.name != "__init__":
-        return
-    begun = [
-        one for one in method.body if "super" in at.script.source(one) and "__init__" in at.script.source(one)
-    ]
-    if not begun:
-        line = "super().__init__('my_node')"
-        yield at.added(0.4, at.script.inserted_before(method.body[0], line), method.lineno + 1, line)
-    elif begun[0] is not method.body[0]:
-        text = at.script.source(begun[0])
-        edits = (at.script.removed(begun[0]), at.script.inserted_before(method.body[0], text))
-        values = {"line": begun[0].lineno, "old": text, "new": text, "error": at.error.type}
-        yield Proposal("sooner", 0.5, edits, values)
-
-
-def _own_names(at: _Place) -> Iterator[Proposal]:
+def _own_names(at: FailingLine) -> Iterator[Proposal]:
     """Yield another name for what has one of Node's, of a builtin, of a module, or of an own method."""
-    methods = {own_function.name for own_function in _own_functions(at.script)}
+    methods = {own_function.name for own_function in own_functions(at.script)}
     taken = {one.target.removeprefix("self.") for one in at.known} | methods
     for name in sorted(taken & _OF_NODE):
         yield from _renamed(at, 0.6, name, f"my_{name.strip('_')}", calls=True)
@@ -338,7 +259,7 @@ def _own_names(at: _Place) -> Iterator[Proposal]:
         is_taken = "." not in one.target and (hasattr(builtins, name) or name in MODULES)
         if (one.target.startswith("self.") and name in methods) or is_taken:
             yield from _renamed(at, 0.6, name, f"{name}_value", calls=False)
-    for function in _own_functions(at.script):
+    for function in own_functions(at.script):
         for argument in function.args.args:
             if argument.arg in ("time", "math", "rclpy", "random"):
                 new = f"{argument.arg}_s" if argument.arg == "time" else f"my_{argument.arg}"
@@ -357,7 +278,36 @@ def _own_names(at: _Place) -> Iterator[Proposal]:
                 yield Proposal("mended", 0.7, tuple(dict.fromkeys(edits)), values)
 
 
-def _renamed(at: _Place, cost: float, old: str, new: str, *, calls: bool) -> Iterator[Proposal]:
+def _own_classes(at: FailingLine) -> Iterator[Proposal]:
+    """Yield another name for an object that has the one of its class."""
+    imports = [one for one in ast.walk(at.script.tree) if isinstance(one, ast.ImportFrom)]
+    classes = {alias.asname or alias.name for one in imports for alias in one.names}
+    for one in at.known:
+        if one.target not in classes or not isinstance(one.value, ast.Call):
+            continue
+        scope: ast.AST = at.function(one.statement) or at.script.tree
+        uses = [
+            node
+            for node in ast.walk(scope)
+            if (
+                isinstance(node, ast.Name)
+                and node.id == one.target
+                and node.lineno >= one.statement.lineno
+                and not isinstance(at.script.parent(node), ast.Call | ast.arg)
+            )
+            or (
+                isinstance(node, ast.Name)
+                and node.id == one.target
+                and dotted(getattr(at.script.parent(node), "func", None)).endswith("publish")
+            )
+        ]
+        new = one.target.lower()
+        values = {"line": one.statement.lineno, "old": one.target, "new": new, "error": at.error.type}
+        edits = tuple(at.script.replaced(use, new) for use in uses)
+        yield Proposal("mended", 0.15, edits, values)
+
+
+def _renamed(at: FailingLine, cost: float, old: str, new: str, *, calls: bool) -> Iterator[Proposal]:
     """Yield a name written otherwise wherever it is the script's own; not where it is called, unless `calls`."""
     edits: list[Edit] = []
     line = 0
@@ -370,7 +320,7 @@ def _renamed(at: _Place, cost: float, old: str, new: str, *, calls: bool) -> Ite
             if isinstance(at.script.parent(node), ast.Attribute):
                 continue  # the module's
             edits.append(at.script.replaced(node, new))
-        elif isinstance(node, _Functions) and node.name == old and calls:
+        elif isinstance(node, Functions) and node.name == old and calls:
             start = at.script.text.index(old, at.script.span(node)[0])
             edits.append(Edit(start, start + len(old), new))
         else:
@@ -382,12 +332,20 @@ def _renamed(at: _Place, cost: float, old: str, new: str, *, calls: bool) -> Ite
         )
 
 
-def _fields(at: _Place) -> Iterator[Proposal]:
+def _fields(at: FailingLine) -> Iterator[Proposal]:
     """Yield a field that the message has; the one that takes a number, for a whole vector, an index, or none."""
     for node in at.nodes:
         parent = at.script.parent(node)
         if not isinstance(node, ast.Attribute):
             continue
+        function = (
+            at.function(node)
+            if f"_Request' object has no attribute '{node.attr}'" in at.error.message
+            else None
+        )
+        for argument in function.args.args if function is not None else ():
+            if argument.arg.startswith("res"):
+                yield at.mended(0.1, node, f"{argument.arg}.{node.attr}")
         for place, name in enumerate(
             at.seen.fields if f"attribute '{node.attr}'" in at.error.message else ()
         ):
@@ -403,9 +361,19 @@ def _fields(at: _Place) -> Iterator[Proposal]:
             yield at.mended(0.6, node, f"{at.script.source(node.value)}.{axis}.{node.attr}")
 
 
-def _vectors(at: _Place) -> Iterator[Proposal]:
-    """Yield what stands in a list of one item, and attributes for keys."""
+def _vectors(at: FailingLine) -> Iterator[Proposal]:
+    """Yield what stands in a list of one item, attributes for keys, and what there is for an item that is not."""
     for node in at.nodes:
+        if isinstance(node, ast.Subscript) and at.error.type == "IndexError":
+            index = getattr(node.slice, "value", None)
+            if dotted(node.value) == "sys.argv":
+                yield at.mended(0.3, node, "input()")
+            elif isinstance(index, int) and index > 0:
+                yield at.mended(0.4, node, f"{at.script.source(node.value)}[{index - 1}]")
+        if isinstance(node, ast.Call) and "not 'list'" in at.error.message:
+            owner, _, method = at.script.source(node.func).rpartition(".")
+            if method == "split":
+                yield at.mended(0.15, node, owner)
         if isinstance(node, ast.List | ast.Tuple) and len(node.elts) == 1:
             yield at.mended(0.6, node, at.script.source(node.elts[0]))
         if isinstance(node, ast.Subscript) and isinstance(getattr(node.slice, "value", None), str):
@@ -413,9 +381,12 @@ def _vectors(at: _Place) -> Iterator[Proposal]:
             yield at.mended(0.5, node, whole)
 
 
-def _numbers(at: _Place) -> Iterator[Proposal]:
+def _numbers(at: FailingLine) -> Iterator[Proposal]:
     """Yield a number for a tuple that a comma at its end made, and decimals in all fields at once."""
     whole = []
+    kind = re.search(r"field must be of type '(int|str)'", at.error.message)
+    for value in _given_to_fields(at) if kind else ():
+        yield at.mended(0.15, value, f"{kind and kind[1]}({at.script.source(value)})")
     for one in at.known:
         value = one.value
         if isinstance(value, ast.Tuple) and len(value.elts) == 1 and number_of(value.elts[0]) is not None:
@@ -430,25 +401,15 @@ def _numbers(at: _Place) -> Iterator[Proposal]:
         yield Proposal("float", 0.15, edits, values)
 
 
-def _parameters_of_ros(at: _Place) -> Iterator[Proposal]:
-    """Yield the value of a parameter, and its declaration."""
-    for call in calls_of(at.script, "get_parameter"):
-        parent = at.script.parent(call)
-        if isinstance(parent, ast.Attribute) and parent.attr != "value":
-            outer = at.script.parent(parent)
-            whole = outer if isinstance(outer, ast.Call) and outer.func is parent else parent
-            yield at.mended(0.5, whole, f"{at.script.source(call)}.value")
-        elif not isinstance(parent, ast.Attribute):
-            yield at.mended(0.5, call, f"{at.script.source(call)}.value")
-        if call.args and "eclar" in at.error.type:
-            statement = next((one for one in at.script.around(call) if isinstance(one, ast.stmt)), None)
-            if statement is not None:
-                owner = dotted(call.func).removesuffix(".get_parameter")
-                line = f"{owner}.declare_parameter({at.script.source(call.args[0])}, 1.0)"
-                yield at.added(0.3, at.script.inserted_before(statement, line), statement.lineno, line)
+def _given_to_fields(at: FailingLine) -> Iterator[ast.expr]:
+    """Yield what the failing line gives to fields."""
+    for statement in at.statements:
+        if isinstance(statement, ast.Assign):
+            yield statement.value
+    yield from (keyword.value for call in at.calls for keyword in call.keywords)
 
 
-def _scopes(at: _Place) -> Iterator[Proposal]:
+def _scopes(at: FailingLine) -> Iterator[Proposal]:
     """Yield ``self.`` before a name that another method sets for itself, and what is needed set earlier."""
     match = re.search(r"(?:name|attribute|variable) '(\w+)'", at.error.message)
     name = match[1] if match else ""
@@ -480,7 +441,7 @@ def _scopes(at: _Place) -> Iterator[Proposal]:
             yield from _sooner(at, one.statement)
 
 
-def _sooner(at: _Place, needed: ast.stmt) -> Iterator[Proposal]:
+def _sooner(at: FailingLine, needed: ast.stmt) -> Iterator[Proposal]:
     """Yield the statement that sets something moved before the first one of its block that needs it."""
     block = at.script.block_of(needed)
     text = at.script.source(needed)
@@ -493,12 +454,12 @@ def _sooner(at: _Place, needed: ast.stmt) -> Iterator[Proposal]:
         )
 
 
-def _objects(at: _Place) -> Iterator[Proposal]:
+def _objects(at: FailingLine) -> Iterator[Proposal]:
     """Yield the publisher for what cannot publish, and the object for the class on which a method is called."""
     made = [(one.target, dotted(one.value.func)) for one in at.known if isinstance(one.value, ast.Call)]
     publishers = [name for name, func in made if func.endswith("create_publisher")]
-    objects = [one.target for one in at.known if _makes_node(at, one)]
-    classes = {one.name for one in _classes(at.script)}
+    objects = [one.target for one in at.known if makes_node(at, one)]
+    classes = {one.name for one in classes_of(at.script)}
     for call in at.calls:
         owner, _, method = dotted(call.func).rpartition(".")
         others = publishers if method == "publish" else objects if owner in classes else []
@@ -507,7 +468,7 @@ def _objects(at: _Place) -> Iterator[Proposal]:
                 yield at.mended(0.3, call.func, f"{name}.{method}")
 
 
-def _words(at: _Place) -> Iterator[Proposal]:
+def _words(at: FailingLine) -> Iterator[Proposal]:
     """Yield ``self.`` before a method of Node's, Python's word for one of another language, a key that is near."""
     match = re.match(r"name '(\w+)' is not defined|.*has no attribute '(\w+)'|'(.+)'$", at.error.message)
     name = next((group for group in match.groups() if group), "") if match else ""
@@ -528,42 +489,75 @@ def _words(at: _Place) -> Iterator[Proposal]:
                 yield at.mended(0.3, node, f"'{near}'")
 
 
-def _durations(at: _Place) -> Iterator[Proposal]:
-    """Yield seconds for a time or duration of ROS, in ROS 1's words or compared with a number."""
-    for node in at.nodes:
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "to_sec":
-            yield at.mended(0.2, node, f"({at.script.source(node.func.value)}).nanoseconds / 1e9")
-        if isinstance(node, ast.Compare) and "'Duration'" in at.error.message:
-            yield at.mended(0.2, node.left, f"({at.script.source(node.left)}).nanoseconds / 1e9")
+def _copies(at: FailingLine) -> Iterator[Proposal]:
+    """Yield the name that is missing for the second of two functions of one name."""
+    match = re.search(r"name '(\w+)' is not defined|has no attribute '(\w+)'", at.error.message)
+    if match is None:
+        return
+    missing, known = match[1] or match[2], set()
+    for function in sorted(own_functions(at.script), key=lambda one: one.lineno):
+        if (function.name, at.script.parent(function)) in known:
+            head = at.script.line(function.lineno).strip().replace(function.name, missing, 1)
+            yield at.headed(0.15, function, head)
+        known.add((function.name, at.script.parent(function)))
 
 
-def _blocks(at: _Place) -> Iterator[Proposal]:
-    """Yield a method that stands outside of its class, or within another one, as far in as it belongs."""
-    for function in _own_functions(at.script):
+def _blocks(at: FailingLine) -> Iterator[Proposal]:
+    """Yield a method that stands outside of its class, or a function within another one or a class, moved out."""
+    for function in own_functions(at.script):
+        outer = at.script.parent(function)
         names = [arg.arg for arg in function.args.args]
-        is_inside = isinstance(at.script.parent(function), _Functions)
-        if f"'{function.name}'" not in at.error.message or names[:1] != ["self"]:
+        if f"'{function.name}'" not in at.error.message:
             continue
-        edits = []
-        for number in range(function.lineno, (function.end_lineno or function.lineno) + 1):
-            start = at.script.line_start(number)
-            if at.script.line(number).strip():
-                edits.append(Edit(start, start + 4, "") if is_inside else Edit(start, start, "    "))
-        values = {"line": function.lineno, "old": function.name, "error": at.error.type}
-        yield Proposal("outdented" if is_inside else "indented", 0.3, tuple(edits), values)
+        end = (function.end_lineno or function.lineno) + 1
+        if isinstance(outer, ast.ClassDef) if names[:1] != ["self"] else isinstance(outer, Functions):
+            yield _moved(at, function, function.lineno, end, outwards=True)
+        elif names[:1] == ["self"]:
+            yield _moved(at, function, function.lineno, end)
+        if isinstance(outer, Functions) and [arg.arg for arg in outer.args.args][:1] == ["self"]:
+            yield _moved(at, outer, outer.lineno, function.lineno)
 
 
-def _makers(at: _Place) -> Iterator[Proposal]:
-    """Yield a publisher where a subscription was made, and a class where an object was given for its type."""
-    for call in calls_of(at.script, "create_subscription"):
-        if len(call.args) == 3 and "ubscription" in at.error.message:
-            yield at.mended(0.6, call.func, at.script.source(call.func).replace("subscription", "publisher"))
-    for call in calls_of(at.script, "create_publisher"):
-        if call.args and isinstance(call.args[0], ast.Call):
-            yield at.mended(0.5, call.args[0], at.script.source(call.args[0].func))
+def _moved(
+    at: FailingLine,
+    first: ast.FunctionDef | ast.AsyncFunctionDef,
+    start: int,
+    end: int,
+    *,
+    outwards: bool = False,
+) -> Proposal:
+    """Return the proposal that moves the lines from `start` up to `end` by one step."""
+    starts = [at.script.line_start(number) for number in range(start, end) if at.script.line(number).strip()]
+    edits = tuple(Edit(one, one + 4, "") if outwards else Edit(one, one, "    ") for one in starts)
+    values = {"line": first.lineno, "old": first.name, "error": at.error.type}
+    return Proposal("outdented" if outwards else "indented", 0.3, edits, values)
 
 
-def _imports(at: _Place) -> Iterator[Proposal]:
+def _class_bodies(at: FailingLine) -> Iterator[Proposal]:
+    """Yield ``def __init__(self):`` above lines of a class that use ``self``, or them as part of a method."""
+    if at.error.message != "name 'self' is not defined" or not at.statements:
+        return
+    first = at.statements[0]
+    block = at.script.block_of(first)
+    if not isinstance(at.script.parent(first), ast.ClassDef):
+        return
+    place = block.index(first)
+    until = next((k for k in range(place, len(block)) if isinstance(block[k], Functions)), len(block))
+    starts = [
+        at.script.line_start(number)
+        for number in range(first.lineno, (block[until - 1].end_lineno or first.lineno) + 1)
+        if at.script.line(number).strip()
+    ]
+    inwards = tuple(Edit(one, one, "    ") for one in starts)
+    if place and isinstance(method := block[place - 1], ast.FunctionDef):
+        yield Proposal("into_method", 0.2, inwards, {"line": first.lineno, "name": method.name})
+    head = ("def __init__(self):", "super().__init__('my_node')")
+    edit = at.script.inserted_before(first, head[0], f"    {head[1]}")
+    values = {"line": first.lineno, "new": " ".join(head), "error": at.error.type}
+    yield Proposal("added", 0.3, (edit, *inwards), values)
+
+
+def _imports(at: FailingLine) -> Iterator[Proposal]:
     """Yield the statement that imports what another one did not find, and a module for its function."""
     for statement in at.statements:
         if isinstance(statement, ast.Import | ast.ImportFrom):
@@ -583,7 +577,7 @@ def _statement_for(name: str) -> str:
     return IMPORTS[same[0]] if same else ""
 
 
-def _texts(at: _Place) -> Iterator[Proposal]:
+def _texts(at: FailingLine) -> Iterator[Proposal]:
     """Yield a text made of a number, where one is added to a text or logged, and a whole number for an index."""
     for node in at.nodes:
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add) and "str" in at.error.message:
@@ -608,7 +602,7 @@ def _texts(at: _Place) -> Iterator[Proposal]:
             yield at.mended(0.3, node, f"range({node.value})")
 
 
-def _waits(at: _Place) -> Iterator[Proposal]:
+def _waits(at: FailingLine) -> Iterator[Proposal]:
     """Yield a return until a message has come, where a value of it is used before."""
     if "None" not in at.error.message:
         return
@@ -630,26 +624,32 @@ def _waits(at: _Place) -> Iterator[Proposal]:
                 yield at.added(0.8, spin, statement.lineno, f"while {name} is None: rclpy.spin_once(self)")
 
 
-def _answers(at: _Place) -> Iterator[Proposal]:
-    """Yield the answer that a callback of a service, or of parameters that are set, does not return."""
-    makers = [("create_service", 2)] if (at.error.type, at.error.message.strip()) == ("TypeError", "") else []
-    makers += [("add_on_set_parameters_callback", 1)] * ("'successful'" in at.error.message)
-    for maker, needed in makers:
-        names = named_in(calls_of(at.script, maker))
-        for function in _own_functions(at.script):
-            arguments = [arg.arg for arg in function.args.args]
-            if function.name not in names or len(arguments) < needed:
-                continue
-            line = f"return {'SetParametersResult(successful=True)' if needed == 1 else arguments[-1]}"
-            last = function.body[-1]
-            if isinstance(last, ast.Return):
-                yield at.mended(0.4, last, line)
-            else:
-                end = last.end_lineno or last.lineno
-                yield at.added(0.3, at.script.inserted_after(last, line), end + 1, line)
+def _uncalled(at: FailingLine) -> Iterator[Proposal]:
+    """Yield a call of a function that nothing calls.
+
+    Before all else where it sets what has no value yet; in the place of a class where ROS had not begun.
+    """
+    used = {dotted(node) for node in at.nodes}
+    classes = (
+        {one.name for one in classes_of(at.script)} if at.error.type == "NotInitializedException" else ()
+    )
+    makers = [call for name in classes for call in calls_of(at.script, name) if at.function(call) is None]
+    last = at.script.tree.body[-1]
+    first = last.body[0] if isinstance(last, ast.If) else last
+    for function in at.script.tree.body:
+        if not isinstance(function, ast.FunctionDef) or any(calls_of(at.script, function.name)):
+            continue
+        if not function.args.args and used & {
+            one.target for one in at.known if at.function(one.statement) is function
+        }:
+            edit = at.script.inserted_before(first, f"{function.name}()")
+            yield Proposal("call", 0.3, (edit,), {"line": function.lineno, "name": function.name})
+        for call in makers:
+            if isinstance(at.script.parent(call), ast.Expr):
+                yield at.mended(0.05, call, f"{function.name}()")
 
 
-def _without(at: _Place) -> Iterator[Proposal]:
+def _without(at: FailingLine) -> Iterator[Proposal]:
     """Yield the script without the call that failed, or without what ended ROS before: where nothing needs it."""
     ends = [call for name in ("shutdown", "destroy_node") for call in calls_of(at.script, name)]
     for call in ends:

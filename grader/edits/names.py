@@ -99,7 +99,7 @@ def _near(seen: Situation, error: StudentError, line: int, wrong: str) -> Iterat
     """Yield the names that are nearly the one that does not exist, what Python means first."""
     meant = _MEANT.findall(error.traceback)
     wrong = wrong.rpartition(".")[2]
-    known = {*_all_names(seen.script), *_NAMES, *dir(builtins)} - {wrong}
+    known = {*_all_names(seen.script), *seen.fields, *_NAMES, *dir(builtins)} - {wrong}
     near = difflib.get_close_matches(wrong, sorted(known), 4, 0.6)
     alike = [name for name in sorted(known) if name.lower() == wrong.lower()]
     for place, name in enumerate(dict.fromkeys((*meant, *alike, *near))):
@@ -113,9 +113,10 @@ def _near(seen: Situation, error: StudentError, line: int, wrong: str) -> Iterat
 def _renamed_everywhere(script: ParsedScript, wrong: str, near: str, cost: float) -> Iterator[Proposal]:
     """Yield the rarer of two names of the script's own written as the other one, wherever it stands."""
     places = {name: _lines_with(script, name) for name in (wrong, near)}
-    if not places[near]:
+    if not places[near] and near not in MODULES:
         return
-    old, new = (wrong, near) if len(places[wrong]) < len(places[near]) else (near, wrong)
+    is_rarer = near in MODULES or len(places[wrong]) < len(places[near])
+    old, new = (wrong, near) if is_rarer else (near, wrong)
     edits = tuple(edit for line in places[old] for edit in _renamed(script, line, old, new))
     if edits:
         yield Proposal("name", cost, edits, {"line": places[old][0], "old": old, "new": new})
@@ -128,6 +129,7 @@ def _lines_with(script: ParsedScript, name: str) -> list[int]:
         for node in ast.walk(script.tree)
         if (isinstance(node, ast.Name) and node.id == name)
         or (isinstance(node, ast.Attribute) and node.attr == name)
+        or (isinstance(node, ast.Import | ast.ImportFrom) and re.search(rf"\b{name}\b", script.source(node)))
     )
     return sorted(set(lines))
 
@@ -174,10 +176,11 @@ def _imported(seen: Situation, name: str) -> Iterator[Proposal]:
         line = "import numpy as np"
     else:
         return
-    yield Proposal("import", 0.1, (_at_top(seen.script, line),), {"line": 1, "new": line, "name": name})
+    yield Proposal("import", 0.1, (at_top(seen.script, line),), {"line": 1, "new": line, "name": name})
 
 
-def _at_top(script: ParsedScript, line: str) -> Edit:
+def at_top(script: ParsedScript, line: str) -> Edit:
+    """Return the edit that adds a statement before the first import."""
     imports = [one for one in script.tree.body if isinstance(one, ast.Import | ast.ImportFrom)]
     first = imports[0] if imports else script.tree.body[0]
     return script.inserted_before(first, line)
@@ -336,7 +339,7 @@ def _of_type(seen: Situation, kind: ast.expr) -> Iterator[Proposal]:
     for call in calls_of(seen.script, old):
         edits.append(seen.script.replaced(call.func, seen.twist))
     if seen.twist not in _all_names(seen.script):
-        edits.append(_at_top(seen.script, f"from geometry_msgs.msg import {seen.twist}"))
+        edits.append(at_top(seen.script, f"from geometry_msgs.msg import {seen.twist}"))
     values = {"line": kind.lineno, "old": old, "new": seen.twist}
     yield Proposal("type", 0.9, tuple(dict.fromkeys(edits)), values)
     yield Proposal("type", 0.8, (edits[0], *edits[2:][-1:]), values)

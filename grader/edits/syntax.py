@@ -2,7 +2,7 @@
 
 import keyword
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import accumulate, takewhile
 from typing import Final
 
@@ -41,7 +41,9 @@ _REWRITTEN: Final = (
     (r"\)[ \t]*(?=[A-Za-z_]\w*\()", "), "),
     (r"([(,][ \t]*)(/\w[\w/]*)(?=[ \t]*[,)])", r"\1'\2'"),
     (r"\brange\[([^\]]*)\]", r"range(\1)"),
-    (r"([\w.)\]'\"])[ \t]+(?=['\"\w])", r"\1, "),
+    (r"(?<=\w)::(?=\w)", "."),
+    (r"^([ \t]*)elif[ \t]*:", r"\1else:"),
+    (r"^([ \t]*)elif\b(?=.*:)", r"\1if"),
     (r"\.(?=\w+[ \t]*=)", "_"),
     (r"^[ \t]*```\w*$", ""),
     (r"^[ \t]*(>>>|\$|%|!|\.\.\.|In \[\d*\]:)[ \t]?", ""),
@@ -58,6 +60,16 @@ _CLOSERS: Final = (
 )
 """What may be missing at the end of a line, by what Python says of it."""
 _LINES_BACK: Final = 2
+_NO_COMMA: Final = re.compile(
+    r"(?!(?:and|async|await|else|for|if|in|is|lambda|not|or)\b)(\b[\w.]+|[)\]'\"])[ \t]+"
+    r"(?!(?:and|else|for|if|in|is|not|or)\b)(?=['\"\w])"
+)
+"""Between two words, neither of which stands between others."""
+_BY_FIELDS: Final = re.compile(r"([ \t]*)([\w.]+)[ \t]*=[ \t]*(\w+)\((.*\w\.\w+[ \t]*=[^=].*)\)[ \t]*")
+_PROGRAM: Final = re.compile(
+    r"(import|from|def|class|if|for|while|try|with)\b|[ \t]+\S|[@#\"'\])}]|[\w.]+[ \t]*[(=]"
+)
+"""How a line of a program begins, unlike one of a terminal or of a conversation."""
 
 
 def syntax_changes(text: str, error: StudentError) -> Iterator[Proposal]:
@@ -71,6 +83,8 @@ def syntax_changes(text: str, error: StudentError) -> Iterator[Proposal]:
                     yield _proposal(lines, {number: new}, 0.2 + back + 0.02 * place)
     if "indented block" in error.message and error.line is not None and error.line <= len(lines):
         yield _proposal(lines, _block(lines, error.line), 0.15)
+    for place, whole in enumerate(_wholes(lines, error)):
+        yield _proposal(lines, whole, 0.1 + 0.01 * place)
     for pattern, new in ((None, ""), *_REWRITTEN):
         changed = {
             number: better
@@ -82,19 +96,31 @@ def syntax_changes(text: str, error: StudentError) -> Iterator[Proposal]:
             yield _proposal(lines, changed, 0.1 if most else 0.25 if pattern is None else 0.9)
 
 
-def _proposal(lines: list[str], changed: dict[int, str], cost: float) -> Proposal:
-    starts = list(accumulate((len(line) + 1 for line in lines), initial=0))
+def _proposal(lines: list[str], changed: Mapping[int, str | None], cost: float) -> Proposal:
+    """Return the proposal of other texts for lines; None for those that go."""
+    starts = [*accumulate((len(line) + 1 for line in lines), initial=0)]
+    starts[-1] -= 1
     edits = tuple(
         Edit(starts[number - 1], starts[number - 1] + len(lines[number - 1]), new)
+        if new is not None
+        else Edit(starts[number - 1], starts[number], "")
         for number, new in changed.items()
     )
-    number, new = next(iter(changed.items()))
-    values = {"line": number, "old": lines[number - 1].strip(), "new": new.strip()}
-    return Proposal("syntax", cost, edits, {**values, **_slip(lines[number - 1], new)})
+    number, new = max(changed.items(), key=lambda one: bool((one[1] or lines[one[0] - 1]).strip()))
+    old, new = lines[number - 1], new or ""
+    if "except" not in new:
+        new = re.sub(r"\n[ \t]*", "; ", new)
+    return Proposal(
+        "syntax", cost, edits, {"line": number, "old": old.strip(), "new": new.strip()} | _slip(old, new)
+    )
 
 
 def _slip(old: str, new: str) -> dict[str, object]:
     """Return what names a single slip better than the two texts of its line: `sentence`, and its values."""
+    if not new:
+        return {"sentence": "syntax_pasted"}
+    if new.endswith(f'"""; {old.lstrip()}'):
+        return {"sentence": "syntax_docstring"}
     if new.strip() == f"{old.strip()}:":
         return {"sentence": "syntax_colon"}
     wide = {one for one in old if _WIDE.get(ord(one)) and one.isprintable() and one.strip()}
@@ -116,6 +142,10 @@ def _ways(lines: list[str], number: int, message: str) -> Iterator[str]:
     if "':'" in message:
         yield f"{code}:{rest}"
     yield from _near_words(line)
+    if "(" in code:
+        head, bracket, given = code.partition("(")
+        yield head + bracket + _NO_COMMA.sub(r"\1, ", given) + rest
+    yield from _by_fields(code)
     for pattern, new in _REWRITTEN:
         if (better := re.sub(pattern, new, code)) != code:
             yield better + rest
@@ -133,11 +163,44 @@ def _endings(line: str, message: str) -> Iterator[str]:
         yield f"{line}\n{' ' * depth}except KeyboardInterrupt:\n{' ' * depth}    pass"
     for sign, closers in _CLOSERS:
         for closer in closers if re.search(sign, message) else ():
-            yield f"{code}{closer}{rest}"
+            if not code.endswith(":"):
+                yield f"{code}{closer}{rest}"
             if code.endswith((":", ")")) and closer in (")", "'", '"'):
                 yield f"{code[:-1]}{closer}{code[-1]}{rest}"
     if code.endswith((")", "]", "}", ",", "'", '"')):
         yield code[:-1] + rest
+
+
+def _by_fields(code: str) -> Iterator[str]:
+    """Yield a message and its fields one by one for a call that is given them with dots."""
+    match = _BY_FIELDS.fullmatch(code)
+    if match is not None:
+        depth, name, kind, given = match.groups()
+        fields = (f"{depth}{name}.{one.strip()}" for one in given.split(","))
+        yield "\n".join(
+            (f"{depth}{name} = {kind}()", *(re.sub("[ \t]*=[ \t]*", " = ", one) for one in fields))
+        )
+
+
+def _wholes(lines: list[str], error: StudentError) -> Iterator[dict[int, str | None]]:
+    """Yield the script without what was pasted around it, and with a docstring that ends before the program."""
+    first = low = high = error.line or 1
+    fences = [number for number, line in enumerate(lines, 1) if line.startswith("```")]
+    if len(fences) > 1:
+        yield {number: None for number in range(1, len(lines) + 1) if not fences[0] < number < fences[-1]}
+    while low > 1 and not _PROGRAM.match(lines[low - 2]):
+        low -= 1
+    while high < len(lines) and not _PROGRAM.match(lines[high]):
+        high += 1
+    pasted = range(low, high + 1)
+    if len(pasted) < len(lines) and not _PROGRAM.match(lines[first - 1]) and (low == 1 or high == len(lines)):
+        yield dict.fromkeys(pasted)
+    if "triple-quoted" in error.message:
+        for number in range(first + 1, len(lines) + 1):
+            if re.match(r"[ \t]*(import|from|def|class|self\.|super\()", lines[number - 1]):
+                depth = len(lines[first - 1]) - len(lines[first - 1].lstrip())
+                yield {number: f'{" " * depth}"""\n{lines[number - 1]}'}
+                return
 
 
 def _near_words(line: str) -> Iterator[str]:

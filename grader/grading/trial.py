@@ -170,18 +170,20 @@ class Search:
     def _chain(self, text: str, now: Graded, left: int) -> list[Step]:
         """Return up to `left` changes, each on top of those before, with the last of which nothing is lost.
 
-        The first proposal that suffices alone is taken. Else the search goes on from one that mends an error, or
-        from those that gain most: a share of the budget is left for that.
+        The first proposal that suffices alone is taken. Else the search goes on from a plausible one after which
+        the script comes further, or from those that gain most: a share of the budget is left for that.
         """
         proposed = self._candidates(text, now)
         gaining: list[Step] = []
         further: Candidate | None = None
+        ran = self._ran(text, now)
         for step in self._trials(text, now, proposed):
             candidate, after = step
+            is_further = _is_further(now.outcome, after.outcome, ran)
             if not after.gains_on(now):
-                if further is None and _is_further(now.outcome, after.outcome):
+                if further is None and is_further:
                     further = candidate
-            elif after.is_full or _is_mended(now.outcome, after.outcome, candidate.proposal):
+            elif after.is_full or (is_further and candidate.proposal.cost < _PLAUSIBLE):
                 if not self._is_trick(text, now, candidate) and (steps := self._continued(text, step, left)):
                     return self._without_rival(steps, proposed)
             elif after.explains(now):
@@ -242,17 +244,23 @@ class Search:
         """
         alone = self._alone_in(now.case)
         before = None if alone is None else self._graded(text, alone)
+        ran = frozenset() if alone is None else self._ran(text, now)
         for candidate in proposed:
             if not self._has_budget():
                 return
             self._tried += 1
             if alone is not None and before is not None:
                 first = self._graded(candidate.text, alone)
-                if first.score <= before.score and not _is_further(now.outcome, first.outcome):
+                if first.score <= before.score and not _is_further(now.outcome, first.outcome, ran):
                     continue
             after = self._graded(candidate.text, self._assignment)
             if candidate.proposal.code in _SPINS or not _goes_on(now.outcome, after.outcome):
                 yield candidate, after
+
+    def _ran(self, text: str, now: Graded) -> frozenset[int]:
+        """Return the lines that ran of a script that an exception ended."""
+        begun = None if now.outcome.error is None else self._situation(text, now)
+        return frozenset() if begun is None else begun.ledger.ran
 
     def _alone_in(self, case_id: str) -> Assignment | None:
         """Return the assignment with one of its cases; None where it has but one."""
@@ -349,17 +357,18 @@ class Search:
             wanted=wanted_of(self._assignment.in_case(now.case), lost),
             topic=self._assignment.world.cmd_vel_topic,
             lost=lost,
-            fields=_fields_of(now.outcome.error),
+            fields=_fields_of(now.outcome.error, self._assignment),
             asked=asked_of(self._assignment.in_case(now.case), lost),
         )
 
 
-def _fields_of(error: StudentError | None) -> tuple[str, ...]:
+def _fields_of(error: StudentError | None, assignment: Assignment) -> tuple[str, ...]:
     """Return the fields that a message of ROS has, where an exception says that it lacks one; else none."""
     match = None if error is None else _NO_FIELD.match(error.message)
     if match is None:
         return ()
-    structures = (one for entry in standard_entries() for one in structures_of(entry))
+    entries = (*standard_entries(), *(one.lines for one in assignment.interfaces))
+    structures = (one for entry in entries for one in structures_of(entry))
     rows = [members for name, members in structures if name.rpartition("/")[2] == match[1]]
     return tuple(dict.fromkeys(member[0] for members in rows for member in members))
 
@@ -421,11 +430,6 @@ def _proven(candidate: Candidate, text: str, now: Graded, after: Graded) -> Prov
     )
 
 
-def _is_mended(before: RunOutcome, after: RunOutcome, proposal: Proposal) -> bool:
-    """Whether a plausible change takes an exception away: what else is wrong is looked for on top of it."""
-    return before.error is not None and after.error is None and proposal.cost < _PLAUSIBLE
-
-
 def _goes_on(before: RunOutcome, after: RunOutcome) -> bool:
     """Whether a script that came to its end does so no more.
 
@@ -440,14 +444,18 @@ def _is_undone(before: str, after: str, at_last: str) -> bool:
     return bool(changed & {line.after for line in changed_lines(after, at_last)})
 
 
-def _is_further(before: RunOutcome, after: RunOutcome) -> bool:
-    """Whether a script that an exception ended comes further: the same one is gone, and none comes sooner."""
+def _is_further(before: RunOutcome, after: RunOutcome, ran: frozenset[int]) -> bool:
+    """Whether a script that an exception ended comes further: the same one is gone, and none comes sooner.
+
+    `ran`: the lines that ran before; an exception in another line comes later.
+    """
     if before.error is None or before.status not in (RunStatus.CRASHED, RunStatus.SYNTAX_ERROR):
         return False
     if after.error is None:
         return after.status in (RunStatus.FINISHED, RunStatus.INTERRUPTED)
     if before.status is after.status:
-        return (after.error.line or 0) > (before.error.line or 0)
+        line = after.error.line or 0
+        return line > (before.error.line or 0) or (before.status is RunStatus.CRASHED and line not in ran)
     return before.status is RunStatus.SYNTAX_ERROR
 
 

@@ -200,6 +200,57 @@ def test_a_line_that_is_no_python_is_rewritten(slot: Slot) -> None:
     assert obeyed(wrong, explanation) == SQUARE
 
 
+STRAIGHT = (LESSON / "straight_mover.py").read_text(encoding="utf-8")
+ONE = "        msg = Twist()\n"
+ENDS = "        node.destroy_node()\n        rclpy.shutdown()\n"
+ERRORS = {
+    "module": [("rclpy", "Rclpy")],
+    "rate": [
+        (
+            STRAIGHT[STRAIGHT.index("    try:") : STRAIGHT.index("    finally")],
+            "    rate = rclpy.Rate(10)\n    try:\n        while rclpy.ok():\n"
+            "            node.timer_callback()\n            rate.sleep()\n",
+        )
+    ],
+    "subscription": [
+        ("create_publisher(", "create_subscription("),
+        ("            10\n", "            print, 10\n"),
+    ],
+    "callback": [
+        ("def timer_callback(self)", "def timer_callback()"),
+        ("self.cmd_vel_pub.publish", "cmd_vel_pub.publish"),
+    ],
+    "class's name": [
+        ("msg = Twist()", "Twist = Twist()"),
+        ("msg.", "Twist."),
+        ("publish(msg)", "publish(Twist)"),
+    ],
+    "underscores": [("__init__", "_init_")],
+    "ended": [
+        ("    try:\n", "    node.destroy_node()\n    try:\n"),
+        (ENDS, "        pass\n"),
+    ],
+    "fields": [(ONE, "        msg = Twist(linear.x=1.0)\n"), ("        msg.", "        # msg.")],
+    "fence": [("#!/usr", "这是程序！\n```python\n#!/usr"), ("    main()\n", "    main()\n```\n好了！\n")],
+    "scope": [("rclpy.spin", "rclpy::spin")],
+    "docstring": [('"""定时器回调函数:每0.1秒执行一次"""', '"""定时器回调函数')],
+    "parameter": [("x = 1.0", "x = self.get_parameter('speed').value")],
+    "macro": [("self.get_logger().info(", "RCLCPP_INFO(self.get_logger(), ")],
+    "clock": [(ONE, ONE + "        self.last = rclpy.time.Time.now()\n")],
+}
+
+
+@pytest.mark.parametrize("edits", ERRORS.values(), ids=ERRORS)
+def test_what_an_exception_dictates_is_told(slot: Slot, edits: list[tuple[str, str]]) -> None:
+    source = STRAIGHT
+    for old, new in edits:
+        assert old in source
+        source = source.replace(old, new)
+    explanation = explained(slot, source, "straight")
+    assert explanation.changes
+    assert grade(slot, "straight", obeyed(source, explanation)).score == 100
+
+
 def test_two_errors_that_gain_only_together_are_told_as_one_change(slot: Slot) -> None:
     wrong = SQUARE.replace("import time\n", "", 1).replace("def __init__(self):", "def __init__(self)：", 1)
     (change,) = explained(slot, wrong).changes
