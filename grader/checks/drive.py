@@ -1,7 +1,5 @@
 """What the checks on motion share: what was commanded, the driven path, the part that counts, and how it ended."""
 
-import itertools
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -100,11 +98,6 @@ def with_ends(trajectory: Trajectory) -> tuple[tuple[Command, int], ...]:
     dropped_ns = [command.t_ns + COMMAND_LIFE_NS for command in commands]
     next_ns = [*(command.t_ns for command in commands[1:]), *dropped_ns[-1:]]
     return tuple(zip(commands, map(min, next_ns, dropped_ns), strict=True))
-
-
-def times_begun(flags: Iterable[bool]) -> int:
-    """Return how often a row of flags becomes true, as motions do with a stop between one and the next."""
-    return sum(now and not before for before, now in itertools.pairwise([False, *flags]))
 
 
 def pushed_m(trajectory: Trajectory, until_ns: int) -> float:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from grader.checks.drive import Drive, is_drive, is_motion, moves_of, times_begun, with_ends
+from grader.checks.drive import Drive, is_drive, is_motion, moves_of, with_ends
 from grader.checks.listening import topics_of, waits_in_vain
 from grader.checks.measure import Mistake, mistake
 from grader.contracts.assignment import ROBOT_TOPICS, World
@@ -55,7 +55,6 @@ _TERMINAL = re.compile(
     r"[\w.-]+@[\w.-]+:\S*[$#] |PS [A-Z]:\\\S*> |\$ (ros2|python3?|colcon|cd|source)\b|  File \".+\", line \d+, in "
 )
 TOO_BRIEF_NS = 50_000_000  # three updates of turtlesim
-MANY_MOTIONS = 40  # more than the sides and corners of any figure, driven twice
 
 
 def script_mistakes(run: Run) -> tuple[Mistake, ...]:
@@ -151,8 +150,6 @@ def command_mistakes(
     if (found := _unfit_commands(run, world)) is not None:
         return found
     if (longest_ns := _longest_motion_ns(run.trajectory)) < TOO_BRIEF_NS:
-        if (motions := times_begun(map(is_motion, run.trajectory.commands))) > MANY_MOTIONS:
-            return (mistake("stop_in_loop", times=motions),)
         return (mistake("too_brief", longest=number(longest_ns / 1e6, "ms")),)
     return _timeouts(run.trajectory, outcome, turns, drives)
 

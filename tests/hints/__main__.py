@@ -1,15 +1,15 @@
 """``python -m tests.hints``: grade and explain all beginners' scripts with everything real, and count hints.
 
 With a part of a file's name (``python -m tests.hints _spin_``) only those; with ``-v`` all hints, to be read. The
-first change is obeyed as a student would: what is told must gain. Where no change is proven, the cause or else the
-report's hint must name one of the expected lines, or be of the expected kind.
+first change is obeyed as a student would: what is told must gain. Where no change is proven, the cause, or the
+report's hint where none is stated, must name one of the expected lines, or be of the expected kind.
 """
 
 import sys
 from collections import Counter
 
 from grader.grading.slot import Slot, SlotConfig
-from tests.hints.beginners import Answer, Beginner, answer, beginners
+from tests.hints.beginners import FOREIGN, Answer, Beginner, answer, beginners
 from tests.hints.categories import is_right
 from tests.hints.obeyed import Tried, tried
 
@@ -47,19 +47,14 @@ def _judged(script: Beginner, given: Answer, one: Tried | None) -> list[str]:
     kinds = ["fault"] if given.faults(script) else []
     if one is None:
         return kinds
-    kinds.append("lacking")
+    kinds += ["lacking"] if script.category != FOREIGN else []
     if one.gains is not None:
         kinds += ["proven", "right" if one.gains else "worse"]
         return [*kinds, "full"] if one.last == one.most else kinds
     cause = one.explanation.cause
     kinds += ["stated"] if cause is not None else []
-    told = (
-        [(given.cause, given.en)] if cause is None else [(cause.code, cause.text.en), (given.cause, given.en)]
-    )
-    right = any(
-        is_right(script.category, script.lines, code, sentence, crashed=given.crashed)
-        for code, sentence in told
-    )
+    code, sentence = (given.cause, given.en) if cause is None else (cause.code, cause.text.en)
+    right = is_right(script.category, script.lines, code, sentence, crashed=given.crashed)
     return [*kinds, "right" if right else "misleading"]
 
 

@@ -20,7 +20,7 @@ KINDS: Final = {
             no_message no_publisher no_turns nodes not_received not_spinning nothing_ran nothing_sent
             nothing_spins nothing_spins_while only_printed only_stops period printed
             publishes_at_other_times publishes_nothing publishes_nowhere sensor_qos
-            service_nowhere sideways sleeps sleeps_too_long stalled stop_in_loop stopped_at_once swings
+            service_nowhere sideways sleeps sleeps_too_long stalled stopped_at_once swings
             thread_crashed timer_in_callback timer_later too_brief topic_nowhere turtle_killed
             two_spins types_differ waits_before wrong_topic wrong_type
         """,
@@ -28,7 +28,7 @@ KINDS: Final = {
             advance_m corner_deg cpu_limit degrees_as_radians detour_pct drove drove_plain endless_loop
             heading_error_deg in_line interior_angle length_error_pct missed_m no_turns one_radian
             output_limit period published_once radius radius_error_pct rate_radps reached reached_pct
-            rotation_absolute side_error_pct side_spread_pct sides sleeps stop_in_loop time_s time_was_up too_brief
+            rotation_absolute side_error_pct side_spread_pct sides sleeps time_s time_was_up too_brief
             too_slow touch_pct turn_radps turned turned_deg turned_plain
         """,
         "shape": """
@@ -63,5 +63,5 @@ def is_right(category: str, lines: frozenset[int], code: str, sentence: str, *, 
     if any(abs(line - other) <= 1 for line in named for other in lines):
         return True
     if crashed:
-        return category == "error" and not lines
+        return category in ("error", "foreign") and not lines
     return code in KINDS.get(category, ()) or (category == "task" and code.startswith("expected."))

@@ -31,8 +31,8 @@ from grader.messages import join, say
 from grader.messages.quantity import number
 
 _AND = Text(zh="；", en="; ")
-_OWN_TYPES: Final = ("rcl_interfaces/", "lifecycle_msgs/", "action_msgs/")
-_SEND_GOAL: Final = "/_action/send_goal"
+OWN_TYPES: Final = ("rcl_interfaces/", "lifecycle_msgs/", "action_msgs/")
+SEND_GOAL: Final = "/_action/send_goal"
 
 
 def answer(expectation: Expectation, evidence: Evidence) -> Verdict:
@@ -136,9 +136,7 @@ def not_offered(name: str, kind: str, evidence: Evidence) -> Mistake:
     own = [
         f"{party.name} ({party.type})"
         for party in evidence.parties("service")
-        if not party.type.startswith(_OWN_TYPES)
-        and "/_action/" not in party.name
-        and party.name not in others
+        if not party.type.startswith(OWN_TYPES) and "/_action/" not in party.name and party.name not in others
     ]
     if own:
         return mistake("other_name", used=named(own), name=name)
@@ -284,9 +282,9 @@ def _without_action(step: Step, exchange: Sent, evidence: Evidence) -> Mistake |
 def no_action(name: str, kind: str, evidence: Evidence) -> Mistake:
     """Return why an action was never there."""
     servers = {
-        party.name.removesuffix(_SEND_GOAL): party.type.removesuffix("_SendGoal")
+        party.name.removesuffix(SEND_GOAL): party.type.removesuffix("_SendGoal")
         for party in evidence.parties("service")
-        if party.name.endswith(_SEND_GOAL)
+        if party.name.endswith(SEND_GOAL)
     }
     if name in servers:
         if servers[name] != kind:
@@ -440,13 +438,14 @@ def served(expectation: Expectation, evidence: Evidence) -> Verdict:
             [wanted_text, plain(clip(expectation.that or "") or readable(expectation.values))], _AND
         )
     came = say("expected.came", count=len(requests)) if bad is None else plain(shown(bad.values))
-    why = unknown if requests else partial(_never_asked, step, evidence)
+    why = unknown if requests else partial(not_asked, step.target, step.type, evidence)
     return Verdict(share=share, wanted=wanted_text, came=came, why=why)
 
 
-def _never_asked(step: Step, evidence: Evidence) -> Mistake:
-    same = evidence.parties("client", step.target)
-    if same and same[0].type != step.type:
-        return mistake("other_type", name=step.target, type=same[0].type, wanted=step.type)
-    used = [party.name for party in evidence.parties("client") if not party.type.startswith(_OWN_TYPES)]
-    return mistake("client_missing", service=step.target, type=step.type, used=named(used))
+def not_asked(name: str, kind: str, evidence: Evidence) -> Mistake:
+    """Return why nobody calls a service."""
+    same = evidence.parties("client", name)
+    if same and same[0].type != kind:
+        return mistake("other_type", name=name, type=same[0].type, wanted=kind)
+    used = [party.name for party in evidence.parties("client") if not party.type.startswith(OWN_TYPES)]
+    return mistake("client_missing", service=name, type=kind, used=named(used))

@@ -2,9 +2,8 @@
 
 import math
 from functools import partial
-from typing import Final
 
-from grader.checks.expectations.answers import no_action, not_offered
+from grader.checks.expectations.answers import OWN_TYPES, SEND_GOAL, no_action, not_asked, not_offered
 from grader.checks.expectations.topics import fits_quality, not_heard, quality_of, wanted_quality
 from grader.checks.expectations.verdict import (
     NS_PER_S,
@@ -17,14 +16,11 @@ from grader.checks.expectations.verdict import (
     plain,
     unknown,
 )
-from grader.checks.measure import Mistake, mistake
+from grader.checks.measure import Mistake
 from grader.contracts.conversation import Expectation, TurtleSample, clip
 from grader.contracts.text import Text
 from grader.geometry import exact
 from grader.messages import say
-
-_SEND_GOAL: Final = "/_action/send_goal"
-_OWN_TYPES: Final = ("rcl_interfaces/", "lifecycle_msgs/", "action_msgs/")
 
 
 def node(expectation: Expectation, evidence: Evidence) -> Verdict:
@@ -43,7 +39,7 @@ def endpoint(expectation: Expectation, evidence: Evidence) -> Verdict:
     ]
     name, type_ = expectation.target, expectation.type
     if expectation.kind == "action":
-        name, type_ = f"{name}{_SEND_GOAL}", f"{type_}_SendGoal"
+        name, type_ = f"{name}{SEND_GOAL}", f"{type_}_SendGoal"
     there = [] if _gone_before(expectation, evidence) else evidence.parties(kind, name)
     same = [each for each in there if each.type == type_]
     good = [
@@ -51,9 +47,9 @@ def endpoint(expectation: Expectation, evidence: Evidence) -> Verdict:
     ]
     if good:
         return Verdict(share=1.0)
-    own = [party for party in evidence.parties(kind) if not party.type.startswith(_OWN_TYPES)]
+    own = [party for party in evidence.parties(kind) if not party.type.startswith(OWN_TYPES)]
     came = plain(
-        named(f"{each.name.removesuffix(_SEND_GOAL)} ({each.type.removesuffix('_SendGoal')})" for each in own)
+        named(f"{each.name.removesuffix(SEND_GOAL)} ({each.type.removesuffix('_SendGoal')})" for each in own)
     )
     wanted = plain(clip(f"{expectation.target} ({expectation.type})"))
     why: Reason = unknown if same else partial(_absent, expectation, evidence)
@@ -83,8 +79,7 @@ def _absent(expectation: Expectation, evidence: Evidence) -> Mistake:
         return not_offered(expectation.target, kind, evidence)
     if expectation.kind == "action":
         return no_action(expectation.target, kind, evidence)
-    others = [party.name for party in evidence.parties("client") if not party.type.startswith(_OWN_TYPES)]
-    return mistake("client_missing", service=expectation.target, type=kind, used=named(others))
+    return not_asked(expectation.target, kind, evidence)
 
 
 def turtle(expectation: Expectation, evidence: Evidence) -> Verdict:

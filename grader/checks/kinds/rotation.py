@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from grader.checks.drive import FAST_TURN_RADPS, Drive, drive_of, fastest_radps
+from grader.checks.drive import FAST_TURN_RADPS, Drive, drive_of, fastest_radps, moves_of
 from grader.checks.measure import Check, Measure, MeasureKind, Measures, Mistake, mistake
 from grader.checks.mistakes import command_mistakes, driving_mistakes, time_was_up
 from grader.checks.scoring import fits
@@ -118,7 +118,7 @@ def rotation_mistakes(
         yield mistake("degrees_as_radians", rate=number(fastest, "1"), ideal=number(FULL_TURN_DEG, "deg"))
     if not _goals(run):
         yield from command_mistakes(run, assignment.world, turns=("turned_deg",), drives=())
-    if short and _goals(run) and not run.outcome.command_count:
+    if short and _goals(run) and not moves_of(run.trajectory):
         yield mistake("rotation_absolute", ("turned_deg",), turned=number(turned, "deg"))
     elif short:
         yield from time_was_up(run, drive, ("turned_deg",))

@@ -1,9 +1,9 @@
 """Scripts as beginners write them from the course's text, each with what is wrong, and what a teacher expects.
 
 `expected.tsv` names for each the verdict (right, harmless or wrong), the lowest and the highest score that a
-teacher would give, the kind of cause (`tests.hints.categories`; ``refused``: not taken), the lines that a hint may
-name, and in words what is wrong and what the first hint should say; `reason` where the score is not what one would
-guess.
+teacher would give, the kind of cause (`tests.hints.categories`; ``refused``: not taken; ``foreign``: no program
+for rclpy, so no change of it is wanted), the lines that a hint may name, and in words what is wrong and what the
+first hint should say; `reason` where the score is not what one would guess.
 
 A script is a file in `scripts`, or an entry in `changes.yaml` if it is close to an earlier one.
 """
@@ -28,6 +28,7 @@ from tests.e2e.grading_slot import catalog, grade
 
 FOLDER = Path(__file__).parent
 REFUSED = "refused"
+FOREIGN = "foreign"
 _ERRORS = (RunStatus.CRASHED, RunStatus.SYNTAX_ERROR)
 
 
