@@ -469,6 +469,9 @@ def _compared(seen: Situation, driven: Driven) -> tuple[float, float | None, str
         size, wanted, unit = abs(driven.angle_deg), seen.wanted.turns_deg, "deg"
     elif driven.is_drive:
         size, wanted, unit = abs(driven.length_m), seen.wanted.lengths_m, "m"
+        sizes = sorted({round(abs(one.length_m), 2) for one in seen.distinct if one.is_drive})
+        if len(sizes) == len(wanted):  # the longer of two sides is meant to be the longer one
+            return size, sorted(wanted)[sizes.index(round(size, 2))], unit
     else:
         return 0.0, None, ""
     return size, min(wanted, key=lambda one: abs(one - size), default=None), unit

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from grader.contracts.outcome import RunStatus
+from grader.edits.formulas import formula_changes, stale_changes, tolerance
 from grader.edits.situation import Driven, Proposal, Situation
 from grader.edits.slices import (
     NumberUse,
@@ -15,6 +16,8 @@ from grader.edits.slices import (
     calls_of,
     dotted,
     expressions_behind,
+    known_number,
+    named_in,
     number_of,
     numbers_behind,
 )
@@ -31,6 +34,8 @@ _PERIODS: Final = ("sleep", "create_timer", "create_rate", "Rate")
 _DEPTHS: Final = ("create_publisher", "create_subscription")
 _LONGEST_PERIOD_S: Final = 0.2
 _MOST_RATIO: Final = 30.0
+_USUAL_RATE: Final = 0.5  # m/s or rad/s
+_USUAL_DEG_S: Final = 30.0
 _NEAR: Final = 0.01  # what turtlesim's updates and a loop's period may add or take away
 _QUANTUM: Final = 0.05  # of a motion's size: an update at 3 rad/s turns by 2.7 degrees
 _COMPARISONS: Final = {
@@ -52,10 +57,11 @@ _OPERATORS: Final = {
 }
 
 _CONVERTED: Final = re.compile(r"\bradians\b|\bdeg2rad\b|/\s*180")
+_SECONDS: Final = re.compile(r"e-?9|0{6}|\*\* ?9|e-?6")
+"""What turns nanoseconds into seconds."""
 _NOW: Final = re.compile(r"theta|yaw|heading|position|pose\.|odom|actual|current")
 """What a script calls the angle or the place that it has; the wanted one is what it goes to."""
 _TOLERANCE: Final = "0.05"
-_SIZE_COST: Final = 1.7
 _BRIEF_S: Final = 0.1
 _DIRECTIONS: Final = (0, 90, 270)
 _CONSTANTS: Final = frozenset({"pi", "π", "tau", "two_pi"})
@@ -72,10 +78,14 @@ def number_changes(seen: Situation) -> Iterator[Proposal]:
             yield from _in_radians(seen, driven, use)
             yield from _scaled(seen, driven, use, targets)
             yield from _turned_round(seen, driven, use)
+            yield from _too_slow(seen, driven, use)
         if driven.is_turn:
-            yield from _angles(seen, lines, targets)
+            yield from _angles(seen, driven, lines, targets)
+        yield from formula_changes(seen, driven, lines, targets)
     yield from _operators(seen)
     yield from _rays(seen)
+    yield from _clocked(seen)
+    yield from stale_changes(seen)
     yield from _opposed(seen)
     yield from _crossed(seen)
 
@@ -169,12 +179,14 @@ def _scaled(
         ):
             continue
         value = _named(use.value, size, wanted, unit, driven.seconds)
+        cost = 1.5 if value is not None or _is_of_ticks(seen.script, use, driven) else 1.8
         if value is None and _is_wait_or_count(seen.script, use, driven):
-            value = float(f"{use.value * ratio:.2g}")
+            value = use.value * ratio
+            value = round(value) if use.value.is_integer() and value > 1.0 else float(f"{value:.2g}")
         if value is None or value == use.value:
             continue
         new = written(value, like_float="." in seen.script.source(use.node), whole=whole)
-        cost = 1.8 + place * 0.6 + use.steps * 0.2 + 0.05 * len(new)
+        cost += place * 0.6 + use.steps * 0.1 + 0.05 * len(new)
         cost += _unlikely(seen.script, use, ratio)
         yield _replaced(seen, "scaled", cost, (use, new), unit=unit, size=size, wanted=wanted)
     if 1e3 <= abs(use.value) <= 1e12 and math.log10(abs(use.value)).is_integer() and use.value != 1e9:
@@ -200,7 +212,7 @@ def _is_size(value: float, size: float, unit: str) -> bool:
 
 
 def _angles(
-    seen: Situation, lines: tuple[int, ...], targets: list[tuple[float, float]]
+    seen: Situation, driven: Driven, lines: tuple[int, ...], targets: list[tuple[float, float]]
 ) -> Iterator[Proposal]:
     """Yield the wanted angle for one that is written with pi and that the motion came to."""
     script = seen.script
@@ -209,9 +221,9 @@ def _angles(
         if value is None or isinstance(node, ast.Constant) or _with_pi(above) is not None:
             continue
         for place, (size, wanted) in enumerate(targets):
-            if abs(abs(math.degrees(value)) - size) > _QUANTUM * size:
+            if abs(abs(math.degrees(value)) - size) > max(_QUANTUM, tolerance(driven)) * size:
                 continue
-            new = _angle_in(wanted, next(dotted(one) for one in ast.walk(node) if dotted(one)))
+            new = _angle_in(wanted, next(dotted(one) for one in ast.walk(node) if _is_pi(one)))
             behind = isinstance(above, ast.BinOp) and above.right is node
             edit = script.replaced(node, f"({new})" if behind else new)
             values = {"line": node.lineno, "old": script.source(node), "new": new}
@@ -222,12 +234,16 @@ def _angles(
 def _with_pi(node: ast.AST | None) -> float | None:
     """Return the value of an expression of numbers and pi; None for anything else, and for a lone number."""
     value = None if node is None else _calculated(node)
-    has_pi = node is not None and any(dotted(one).rpartition(".")[2] == "pi" for one in ast.walk(node))
+    has_pi = node is not None and any(_is_pi(one) for one in ast.walk(node))
     return value if has_pi else None
 
 
+def _is_pi(node: ast.AST) -> bool:
+    return dotted(node).rpartition(".")[2].casefold() == "pi"
+
+
 def _calculated(node: ast.AST) -> float | None:
-    if dotted(node).rpartition(".")[2] == "pi":
+    if _is_pi(node):
         return math.pi
     if not isinstance(node, ast.BinOp) or type(node.op) not in (ast.Mult, ast.Div):
         return number_of(node)
@@ -264,12 +280,20 @@ def _named(value: float, size: float, wanted: float, unit: str, seconds: float =
 
 
 def _is_wait_or_count(script: ParsedScript, use: NumberUse, driven: Driven) -> bool:
-    """Whether a number alone is how long a line of the motion waits, or how often its loop runs."""
+    """Whether a number alone is how long a line of the motion waits, or how often its loop or its timer runs."""
     call = script.parent(use.node)
+    if _is_of_ticks(script, use, driven):
+        return True
     if not isinstance(call, ast.Call) or len(call.args) != 1 or use.value <= 0.0:
         return False
     is_wait = dotted(call.func).endswith("sleep") and call.lineno in driven.motion.waits
     return is_wait or dotted(call.func) == "range"
+
+
+def _is_of_ticks(script: ParsedScript, use: NumberUse, driven: Driven) -> bool:
+    """Whether a number that is compared is how often the script waited in a motion."""
+    waited = any(abs(use.value - times) <= 1 for times, _ in driven.motion.waits.values() if times > 1)
+    return waited and isinstance(script.parent(use.node), ast.Compare)
 
 
 def _unlikely(script: ParsedScript, use: NumberUse, ratio: float) -> float:
@@ -287,11 +311,23 @@ def _unlikely(script: ParsedScript, use: NumberUse, ratio: float) -> float:
 
 
 def _turned_round(seen: Situation, driven: Driven, use: NumberUse) -> Iterator[Proposal]:
-    """Yield the other sign for a number that a speed is set to."""
-    if use.value in (driven.motion.v, driven.motion.w) and use.value:
+    """Yield the other sign for a number that a speed is set to; a drive goes backward only where that is asked."""
+    is_kept = driven.is_drive and use.value > 0.0 and "advance_m" not in seen.lost
+    if use.value in (driven.motion.v, driven.motion.w) and use.value and not is_kept:
         new = written(-use.value, like_float="." in seen.script.source(use.node))
         cost = 2.2 if seen.outcome.hears else 4.0
         yield _replaced(seen, "sign", cost + use.steps * 0.2, (use, new))
+
+
+def _too_slow(seen: Situation, driven: Driven, use: NumberUse) -> Iterator[Proposal]:
+    """Yield a usual speed for a slower one, where the time was up while the car was on its way."""
+    if seen.outcome.status is not RunStatus.INTERRUPTED or seen.comes_to_rest or driven.is_arc:
+        return
+    rate = abs(driven.motion.w or driven.motion.v)
+    for value, usual in ((rate, _USUAL_RATE), (math.degrees(rate), _USUAL_DEG_S)):
+        if value < usual and math.isclose(abs(use.value), value):
+            new = written(math.copysign(usual, use.value), like_float="." in seen.script.source(use.node))
+            yield _replaced(seen, "too_slow", 1.2, (use, new))
 
 
 def _operators(seen: Situation) -> Iterator[Proposal]:
@@ -310,6 +346,11 @@ def _operators(seen: Situation) -> Iterator[Proposal]:
             yield from _calculations(seen, node, cost)
         elif isinstance(node, ast.Call):
             yield from _conversions(seen.script, node, cost)
+            yield from _unsigned(seen, node)
+        elif getattr(node, "attr", "") == "nanoseconds" and not _SECONDS.search(seen.script.text):
+            source = seen.script.source(node)
+            values = {"line": node.lineno, "old": source, "new": f"{source} / 1e9"}
+            yield Proposal("nanoseconds", 0.9, (seen.script.replaced(node, f"{source} / 1e9"),), values)
 
 
 def _comparisons(seen: Situation, node: ast.Compare, cost: float) -> Iterator[Proposal]:
@@ -348,25 +389,12 @@ def _at_once(seen: Situation, test: ast.Compare) -> bool:
 
 def _calculations(seen: Situation, node: ast.BinOp, cost: float) -> Iterator[Proposal]:
     new = _OPERATORS.get(type(node.op))
-    likely = isinstance(node.op, ast.Mult | ast.Div) and any(
-        _stands_for_size(seen, one) for one in (node.left, node.right)
-    )
-    operator_cost = _SIZE_COST if likely else _OPERATOR_COSTS.get(type(node.op), 5.0)
+    operator_cost = _OPERATOR_COSTS.get(type(node.op), 5.0)
     yield from _between(seen.script, "operator", cost + operator_cost, (node.left, node.right), new)
     if isinstance(node.op, ast.Sub) and not _is_summand(seen.script, node):
         clock = any(one in seen.script.source(node) for one in ("time()", "now()"))
         endless = clock and seen.outcome.status is RunStatus.INTERRUPTED
         yield from _exchanged(seen.script, cost + 5.0 - 3.0 * endless, node.left, node.right)
-
-
-def _stands_for_size(seen: Situation, node: ast.expr) -> bool:
-    """Whether an operand is a wanted size, or a name that is set to one: then not the size is wrong."""
-    written_as = [one.value for one in assignments(seen.script) if one.target == dotted(node)] or [node]
-    wanted = [(size, "deg") for size in seen.wanted.turns_deg] + [
-        (size, "m") for size in seen.wanted.lengths_m
-    ]
-    numbers = [abs(value) for one in written_as if (value := number_of(one))]
-    return any(_is_size(value, size, unit) for value in numbers for size, unit in wanted)
 
 
 def _conversions(script: ParsedScript, node: ast.Call, cost: float) -> Iterator[Proposal]:
@@ -385,6 +413,17 @@ def _conversions(script: ParsedScript, node: ast.Call, cost: float) -> Iterator[
             right = called.replace(name, other)
             values = {"line": node.lineno, "old": called, "new": right}
             yield Proposal("name", 1.2 + cost, (script.replaced(node.func, right),), values)
+
+
+def _unsigned(seen: Situation, node: ast.Call) -> Iterator[Proposal]:
+    """Yield a speed without what makes it positive, where the car drove in the wrong direction or not at all."""
+    kept = node.args[:1] if dotted(node.func) == "abs" else []
+    if dotted(node.func) == "max" and len(node.args) == 2 and 0.0 in map(number_of, node.args):
+        kept = [one for one in node.args if number_of(one) != 0.0]
+    for one in kept if "advance_m" in seen.lost else ():
+        new = seen.script.source(one)
+        values = {"line": node.lineno, "old": seen.script.source(node), "new": new}
+        yield Proposal("unsigned", 1.1, (seen.script.replaced(node, new),), values)
 
 
 def _axis(text: str) -> str:
@@ -411,6 +450,8 @@ def _opposed(seen: Situation) -> Iterator[Proposal]:
                 if left > right or (left == right and _goes_into(script, node, names)):
                     yield from _exchanged(script, 1.2 if left > right else 2.0, node.left, node.right)
         old = script.source(one.value)
+        if one.target.endswith(".linear.x") and not old.startswith("-"):
+            continue  # to back away from the goal is not meant
         new = f"-{old}" if _is_product(one.value) else f"-({old})"
         new = old[1:] if old.startswith("-") and _is_product(one.value) else new
         values = {"line": one.statement.lineno, "old": old, "new": new}
@@ -468,6 +509,20 @@ def _are_twins(seen: Situation, function: ast.FunctionDef, pair: tuple[str, str]
     }
     turned_first = bool(seen.driven) and seen.driven[0].is_turn
     return turned_first and {set_to.get(name) for name in pair} == {"linear", "angular"}
+
+
+def _clocked(seen: Situation) -> Iterator[Proposal]:
+    """Yield the period of a timer for another number of seconds that its callback counts each time."""
+    for call in calls_of(seen.script, "create_timer"):
+        period = known_number(seen.script, call.args[0]) if call.args else None
+        for one in assignments(seen.script) if period else ():
+            step, functions = number_of(one.value), seen.script.around(one.statement)
+            inside = {getattr(above, "name", "") for above in functions} & named_in([call])
+            if isinstance(one.statement, ast.AugAssign) and step and step % 1.0 and step != period and inside:
+                use = NumberUse(one.value, step, 0)
+                yield _replaced(
+                    seen, "scaled", 1.0, (use, seen.script.source(call.args[0])), sentence="clocked"
+                )
 
 
 def _rays(seen: Situation) -> Iterator[Proposal]:

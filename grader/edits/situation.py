@@ -15,6 +15,7 @@ HOLD_NS = 1_000_000_000
 """For so long turtlesim obeys the last command."""
 _SLOW = 1e-6
 _FITS = 0.03  # of a size: what turtlesim's updates and a loop's period add or take away
+_ALIKE = 0.1  # of a motion's time: what updates and the period of a loop change is less
 _MOST_MOTIONS = 8
 _MOST_LINES = 12
 
@@ -184,11 +185,13 @@ class Situation:
 
     @cached_property
     def distinct(self) -> tuple[Driven, ...]:
-        """Of the motions that one line published with one command, the first; few of them."""
-        first: dict[tuple[int, float, float], Driven] = {}
+        """Of the motions that one line published with one command for about as long, the first; few of them."""
+        first: dict[tuple[int, float, float], list[Driven]] = {}
         for one in self.driven:
-            first.setdefault((one.motion.line, one.motion.v, one.motion.w), one)
-        return tuple(first.values())[:_MOST_MOTIONS]
+            alike = first.setdefault((one.motion.line, one.motion.v, one.motion.w), [])
+            if all(abs(one.seconds - other.seconds) > _ALIKE * other.seconds for other in alike):
+                alike.append(one)
+        return tuple(itertools.chain.from_iterable(first.values()))[:_MOST_MOTIONS]
 
     @cached_property
     def lines(self) -> tuple[int, ...]:

@@ -100,7 +100,7 @@ def numbers_behind(script: ParsedScript, lines: Iterable[int]) -> list[NumberUse
 
 def expressions_behind(script: ParsedScript, lines: Iterable[int]) -> list[tuple[ast.expr, int]]:
     """Return all expressions that the given lines depend on, with over how many assignments, nearest first."""
-    known = assignments(script)
+    known = [_as_attribute(script, one) for one in assignments(script)]
     waiting: list[tuple[ast.AST, int]] = []
     for line in lines:
         for statement in _statements_over(script, line):
@@ -122,11 +122,19 @@ def expressions_behind(script: ParsedScript, lines: Iterable[int]) -> list[tuple
                 continue
             left -= 1
             followed.add(name)
-            waiting += [(one.value, steps + 1) for one in known if _sets(one.target, name)]
-            waiting += [(default, steps + 1) for default in _defaults(script, name)]
-            waiting += [(given, steps + 1) for given in _arguments(script, name)]
-            waiting += [(value, steps + 1) for value in _returned(script, name)]
+            waiting += [(one, steps + 1) for one in _behind(script, known, name)]
     return list(expressions.values())
+
+
+def _behind(script: ParsedScript, known: list[NameSet], name: str) -> Iterator[ast.expr]:
+    """Yield what gives a name its values, and the tests that decide whether it does."""
+    for one in known:
+        if _sets(one, name):
+            yield one.value
+            yield from _tests(script, one.statement)
+    yield from (over for target, over in _loops(script) if name == target)
+    for given in (_defaults, _arguments, _returned):
+        yield from given(script, name)
 
 
 def number_of(node: ast.AST) -> float | None:
@@ -175,13 +183,36 @@ def _names(part: ast.AST) -> Iterator[str]:
             yield dotted(node) or node.attr
 
 
-def _sets(target: str, name: str) -> bool:
-    """Whether an assignment to `target` changes what `name` stands for: itself, or a field of it."""
-    return (
-        target == name
-        or target.startswith(f"{name}.")
-        or ("." in name and "." in target and target.split(".")[:2] == name.split(".")[:2])
-    )
+def _as_attribute(script: ParsedScript, one: NameSet) -> NameSet:
+    """Return an assignment in the body of a class as one to an attribute of its objects."""
+    in_class = isinstance(script.parent(one.statement), ast.ClassDef)
+    return one._replace(target=f"self.{one.target}") if in_class else one
+
+
+def _sets(one: NameSet, name: str) -> bool:
+    """Whether an assignment changes what `name` stands for: itself, or a field of it.
+
+    ``node.SPEED`` is what the class of the node calls ``self.SPEED``.
+    """
+    target, named = one.target.split("."), name.split(".")
+    if len(named) == 1 or len(target) == 1:
+        return target[0] == name
+    return target[1] == named[1] and (target[0] == named[0] or "self" in (target[0], named[0]))
+
+
+def _tests(script: ParsedScript, statement: ast.stmt) -> Iterator[ast.expr]:
+    """Yield the tests of the branches that a statement stands in, up to its function or loop."""
+    for node in script.around(statement):
+        if isinstance(node, ast.If):
+            yield node.test
+        elif not isinstance(node, ast.With | ast.Try):
+            return
+
+
+@lru_cache(maxsize=2)  # as `assignments`
+def _loops(script: ParsedScript) -> tuple[tuple[str, ast.expr], ...]:
+    loops = (node for node in ast.walk(script.tree) if isinstance(node, ast.For | ast.comprehension))
+    return tuple((dotted(target), one.iter) for one in loops for target in ast.walk(one.target))
 
 
 def _declared(script: ParsedScript, part: ast.AST) -> Iterator[ast.expr]:

@@ -213,6 +213,8 @@ class Search:
             return False
         if before.comes_to_rest and after.driven and not after.comes_to_rest:
             return True
+        if proposal.code == "exchanged" and not now.outcome.hears and len(after.driven) < len(before.driven):
+            return True  # so exchanged, a call does nothing
         unit = str(proposal.values.get("unit", "")) if proposal.code == "scaled" else ""
         sizes, later = (before.sizes_beside(unit), after.sizes_beside(unit)) if unit else ((), ())
         return any(all(abs(one - other) > _SAME * one for other in later) for one in sizes)

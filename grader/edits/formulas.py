@@ -1,0 +1,271 @@
+"""Changes of the formulas behind a motion, where another operator or operand makes up for just what it was off.
+
+A formula is computed from the numbers in the text. A change is proposed only if the formula's value, so changed,
+differs by the factor between what the motion came to and what was wanted.
+"""
+
+import ast
+import math
+import re
+from collections.abc import Iterator
+from typing import Final, NamedTuple
+
+from grader.edits.situation import Driven, Proposal, Situation
+from grader.edits.slices import assignments, calls_of, dotted, expressions_behind, number_of
+from grader.edits.tree import ParsedScript
+
+_CONVERSIONS: Final = {
+    "radians": math.radians,
+    "deg2rad": math.radians,
+    "degrees": math.degrees,
+    "float": float,
+}
+_PI: Final = frozenset({"pi", "π"})
+_TURNING: Final = re.compile(
+    "turn|ang|rot|omega|yaw|theta|corner|zhuan|jiao|guai|转|角|(?:^|[_.])[wW]$", re.IGNORECASE
+)
+"""What a script calls the rate, the angle or the time of a turn."""
+_MOST_DEPTH: Final = 8
+_MOST_NAMES: Final = 12
+_OFF: Final = 0.03  # what updates of turtlesim and a loop's period add or take away
+_MOST_OFF: Final = 0.15
+_SAME: Final = 1e-9
+_STEP: Final = 0.1  # of cost, for each assignment between a formula and the motion
+_Functions = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+class _Rewritten(NamedTuple):
+    """A formula as it might be meant: its text, its value against the present one, and how implausible that is."""
+
+    text: str
+    ratio: float
+    cost: float
+    kind: str = ""  # the same mistake in other formulas of the motion is of the same kind
+
+
+def formula_changes(
+    seen: Situation, driven: Driven, lines: tuple[int, ...], targets: list[tuple[float, float]]
+) -> Iterator[Proposal]:
+    """Yield the changes of formulas that explain a motion's size. `targets`: what it came to, and wanted."""
+    if not targets:
+        return
+    values = Values(seen.script, driven)
+    off = tolerance(driven)
+    alike: dict[str, list[Proposal]] = {}
+    for node, steps in expressions_behind(seen.script, lines):
+        for new in (*_calculations(values, node), *_names(values, node), *_as_time(values, node, targets)):
+            for size, wanted in targets:
+                if not any(abs(one * size / wanted - 1.0) <= off for one in (new.ratio, 1.0 / new.ratio)):
+                    continue
+                told = {"line": node.lineno, "old": seen.script.source(node), "new": new.text}
+                told |= {"unit": "deg" if driven.is_turn else "m", "size": size, "wanted": wanted}
+                edit = seen.script.replaced(node, new.text)
+                one = Proposal("scaled", new.cost + steps * _STEP, (edit,), told)
+                alike.setdefault(new.kind, []).append(one)
+                yield one
+    for kind, row in alike.items():
+        if kind and len(row) > 1:
+            edits = tuple(dict.fromkeys(edit for one in row for edit in one.edits))
+            yield Proposal("scaled", row[0].cost + _STEP, edits, row[0].values)
+
+
+def stale_changes(seen: Situation) -> Iterator[Proposal]:
+    """Yield a formula computed anew where one of its names is set later, as a length is that the user gives."""
+    script, known = seen.script, assignments(seen.script)
+    targets = {one.target for one in known}
+    for one in known:
+        base, _, attribute = one.target.rpartition(".")
+        if base in ("", "self") or one.statement.lineno not in seen.ledger.ran:
+            continue
+        for other in known:
+            names = {dotted(node) for node in ast.walk(other.value)}
+            name = other.target.removeprefix("self.")
+            if f"self.{attribute}" not in names or name == other.target or f"{base}.{name}" in targets:
+                continue
+            new = f"{base}.{name} = {script.source(other.value).replace('self.', f'{base}.')}"
+            told = {"line": other.statement.lineno, "old": other.target, "name": one.target, "new": new}
+            yield Proposal("stale", 1.0, (script.inserted_after(one.statement, new),), told)
+
+
+def tolerance(driven: Driven) -> float:
+    """Return by which share a motion may differ from its formula: one wait more or less."""
+    step_ns = max((ns // times for times, ns in driven.motion.waits.values() if times), default=0)
+    return min(_OFF + step_ns / 1e9 / max(driven.seconds, 1e-9), _MOST_OFF)
+
+
+def _calculations(values: "Values", node: ast.expr) -> Iterator[_Rewritten]:
+    """Yield a product for a quotient and the reverse, a quotient turned round, and one operand alone."""
+    if not isinstance(node, ast.BinOp) or not isinstance(node.op, ast.Mult | ast.Div):
+        return
+    script, left, right = values.script, values.of(node.left), values.of(node.right)
+    if not right:
+        return
+    is_product = isinstance(node.op, ast.Mult)
+    start, first, second = script.span(node)[0], script.span(node.left)[1], script.span(node.right)[0]
+    between = script.text[first:second]
+    old, new = "*/" if is_product else "/*"
+    if between.count(old) == 1 and "#" not in between:
+        rest = script.source(node)[second - start :]
+        text = script.text[start:first] + between.replace(old, new) + rest
+        kind = old + script.source(node.right)
+        yield _Rewritten(text, right**-2 if is_product else right**2, 0.8, kind)
+    if left and not is_product and not isinstance(node.right, ast.BinOp):
+        turned = f"{script.source(node.right)} / {_operand(script, node.left)}"
+        yield _Rewritten(turned, (right / left) ** 2, 0.9)
+    if number_of(node.right) is not None and not _has_pi(node):
+        yield _Rewritten(_operand(script, node.left), 1.0 / right if is_product else right, 1.3)
+
+
+def _operand(script: ParsedScript, node: ast.expr) -> str:
+    source = script.source(node)
+    return f"({source})" if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub) else source
+
+
+def _has_pi(node: ast.expr) -> bool:
+    return any(dotted(one).rpartition(".")[2].casefold() in _PI for one in ast.walk(node))
+
+
+def _names(values: "Values", node: ast.expr) -> Iterator[_Rewritten]:
+    """Yield names of turning for one of driving that stands behind a turn, and the reverse."""
+    name, now = dotted(node), values.of(node)
+    turns = values.driven.is_turn
+    if not name or not now or values.is_parameter(node) or bool(_TURNING.search(name)) is turns:
+        return
+    for other, value in values.names_at(node):
+        if bool(_TURNING.search(other)) is turns:
+            yield _Rewritten(other, value / now, 1.0)
+
+
+def _as_time(values: "Values", node: ast.expr, targets: list[tuple[float, float]]) -> Iterator[_Rewritten]:
+    """Yield an angle or a length, which the motion lasted for so many seconds, divided by its rate."""
+    script, driven = values.script, values.driven
+    now, rate = values.of(node), abs(driven.motion.w or driven.motion.v)
+    if now is None or not rate or isinstance(script.parent(node), ast.BinOp | ast.UnaryOp):
+        return
+    amounts = [math.radians(wanted) if driven.is_turn else wanted for _, wanted in targets]
+    lasted = abs(driven.seconds - now) <= tolerance(driven) * now
+    if lasted and any(abs(now - one) <= _OFF * one for one in amounts):
+        names = [name for name, value in values.names_at(node) if abs(abs(value) - rate) <= _SAME]
+        by = next(iter(names), f"{rate:g}")
+        text = "1.0" if dotted(node) in names else f"{_operand(script, node)} / {by}"
+        yield _Rewritten(text, 1.0 / rate, 1.1 if dotted(node) else 0.8, by)
+
+
+class Values:
+    """What the names of a script stood for in one motion, as far as its text and the ledger say."""
+
+    def __init__(self, script: ParsedScript, driven: Driven) -> None:
+        self.script = script
+        self.driven = driven
+        self._known: dict[int, float | None] = {}
+        self._read: dict[int, dict[str, float | None]] = {}
+
+    def of(self, node: ast.expr, depth: int = 0) -> float | None:
+        """Return the value of an expression; None if it has several, or is not computed of numbers alone."""
+        if id(node) not in self._known:
+            self._known[id(node)] = None  # for a name that is set from itself
+            self._known[id(node)] = self._computed(node, depth) if depth < _MOST_DEPTH else None
+        return self._known[id(node)]
+
+    def names_at(self, node: ast.expr) -> list[tuple[str, float]]:
+        """Return the names that stand for one number and that can be read where `node` stands."""
+        function = self._function(node)
+        rows = dict(self._read_in(function))
+        is_method = function is not None and [one.arg for one in function.args.args[:1]] == ["self"]
+        base = dotted(node).rpartition(".")[0] or ("self" if is_method else "")
+        for one in assignments(self.script):
+            set_in = self._function(one.statement)
+            in_class = isinstance(self.script.parent(one.statement), ast.ClassDef)
+            is_attribute = in_class or one.target.startswith("self.")
+            name = f"{base}.{one.target.removeprefix('self.')}" if is_attribute else one.target
+            is_reached = bool(base) if is_attribute else set_in is None
+            if is_reached and (set_in is not function or one.statement.lineno < node.lineno):
+                rows.setdefault(name, self.of(one.value))
+        return [(name, value) for name, value in rows.items() if name and value][:_MOST_NAMES]
+
+    def _read_in(self, function: "ast.FunctionDef | ast.AsyncFunctionDef | None") -> dict[str, float | None]:
+        if id(function) not in self._read:
+            names = (one for one in ast.walk(function or self.script.tree) if dotted(one))
+            inside = (one for one in names if isinstance(one, ast.expr) and self._function(one) is function)
+            self._read[id(function)] = {dotted(one): self.of(one) for one in inside}
+        return self._read[id(function)]
+
+    def is_parameter(self, node: ast.expr) -> bool:
+        """Whether a name is a parameter of the function that it stands in."""
+        function = self._function(node)
+        return function is not None and dotted(node) in [one.arg for one in function.args.args]
+
+    def _computed(self, node: ast.expr, depth: int) -> float | None:
+        if (value := number_of(node)) is not None:
+            return value
+        if isinstance(node, ast.BinOp):
+            left, right = self.of(node.left, depth + 1), self.of(node.right, depth + 1)
+            return None if left is None or right is None else _calculated(node.op, left, right)
+        if isinstance(node, ast.Call) and len(node.args) == 1:
+            convert = _CONVERSIONS.get(dotted(node.func).rpartition(".")[2])
+            given = None if convert is None else self.of(node.args[0], depth + 1)
+            return None if convert is None or given is None else convert(given)
+        name = dotted(node)
+        if not name:
+            return None
+        if name.rpartition(".")[2].casefold() in _PI:
+            return math.pi
+        return self._named(node, name, depth + 1)
+
+    def _named(self, node: ast.expr, name: str, depth: int) -> float | None:
+        function = self._function(node)
+        if function is not None and self.is_parameter(node):
+            given = self._given(function, name)
+            return None if given is None else self.of(given, depth)
+        rows = [
+            one for one in assignments(self.script) if _is_same(self.script, one.target, one.statement, name)
+        ]
+        if "." not in name:
+            local = [one for one in rows if self._function(one.statement) is function]
+            rows = local or [one for one in rows if self._function(one.statement) is None]
+        if len(rows) == 1 and not isinstance(rows[0].statement, ast.AugAssign):
+            return self.of(rows[0].value, depth)
+        here = (row[2] for row in self.driven.motion.stack if row[0] == node.lineno)
+        return next((row[name] for row in here if name in row), None)
+
+    def _given(self, function: "ast.FunctionDef | ast.AsyncFunctionDef", name: str) -> ast.expr | None:
+        """Return what the caller that led to the motion gave for a parameter, or its default."""
+        owner = self.script.parent(function)
+        called = (
+            owner.name if function.name == "__init__" and isinstance(owner, ast.ClassDef) else function.name
+        )
+        lines = {row[0] for row in self.driven.motion.stack}
+        calls = list(calls_of(self.script, called))
+        calls = [one for one in calls if one.lineno in lines] if len(calls) > 1 else calls
+        if len(calls) != 1:
+            return None
+        names = [one.arg for one in function.args.args]
+        place = names.index(name) - (names[:1] == ["self"])
+        if 0 <= place < len(calls[0].args):
+            return calls[0].args[place]
+        by_name = next((one.value for one in calls[0].keywords if one.arg == name), None)
+        defaults = dict(zip(reversed(names), reversed(function.args.defaults), strict=False))
+        return by_name or defaults.get(name)
+
+    def _function(self, node: ast.AST) -> "ast.FunctionDef | ast.AsyncFunctionDef | None":
+        return next((one for one in self.script.around(node) if isinstance(one, _Functions)), None)
+
+
+def _is_same(script: ParsedScript, target: str, statement: ast.stmt, name: str) -> bool:
+    """Whether an assignment sets what a name stands for; ``node.X`` is ``self.X``, or ``X`` in its class."""
+    if target == name:
+        return True
+    of_object = name.count(".") == 1
+    attribute = name.rpartition(".")[2]
+    in_class = target == attribute and isinstance(script.parent(statement), ast.ClassDef)
+    return of_object and (in_class or target == f"self.{attribute}")
+
+
+def _calculated(operator: ast.operator, left: float, right: float) -> float | None:
+    if isinstance(operator, ast.Mult):
+        return left * right
+    if isinstance(operator, ast.Add):
+        return left + right
+    if isinstance(operator, ast.Sub):
+        return left - right
+    return left / right if isinstance(operator, ast.Div) and right else None
