@@ -108,7 +108,8 @@ def _rows(seen: Situation, node: ast.List | ast.Tuple) -> Iterator[Proposal]:
         return
     size, rest = divmod(len(node.elts), driven)
     again = node.elts[-size * missing :] if size and missing > 0 and len(node.elts) > 1 else []
-    is_plan = all(isinstance(one, ast.List | ast.Tuple) for one in again)
+    rows = [script.source(one) for one in node.elts]
+    is_plan = all(isinstance(one, ast.List | ast.Tuple) for one in again) or rows[:size] * driven == rows
     if not again or rest or len(again) != size * missing or not is_plan:
         return
     between = script.text[script.span(node.elts[-2])[1] : script.span(node.elts[-1])[0]]

@@ -39,10 +39,10 @@ _USUAL_DEG_S: Final = 30.0
 _NEAR: Final = 0.01  # what turtlesim's updates and a loop's period may add or take away
 _QUANTUM: Final = 0.05  # of a motion's size: an update at 3 rad/s turns by 2.7 degrees
 _COMPARISONS: Final = {
-    ast.Lt: ("<=", ">"),
-    ast.LtE: ("<", ">="),
-    ast.Gt: (">=", "<"),
-    ast.GtE: (">", "<="),
+    ast.Lt: (">",),
+    ast.LtE: (">=",),
+    ast.Gt: ("<",),
+    ast.GtE: ("<=",),
     ast.Eq: (">=", "<="),
     ast.NotEq: ("<", ">"),
 }
@@ -373,9 +373,7 @@ def _comparisons(seen: Situation, node: ast.Compare, cost: float) -> Iterator[Pr
         values = {"line": node.lineno, "old": script.text[start:end].strip(), "new": new}
         yield Proposal("comparison", 1.4 + cost, (Edit(start, end, f" {new}"),), values)
     for new in _COMPARISONS.get(type(node.ops[0]), ()):
-        likely = exact or (
-            new[0] != script.text[script.span(operands[0])[1] :].lstrip()[0] and _at_once(seen, node)
-        )
+        likely = exact or _at_once(seen, node)
         yield from _between(script, "comparison", (1.5 if likely else 5.5) + cost, operands, new)
 
 

@@ -4,6 +4,7 @@ Everything is graded like the script itself, in the same jail under the same lim
 in runs and in what they simulated, never in time, so the same script gets the same explanation on any machine.
 """
 
+import itertools
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -185,7 +186,7 @@ class Search:
                     further = candidate
             elif after.is_full or (is_further and candidate.proposal.cost < _PLAUSIBLE):
                 if not self._is_trick(text, now, candidate) and (steps := self._continued(text, step, left)):
-                    return self._without_rival(steps, proposed)
+                    return self._without_rival(text, now, steps, proposed)
             elif after.explains(now):
                 gaining.append(step)
             if gaining and not self._has_budget(1.0 - _SHARE_OF_STEP * (left - 1)):
@@ -219,23 +220,22 @@ class Search:
         sizes, later = (before.sizes_beside(unit), after.sizes_beside(unit)) if unit else ((), ())
         return any(all(abs(one - other) > _SAME * one for other in later) for one in sizes)
 
-    def _without_rival(self, steps: list[Step], proposed: Iterator[Candidate]) -> list[Step]:
+    def _without_rival(
+        self, text: str, now: Graded, steps: list[Step], proposed: Iterator[Candidate]
+    ) -> list[Step]:
         """Return `steps` if no change of another kind is as likely as the first one and has full marks as well.
 
         A change that nothing was fitted for is known better than a fitted number, and is returned in its place. Of
         two others neither is known to be the cause.
         """
         first = steps[0][0].proposal
-        for candidate in proposed if first.code in _GUESSED else ():
-            one = candidate.proposal
-            if one.cost > first.cost + _AS_LIKELY or not self._has_budget():
-                break
-            if one.code not in _GUESSED - {first.code} - (_FITTED if first.code not in _FITTED else set()):
-                continue
-            self._tried += 1
-            after = self._graded(candidate.text, self._assignment)
-            if after.is_full and self._holds(candidate.text):
-                return [(candidate, after)] if first.code in _FITTED and one.code not in _FITTED else []
+        rivals = _GUESSED - {first.code} - (set() if first.code in _FITTED else _FITTED)
+        likely = itertools.takewhile(lambda one: one.proposal.cost <= first.cost + _AS_LIKELY, proposed)
+        others = (one for one in likely if one.proposal.code in rivals)
+        for candidate, after in self._trials(text, now, others if first.code in _GUESSED else iter(())):
+            if after.is_full and self._holds(candidate.text) and not self._is_trick(text, now, candidate):
+                is_known = first.code in _FITTED and candidate.proposal.code not in _FITTED
+                return [(candidate, after)] if is_known else []
         return steps
 
     def _trials(self, text: str, now: Graded, proposed: Iterator[Candidate]) -> Iterator[Step]:
@@ -392,7 +392,8 @@ def wanted_of(assignment: Assignment, lost: frozenset[str]) -> WantedSizes:
     for piece in pieces:
         turns += [abs(piece.angle_deg)] if piece.angle_deg else []
         lengths += [abs(piece.length_m)] if piece.length_m else []
-    counts += [sum(piece.kind == "line" for piece in pieces)] if pieces else []
+    lines = sum(piece.kind == "line" for piece in pieces)
+    counts += [lines] if lines else []
     measures = CHECKS[OLDER_NAMES.get(assignment.check, assignment.check)].measures
     for item in assignment.items:
         kind, low, high = measures.get(item.measure), item.low, item.high
