@@ -159,7 +159,7 @@ def only_turned(run: Run, spoilt: tuple[str, ...]) -> Iterator[Mistake]:
     if noted(run.outcome, "lateral_command") is not None:
         return  # it was told to drive, but sideways
     moves = moves_of(run.trajectory)
-    if moves and not any(map(is_drive, moves)):
+    if moves and not any(command.v_mps for command in moves):
         yield swings(run, spoilt) or mistake("no_drive", spoilt)
 
 

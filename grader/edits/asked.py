@@ -77,6 +77,7 @@ def asked_of(assignment: Assignment, lost: frozenset[str]) -> Stated:
             if isinstance(low, int | float) and isinstance(high, int | float)
         )[:1],
         goals=() if places is None else tuple((goal.region.x_m, goal.region.y_m) for goal in places.visit),
+        slips=assignment.world.profile == "rough",
         logs="info_logs" in lost or any(one.kind == "log" for one in expected),
     )
 

@@ -12,6 +12,7 @@ from typing import Final
 
 from grader.contracts.outcome import RunStatus
 from grader.edits.directions import alternating
+from grader.edits.fitting import too_large
 from grader.edits.flow import AXES
 from grader.edits.received import Motion
 from grader.edits.situation import HOLD_NS, Driven, Situation
@@ -49,7 +50,7 @@ def stated_cause(seen: Situation) -> Cause | None:
     if seen.outcome.status in (RunStatus.CRASHED, RunStatus.SYNTAX_ERROR):
         return None  # the exception says it
     of_drives = (
-        *(_alternates, _held, _in_line, _wrong_arc, _wrong_size, _too_slow),
+        *(_open_loop, _too_large, _alternates, _held, _in_line, _wrong_arc, _wrong_size, _too_slow),
         *(_unasked, _both_at_once, _no_stop),
     )
     of_flow = (_timers_in_callbacks, _contended, _forgets, _slow_timer, _never_ran, _endless, _idle_axis)
@@ -367,6 +368,31 @@ def _alternates(seen: Situation) -> Iterator[Cause]:
         lines = zip(motions[0].motion.stack, motions[1].motion.stack, strict=False)
         line = next((b[0] for a, b in lines if a[0] != b[0]), motions[0].motion.line)
         yield Cause("alternates", line, values)
+
+
+def _too_large(seen: Situation) -> Iterator[Cause]:
+    """Yield the drive with which a figure of right turns leaves the field."""
+    if (large := too_large(seen)) is not None:
+        values = {"side": f"{abs(large.drive.length_m):.2g}", "most": f"{int(large.fits_m * 10.0) / 10.0:g}"}
+        yield Cause("too_large", large.drive.motion.line, {**values})
+
+
+def _open_loop(seen: Situation) -> Iterator[Cause]:
+    """Yield the first motion of a car that slips, where nothing that a callback keeps is read anywhere else."""
+    callbacks = named_in(calls_of(seen.script, "create_subscription"))
+    functions = [
+        node for node in ast.walk(seen.script.tree) if isinstance(node, _Functions) and node.name in callbacks
+    ]
+    inside = {id(node) for function in functions for node in ast.walk(function)}
+    kept = {one.target for one in assignments(seen.script) if id(one.statement) in inside}
+    used = any(
+        dotted(node) in kept and isinstance(getattr(node, "ctx", None), ast.Load)
+        for node in ast.walk(seen.script.tree)
+        if id(node) not in inside
+    )
+    publishes = any(call for call in calls_of(seen.script, "publish") if id(call) in inside)
+    if seen.asked.slips and seen.driven and not used and not publishes:
+        yield Cause("open_loop", seen.driven[0].motion.line)
 
 
 def _too_slow(seen: Situation) -> Iterator[Cause]:

@@ -8,6 +8,7 @@ from grader.edits.asked import asked_changes
 from grader.edits.counts import count_changes
 from grader.edits.directions import direction_changes
 from grader.edits.errors import error_changes
+from grader.edits.fitting import fitting_changes
 from grader.edits.flow import flow_changes
 from grader.edits.headings import heading_changes
 from grader.edits.names import name_changes
@@ -20,7 +21,8 @@ from grader.edits.tree import applied
 _MOST_PLACES = 6
 _EVERYWHERE = 0.05  # behind the change at the one place where it is most plausible
 _SOURCES = (
-    *(name_changes, error_changes, asked_changes, direction_changes, heading_changes),
+    *(name_changes, error_changes, asked_changes, direction_changes, fitting_changes),
+    heading_changes,
     *(flow_changes, state_changes, count_changes, number_changes),
 )
 _OF_SIZES = frozenset(("converted", "degrees", "exchanged", "left_over", "scaled", "sign", "stop"))

@@ -41,6 +41,7 @@ class Stated:
         names: of topics, services, actions, nodes, parameters. kinds: classes of messages, services, actions.
         fields: of what is expected. inputs: fields of what is sent. logs: whether log messages are expected.
         levels: distances in m that a robot is to keep. goals: places in m that are to be reached.
+        slips: whether the car obeys only roughly.
     """
 
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -51,6 +52,7 @@ class Stated:
     levels: tuple[float, ...] = ()
     goals: tuple[tuple[float, float], ...] = ()
     logs: bool = False
+    slips: bool = False
 
 
 @dataclass(frozen=True)

@@ -201,7 +201,7 @@ class Search:
         """Whether a change earns all for another reason than what is wrong.
 
         It keeps a car moving that had come to rest, or a number that was changed for the sake of turns changes the
-        drives as well, or the reverse.
+        drives as well, or the reverse. Or two arguments that are exchanged make the same motions faster.
         """
         proposal = candidate.proposal
         if now.outcome.error is not None or proposal.code in _SPINS:
@@ -214,8 +214,10 @@ class Search:
             return False
         if before.comes_to_rest and after.driven and not after.comes_to_rest:
             return True
-        if proposal.code == "exchanged" and not now.outcome.hears and len(after.driven) < len(before.driven):
-            return True  # so exchanged, a call does nothing
+        if proposal.code == "exchanged" and not now.outcome.hears:
+            if len(after.driven) < len(before.driven):
+                return True  # so exchanged, a call does nothing
+            return all(before.sizes_beside(one) == after.sizes_beside(one) for one in ("deg", "m"))
         unit = str(proposal.values.get("unit", "")) if proposal.code == "scaled" else ""
         sizes, later = (before.sizes_beside(unit), after.sizes_beside(unit)) if unit else ((), ())
         return any(all(abs(one - other) > _SAME * one for other in later) for one in sizes)
