@@ -16,7 +16,15 @@ from grader.edits.fitting import too_large
 from grader.edits.flow import AXES
 from grader.edits.received import Motion
 from grader.edits.situation import HOLD_NS, Driven, Situation
-from grader.edits.slices import NameSet, assignments, calls_of, dotted, known_number, named_in, number_of
+from grader.edits.slices import (
+    NameSet,
+    assignments,
+    calls_of,
+    dotted,
+    function_around,
+    named_in,
+    number_of,
+)
 from grader.edits.tree import ParsedScript
 
 _Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -53,7 +61,16 @@ def stated_cause(seen: Situation) -> Cause | None:
         *(_open_loop, _too_large, _alternates, _held, _in_line, _wrong_arc, _wrong_size, _too_slow),
         *(_unasked, _both_at_once, _no_stop),
     )
-    of_flow = (_timers_in_callbacks, _contended, _forgets, _slow_timer, _never_ran, _endless, _idle_axis)
+    of_flow = (
+        _timers_in_callbacks,
+        _contended,
+        _forgets,
+        _slow_timer,
+        _frozen,
+        _never_ran,
+        _endless,
+        _idle_axis,
+    )
     explainers = (*of_flow, *(of_drives if seen.outcome.command_count else ()))
     return next((cause for one in explainers for cause in one(seen)), None)
 
@@ -117,7 +134,7 @@ class _Reached:
             if isinstance(above, _Functions):
                 return None if self.ran(above.body[0]) else self._function(above, line, most_callers - 1)
             if isinstance(above, ast.If | ast.While | ast.For) and self.ran(above):
-                return self._head(above, inner, line)
+                return None if self.ran(block[0]) else self._head(above, inner, line)
             if not isinstance(above, ast.stmt) or isinstance(above, ast.Try | ast.ClassDef):
                 return None
             inner = above
@@ -173,27 +190,7 @@ class _Reached:
         statement = self.statement_of(maker)
         if statement is None or not self.ran(statement):
             return None if statement is None else self.why_not(statement)
-        return self._callback(maker, name, line)
-
-    def _callback(self, maker: ast.Call, name: str, line: int) -> Cause | None:
-        values: dict[str, object] = {"name": name, "before": maker.lineno}
-        spins = [call for one in _SPINS for call in calls_of(self._script, one)]
-        ran = [call for call in spins if (at := self.statement_of(call)) is not None and self.ran(at)]
-        if not ran:
-            waiting = next(iter(self._seen.ledger.end), None)
-            if waiting is not None:
-                return Cause("nothing_spins_while", line, {**values, "waits": waiting[0]})
-            return Cause("nothing_spins", line, values)
-        if dotted(maker.func).endswith("subscription"):
-            return Cause("no_message", line, values)
-        period_s = (
-            known_number(self._script, maker.args[0])
-            if dotted(maker.func).endswith("timer") and maker.args
-            else None
-        )
-        if period_s is None or period_s * 1e9 < self._seen.outcome.duration_ns:
-            return None
-        return Cause("timer_later", maker.lineno, {"name": name, "period": f"{period_s:g}"})
+        return None  # a callback that never came: what is known of its topic or timer says more
 
     def _makers(self, node: ast.AST) -> Iterator[ast.Call]:
         for one in self._script.around(node):
@@ -215,8 +212,8 @@ def _names(node: ast.AST, name: str) -> bool:
     )
 
 
-def _endless(seen: Situation) -> Iterator[Cause]:
-    """Yield the loop that the script was still in at the end, its test and what the names in it stood for."""
+def _loops_at_the_end(seen: Situation) -> Iterator[tuple[ast.While, dict[str, float]]]:
+    """Yield the loops with a test that the script was still in at the end, with the numbers of their names."""
     if seen.outcome.status is not RunStatus.INTERRUPTED:
         return
     for line, _, values in seen.ledger.end:
@@ -224,17 +221,65 @@ def _endless(seen: Situation) -> Iterator[Cause]:
         loop = statement and next(
             (one for one in (statement, *seen.script.around(statement)) if isinstance(one, ast.While)), None
         )
-        if not isinstance(loop, ast.While) or isinstance(loop.test, ast.Constant) or _is_ok(loop.test):
+        if isinstance(loop, ast.While) and not isinstance(loop.test, ast.Constant) and not _is_ok(loop.test):
+            yield loop, values
+
+
+def _frozen(seen: Situation) -> Iterator[Cause]:
+    """Yield the loop that waits for what nothing changes while it runs: no callback can, or nothing sets it."""
+    for loop, _ in _loops_at_the_end(seen):
+        called = {dotted(one.func) for one in ast.walk(loop.test) if isinstance(one, ast.Call)}
+        parts = {dotted(node) for node in ast.walk(loop.test)} - {"", *called}
+        names = {one for one in parts if not any(other.startswith(f"{one}.") for other in parts)}
+        test, function = seen.script.source(loop.test), function_around(seen.script, loop)
+        threads = any(True for one in ("Thread", "MultiThreadedExecutor") for _ in calls_of(seen.script, one))
+        if threads or not names or any(one in test for one in _CLOCKS):
             continue
+        values: dict[str, object] = {"test": test, "name": ", ".join(sorted(names))}
+        if not called and not _is_set_elsewhere(seen.script, names, loop):
+            yield Cause("frozen_loop", loop.lineno, values)
+        elif (heard := _set_by_callbacks(seen.script, names)) and not _spins_in(seen.script, loop):
+            handed = function is not None and function.name in _handed_over(seen.script)
+            values = {"test": test, "name": heard, "function": function.name if function else ""}
+            yield Cause("deaf_callback" if handed else "deaf_loop", loop.lineno, values)
+
+
+def _is_set_elsewhere(script: ParsedScript, names: set[str], loop: ast.While) -> bool:
+    """Whether a name may change while a loop runs: set in the loop, or in a function that does not make it."""
+    function = function_around(script, loop)
+    for one in assignments(script):
+        if not any(_may_be(one.target, name) for name in names):
+            continue
+        around = function_around(script, one.statement)
+        if _is_in(script, one.statement, loop):
+            return True
+        if around is not function and getattr(around, "name", "__init__") != "__init__":
+            return True
+    return False
+
+
+def _may_be(target: str, name: str) -> bool:
+    """Whether a name may stand for what an assignment sets, or a part of it: ``node.pose.x`` for ``self.pose``."""
+    _, dot, last = target.rpartition(".")
+    return last in name.split(".")[1:] if dot else target == name.partition(".")[0]
+
+
+def _spins_in(script: ParsedScript, loop: ast.AST, most_calls: int = 3) -> bool:
+    """Whether a loop, or a function that it calls, lets callbacks run."""
+    called = {dotted(one.func).rpartition(".")[2] for one in ast.walk(loop) if isinstance(one, ast.Call)}
+    if called & {*_SPINS, "spin_some"}:
+        return True
+    functions = [one for one in ast.walk(script.tree) if isinstance(one, _Functions) and one.name in called]
+    return most_calls > 0 and any(_spins_in(script, one, most_calls - 1) for one in functions)
+
+
+def _endless(seen: Situation) -> Iterator[Cause]:
+    """Yield the loop that the script was still in at the end, its test and what the names in it stood for."""
+    for loop, values in _loops_at_the_end(seen):
         test = seen.script.source(loop.test)
         names = {dotted(node) for node in ast.walk(loop.test)} - {""}
         shown = ", ".join(f"{name} = {values[name]:g}" for name in sorted(names) if name in values)
-        heard = _set_by_callbacks(seen.script, names)
-        spins = any(_is_in(seen.script, call, loop) for one in _SPINS for call in calls_of(seen.script, one))
-        threads = any(True for one in ("Thread", "MultiThreadedExecutor") for _ in calls_of(seen.script, one))
-        if heard and not spins and not threads:
-            yield Cause("deaf_loop", loop.lineno, {"test": test, "name": heard})
-        elif shown and not any(one in test for one in _CLOCKS) and all(map(_is_small, values.values())):
+        if shown and not any(one in test for one in _CLOCKS) and all(map(_is_small, values.values())):
             yield Cause("endless_loop", loop.lineno, {"test": test, "values": shown})
 
 
@@ -254,7 +299,7 @@ def _set_by_callbacks(script: ParsedScript, names: set[str]) -> str:
     """Return the first of `names` that only a subscription's callback sets; empty if none is."""
     callbacks = named_in(calls_of(script, "create_subscription"))
     for one in assignments(script):
-        if one.target in names:
+        if any(_may_be(one.target, name) for name in names):
             functions = [node.name for node in script.around(one.statement) if isinstance(node, _Functions)]
             if callbacks & set(functions):
                 return one.target

@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from typing import Final
 
 from grader.contracts.names import IMPORTS, MODULES, OTHER_LANGUAGES, near_name
-from grader.contracts.outcome import RunStatus
 from grader.edits.failing import FailingLine, Functions, classes_of, makes_node, own_functions
 from grader.edits.ros import ROS_OPERATORS
 from grader.edits.situation import Proposal, Situation
@@ -62,8 +61,8 @@ _MOST_PLACES: Final = 8
 
 def error_changes(seen: Situation) -> Iterator[Proposal]:
     """Yield changes of what the exception that ended the script points to."""
-    error = seen.outcome.error
-    if seen.outcome.status is not RunStatus.CRASHED or error is None or error.line is None:
+    error = seen.failure
+    if error is None or error.line is None:
         return
     at = FailingLine(seen, error, error.line)
     for operator in (

@@ -4,9 +4,19 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
-from grader.contracts.outcome import RunStatus
 from grader.edits.situation import Proposal, Situation
-from grader.edits.slices import NameSet, assignments, calls_of, dotted, named_in, number_of
+from grader.edits.slices import (
+    NameSet,
+    assignments,
+    calls_of,
+    dotted,
+    function_around,
+    is_call,
+    is_method,
+    named_in,
+    number_of,
+)
+from grader.edits.spins import ENDS, node_name
 from grader.edits.tree import Edit, ParsedScript
 
 AXES: Final = {
@@ -16,7 +26,7 @@ AXES: Final = {
     "angular.y": "angular.z",
     "linear.w": "linear.x",
 }
-_ENDS: Final = ("shutdown", "cancel", "destroy_node", "exit", "destroy_timer", "destroy_publisher")
+_SHORTENS: Final = (".remove", ".pop", ".append")
 _BURST: Final = 3
 _LAST: Final = 3
 _LONG_PAUSE_S: Final = 0.5
@@ -38,21 +48,17 @@ def flow_changes(seen: Situation) -> Iterator[Proposal]:
     yield from _out_of_branches(seen)
     yield from _into_branches(seen)
     yield from _into_ends(seen)
-    yield from _lambdas(seen)
     yield from _counters(seen, known)
-    yield from _without_call(seen)
-    yield from _never_called(seen)
-    yield from _spins(seen)
-    yield from _timers(seen, known)
     yield from _unpublished(seen, known)
     yield from _pauses(seen)
     yield from _long_pauses(seen)
     yield from _sent_once(seen)
     yield from _removed(seen)
-    yield from _objects(seen)
     yield from _guards(seen)
     yield from _logs(seen)
     yield from _late(seen, known)
+    yield from _negated(seen)
+    yield from _sleeps_in_callbacks(seen)
 
 
 def _guards(seen: Situation) -> Iterator[Proposal]:
@@ -73,10 +79,13 @@ def _logs(seen: Situation) -> Iterator[Proposal]:
     """Yield the level that is wanted of a message, and a log for what is only printed."""
     for node in ast.walk(seen.script.tree) if seen.asked.logs else ():
         func = node.func if isinstance(node, ast.Call) else None
-        if isinstance(func, ast.Attribute) and func.attr in ("warn", "warning", "error", "debug", "fatal"):
+        if func is None:
+            continue
+        if dotted(func) in ("print", "logging.info", "logging.warning"):
+            owner = "self" if is_method(seen.script, node) else node_name(seen.script)
+            new = f"{owner}.get_logger().info"
+        elif isinstance(func, ast.Attribute) and func.attr in ("warn", "warning", "error", "debug", "fatal"):
             new = f"{seen.script.source(func.value)}.info"
-        elif isinstance(func, ast.Name) and func.id == "print" and _is_method(seen.script, node):
-            new = "self.get_logger().info"
         else:
             continue
         values = {"line": func.lineno, "old": seen.script.source(func), "new": new}
@@ -157,7 +166,7 @@ def _for_assignment(seen: Situation) -> Iterator[Proposal]:
 
 def _empty_messages(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
     """Yield the message that was filled, where another or a new one is published: if nothing else sends it."""
-    messages = [(_message_of(one), _function_around(seen.script, one.statement)) for one in known]
+    messages = [(_message_of(one), function_around(seen.script, one.statement)) for one in known]
     filled = [one for one in messages if one[0]]
     fresh = [one for one in known if isinstance(one.value, ast.Call) and dotted(one.value.func) == seen.twist]
     unsent = sorted({name for name, function in filled if not _is_sent(seen.script, name, function)})
@@ -180,16 +189,17 @@ def _message_of(one: NameSet) -> str:
     return message if dot else ""
 
 
-def _function_around(script: ParsedScript, node: ast.AST) -> ast.AST | None:
-    return next((one for one in script.around(node) if isinstance(one, _Functions)), None)
-
-
 def _is_sent(script: ParsedScript, name: str, function: ast.AST | None) -> bool:
     """Whether a message is given to a call or returned: a local one in its function, another one anywhere."""
     within = script.tree if function is None or "." in name else function
     for node in ast.walk(within):
         given = [node.value] if isinstance(node, ast.Return) else getattr(node, "args", ())
-        if isinstance(node, ast.Call | ast.Return) and any(dotted(one) == name for one in given):
+        shown = isinstance(node, ast.Call) and dotted(node.func).endswith(("print", "info"))
+        if (
+            isinstance(node, ast.Call | ast.Return)
+            and not shown
+            and any(dotted(one) == name for one in given)
+        ):
             return True
     return False
 
@@ -283,7 +293,7 @@ def _stops(seen: Situation) -> Iterator[Proposal]:
         if statement is None:
             continue
         behind = _outermost(seen, statement)
-        own = stop if publisher.startswith("self.") == _is_method(seen.script, behind) else ""
+        own = stop if publisher.startswith("self.") == is_method(seen.script, behind) else ""
         if own:
             values = {"line": behind.end_lineno or behind.lineno, "function": function}
             cost = 2.5 + depth * 0.5
@@ -291,11 +301,6 @@ def _stops(seen: Situation) -> Iterator[Proposal]:
             wait = "time.sleep(0.1)"
             if depth and calls_of(seen.script, "sleep"):
                 yield Proposal("stop", cost + 1.0, (seen.script.inserted_after(behind, own, wait),), values)
-
-
-def _is_method(script: ParsedScript, node: ast.AST) -> bool:
-    inside = next((one for one in script.around(node) if isinstance(one, _Functions)), None)
-    return inside is not None and bool(inside.args.args) and inside.args.args[0].arg == "self"
 
 
 def _moved(seen: Situation) -> Iterator[Proposal]:
@@ -307,7 +312,7 @@ def _moved(seen: Situation) -> Iterator[Proposal]:
         place = next((i for i, one in enumerate(block) if one is node), -1)
         later = block[place + 1 : place + 3]
         for count in range(1, len(later) + 1):
-            sends_twice = any(_is_call(one, ("publish",)) for one in later[:count]) and _publishes(node)
+            sends_twice = any(is_call(one, ("publish",)) for one in later[:count]) and _publishes(node)
             if any(isinstance(one, ast.Expr) for one in later[:count]) and not sends_twice:
                 edits = _into(seen.script, node.body[-1], later[:count])
                 yield Proposal(
@@ -316,9 +321,16 @@ def _moved(seen: Situation) -> Iterator[Proposal]:
         for count in (1, 2):
             is_paced = _publishes(node) and any(_is_wait(one) for one in node.body[-count:])
             if len(node.body) > count and not is_paced:
+                moved = node.body[-count]
+                if count == 1 and (
+                    isinstance(moved, ast.Assign | ast.AugAssign) or is_call(moved, _SHORTENS)
+                ):
+                    values = {"line": moved.lineno, "old": seen.script.source(moved)}
+                    yield Proposal("removed", 3.9, (seen.script.removed(moved),), values)
+                    continue
                 edits = _out_of(seen.script, node, node.body[-count:])
-                line = node.body[-count].lineno
-                yield Proposal("out_of_loop", 3.7 + count * 0.2, edits, {"line": line, "loop": node.lineno})
+                values = {"line": moved.lineno, "loop": node.lineno}
+                yield Proposal("out_of_loop", 3.7 + count * 0.2, edits, values)
 
 
 def _publishes(loop: ast.AST) -> bool:
@@ -337,10 +349,11 @@ def _out_of_branches(seen: Situation) -> Iterator[Proposal]:
         ):
             outer = above  # an elif
         for branch in (node.body, node.orelse):
-            if len(branch) > 1 and isinstance(branch[-1], ast.Expr):
-                edits = _out_of(seen.script, outer, branch[-1:])
-                values = {"line": branch[-1].lineno, "loop": outer.lineno}
-                yield Proposal("out_of_branch", 2.4, edits, values)
+            sent = [one for one in branch if is_call(one, ("publish",))]
+            for one in {id(each): each for each in (*sent, *branch[-1:])}.values() if len(branch) > 1 else ():
+                if isinstance(one, ast.Expr):
+                    values = {"line": one.lineno, "loop": outer.lineno}
+                    yield Proposal("out_of_branch", 2.4, _out_of(seen.script, outer, [one]), values)
 
 
 def _into_branches(seen: Situation) -> Iterator[Proposal]:
@@ -368,7 +381,7 @@ def _into_ends(seen: Situation) -> Iterator[Proposal]:
         block = seen.script.block_of(node)
         place = next((i for i, one in enumerate(block) if one is node), 0)
         for one in block[place + 1 : place + 2]:
-            ends = isinstance(one, ast.Return | ast.Break) or _is_call(one, _ENDS)
+            ends = isinstance(one, ast.Return | ast.Break) or is_call(one, ENDS)
             if ends or isinstance(one, ast.Assign | ast.AugAssign):
                 edits = _into(seen.script, node.body[-1], [one])
                 values = {"line": one.lineno, "loop": node.lineno}
@@ -421,134 +434,17 @@ def _counters(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]
                 yield Proposal("counter", 1.5, (edit,), values)
 
 
-def _without_call(seen: Situation) -> Iterator[Proposal]:
-    """Yield the brackets of a call that is only named."""
-    for node in ast.walk(seen.script.tree):
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Name | ast.Attribute):
-            name = dotted(node.value)
-            if name:
-                given = _node_name(seen.script) if name.endswith(".spin") else ""
-                new = f"{name}({'msg' if name.endswith('.publish') else given})"
-                edit = seen.script.replaced(node.value, new)
-                yield Proposal("brackets", 0.8, (edit,), {"line": node.lineno, "old": name, "new": new})
-
-
-def _never_called(seen: Situation) -> Iterator[Proposal]:
-    """Yield a call of a function that nothing calls."""
-    used = _used_names(seen.script)
-    for node in ast.walk(seen.script.tree):
-        if not isinstance(node, _Functions) or node.name.startswith("__") or node.name in used:
-            continue
-        needed = len(node.args.args) - len(node.args.defaults)
-        if _is_method(seen.script, node.body[0]):
-            caller = next(
-                (
-                    one
-                    for one in ast.walk(seen.script.tree)
-                    if isinstance(one, ast.FunctionDef)
-                    and one.name == "__init__"
-                    and seen.script.parent(one) is seen.script.parent(node)
-                ),
-                None,
-            )
-            if caller is not None and needed == 1:
-                edit = seen.script.inserted_after(caller.body[-1], f"self.{node.name}()")
-                yield Proposal("call", 3.0, (edit,), {"line": node.lineno, "name": node.name})
-        elif needed == 0 and isinstance(seen.script.parent(node), ast.Module):
-            edit = seen.script.inserted_after(seen.script.tree.body[-1], "", f"{node.name}()")
-            yield Proposal("call", 1.0, (edit,), {"line": node.lineno, "name": node.name})
-
-
-def _used_names(script: ParsedScript) -> set[str]:
-    nodes = list(ast.walk(script.tree))
-    names = {node.id for node in nodes if isinstance(node, ast.Name)}
-    return names | {node.attr for node in nodes if isinstance(node, ast.Attribute)}
-
-
-def _spins(seen: Situation) -> Iterator[Proposal]:
-    """Yield what lets callbacks run: a look in the loop that waits, or a spin at the end."""
-    node_name = _node_name(seen.script)
-    for call in calls_of(seen.script, "spin_once"):
-        if not any(isinstance(one, _Loops) for one in seen.script.around(call)) and call.args:
-            name = seen.script.source(call.args[0])
-            edit = seen.script.replaced(call, f"rclpy.spin({name})")
-            yield Proposal("spun_once", 1.0, (edit,), {"line": call.lineno, "name": name})
-    if any(True for _ in calls_of(seen.script, "spin")):
-        return
-    for loop in ast.walk(seen.script.tree) if seen.outcome.hears else ():
-        if isinstance(loop, ast.While):
-            name = "self" if _is_method(seen.script, loop) else node_name
-            edit = seen.script.inserted_before(loop.body[0], f"rclpy.spin_once({name}, timeout_sec=0.01)")
-            yield Proposal("spin_once", 2.0, (edit,), {"line": loop.lineno})
-    listens = any(
-        True
-        for name in ("create_timer", "create_subscription", "create_service")
-        for _ in calls_of(seen.script, name)
-    )
-    if (
-        seen.outcome.status is RunStatus.FINISHED
-        and node_name != "node()"
-        and (listens or "alive" in seen.lost)
-    ):
-        made = [one for one in assignments(seen.script) if one.target == node_name]
-        if made:
-            block = seen.script.block_of(made[-1].statement)
-            ends = [one for one in block if _is_call(one, ("destroy_node", "shutdown"))]
-            spin = f"rclpy.spin({node_name})"
-            if ends:
-                edit = seen.script.inserted_before(ends[0], spin)
-            else:
-                edit = seen.script.inserted_after(block[-1], spin)
-            yield Proposal("spin", 2.2, (edit,), {"line": made[-1].statement.lineno, "name": node_name})
-
-
-def _is_call(statement: ast.stmt, names: tuple[str, ...]) -> bool:
-    return (
-        isinstance(statement, ast.Expr)
-        and isinstance(statement.value, ast.Call)
-        and dotted(statement.value.func).endswith(names)
-    )
-
-
-def _node_name(script: ParsedScript) -> str:
-    """Return the name that the script has for its node."""
-    classes = {node.name for node in ast.walk(script.tree) if isinstance(node, ast.ClassDef)}
-    for one in assignments(script):
-        if isinstance(one.value, ast.Call):
-            called = dotted(one.value.func)
-            if called in classes or called.endswith(("create_node", "Node")):
-                return one.target
-    return "node()"
-
-
-def _timers(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
-    """Yield the cancelling of a timer, where callbacks make ever more of them."""
-    for one in known:
-        if not (isinstance(one.value, ast.Call) and dotted(one.value.func).endswith("create_timer")):
-            continue
-        if len(one.value.args) < 2 or any(
-            isinstance(node, _Functions) and node.name == "__init__"
-            for node in seen.script.around(one.statement)
-        ):
-            continue
-        callback = dotted(one.value.args[1]).rpartition(".")[2]
-        for node in ast.walk(seen.script.tree):
-            if isinstance(node, _Functions) and node.name == callback:
-                edit = seen.script.inserted_before(node.body[0], f"{one.target}.cancel()")
-                yield Proposal("cancel", 2.0, (edit,), {"line": one.statement.lineno, "name": one.target})
-
-
 def _unpublished(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
     """Yield the publish of a message that is filled and never sent: in the loop behind it, or at once."""
     makers = [one for one in known if isinstance(one.value, ast.Call)]
     publishers = [one.target for one in makers if dotted(one.value.func).endswith("create_publisher")]  # type: ignore[attr-defined]
     lasts = {
-        (_message_of(one), _function_around(seen.script, one.statement)): one.statement
+        (_message_of(one), function_around(seen.script, one.statement)): one.statement
         for one in known
         if one.target.endswith((".linear.x", ".angular.z"))
     }
     for one in makers:
-        key = (one.target, _function_around(seen.script, one.statement))
+        key = (one.target, function_around(seen.script, one.statement))
         if publishers and key not in lasts and dotted(one.value.func) == seen.twist:  # type: ignore[attr-defined]
             yield from _unsent_stop(seen, publishers[0], one.target, one.statement)
     for (message, function), last in lasts.items() if publishers else ():
@@ -561,8 +457,15 @@ def _unpublished(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Propos
         for loop in (one for one in behind if isinstance(one, _Loops)):
             edit = seen.script.inserted_before(loop.body[0], line)
             yield Proposal("publish_in_loop", 0.9, (edit,), {**values, "loop": loop.lineno})
+        shown = [
+            call for call in calls_of(seen.script, "print") if [dotted(one) for one in call.args] == [message]
+        ]
+        for call in shown:
+            new = f"{publishers[0]}.publish"
+            edit = seen.script.replaced(call.func, new)
+            yield Proposal("name", 0.8, (edit,), {"line": call.lineno, "old": "print", "new": new})
         wait = next((one for one in behind if _is_wait(one)), None)
-        if wait is not None:
+        if wait is not None and not _is_short(wait):
             edits = (
                 seen.script.inserted_before(wait, *_repeated(seen.script, line, wait)),
                 seen.script.removed(wait),
@@ -573,13 +476,19 @@ def _unpublished(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Propos
 
 def _unsent_stop(seen: Situation, publisher: str, message: str, made: ast.stmt) -> Iterator[Proposal]:
     """Yield the publish of a message that is made, left as it is and never sent."""
-    if not _is_sent(seen.script, message, _function_around(seen.script, made)):
+    if not _is_sent(seen.script, message, function_around(seen.script, made)):
         edit = seen.script.inserted_after(made, f"{publisher}.publish({message})")
         yield Proposal("publish", 0.9, (edit,), {"line": made.lineno, "name": message})
 
 
 def _is_wait(statement: ast.stmt) -> bool:
-    return _is_call(statement, ("sleep",)) and bool(statement.value.args)  # type: ignore[attr-defined]
+    return is_call(statement, ("sleep",)) and bool(statement.value.args)  # type: ignore[attr-defined]
+
+
+def _is_short(wait: ast.stmt) -> bool:
+    """Whether a wait is that of a loop around it, which sends again by itself."""
+    seconds = number_of(wait.value.args[0])  # type: ignore[attr-defined]
+    return seconds is not None and seconds < _LONG_PAUSE_S
 
 
 def _repeated(script: ParsedScript, line: str, wait: ast.stmt) -> tuple[str, ...]:
@@ -631,7 +540,7 @@ def _sent_once(seen: Situation) -> Iterator[Proposal]:
             block = seen.script.block_of(statement)
             place = next((i for i, one in enumerate(block) if one is statement), 0)
             wait = block[place + 1] if place + 1 < len(block) else statement
-            if not _is_call(statement, ("publish",)) or not _is_wait(wait):
+            if not is_call(statement, ("publish",)) or not _is_wait(wait):
                 continue
             lines = _repeated(seen.script, seen.script.source(statement), wait)
             edits = (
@@ -654,7 +563,7 @@ def _removed(seen: Situation) -> Iterator[Proposal]:
                     )
     for node in ast.walk(seen.script.tree):
         ends = isinstance(node, ast.Break | ast.Return | ast.Continue) or (
-            isinstance(node, ast.stmt) and _is_call(node, (*_ENDS, "rclpy.spin"))
+            isinstance(node, ast.stmt) and is_call(node, (*ENDS, "rclpy.spin"))
         )
         inside = isinstance(node, ast.stmt) and not isinstance(seen.script.parent(node), ast.Module | ast.Try)
         if (
@@ -680,39 +589,34 @@ def _has_rest(seen: Situation, statement: ast.stmt) -> bool:
     around = [one for one in seen.script.around(statement) if isinstance(one, (*_Loops, ast.If))]
     return (
         bool(around)
-        or any(not _is_call(one, _ENDS) for one in block[place + 1 :])
+        or any(not is_call(one, ENDS) for one in block[place + 1 :])
         or _is_callback(seen, block[0])
     )
 
 
 def _is_callback(seen: Situation, statement: ast.stmt) -> bool:
-    function = next((one for one in seen.script.around(statement) if isinstance(one, _Functions)), None)
     makers = [*calls_of(seen.script, "create_timer"), *calls_of(seen.script, "create_subscription")]
+    function = function_around(seen.script, statement)
     return function is not None and function.name in named_in(makers)
 
 
-def _lambdas(seen: Situation) -> Iterator[Proposal]:
-    """Yield the call that a lambda only names."""
+def _negated(seen: Situation) -> Iterator[Proposal]:
+    """Yield a test without the `not` with which it was never true."""
     for node in ast.walk(seen.script.tree):
-        if isinstance(node, ast.Lambda) and dotted(node.body):
-            name = dotted(node.body)
-            edit = seen.script.replaced(node.body, f"{name}()")
-            yield Proposal("brackets", 0.8, (edit,), {"line": node.lineno, "old": name, "new": f"{name}()"})
+        if not isinstance(node, ast.If | ast.While) or not isinstance(node.test, ast.UnaryOp):
+            continue
+        ran = seen.ledger.ran
+        if isinstance(node.test.op, ast.Not) and node.lineno in ran and node.body[0].lineno not in ran:
+            new = seen.script.source(node.test.operand)
+            values = {"line": node.lineno, "old": seen.script.source(node.test), "new": new}
+            yield Proposal("comparison", 0.7, (seen.script.replaced(node.test, new),), values)
 
 
-def _objects(seen: Situation) -> Iterator[Proposal]:
-    """Yield an object, where a class of the script's own is given to `spin`."""
-    classes = {node.name for node in ast.walk(seen.script.tree) if isinstance(node, ast.ClassDef)}
-    for call in calls_of(seen.script, "spin"):
-        if call.args and dotted(call.args[0]) in classes:
-            name = dotted(call.args[0])
-            made = next((one.target for one in assignments(seen.script) if _calls(one.value, name)), "")
-            if made:
-                values = {"line": call.lineno, "old": name, "new": made}
-                yield Proposal("name", 0.4, (seen.script.replaced(call.args[0], made),), values)
-            edit = seen.script.replaced(call.args[0], f"{name}()")
-            yield Proposal("brackets", 0.6, (edit,), {"line": call.lineno, "old": name, "new": f"{name}()"})
-
-
-def _calls(value: ast.expr, name: str) -> bool:
-    return isinstance(value, ast.Call) and dotted(value.func) == name
+def _sleeps_in_callbacks(seen: Situation) -> Iterator[Proposal]:
+    """Yield a timer's callback without a sleep: while it sleeps, neither the timer nor anything else is served."""
+    callbacks = named_in(calls_of(seen.script, "create_timer"))
+    for call in calls_of(seen.script, "sleep"):
+        statement, function = seen.script.parent(call), function_around(seen.script, call)
+        if isinstance(statement, ast.Expr) and function is not None and function.name in callbacks:
+            values = {"line": call.lineno, "old": seen.script.source(call), "name": function.name}
+            yield Proposal("sleeping", 1.2, (seen.script.removed(statement),), values)

@@ -7,9 +7,9 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
-from grader.contracts.outcome import RunStatus, StudentError
+from grader.contracts.outcome import StudentError
 from grader.edits.situation import Proposal, Situation
-from grader.edits.slices import assignments, calls_of, dotted, expressions_behind, number_of
+from grader.edits.slices import assignments, at_top, calls_of, dotted, expressions_behind, number_of
 from grader.edits.tree import Edit, ParsedScript
 
 MODULES: Final = ("math", "os", "random", "rclpy", "sys", "threading", "time")
@@ -54,12 +54,13 @@ _MEANT: Final = re.compile(r"Did you mean: '([^']+)'")
 
 def name_changes(seen: Situation) -> Iterator[Proposal]:
     """Yield changes of what the exception that ended the script names, and of what no command came through."""
-    error = seen.outcome.error
-    if seen.outcome.status is RunStatus.CRASHED and error is not None and error.line is not None:
+    error = seen.failure
+    if error is not None and error.line is not None:
         yield from _of_error(seen, error, error.line)
     if seen.outcome.command_count == 0:
         yield from _topics(seen)
-        yield from _depths(seen)
+    yield from _packages(seen)
+    yield from _qualities(seen)
 
 
 def _of_error(seen: Situation, error: StudentError, line: int) -> Iterator[Proposal]:
@@ -177,13 +178,6 @@ def _imported(seen: Situation, name: str) -> Iterator[Proposal]:
     else:
         return
     yield Proposal("import", 0.1, (at_top(seen.script, line),), {"line": 1, "new": line, "name": name})
-
-
-def at_top(script: ParsedScript, line: str) -> Edit:
-    """Return the edit that adds a statement before the first import."""
-    imports = [one for one in script.tree.body if isinstance(one, ast.Import | ast.ImportFrom)]
-    first = imports[0] if imports else script.tree.body[0]
-    return script.inserted_before(first, line)
 
 
 def _of_self(seen: Situation, line: int, name: str) -> Iterator[Proposal]:
@@ -311,29 +305,82 @@ def _makers(script: ParsedScript) -> Iterator[ast.stmt]:
 def _topics(seen: Situation) -> Iterator[Proposal]:
     """Yield the topic, the type and the message that move the car, for a publisher that does not."""
     for call in calls_of(seen.script, "create_publisher"):
-        given = [*call.args, *(keyword.value for keyword in call.keywords)]
-        for argument in given:
-            topic = argument.value if isinstance(argument, ast.Constant) else None
-            if isinstance(topic, str) and topic.lstrip("/") != seen.topic.lstrip("/"):
-                edit = seen.script.replaced(argument, f"'{seen.topic}'")
-                values = {"line": argument.lineno, "old": topic, "new": seen.topic}
-                yield Proposal("topic", 1.0, (edit,), values)
-        kind = given[0] if given else None
+        given = dict(zip(("msg_type", "topic"), call.args, strict=False))
+        given |= {one.arg: one.value for one in call.keywords if one.arg}
+        topic, kind = given.get("topic"), given.get("msg_type")
+        if topic is not None:
+            set_to = [one.value for one in assignments(seen.script) if one.target == dotted(topic)]
+            place = set_to[0] if len(set_to) == 1 else topic
+            old = place.value if isinstance(place, ast.Constant) else seen.script.source(place)
+            if old != seen.topic:
+                values = {"line": place.lineno, "old": old, "new": seen.topic}
+                yield Proposal("topic", 1.0, (seen.script.replaced(place, f"'{seen.topic}'"),), values)
         if kind is not None and dotted(kind) and dotted(kind) != seen.twist:
             yield from _of_type(seen, kind)
 
 
-def _depths(seen: Situation) -> Iterator[Proposal]:
-    """Yield the usual queue for a quality of service that the car does not get."""
-    if any(note.code == "incompatible_qos" for note in seen.outcome.notes):
-        for call in calls_of(seen.script, "create_publisher"):
-            if len(call.args) == 3:
-                values = {"line": call.lineno, "old": seen.script.source(call.args[2]), "new": "10"}
-                yield Proposal("name", 0.5, (seen.script.replaced(call.args[2], "10"),), values)
+def _qualities(seen: Situation) -> Iterator[Proposal]:
+    """Yield the quality of service that fits a topic: that of sensors, or the usual queue."""
+    for note in seen.outcome.notes:
+        if note.code not in ("incompatible_qos", "sensor_qos"):
+            continue
+        for call in (
+            one for name in ("create_publisher", "create_subscription") for one in calls_of(seen.script, name)
+        ):
+            given = {one.arg: one.value for one in call.keywords}
+            quality = given.get("qos_profile") or (call.args[-1] if len(call.args) >= 3 else None)
+            topic = seen.script.source(given.get("topic") or call.args[1] if len(call.args) > 1 else call)
+            is_meant = not topic.startswith(("'", '"')) or topic.strip("'\"/").endswith(note.text.strip("/"))
+            if quality is None or not is_meant:
+                continue
+            new = "10" if note.code == "incompatible_qos" else "qos_profile_sensor_data"
+            edits = [seen.script.replaced(quality, new)]
+            if new != "10" and new not in _all_names(seen.script):
+                edits.append(at_top(seen.script, f"from rclpy.qos import {new}"))
+            values = {
+                "line": quality.lineno,
+                "old": seen.script.source(quality),
+                "new": new,
+                "topic": note.text,
+            }
+            yield Proposal("quality", 0.5, tuple(edits), values)
+
+
+def _packages(seen: Situation) -> Iterator[Proposal]:
+    """Yield the package that has the type of a topic, for one that has another type of the same name."""
+    if not any(note.code == "type_mismatch" for note in seen.outcome.notes):
+        return
+    for node in ast.walk(seen.script.tree):
+        if not isinstance(node, ast.ImportFrom) or node.level or node.module != "geometry_msgs.msg":
+            continue
+        others = [one for one in node.names if one.name != "Pose"]
+        if len(others) == len(node.names):
+            continue
+        new = "from turtlesim.msg import Pose"
+        edits = [seen.script.replaced(node, new)]
+        if others:
+            rest = ", ".join(f"{one.name} as {one.asname}" if one.asname else one.name for one in others)
+            edits = [
+                seen.script.replaced(node, f"from geometry_msgs.msg import {rest}"),
+                seen.script.inserted_after(node, new),
+            ]
+        values = {"line": node.lineno, "old": "geometry_msgs.msg.Pose", "new": "turtlesim.msg.Pose"}
+        yield Proposal("name", 0.3, tuple(edits), values)
+
+
+_MEANT_FIELDS: Final = {
+    "twist.linear.x": "linear.x",
+    "twist.angular.z": "angular.z",
+    "linear_velocity": "linear.x",
+    "angular_velocity": "angular.z",
+    "x": "linear.x",
+    "z": "angular.z",
+}
+"""Fields of other messages that beginners take for a command, and those of a Twist that are meant."""
 
 
 def _of_type(seen: Situation, kind: ast.expr) -> Iterator[Proposal]:
-    """Yield Twist for another type, with its import."""
+    """Yield Twist for another type, with its import, and with the fields that are meant."""
     old = dotted(kind)
     edits = [seen.script.replaced(kind, seen.twist)]
     for call in calls_of(seen.script, old):
@@ -341,5 +388,27 @@ def _of_type(seen: Situation, kind: ast.expr) -> Iterator[Proposal]:
     if seen.twist not in _all_names(seen.script):
         edits.append(at_top(seen.script, f"from geometry_msgs.msg import {seen.twist}"))
     values = {"line": kind.lineno, "old": old, "new": seen.twist}
+    if fields := _meant_fields(seen, old):
+        yield Proposal("type", 0.7, tuple(dict.fromkeys((*edits, *fields))), values)
     yield Proposal("type", 0.9, tuple(dict.fromkeys(edits)), values)
     yield Proposal("type", 0.8, (edits[0], *edits[2:][-1:]), values)
+
+
+def _meant_fields(seen: Situation, kind: str) -> list[Edit]:
+    """Return the edits of the fields that are set on messages of a type, if all can be those of a Twist."""
+    known = assignments(seen.script)
+    messages = {
+        one.target for one in known if isinstance(one.value, ast.Call) and dotted(one.value.func) == kind
+    }
+    edits: list[Edit] = []
+    for one in known:
+        for message in messages:
+            field = one.target.removeprefix(f"{message}.")
+            if field == one.target or not isinstance(one.statement, ast.Assign):
+                continue
+            if field.startswith("header"):
+                edits.append(seen.script.removed(one.statement))
+            elif field in _MEANT_FIELDS:
+                new = f"{message}.{_MEANT_FIELDS[field]}"
+                edits.append(seen.script.replaced(one.statement.targets[0], new))
+    return edits

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from grader.contracts.outcome import StudentError
 from grader.edits.asked import asked_changes
+from grader.edits.calls import call_changes
 from grader.edits.counts import count_changes
 from grader.edits.directions import direction_changes
 from grader.edits.errors import error_changes
@@ -14,6 +15,7 @@ from grader.edits.headings import heading_changes
 from grader.edits.names import name_changes
 from grader.edits.numbers import number_changes
 from grader.edits.situation import Proposal, Situation
+from grader.edits.spins import spin_changes
 from grader.edits.state import state_changes
 from grader.edits.syntax import syntax_changes
 from grader.edits.tree import applied
@@ -23,7 +25,7 @@ _EVERYWHERE = 0.05  # behind the change at the one place where it is most plausi
 _SOURCES = (
     *(name_changes, error_changes, asked_changes, direction_changes, fitting_changes),
     heading_changes,
-    *(flow_changes, state_changes, count_changes, number_changes),
+    *(flow_changes, spin_changes, call_changes, state_changes, count_changes, number_changes),
 )
 _OF_SIZES = frozenset(("converted", "degrees", "exchanged", "left_over", "scaled", "sign", "stop"))
 """Kinds of change that cannot make up for rounds that are missing."""

@@ -6,9 +6,8 @@ from collections.abc import Callable, Iterator
 from typing import Final
 
 from grader.edits.failing import FailingLine, classes_of, makes_node, own_functions
-from grader.edits.names import at_top
 from grader.edits.situation import Proposal
-from grader.edits.slices import calls_of, dotted, named_in, number_of
+from grader.edits.slices import at_top, calls_of, dotted, named_in, number_of
 from grader.edits.tree import Edit
 
 

@@ -2,11 +2,12 @@
 
 import itertools
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from grader.contracts.outcome import RunOutcome, RunStatus
+from grader.contracts.outcome import RunOutcome, RunStatus, StudentError
 from grader.edits.received import Ledger, Motion
 from grader.edits.slices import calls_of, dotted
 from grader.edits.tree import Edit, ParsedScript
@@ -18,6 +19,7 @@ _FITS = 0.03  # of a size: what turtlesim's updates and a loop's period add or t
 _ALIKE = 0.1  # of a motion's time: what updates and the period of a loop change is less
 _MOST_MOTIONS = 8
 _MOST_LINES = 12
+_IN_NOTE = re.compile(r"[^:]*?(?:\bline (\d{1,7}))?: (\w+)(?:: (.*))?", re.DOTALL | re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -131,6 +133,18 @@ class Situation:
     lost: frozenset[str] = frozenset()
     fields: tuple[str, ...] = ()
     asked: Stated = field(default_factory=Stated)
+
+    @cached_property
+    def failure(self) -> StudentError | None:
+        """The exception that ended the script, or else the first one that something in it has caught."""
+        if self.outcome.status is RunStatus.CRASHED:
+            return self.outcome.error
+        for note in self.outcome.notes if self.outcome.status is not RunStatus.SYNTAX_ERROR else ():
+            if note.code == "caught" and (match := _IN_NOTE.fullmatch(note.text)) is not None:
+                line = int(match[1] or 0) or None
+                message, meant, name = (match[3] or "").partition(". Did you mean: ")
+                return StudentError(type=match[2], message=message, line=line, traceback=meant + name)
+        return None
 
     @cached_property
     def driven(self) -> tuple[Driven, ...]:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from typing import Final, NamedTuple
 
-from grader.edits.tree import ParsedScript
+from grader.edits.tree import Edit, ParsedScript
 
 _MOST_STEPS: Final = 5
 _MOST_NUMBERS: Final = 40
@@ -277,3 +277,29 @@ def _calls(script: ParsedScript) -> dict[str, list[ast.Call]]:
         if isinstance(node, ast.Call):
             calls.setdefault(dotted(node.func).rpartition(".")[2], []).append(node)
     return calls
+
+
+def is_call(node: ast.AST, names: tuple[str, ...]) -> bool:
+    """Whether a statement only calls something whose name ends in one of `names`."""
+    return (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Call)
+        and dotted(node.value.func).endswith(names)
+    )
+
+
+def is_method(script: ParsedScript, node: ast.AST) -> bool:
+    """Whether a node stands in a function that knows its object as ``self``."""
+    inside = next((one for one in script.around(node) if isinstance(one, _Functions)), None)
+    return inside is not None and bool(inside.args.args) and inside.args.args[0].arg == "self"
+
+
+def function_around(script: ParsedScript, node: ast.AST) -> ast.FunctionDef | ast.AsyncFunctionDef | None:
+    """Return the innermost function around a node; None on the top level."""
+    return next((one for one in script.around(node) if isinstance(one, _Functions)), None)
+
+
+def at_top(script: ParsedScript, line: str) -> Edit:
+    """Return the edit that adds an import before the first one."""
+    imports = [one for one in script.tree.body if isinstance(one, ast.Import | ast.ImportFrom)]
+    return script.inserted_before(imports[0] if imports else script.tree.body[0], line)

@@ -7,7 +7,15 @@ from dataclasses import replace
 from typing import Final, NamedTuple
 
 from grader.edits.situation import Proposal, Situation
-from grader.edits.slices import NameSet, assignments, calls_of, dotted, known_number, named_in, number_of
+from grader.edits.slices import (
+    NameSet,
+    assignments,
+    calls_of,
+    dotted,
+    known_number,
+    named_in,
+    number_of,
+)
 from grader.edits.tree import Edit, ParsedScript
 
 _Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -29,10 +37,9 @@ def state_changes(seen: Situation) -> Iterator[Proposal]:
     yield from _resets(seen, known, tests)
     yield from _states(seen, known, tests)
     yield from _scopes(seen, known)
-    yield from _units(seen, tests)
+    yield from _units(seen, known, tests)
     yield from _factors(seen)
     yield from _signs(seen)
-    yield from _started(seen, known)
     yield from _classes(seen)
     yield from _kept_first(seen, known)
 
@@ -311,7 +318,9 @@ def _scopes(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
             yield Proposal("global", 1.3, (edit,), values)
 
 
-def _units(seen: Situation, tests: list[ast.While | ast.If]) -> Iterator[Proposal]:
+def _units(
+    seen: Situation, known: tuple[NameSet, ...], tests: list[ast.While | ast.If]
+) -> Iterator[Proposal]:
     """Yield seconds for what is given in milliseconds, and nanoseconds where these are compared."""
     for name in _PERIODS:
         for call in calls_of(seen.script, name):
@@ -326,6 +335,12 @@ def _units(seen: Situation, tests: list[ast.While | ast.If]) -> Iterator[Proposa
         for node in ast.walk(test.test):
             if isinstance(node, ast.Compare) and len(node.ops) == 1:
                 yield from _nanoseconds(seen.script, node)
+    asked = {dotted(node) for test in tests for node in ast.walk(test.test)} - {""}
+    for one in known:
+        old = seen.script.source(one.value)
+        if one.target in asked and old.endswith("nanoseconds"):
+            values = {"line": one.statement.lineno, "old": old, "new": f"{old} / 1e9"}
+            yield Proposal("nanoseconds", 0.9, (seen.script.replaced(one.value, f"{old} / 1e9"),), values)
 
 
 def _nanoseconds(script: ParsedScript, node: ast.Compare) -> Iterator[Proposal]:
@@ -372,16 +387,6 @@ def _signs(seen: Situation) -> Iterator[Proposal]:
             old = seen.script.source(node.right)
             values = {"line": node.lineno, "old": old, "new": f"abs({old})"}
             yield Proposal("absolute", 2.6, (seen.script.replaced(node.right, f"abs({old})"),), values)
-
-
-def _started(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
-    """Yield the start of a thread that is made and not started."""
-    started = {dotted(call.func).rpartition(".")[0] for call in calls_of(seen.script, "start")}
-    for one in known:
-        is_thread = isinstance(one.value, ast.Call) and dotted(one.value.func).endswith(("Thread", "Timer"))
-        if is_thread and one.target not in started:
-            edit = seen.script.inserted_after(one.statement, f"{one.target}.start()")
-            yield Proposal("start", 0.9, (edit,), {"line": one.statement.lineno, "name": one.target})
 
 
 def _classes(seen: Situation) -> Iterator[Proposal]:

@@ -50,7 +50,17 @@ _GUESSED: Final = _FITTED | {"comparison", "converted", "exchanged", "operator",
 """Kinds of change that may gain by chance, because they make up for what is wrong elsewhere."""
 _AS_LIKELY: Final = 0.5  # of cost: proposals that are no further apart are taken to be equally likely
 _SAME: Final = 0.03  # of a drive or a turn: what updates of turtlesim change
-_SPINS: Final = ("spin", "spun_once", "spin_once", "brackets", "call", "class")
+_SPINS: Final = (
+    "await",
+    "brackets",
+    "call",
+    "class",
+    "spin",
+    "spin_once",
+    "spun_early",
+    "spun_once",
+    "start",
+)
 """Changes after which a node runs on, as it is meant to."""
 _MOST_BRANCHES: Final = 2
 _SHARE_OF_STEP: Final = 0.25
@@ -440,7 +450,8 @@ def _goes_on(before: RunOutcome, after: RunOutcome) -> bool:
 
     To draw a figure again and again earns all, so an endless loop would make up for any count.
     """
-    return before.status is RunStatus.FINISHED and after.status is RunStatus.INTERRUPTED
+    drove = before.status is RunStatus.FINISHED and before.command_count > 0
+    return drove and after.status is RunStatus.INTERRUPTED
 
 
 def _is_undone(before: str, after: str, at_last: str) -> bool:

@@ -14,14 +14,15 @@ KINDS: Final = {
     kind: frozenset(codes.split())
     for kind, codes in {
         "silent": """
-            alive always_true class_not_made deaf_loop empty_loop error_caught forgets held
+            alive always_true class_not_made deaf_callback deaf_loop empty_loop error_caught forgets
+            frozen_loop held
             idle_axis incompatible_qos info_logs init_without_node killed left_before listens_nowhere
             listens_other_quality never_called never_logged never_published never_spun never_true no_drive
-            no_message no_publisher no_turns nodes not_received not_spinning nothing_ran nothing_sent
-            nothing_spins nothing_spins_while only_printed only_stops period printed
+            no_publisher no_turns nodes not_received not_spinning nothing_ran nothing_sent
+            only_printed only_stops period printed
             publishes_at_other_times publishes_nothing publishes_nowhere sensor_qos
             service_nowhere sideways sleeps sleeps_too_long stalled stopped_at_once swings
-            thread_crashed timer_in_callback timer_later too_brief topic_nowhere turtle_killed
+            thread_crashed timer_in_callback too_brief topic_nowhere turtle_killed
             two_spins types_differ waits_before wrong_topic wrong_type
         """,
         "size": """
