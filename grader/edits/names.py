@@ -83,7 +83,6 @@ def _of_error(seen: Situation, error: StudentError, line: int) -> Iterator[Propo
     if error.type in ("AssertionError", "TypeError"):
         yield from _floats(seen, line)
         yield from _parameters(seen, error, line)
-        yield from _instances(seen, line)
     if error.type == "ValueError":
         for call in calls_of(seen.script, "int"):
             old = seen.script.source(call)
@@ -261,16 +260,6 @@ def _parameters(seen: Situation, error: StudentError, line: int) -> Iterator[Pro
             if call.lineno == line and name in error.message and "qos_profile" in error.message:
                 end = seen.script.span(call)[1] - 1
                 yield Proposal("depth", 0.1, (Edit(end, end, ", 10"),), {"line": line, "name": name})
-
-
-def _instances(seen: Situation, line: int) -> Iterator[Proposal]:
-    """Yield an object of a class, where the class itself is published."""
-    for call in calls_of(seen.script, "publish"):
-        if call.lineno == line and call.args and dotted(call.args[0]) == seen.twist:
-            edit = seen.script.replaced(call.args[0], f"{seen.twist}()")
-            yield Proposal(
-                "brackets", 0.3, (edit,), {"line": line, "old": seen.twist, "new": f"{seen.twist}()"}
-            )
 
 
 def _globals(seen: Situation, line: int, name: str) -> Iterator[Proposal]:

@@ -59,7 +59,8 @@ def _beginnings(at: FailingLine, method: ast.FunctionDef) -> Iterator[Proposal]:
 
 def _parameters_of_ros(at: FailingLine) -> Iterator[Proposal]:
     """Yield the value of a parameter, and its declaration with a default."""
-    values = [*dict.fromkeys((*map(str, at.seen.wanted.lengths_m[:2]), "1.0"))]
+    lengths = [one for one in at.seen.wanted.lengths_m[:2] if one >= 1.0]  # less is what is wanted at least
+    values = [*dict.fromkeys((*map(str, lengths), "1.0"))]
     for call in (*calls_of(at.script, "get_parameter"), *calls_of(at.script, "declare_parameter")):
         parent = at.script.parent(call)
         if isinstance(parent, ast.Attribute) and parent.attr != "value":
