@@ -10,7 +10,7 @@ from typing import Final
 from grader.contracts.assignment import Assignment
 from grader.contracts.conversation import Expectation, Step
 from grader.edits.situation import Proposal, Situation, Stated
-from grader.edits.slices import assignments, calls_of, dotted, expressions_behind, number_of
+from grader.edits.slices import assignments, calls_of, dotted, expressions_behind, is_read, number_of
 from grader.edits.tree import Edit, ParsedScript
 
 _Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -69,7 +69,9 @@ def asked_of(assignment: Assignment, lost: frozenset[str]) -> Stated:
         names={group: tuple(dict.fromkeys(found)) for group, found in names.items()},
         kinds=frozenset(one.type.rpartition("/")[2] for one in expected if one.type),
         fields=frozenset(key for table in values for key in table),
-        inputs=tuple(dict.fromkeys(key for step in assignment.steps for key in step.values)),
+        inputs=tuple(
+            dict.fromkeys(key for step in assignment.steps if step.kind != "set" for key in step.values)
+        ),
         rates_hz=tuple(dict.fromkeys(one.rate_hz for one in expected if one.rate_hz and one.kind == "topic")),
         levels=tuple(
             round((low + high) / 2.0, 4)
@@ -101,6 +103,8 @@ def asked_changes(seen: Situation) -> Iterator[Proposal]:
     yield from _uncounted(seen)
     yield from _left_out(seen)
     yield from _ends_of_goals(seen)
+    yield from _read_once(seen)
+    yield from _logged(seen)
     yield from _levels(seen)
     yield from _goals(seen)
 
@@ -287,20 +291,63 @@ def _ends_of_goals(seen: Situation) -> Iterator[Proposal]:
             yield _missing(0.7, script.inserted_after(last, new), last.lineno, new)
 
 
+def _read_once(seen: Situation) -> Iterator[Proposal]:
+    """Yield a parameter that is read where it is used, for one that was read once and may have been set since."""
+    for one in assignments(seen.script) if seen.asked.names.get("parameter") else ():
+        value = one.value
+        if not (
+            isinstance(value, ast.Attribute) and isinstance(value.value, ast.Call) and value.attr == "value"
+        ):
+            continue
+        if not dotted(value.value.func).endswith("get_parameter"):
+            continue
+        own = next((each for each in seen.script.around(one.statement) if isinstance(each, _Functions)), None)
+        for node in ast.walk(seen.script.tree):
+            if not isinstance(node, ast.Attribute | ast.Name) or dotted(node) != one.target:
+                continue
+            if is_read(seen.script, node) and not any(each is own for each in seen.script.around(node)):
+                yield _name(seen.script, 1.4, node, seen.script.source(value))
+
+
+def _logged(seen: Situation) -> Iterator[Proposal]:
+    """Yield a field of a message, for the whole message in a log."""
+    for call in ast.walk(seen.script.tree) if seen.asked.logs else ():
+        if not isinstance(call, ast.Call) or getattr(call.func, "attr", "") != "info":
+            continue
+        function = next((one for one in seen.script.around(call) if isinstance(one, _Functions)), None)
+        message = function.args.args[-1].arg if function is not None and function.args.args else "self"
+        for name in seen.asked.inputs if message != "self" else ():
+            for given in call.args:
+                old = seen.script.source(given)
+                braces = isinstance(given, ast.JoinedStr)
+                before, after = (
+                    (f"{{{message}}}", f"{{{message}.{name}}}") if braces else (message, f"{message}.{name}")
+                )
+                if before in old and after not in old:
+                    yield _name(seen.script, 1.0, given, old.replace(before, after))
+
+
 def _levels(seen: Situation) -> Iterator[Proposal]:
-    """Yield the distance that is to be kept, for another number that is given a name or compared."""
+    """Yield the distance that is to be kept, for another number that is given a name, compared or taken off."""
+    rates = {dotted(one.value) for one in assignments(seen.script) if one.target.endswith((".x", ".z"))} - {
+        ""
+    }
     for node in ast.walk(seen.script.tree) if seen.asked.levels else ():
-        value = number_of(node)
-        parent = seen.script.parent(node)
+        value, parent = number_of(node), seen.script.parent(node)
         if value is None or value <= 0.0 or not isinstance(node, ast.Constant):
             continue
-        if isinstance(parent, ast.Assign) and dotted(parent.targets[0]).endswith((".x", ".y", ".z")):
+        name = dotted(parent.targets[0]) if isinstance(parent, ast.Assign) else ""
+        is_difference = isinstance(parent, ast.BinOp) and isinstance(parent.op, ast.Add | ast.Sub)
+        if (
+            name in rates
+            or name.endswith((".x", ".z"))
+            or not (name or is_difference or isinstance(parent, ast.Compare))
+        ):
             continue
-        for level in seen.asked.levels if isinstance(parent, ast.Assign | ast.Compare | ast.BinOp) else ():
+        for level in seen.asked.levels:
             ratio = abs(math.log(value / level))
             if _SAME < ratio <= math.log(_MOST_RATIO) * 1.01:
-                cost = 1.0 + 0.1 * ratio + 0.4 * (not isinstance(parent, ast.Assign))
-                yield _name(seen.script, cost + isinstance(parent, ast.BinOp), node, f"{level:g}")
+                yield _name(seen.script, 1.0 + 0.1 * ratio + 0.4 * (not name), node, f"{level:g}")
 
 
 def _goals(seen: Situation) -> Iterator[Proposal]:

@@ -22,6 +22,7 @@ from grader.edits.slices import (
     calls_of,
     dotted,
     function_around,
+    is_read,
     named_in,
     number_of,
 )
@@ -423,21 +424,27 @@ def _too_large(seen: Situation) -> Iterator[Cause]:
 
 
 def _open_loop(seen: Situation) -> Iterator[Cause]:
-    """Yield the first motion of a car that slips, where nothing that a callback keeps is read anywhere else."""
-    callbacks = named_in(calls_of(seen.script, "create_subscription"))
-    functions = [
-        node for node in ast.walk(seen.script.tree) if isinstance(node, _Functions) and node.name in callbacks
-    ]
+    """Yield the first motion of a car that slips, where what the callbacks keep is only waited for."""
+    script, callbacks = seen.script, named_in(calls_of(seen.script, "create_subscription"))
+    nodes = list(ast.walk(script.tree))
+    functions = [one for one in nodes if isinstance(one, _Functions) and one.name in callbacks]
     inside = {id(node) for function in functions for node in ast.walk(function)}
-    kept = {one.target for one in assignments(seen.script) if id(one.statement) in inside}
-    used = any(
-        dotted(node) in kept and isinstance(getattr(node, "ctx", None), ast.Load)
-        for node in ast.walk(seen.script.tree)
-        if id(node) not in inside
-    )
-    publishes = any(call for call in calls_of(seen.script, "publish") if id(call) in inside)
-    if seen.asked.slips and seen.driven and not used and not publishes:
+    kept = {one.target for one in assignments(script) if id(one.statement) in inside}
+    elsewhere = not kept and any(isinstance(one, ast.Call) for one in nodes if id(one) in inside)
+    if not seen.asked.slips or not seen.driven or elsewhere:
+        return
+    publishes = any(id(call) in inside for call in calls_of(script, "publish"))
+    outside = [one for one in nodes if id(one) not in inside and dotted(one) in kept and is_read(script, one)]
+    if not publishes and all(_is_idle(script, one) for one in outside):
         yield Cause("open_loop", seen.driven[0].motion.line)
+
+
+def _is_idle(script: ParsedScript, name: ast.AST) -> bool:
+    """Whether a name is only asked whether it has come, or logged."""
+    parent = script.parent(name)
+    asks = isinstance(parent, ast.Compare) and isinstance(parent.ops[0], ast.Is | ast.IsNot)
+    calls = [one.func for one in script.around(name) if isinstance(one, ast.Call)]
+    return asks or isinstance(parent, ast.UnaryOp) or any(getattr(one, "attr", "") == "info" for one in calls)
 
 
 def _too_slow(seen: Situation) -> Iterator[Cause]:

@@ -5,6 +5,7 @@ import itertools
 import math
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Final
 
 from grader.contracts.outcome import RunStatus
@@ -437,6 +438,19 @@ def _opposed(seen: Situation) -> Iterator[Proposal]:
     if not seen.outcome.hears:
         return
     script = seen.script
+    backward = [
+        (node.left, node.right)
+        for node in ast.walk(script.tree)
+        if isinstance(node, ast.BinOp)
+        and isinstance(node.op, ast.Sub)
+        and not _is_summand(script, node)
+        and _NOW.search(script.source(node.left))
+        and not _NOW.search(script.source(node.right))
+    ]
+    swapped = [next(_exchanged(script, 1.15, *pair)) for pair in backward[:_MOST_SWAPS]]
+    if len(swapped) > 1:
+        yield replace(swapped[0], edits=tuple(edit for one in swapped for edit in one.edits))
+    only_turned = not any(one.motion.v for one in seen.driven)
     for one in assignments(script):
         if not one.target.endswith((".linear.x", ".angular.z")) or number_of(one.value) is not None:
             continue
@@ -453,7 +467,8 @@ def _opposed(seen: Situation) -> Iterator[Proposal]:
         new = f"-{old}" if _is_product(one.value) else f"-({old})"
         new = old[1:] if old.startswith("-") and _is_product(one.value) else new
         values = {"line": one.statement.lineno, "old": old, "new": new}
-        yield Proposal("sign", 2.1, (script.replaced(one.value, new),), values)
+        cost = 1.4 if only_turned and one.target.endswith(".angular.z") else 2.1
+        yield Proposal("sign", cost, (script.replaced(one.value, new),), values)
 
 
 def _goes_into(script: ParsedScript, node: ast.expr, names: set[str]) -> bool:

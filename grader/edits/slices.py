@@ -64,6 +64,12 @@ def _pairs(statement: ast.stmt, target: ast.expr, value: ast.expr) -> Iterator[N
         yield NameSet(statement, name, value)
 
 
+def is_read(script: ParsedScript, node: ast.AST) -> bool:
+    """Whether a name stands where its value is asked for, and not where it is set."""
+    parent = script.parent(node)
+    return not isinstance(parent, ast.Assign) or all(one is not node for one in parent.targets)
+
+
 def heads(script: ParsedScript, statement: ast.stmt) -> Iterator[ast.expr]:
     """Yield what decides whether and how often a statement runs, up to its function: tests, what loops go over."""
     for node in script.around(statement):

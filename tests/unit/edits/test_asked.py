@@ -48,6 +48,16 @@ CHANGES = {
         "goal.succeed()\n    return r\n",
     ),
     "a distance": ("GOAL = 50\nif scan.ranges[0] > GOAL: go()", Stated(levels=(0.5,)), "GOAL = 0.5\n"),
+    "a parameter that is set later": (
+        "def init(self):\n    self.v = self.get_parameter('v').value\ndef tick(self):\n    m.data = self.v\n",
+        Stated(names={"parameter": ("v",)}),
+        "m.data = self.get_parameter('v').value",
+    ),
+    "a logged field": (
+        "def heard(self, msg):\n    self.get_logger().info(f'{msg}')\n",
+        Stated(logs=True, inputs=("data",)),
+        "info(f'{msg.data}')",
+    ),
     "a place": ("goals = [(1.2, 0.6), (1.8, 0.5)]", Stated(goals=((1.2, 0.6), (1.8, -0.5))), "(1.8, -0.5)]"),
     "a goal's names": ("goal_x, goal_y = 8, 2", Stated(goals=((2.0, 8.0),)), "goal_x, goal_y = 2.0, 8.0"),
 }

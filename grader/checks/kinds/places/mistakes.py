@@ -10,7 +10,7 @@ from grader.checks.surroundings import name_of
 from grader.contracts.assignment import Assignment
 from grader.contracts.scoring import Run
 from grader.messages import say
-from grader.messages.quantity import number
+from grader.messages.quantity import number, number_beside
 
 _GOAL_MEASURES = ("reached", "reached_pct", "missed_m", "time_s", "detour_pct")
 _END_MEASURES = ("end_off_m", "heading_error_deg")
@@ -58,7 +58,7 @@ def _entered_in_vain(visits: Sequence[Visit], first: Visit) -> Mistake:
         came, by = number(came_s, "s"), number(goal.by_s, "s")
         return mistake("place_late", _GOAL_MEASURES, goal=first.number, came=came, by=by)
     if first.stayed_s < goal.hold_s:
-        stayed, hold = number(first.stayed_s, "s"), number(goal.hold_s, "s")
+        stayed, hold = number_beside(first.stayed_s, "s", (goal.hold_s,)), number(goal.hold_s, "s")
         return mistake("place_not_held", _GOAL_MEASURES, goal=first.number, stayed=stayed, hold=hold)
     came_in = sorted(
         (visit for visit in visits if visit.entered_s is not None), key=lambda visit: visit.entered_s or 0.0
