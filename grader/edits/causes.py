@@ -17,7 +17,6 @@ from grader.edits.flow import AXES
 from grader.edits.received import Motion
 from grader.edits.situation import HOLD_NS, Driven, Situation
 from grader.edits.slices import (
-    NameSet,
     assignments,
     calls_of,
     dotted,
@@ -65,7 +64,6 @@ def stated_cause(seen: Situation) -> Cause | None:
     of_flow = (
         _timers_in_callbacks,
         _contended,
-        _forgets,
         _slow_timer,
         _frozen,
         _never_ran,
@@ -319,23 +317,6 @@ def _timers_in_callbacks(seen: Situation) -> Iterator[Cause]:
             yield Cause("timer_in_callback", call.lineno, {"name": inside[0]})
 
 
-def _forgets(seen: Situation) -> Iterator[Cause]:
-    """Yield a local name that a callback sets anew each time before it counts it."""
-    for call in calls_of(seen.script, "create_timer"):
-        names = named_in([call])
-        for node in ast.walk(seen.script.tree):
-            if not isinstance(node, ast.FunctionDef) or node.name not in names:
-                continue
-            begun = [
-                one for one in assignments(seen.script) if any(one.statement is each for each in node.body)
-            ]
-            for one in begun:
-                counts = [each for each in begun if each.target == one.target and _grows(each)]
-                is_begin = "." not in one.target and number_of(one.value) is not None and not _grows(one)
-                if is_begin and counts and one.statement.lineno < counts[0].statement.lineno:
-                    yield Cause("forgets", one.statement.lineno, {"name": one.target, "function": node.name})
-
-
 def _contended(seen: Situation) -> Iterator[Cause]:
     """Yield two lines that command by turns, each something else, from two callbacks or one and the main part.
 
@@ -355,16 +336,6 @@ def _contended(seen: Situation) -> Iterator[Cause]:
         ):
             yield Cause("contended", min(pair), {"other": max(pair)})
             return
-
-
-def _grows(one: NameSet) -> bool:
-    """Whether an assignment adds to what its name stands for."""
-    if isinstance(one.statement, ast.AugAssign):
-        return True
-    return isinstance(one.value, ast.BinOp) and one.target in (
-        dotted(one.value.left),
-        dotted(one.value.right),
-    )
 
 
 def _handed_over(script: ParsedScript) -> set[str]:

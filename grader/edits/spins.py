@@ -75,11 +75,11 @@ def _early(seen: Situation) -> Iterator[Proposal]:
         if not isinstance(spin, ast.Expr) or not _ran(seen, call):
             continue
         outer: ast.stmt = spin
-        while isinstance(above := seen.script.parent(outer), ast.Try):
+        while not (behind := _behind(seen.script, outer)):
+            above = seen.script.parent(outer)
+            if not isinstance(above, ast.Try):
+                break
             outer = above
-        block = seen.script.block_of(outer)
-        place = next((i for i, one in enumerate(block) if one is outer), 0)
-        behind = [one for one in block[place + 1 :] if not is_call(one, ENDS)]
         if not behind:
             continue
         values = {"line": spin.lineno, "other": behind[-1].lineno}
@@ -96,6 +96,13 @@ def _early(seen: Situation) -> Iterator[Proposal]:
                 *(seen.script.removed(one) for one in behind),
             )
             yield Proposal("spun_early", 0.9, edits, values)
+
+
+def _behind(script: ParsedScript, statement: ast.stmt) -> list[ast.stmt]:
+    """Return the statements behind one in its block, without those that end the program."""
+    block = script.block_of(statement)
+    place = next((i for i, one in enumerate(block) if one is statement), 0)
+    return [one for one in block[place + 1 :] if not is_call(one, ENDS)]
 
 
 def _executors(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
@@ -183,7 +190,7 @@ def _deaf(seen: Situation) -> Iterator[Proposal]:
         else:
             seconds = seen.script.source(sleep.value.args[0])  # type: ignore[attr-defined]
             edits.append(seen.script.replaced(sleep, f"{spin}{seconds})"))
-        first = first or loop.lineno
+        first = min(first or loop.lineno, loop.lineno)
     if edits:
         yield Proposal("spin_once", 1.9, tuple(edits), {"line": first})
 

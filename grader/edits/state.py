@@ -42,6 +42,7 @@ def state_changes(seen: Situation) -> Iterator[Proposal]:
     yield from _signs(seen)
     yield from _classes(seen)
     yield from _kept_first(seen, known)
+    yield from _forgotten(seen, known)
 
 
 def _kept_first(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
@@ -400,3 +401,29 @@ def _classes(seen: Situation) -> Iterator[Proposal]:
                 new = f"{unmade[0]}()"
                 values = {"line": one.statement.lineno, "old": seen.script.source(one.value), "new": new}
                 yield Proposal("class", 1.0, (seen.script.replaced(one.value, new),), values)
+
+
+def _forgotten(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
+    """Yield ``self.`` for a name that a callback sets to the same number each time before it counts it."""
+    heard = named_in(
+        call for name in ("create_timer", "create_subscription") for call in calls_of(seen.script, name)
+    )
+    for one in known:
+        function = seen.script.parent(one.statement)
+        if not isinstance(function, _Functions) or function.name not in heard or number_of(one.value) is None:
+            continue
+        counts = any(
+            each.target == one.target and each.statement.lineno > one.statement.lineno
+            for each in known
+            if function in seen.script.around(each.statement)
+        )
+        beside = getattr(seen.script.parent(function), "body", ())
+        init = next((each for each in beside if getattr(each, "name", "") == "__init__"), None)
+        if "." in one.target or not counts or init is None:
+            continue
+        new = f"self.{one.target}"
+        inside = (node for each in function.body if each is not one.statement for node in ast.walk(each))
+        uses = [node for node in inside if isinstance(node, ast.Name) and node.id == one.target]
+        begin = seen.script.inserted_after(init.body[-1], f"{new} = {seen.script.source(one.value)}")
+        edits = (begin, seen.script.removed(one.statement), *(seen.script.replaced(use, new) for use in uses))
+        yield Proposal("own", 0.9, edits, {"line": one.statement.lineno, "old": one.target, "new": new})

@@ -14,7 +14,7 @@ KINDS: Final = {
     kind: frozenset(codes.split())
     for kind, codes in {
         "silent": """
-            alive always_true class_not_made deaf_callback deaf_loop empty_loop error_caught forgets
+            alive always_true class_not_made deaf_callback deaf_loop empty_loop error_caught
             frozen_loop held
             idle_axis incompatible_qos info_logs init_without_node killed left_before listens_nowhere
             listens_other_quality never_called never_logged never_published never_spun never_true no_drive

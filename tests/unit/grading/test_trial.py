@@ -9,6 +9,7 @@ from grader.contracts.grading import GradingJob
 from grader.edits.tree import changed_lines
 from grader.grading.slot import Slot
 from tests.e2e.grading_slot import LESSON, catalog, grade
+from tests.hints.beginners import FOLDER
 from tests.hints.obeyed import obeyed as with_change
 
 TURNING = "msg.linear.x = 0.0\n        msg.angular.z = float"
@@ -388,3 +389,42 @@ def test_a_constant_is_not_scaled_and_an_empty_message_is_replaced(slot: Slot) -
     empty = TURTLE.replace("        pub.publish(msg)", "        pub.publish(Twist())")
     (change,) = explained(slot, empty.replace("MOTIONS", "drive(-0.5, 0.0, 4)"), "backward").changes
     assert (change.code, change.after) == ("message", 100)
+
+
+CALL = "            self.turn(self.TURN_TIME)\n"
+METHOD = "    def move_square(self):"
+SILENT = {
+    "spun_early": ("    time.sleep(1)\n", "    rclpy.spin(node)\n"),
+    "brackets": (CALL, "            self.turn\n"),
+    "commented": (CALL, CALL.replace("self", "# self", 1)),
+    "call": (CALL, ""),
+    "defined_twice": (METHOD, "    def turn(self, duration):\n        pass\n\n" + METHOD),
+    "stalls": ("time.sleep(0.01)", "rclpy.spin_once(self)"),
+    "quality": ("            10\n", "            rclpy.qos.qos_profile_sensor_data\n"),
+    "await": (METHOD, METHOD.replace("def", "async def")),
+}
+
+
+@pytest.mark.parametrize("code", SILENT)
+def test_what_keeps_lines_from_running_is_taken_away(slot: Slot, code: str) -> None:
+    old, new = SILENT[code]
+    assert old in SQUARE
+    explanation = explained(slot, SQUARE.replace(old, new))
+    assert [(one.code, one.after) for one in explanation.changes] == [(code, 100)]
+
+
+@pytest.mark.parametrize(
+    ("file", "assignment", "stated"),
+    [
+        ("093_straight_loop_in_constructor", "straight", ("frozen_loop", 12)),
+        ("193_square_wait_in_callback", "square", ("deaf_callback", 30)),
+        ("491_square_looks_like_error_hidden", "square", ("deaf_loop", 11)),
+    ],
+)
+def test_a_loop_that_waits_for_what_nothing_changes_is_stated(
+    slot: Slot, file: str, assignment: str, stated: tuple[str, int]
+) -> None:
+    source = (FOLDER / "scripts" / f"{file}.py").read_text(encoding="utf-8")
+    cause = explained(slot, source, assignment).cause
+    assert cause is not None
+    assert (cause.code, cause.line) == stated
