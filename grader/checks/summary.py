@@ -5,7 +5,7 @@ from typing import Final
 
 from grader.checks.measure import Findings, Mistake
 from grader.contracts.outcome import RunOutcome, RunStatus
-from grader.contracts.rubric import ItemStatus, RubricItem, summed, to_judge
+from grader.contracts.rubric import ItemStatus, RubricItem, first_lost, summed, to_judge
 from grader.contracts.scoring import Scoring
 from grader.contracts.text import EMPTY, Text
 from grader.messages import enumerated, say
@@ -14,7 +14,6 @@ from grader.messages.quantity import points
 _NOTHING_LOST = (ItemStatus.PASSED, ItemStatus.NEEDS_MANUAL)
 _FOLLOWS: Final = frozenset({"off_pct", "mean_off_pct", "covered_pct", "gap_pct"})
 """Measures of a whole figure: what is wrong in a piece of it shows there, too."""
-_SLIGHT: Final = 0.9  # of an item's points: what earned more is not what to begin with
 
 
 def is_wanting(items: Sequence[RubricItem], outcomes: Sequence[RunOutcome]) -> bool:
@@ -53,13 +52,10 @@ def first_step(items: Sequence[RubricItem], measures: Mapping[str, str]) -> Text
     `measures`: of the items whose hint does not say what was measured, by id without the case.
     """
     hinted = [item for item in items if item.status not in _NOTHING_LOST and item.hint != EMPTY]
-    if not hinted:
-        return EMPTY
     names = {item.id: measures.get(item.id.rpartition("/")[2]) for item in hinted}
-    first = min(
-        hinted,
-        key=lambda item: (item.is_in_band, names[item.id] in _FOLLOWS, item.earned >= _SLIGHT * item.points),
-    )
+    first = first_lost(hinted, {id_ for id_, measure in names.items() if measure in _FOLLOWS})
+    if first is None:
+        return EMPTY
     if names[first.id] is None or first.message == EMPTY:
         return first.hint
     fact = say("step.fact", title=first.title, seen=first.message)

@@ -1,9 +1,9 @@
 """Rubric items: what was asked, what was measured, what it earned, and what they add up to."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 from grader.contracts.python import StrEnum
 from grader.contracts.record import Record
@@ -11,6 +11,7 @@ from grader.contracts.text import EMPTY, Text
 
 Unit = Literal["s", "ms", "min", "m", "cm", "km", "rad", "deg", "m/s", "rad/s", "deg/s", "Hz", "%", "1", ""]
 """Unit of a number; `grader.messages.quantity` knows how each is written. ``1``: a ratio. Empty: a count."""
+_SLIGHT: Final = 0.9  # of an item's points: what earned more is not what to begin with
 
 
 class ItemStatus(StrEnum):
@@ -113,6 +114,24 @@ def score_of(item: RubricItem) -> ItemScore:
 def total(items: Sequence[ItemScore]) -> float | None:
     """Return the sum of what the items earned; None while one waits for a person."""
     return None if to_judge(items) else summed(item.earned for item in items)
+
+
+def first_lost(items: Iterable[RubricItem], following: Container[str] = ()) -> RubricItem | None:
+    """Return the item to begin with of those that lost points; None where there is none.
+
+    Last come what was not measured, what lost points only through others, what follows from another one (the ids
+    in `following`), and what lost little.
+    """
+    return min(
+        items,
+        key=lambda item: (
+            item.status is ItemStatus.NOT_CHECKED,
+            item.is_in_band,
+            item.id in following,
+            item.earned >= _SLIGHT * item.points,
+        ),
+        default=None,
+    )
 
 
 def to_judge(items: Iterable[ItemScore | RubricItem]) -> int:

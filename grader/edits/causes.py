@@ -34,6 +34,7 @@ _SPINS: Final = ("spin", "spin_once", "spin_until_future_complete", "add_node")
 _CLOCKS: Final = ("time", "now", "nanoseconds")
 _CLOCK_S: Final = 1e6  # more is a time since 1970, which says nothing to a reader
 _CHANGES: Final = 6  # from one of two lines to the other, before they are said to contend
+_LOGS: Final = frozenset({"info", "get_logger", "self.get_logger", "print"})
 _BRIEF_S: Final = 0.5
 _AXIS_NAMES: Final = {"w": "angular.z", "v": "linear.x"}
 _LENGTHS: Final = frozenset({"side_error_pct", "length_error_pct", "off_pct"})
@@ -401,7 +402,12 @@ def _open_loop(seen: Situation) -> Iterator[Cause]:
     functions = [one for one in nodes if isinstance(one, _Functions) and one.name in callbacks]
     inside = {id(node) for function in functions for node in ast.walk(function)}
     kept = {one.target for one in assignments(script) if id(one.statement) in inside}
-    elsewhere = not kept and any(isinstance(one, ast.Call) for one in nodes if id(one) in inside)
+    calls = [
+        dotted(one.func) or getattr(one.func, "attr", "")
+        for one in nodes
+        if id(one) in inside and isinstance(one, ast.Call)
+    ]
+    elsewhere = not kept and not set(calls) <= _LOGS  # it may keep it in a list
     if not seen.asked.slips or not seen.driven or elsewhere:
         return
     publishes = any(id(call) in inside for call in calls_of(script, "publish"))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from grader.contracts.assignment import Assignment, Hints
 from grader.contracts.explanation import ChangedText, Explanation, ProvenChange
 from grader.contracts.report import GradeReport
-from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.rubric import ItemStatus, RubricItem, first_lost
 from grader.contracts.text import EMPTY, Text
 from grader.messages import say
 from grader.messages.quantity import measured
@@ -58,8 +58,8 @@ def first_fact(report: GradeReport) -> Text:
 
 def _first_fact(items: Sequence[RubricItem]) -> Text:
     """Return the fact of the first one that failed by itself: what comes later may follow from it."""
-    ordered = sorted(items, key=lambda item: (item.status is ItemStatus.NOT_CHECKED, item.is_in_band))
-    return _fact(ordered[0]) if ordered else EMPTY
+    first = first_lost(items)
+    return EMPTY if first is None else _fact(first)
 
 
 def _fact(item: RubricItem) -> Text:
