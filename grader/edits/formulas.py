@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 from grader.edits.situation import Driven, Proposal, Situation
-from grader.edits.slices import assignments, calls_of, dotted, expressions_behind, number_of
+from grader.edits.slices import NameSet, assignments, calls_of, dotted, expressions_behind, number_of
 from grader.edits.tree import ParsedScript
 
 _CONVERSIONS: Final = {
@@ -19,13 +19,19 @@ _CONVERSIONS: Final = {
     "deg2rad": math.radians,
     "degrees": math.degrees,
     "float": float,
+    "sqrt": math.sqrt,
 }
 _PI: Final = frozenset({"pi", "π"})
 _TURNING: Final = re.compile(
     "turn|ang|rot|omega|yaw|theta|corner|zhuan|jiao|guai|转|角|(?:^|[_.])[wW]$", re.IGNORECASE
 )
 """What a script calls the rate, the angle or the time of a turn."""
-_MOST_DEPTH: Final = 8
+_ROLES: Final = {
+    "time": re.compile(r"time|dur|sec|shi|时|(?:^|[_.])t(?:_|$)", re.IGNORECASE),
+    "rate": re.compile(r"speed|vel|rate|omega|su|速|(?:^|[_.])[vw]$", re.IGNORECASE),
+}
+"""What a name of a time or a rate is made of."""
+_MOST_DEPTH: Final = 30
 _MOST_NAMES: Final = 12
 _OFF: Final = 0.03  # what updates of turtlesim and a loop's period add or take away
 _MOST_OFF: Final = 0.15
@@ -53,7 +59,12 @@ def formula_changes(
     off = tolerance(driven)
     alike: dict[str, list[Proposal]] = {}
     for node, steps in expressions_behind(seen.script, lines):
-        for new in (*_calculations(values, node), *_names(values, node), *_as_time(values, node, targets)):
+        for new in (
+            *_calculations(values, node),
+            *_names(values, node),
+            *_as_time(values, node, targets),
+            *_turned(values, node, targets),
+        ):
             for size, wanted in targets:
                 if not any(abs(one * size / wanted - 1.0) <= off for one in (new.ratio, 1.0 / new.ratio)):
                     continue
@@ -101,6 +112,9 @@ def _calculations(values: "Values", node: ast.expr) -> Iterator[_Rewritten]:
     if not right:
         return
     is_product = isinstance(node.op, ast.Mult)
+    motion = values.driven.motion
+    if not is_product and abs(right) == abs(motion.w or motion.v):
+        return  # a time is an angle or a length divided by its rate
     start, first, second = script.span(node)[0], script.span(node.left)[1], script.span(node.right)[0]
     between = script.text[first:second]
     old, new = "*/" if is_product else "/*"
@@ -112,7 +126,8 @@ def _calculations(values: "Values", node: ast.expr) -> Iterator[_Rewritten]:
     if left and not is_product and not isinstance(node.right, ast.BinOp):
         turned = f"{script.source(node.right)} / {_operand(script, node.left)}"
         yield _Rewritten(turned, (right / left) ** 2, 0.9)
-    if number_of(node.right) is not None and not _has_pi(node):
+    is_factor = number_of(node.right) is not None or isinstance(node.right, ast.Call)
+    if is_factor and not _has_pi(node):
         yield _Rewritten(_operand(script, node.left), 1.0 / right if is_product else right, 1.3)
 
 
@@ -122,7 +137,11 @@ def _operand(script: ParsedScript, node: ast.expr) -> str:
 
 
 def _has_pi(node: ast.expr) -> bool:
-    return any(dotted(one).rpartition(".")[2].casefold() in _PI for one in ast.walk(node))
+    return any(dotted(one).rpartition(".")[2].casefold() in _PI for one in _parts(node))
+
+
+def _parts(node: ast.expr) -> list[ast.expr]:
+    return [one for one in ast.walk(node) if isinstance(one, ast.expr)]
 
 
 def _names(values: "Values", node: ast.expr) -> Iterator[_Rewritten]:
@@ -132,8 +151,12 @@ def _names(values: "Values", node: ast.expr) -> Iterator[_Rewritten]:
     if not name or not now or values.is_parameter(node) or bool(_TURNING.search(name)) is turns:
         return
     for other, value in values.names_at(node):
-        if bool(_TURNING.search(other)) is turns:
+        if bool(_TURNING.search(other)) is turns and _role(other) == _role(name) != "":
             yield _Rewritten(other, value / now, 1.0)
+
+
+def _role(name: str) -> str:
+    return next((role for role, words in _ROLES.items() if words.search(name)), "")
 
 
 def _as_time(values: "Values", node: ast.expr, targets: list[tuple[float, float]]) -> Iterator[_Rewritten]:
@@ -146,9 +169,29 @@ def _as_time(values: "Values", node: ast.expr, targets: list[tuple[float, float]
     lasted = abs(driven.seconds - now) <= tolerance(driven) * now
     if lasted and any(abs(now - one) <= _OFF * one for one in amounts):
         names = [name for name, value in values.names_at(node) if abs(abs(value) - rate) <= _SAME]
+        origin = values.origin(node)
+        if any(
+            isinstance(one, ast.BinOp) and abs(values.of(one.right) or 0.0) == rate
+            for one in ast.walk(origin)
+        ):
+            return  # it is divided by its rate already
         by = next(iter(names), f"{rate:g}")
         text = "1.0" if dotted(node) in names else f"{_operand(script, node)} / {by}"
         yield _Rewritten(text, 1.0 / rate, 1.1 if dotted(node) else 0.8, by)
+
+
+def _turned(values: "Values", node: ast.expr, targets: list[tuple[float, float]]) -> Iterator[_Rewritten]:
+    """Yield a turn by the number of sides, for another formula of it that the motion came to."""
+    now = values.of(node) if isinstance(node, ast.BinOp) and values.driven.is_turn else None
+    size, wanted = targets[0]
+    names = {dotted(one): values.of(one) for one in _parts(node) if dotted(one)}
+    pi = next((name for name in names if name.rpartition(".")[2].casefold() in _PI), "")
+    degrees = math.degrees(abs(now or 0.0)) if pi else abs(now or 0.0)
+    if not now or abs(degrees - size) > tolerance(values.driven) * size:
+        return
+    for name, value in names.items():
+        if value and math.isclose(360.0 / value, wanted, rel_tol=1e-4):
+            yield _Rewritten(f"2 * {pi} / {name}" if pi else f"360 / {name}", wanted / size, 0.6)
 
 
 class Values:
@@ -213,20 +256,30 @@ class Values:
         return self._named(node, name, depth + 1)
 
     def _named(self, node: ast.expr, name: str, depth: int) -> float | None:
-        function = self._function(node)
+        if (value := self.definition(node)) is not None:
+            return self.of(value, depth)
+        here = (row[2] for row in self.driven.motion.stack if row[0] == node.lineno)
+        return next((row[name] for row in here if name in row), None)
+
+    def definition(self, node: ast.expr) -> ast.expr | None:
+        """Return what a name is set to or given; None for what is no name, or is set at several places."""
+        name, function = dotted(node), self._function(node)
         if function is not None and self.is_parameter(node):
-            given = self._given(function, name)
-            return None if given is None else self.of(given, depth)
-        rows = [
-            one for one in assignments(self.script) if _is_same(self.script, one.target, one.statement, name)
-        ]
+            return self._given(function, name)
+        rows = [one for one in assignments(self.script) if _is_same(self.script, one, name)]
         if "." not in name:
             local = [one for one in rows if self._function(one.statement) is function]
             rows = local or [one for one in rows if self._function(one.statement) is None]
-        if len(rows) == 1 and not isinstance(rows[0].statement, ast.AugAssign):
-            return self.of(rows[0].value, depth)
-        here = (row[2] for row in self.driven.motion.stack if row[0] == node.lineno)
-        return next((row[name] for row in here if name in row), None)
+        is_one = len(rows) == 1 and not isinstance(rows[0].statement, ast.AugAssign)
+        return rows[0].value if name and is_one else None
+
+    def origin(self, node: ast.expr) -> ast.expr:
+        """Return what a name comes from in the end, through other names."""
+        for _ in range(_MOST_DEPTH):
+            if (value := self.definition(node)) is None:
+                break
+            node = value
+        return node
 
     def _given(self, function: "ast.FunctionDef | ast.AsyncFunctionDef", name: str) -> ast.expr | None:
         """Return what the caller that led to the motion gave for a parameter, or its default."""
@@ -251,14 +304,11 @@ class Values:
         return next((one for one in self.script.around(node) if isinstance(one, _Functions)), None)
 
 
-def _is_same(script: ParsedScript, target: str, statement: ast.stmt, name: str) -> bool:
+def _is_same(script: ParsedScript, one: NameSet, name: str) -> bool:
     """Whether an assignment sets what a name stands for; ``node.X`` is ``self.X``, or ``X`` in its class."""
-    if target == name:
-        return True
-    of_object = name.count(".") == 1
     attribute = name.rpartition(".")[2]
-    in_class = target == attribute and isinstance(script.parent(statement), ast.ClassDef)
-    return of_object and (in_class or target == f"self.{attribute}")
+    in_class = one.target == attribute and isinstance(script.parent(one.statement), ast.ClassDef)
+    return one.target == name or (name.count(".") == 1 and (in_class or one.target == f"self.{attribute}"))
 
 
 def _calculated(operator: ast.operator, left: float, right: float) -> float | None:

@@ -111,7 +111,7 @@ def _targets(seen: Situation, driven: Driven) -> list[tuple[float, float]]:
     if driven.is_turn:
         size, wanted = abs(driven.angle_deg), seen.wanted.turns_deg
     elif driven.is_drive:
-        size, wanted = abs(driven.length_m), seen.wanted.lengths_m
+        size, wanted = abs(driven.length_m), seen.wanted.lengths_m or seen.usual_lengths_m
     else:
         return []
     if size <= 0.0 or any(abs(size - one) <= _FITS * one for one in wanted):
@@ -124,11 +124,26 @@ def _in_radians(seen: Situation, driven: Driven, use: NumberUse) -> Iterator[Pro
     """Yield a number of degrees in radians, where nothing between it and the motion converts it."""
     degrees = abs(use.value)
     is_plain = degrees in _DEGREES or degrees >= _LEAST_DEGREES
-    if _with_pi(seen.script.parent(use.node)) is not None:
-        return  # a part of a turn
+    if _with_pi(seen.script.parent(use.node)) is not None or _is_count(seen.script, use.node):
+        return  # a part of a turn, or a number of rounds
     if driven.motion.w and is_plain and degrees <= 720.0 and not _is_converted(seen.script, use.node):
         new = written(math.radians(use.value), like_float=True)
         yield _replaced(seen, "degrees", 1.0 + use.steps * 0.1, (use, new))
+
+
+def _is_count(script: ParsedScript, number: ast.expr) -> bool:
+    """Whether a number is compared with a name that counts by whole steps, or stands in a `range`."""
+    if any(isinstance(one, ast.Call) and dotted(one.func) == "range" for one in script.around(number)):
+        return True
+    above = script.parent(number)
+    compared = (
+        {dotted(one) for one in ast.iter_child_nodes(above)} if isinstance(above, ast.Compare) else set()
+    )
+    return any(
+        one.target in compared and isinstance(one.statement, ast.AugAssign) and not step % 1.0
+        for one in assignments(script)
+        if (step := number_of(one.value)) is not None
+    )
 
 
 def _is_converted(script: ParsedScript, number: ast.expr) -> bool:
@@ -312,8 +327,18 @@ def _unlikely(script: ParsedScript, use: NumberUse, ratio: float) -> float:
 
 
 def _turned_round(seen: Situation, driven: Driven, use: NumberUse) -> Iterator[Proposal]:
-    """Yield the other sign for a number that a speed is set to; a drive goes backward only where that is asked."""
-    is_kept = driven.is_drive and use.value > 0.0 and "advance_m" not in seen.lost
+    """Yield the other sign for a number that a speed is set to.
+
+    A drive goes backward only where that is asked, and not where the script goes there and back.
+    """
+    goes_both_ways = any(one.motion.v * driven.motion.v < 0.0 for one in seen.driven)
+    is_kept = driven.is_drive and (goes_both_ways or (use.value > 0.0 and "advance_m" not in seen.lost))
+    if isinstance(seen.script.parent(use.node), ast.IfExp):
+        return  # a speed by the sign of something else
+    is_angle = driven.is_turn and _unit_of(-use.value, abs(driven.angle_deg), "deg", _QUANTUM) is not None
+    if use.value < 0.0 and is_angle:
+        new = written(-use.value, like_float="." in seen.script.source(use.node))
+        yield _replaced(seen, "sign", 2.0 + use.steps * 0.1, (use, new))
     if use.value in (driven.motion.v, driven.motion.w) and use.value and not is_kept:
         new = written(-use.value, like_float="." in seen.script.source(use.node))
         cost = 2.2 if seen.outcome.hears else 4.0
@@ -502,6 +527,7 @@ def _crossed(seen: Situation) -> Iterator[Proposal]:
                 if len(call.args) > place + 1
             ]
             here = [given for given in calls if given[0].lineno in led_here]
+            here = [given for given in here if not all(map(number_of, given))]  # a rate and its time
             yield from (next(_exchanged(seen.script, _SWAP_COST, *given)) for given in here[:_MOST_SWAPS])
             if calls and _are_twins(seen, function, pair):
                 swapped = [next(_exchanged(seen.script, 1.25, *given)) for given in calls[:_MOST_CALLS]]
@@ -525,17 +551,25 @@ def _are_twins(seen: Situation, function: ast.FunctionDef, pair: tuple[str, str]
 
 
 def _clocked(seen: Situation) -> Iterator[Proposal]:
-    """Yield the period of a timer for another number of seconds that its callback counts each time."""
-    for call in calls_of(seen.script, "create_timer"):
-        period = known_number(seen.script, call.args[0]) if call.args else None
-        for one in assignments(seen.script) if period else ():
-            step, functions = number_of(one.value), seen.script.around(one.statement)
-            inside = {getattr(above, "name", "") for above in functions} & named_in([call])
-            if isinstance(one.statement, ast.AugAssign) and step and step % 1.0 and step != period and inside:
-                use = NumberUse(one.value, step, 0)
-                yield _replaced(
-                    seen, "scaled", 1.0, (use, seen.script.source(call.args[0])), sentence="clocked"
-                )
+    """Yield one period for a timer and for what its callback counts, where a script has two."""
+    script = seen.script
+    numbers = {number_of(node) for node in ast.walk(script.tree) if isinstance(node, ast.Constant)}
+    for call in calls_of(script, "create_timer"):
+        period = known_number(script, call.args[0]) if call.args else None
+        if not period:
+            continue
+        for one in assignments(script):
+            step = number_of(one.value)
+            inside = {getattr(above, "name", "") for above in script.around(one.statement)}
+            is_counted = isinstance(one.statement, ast.AugAssign) and inside & named_in([call])
+            if is_counted and step and step % 1.0 and step != period:
+                change = (NumberUse(one.value, step, 0), script.source(call.args[0]))
+                yield _replaced(seen, "scaled", 1.0, change, sentence="clocked")
+        ratios = {wanted / size for one in seen.distinct for size, wanted in _targets(seen, one)}
+        for other in sorted(number for number in numbers if number and number % 1.0):
+            if any(abs(other / period / ratio - 1.0) <= _FITS for ratio in ratios):
+                change = (NumberUse(call.args[0], period, 0), f"{other:g}")
+                yield _replaced(seen, "scaled", 1.2, change, sentence="period")
 
 
 def _rays(seen: Situation) -> Iterator[Proposal]:

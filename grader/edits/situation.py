@@ -200,6 +200,14 @@ class Situation:
         return (motion.w * after.w if driven.is_turn else motion.v * after.v) > 0.0
 
     @cached_property
+    def usual_lengths_m(self) -> tuple[float, ...]:
+        """The length of most drives, where all are to be equal and some are not."""
+        lengths = [round(abs(one.length_m), 1) for one in self.driven if one.is_drive]
+        usual = max(lengths, key=lengths.count, default=0.0)
+        is_asked = "side_spread_pct" in self.lost and lengths.count(usual) > len(lengths) / 2
+        return (usual,) if is_asked and usual else ()
+
+    @cached_property
     def distinct(self) -> tuple[Driven, ...]:
         """Of the motions that one line published with one command for about as long, the first; few of them."""
         first: dict[tuple[int, float, float], list[Driven]] = {}

@@ -25,6 +25,7 @@ class Car:
         while time.time() < end:
             self.pub.publish(m)
             time.sleep(0.01)
+N = 4
 car = Car()
 car.go(0.0, {rate}, {used})
 """
@@ -43,13 +44,13 @@ def _first(time: str, rate: float, seconds: float, used: str = "car.TURN_TIME", 
         until=(count - 1) * step_ns,
         times=count,
         topic="",
-        stack=((13, "go", {}), (16, "<module>", {})),
+        stack=((13, "go", {}), (17, "<module>", {})),
         waits={14: (count, count * step_ns)},
     )
     stop = Motion(v=0.0, w=0.0, line=13, t=count * step_ns, until=count * step_ns, times=1, topic="")
     seen = Situation(
         script=ParsedScript.parsed(text),
-        ledger=Ledger(ran=frozenset(range(1, 17)), motions=(motion, stop)),
+        ledger=Ledger(ran=frozenset(range(1, 18)), motions=(motion, stop)),
         outcome=run_of(drive([(1.0, 1.0, 0.0)]), RunStatus.FINISHED).outcome,
         wanted=WantedSizes(turns_deg=(90.0,)),
     )
@@ -75,10 +76,22 @@ def _first(time: str, rate: float, seconds: float, used: str = "car.TURN_TIME", 
         ),
         ({"time": "a * 1.5", "rate": 0.5, "seconds": 4.72}, "self.TURN_TIME = a"),
         ({"time": "math.pi", "rate": 1.0, "seconds": 3.15}, "self.TURN_TIME = math.pi / 2"),
+        ({"time": "math.pi / N", "rate": 1.0, "seconds": 0.79}, "self.TURN_TIME = 2 * math.pi / N"),
         ({"time": "PI", "rate": 1.0, "seconds": 3.15}, "self.TURN_TIME = PI / 2"),
         ({"time": "2.0", "rate": 0.5, "seconds": 2.0}, "self.TURN_TIME = 3.1416"),
     ],
-    ids=["operator", "turned_round", "speed", "no_rate", "name", "factor", "pi", "own_pi", "number"],
+    ids=[
+        "operator",
+        "turned_round",
+        "speed",
+        "no_rate",
+        "name",
+        "factor",
+        "pi",
+        "sides",
+        "own_pi",
+        "number",
+    ],
 )
 def test_the_formula_is_changed_that_the_measured_ratio_explains(
     given: dict[str, object], mended: str
@@ -136,3 +149,34 @@ def test_a_drive_is_made_faster_only_where_time_was_up() -> None:
     ]
     assert ["too_slow" in codes for codes in offered] == [True, False]
     assert all("sign" not in codes for codes in offered)
+
+
+def test_a_timer_gets_the_period_that_its_counts_were_computed_for() -> None:
+    text = "n = round(1.5708 / 0.1)\ncar.create_timer(0.05, tick)\ndef tick():\n    pub.publish(m)\n"
+    stack: tuple[tuple[int, str, dict[str, float]], ...] = ((4, "tick", {}),)
+    motion = Motion(v=0.0, w=1.0, line=4, t=0, until=700_000_000, times=15, topic="", stack=stack)
+    stop = Motion(v=0.0, w=0.0, line=4, t=785_000_000, until=785_000_000, times=1, topic="")
+    seen = Situation(
+        script=ParsedScript.parsed(text),
+        ledger=Ledger(ran=frozenset(range(1, 5)), motions=(motion, stop)),
+        outcome=run_of(drive([(1.0, 1.0, 0.0)]), RunStatus.FINISHED).outcome,
+        wanted=WantedSizes(turns_deg=(90.0,)),
+    )
+    texts = [applied(text, one.edits) for one in number_changes(seen)]
+    assert text.replace("0.05", "0.1") in texts
+
+
+def test_the_usual_length_is_wanted_where_all_sides_are_to_be_equal() -> None:
+    times_s = (0, 2, 4, 7)
+    motions = tuple(
+        Motion(v=float(v), w=0.0, line=1, t=t * 10**9, until=(t + 1) * 10**9, times=9, topic="")
+        for t, v in zip(times_s, (1, 1, 1, 0), strict=True)
+    )
+    outcome = run_of(drive([(1.0, 1.0, 0.0)]), RunStatus.FINISHED).outcome
+    script = ParsedScript.parsed("pub.publish(m)\n")
+    seen = Situation(script, Ledger(motions=motions), outcome, WantedSizes())
+    assert seen.usual_lengths_m == ()
+    unequal = Situation(
+        script, Ledger(motions=motions), outcome, WantedSizes(), lost=frozenset(("side_spread_pct",))
+    )
+    assert unequal.usual_lengths_m == (2.0,)
