@@ -31,6 +31,7 @@ _Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
 _MAKERS: Final = ("create_timer", "create_subscription", "create_service", "create_client", "Thread", "Timer")
 _WORK: Final = ("publish", "create_publisher", "create_timer", "create_subscription", "info", "spin")
 _SPINS: Final = ("spin", "spin_once", "spin_until_future_complete", "add_node")
+_MOST_TEXT: Final = 60
 _CLOCKS: Final = ("time", "now", "nanoseconds")
 _CLOCK_S: Final = 1e6  # more is a time since 1970, which says nothing to a reader
 _CHANGES: Final = 6  # from one of two lines to the other, before they are said to contend
@@ -67,12 +68,34 @@ def stated_cause(seen: Situation) -> Cause | None:
         _contended,
         _slow_timer,
         _frozen,
+        _unfinished,
         _never_ran,
         _endless,
         _idle_axis,
     )
     explainers = (*of_flow, *(of_drives if seen.outcome.command_count else ()))
     return next((cause for one in explainers for cause in one(seen)), None)
+
+
+def _unfinished(seen: Situation) -> Iterator[Cause]:
+    """Yield the `pass` that is all of a function that ran, or a TODO behind which nothing was written."""
+    misses = not (any(one.motion.v for one in seen.driven) and any(one.motion.w for one in seen.driven))
+    handed = _handed_over(seen.script)
+    for node in ast.walk(seen.script.tree) if misses else ():
+        if isinstance(node, _Functions) and isinstance(node.body[-1], ast.Pass):
+            empty = all(isinstance(one, ast.Pass) or _is_text(one) for one in node.body)
+            if empty and node.name not in handed and node.body[-1].lineno in seen.ledger.ran:
+                text = f"{node.name}(): {seen.script.line(node.body[-1].lineno).strip()}"
+                yield Cause("unfinished", node.body[-1].lineno, {"text": text[:_MOST_TEXT]})
+    lines = seen.script.text.splitlines()
+    for number, line in enumerate(lines, start=1):
+        before, _, comment = line.partition("#")
+        if before.strip() or not comment.strip().startswith("TODO"):
+            continue
+        after = next((one for one in lines[number:] if one.partition("#")[0].strip()), "")
+        is_last = len(after) - len(after.lstrip()) < len(before)
+        if is_last or not seen.driven:
+            yield Cause("unfinished", number, {"text": comment.strip()[:_MOST_TEXT]})
 
 
 def _never_ran(seen: Situation) -> Iterator[Cause]:
@@ -281,6 +304,10 @@ def _endless(seen: Situation) -> Iterator[Cause]:
         shown = ", ".join(f"{name} = {values[name]:g}" for name in sorted(names) if name in values)
         if shown and not any(one in test for one in _CLOCKS) and all(map(_is_small, values.values())):
             yield Cause("endless_loop", loop.lineno, {"test": test, "values": shown})
+
+
+def _is_text(statement: ast.stmt) -> bool:
+    return isinstance(statement, ast.Expr) and isinstance(getattr(statement.value, "value", None), str)
 
 
 def _is_small(value: float) -> bool:

@@ -23,7 +23,7 @@ KINDS: Final = {
             publishes_at_other_times publishes_nothing publishes_nowhere sensor_qos
             service_nowhere sideways sleeps sleeps_too_long stalled stopped_at_once swings
             thread_crashed timer_in_callback too_brief topic_nowhere turtle_killed
-            two_spins types_differ waits_before wrong_topic wrong_type
+            two_spins types_differ unfinished waits_before wrong_topic wrong_type
         """,
         "size": """
             advance_m corner_deg cpu_limit degrees_as_radians detour_pct drove drove_plain endless_loop

@@ -419,9 +419,11 @@ def test_what_keeps_lines_from_running_is_taken_away(slot: Slot, code: str) -> N
         ("093_straight_loop_in_constructor", "straight", ("frozen_loop", 12)),
         ("193_square_wait_in_callback", "square", ("deaf_callback", 30)),
         ("491_square_looks_like_error_hidden", "square", ("deaf_loop", 11)),
+        ("224_triangle_half_done", "triangle", ("unfinished", 33)),
+        ("278_feedback_square_starter_pass", "feedback_square", ("unfinished", 28)),
     ],
 )
-def test_a_loop_that_waits_for_what_nothing_changes_is_stated(
+def test_what_never_changes_or_is_still_to_be_written_is_stated(
     slot: Slot, file: str, assignment: str, stated: tuple[str, int]
 ) -> None:
     source = (FOLDER / "scripts" / f"{file}.py").read_text(encoding="utf-8")
