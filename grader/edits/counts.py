@@ -192,7 +192,9 @@ def _wanted(seen: Situation) -> Iterator[Proposal]:
             (2.2 + place * 0.3 + abs(count - node.value) * 0.05, count)
             for place, count in enumerate(seen.wanted.counts)
         ]
-        if any(line == node.lineno for line, _, _ in seen.ledger.end):
+        loop = next((one for one in seen.script.around(node) if isinstance(one, ast.While)), node)
+        lines = range(node.lineno, (loop.end_lineno or node.lineno) + 1)
+        if any(line in lines for line, _, _ in seen.ledger.end):
             offered += [(1.5, node.value + 1), (1.5, node.value - 1)]
         for cost, count in offered:
             if count != node.value:

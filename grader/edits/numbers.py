@@ -407,7 +407,7 @@ def _at_once(seen: Situation, test: ast.Compare) -> bool:
     """Whether a test ended at once what it should end: its loop never ran, or a motion was over in no time."""
     loop = next((one for one in seen.script.around(test) if isinstance(one, ast.While | ast.If)), None)
     if isinstance(loop, ast.While):
-        return loop.body[0].lineno not in seen.ledger.ran
+        return loop.lineno in seen.ledger.ran and loop.body[0].lineno not in seen.ledger.ran
     return any(one.seconds <= _BRIEF_S for one in seen.driven)
 
 
