@@ -30,6 +30,7 @@ def count_changes(seen: Situation) -> Iterator[Proposal]:
             yield from _calls_in_turn(seen, node.body)
     yield from _copied(seen)
     yield from _overwritten(seen)
+    yield from _alternating(seen)
     yield from _wanted(seen)
 
 
@@ -53,11 +54,11 @@ def _bound(seen: Situation, node: ast.Compare) -> Iterator[Proposal]:
             yield Proposal("comparison", 0.9, (Edit(start, stop, f" {other} "),), values)
         elif not is_meant:
             yield from _number(script, steps[0].value if is_down else bound, missing)
-    elif rounds == _PHASES * (wanted - missing):
+    elif rounds in (_PHASES * (wanted - missing), _PHASES * (wanted - missing) - 1):
         for one in counting if len(counting) > 1 else ():
             values = {"line": one.lineno, "old": script.source(one)}
             yield Proposal("removed", 1.0, (script.removed(one),), values)
-        yield from _number(script, bound, _PHASES * missing)
+        yield from _number(script, bound, _PHASES * wanted - int(rounds))
 
 
 def _number(script: ParsedScript, node: ast.expr, more: int) -> Iterator[Proposal]:
@@ -175,6 +176,20 @@ def _overwritten(seen: Situation) -> Iterator[Proposal]:
         if len(parts) > isinstance(loop, ast.While) and old.isidentifier():
             values = {"line": parts[-1].lineno, "old": old, "new": new}  # type: ignore[attr-defined]
             yield Proposal("renamed", 0.9, tuple(script.replaced(node, new) for node in nodes), values)
+
+
+def _alternating(seen: Situation) -> Iterator[Proposal]:
+    """Yield long and short sides by turns, for the long ones first and then the short ones."""
+    is_asked = "side_error_pct" in seen.lost and len(seen.wanted.lengths_m) > 1
+    names = {dotted(loop.target) for loop in ast.walk(seen.script.tree) if isinstance(loop, ast.For)} - {""}
+    for node in ast.walk(seen.script.tree) if is_asked else ():
+        if not isinstance(node, ast.Compare) or dotted(node.left) not in names:
+            continue
+        if isinstance(node.ops[0], ast.Lt) and number_of(node.comparators[0]) == seen.wanted.counts[0] / 2:
+            new = f"{dotted(node.left)} % 2 == 0"
+            values = {"line": node.lineno, "old": seen.script.source(node), "new": new}
+            edit = seen.script.replaced(node, new)
+            yield Proposal("comparison", 0.9, (edit,), {**values, "sentence": "alternating"})
 
 
 def _wanted(seen: Situation) -> Iterator[Proposal]:

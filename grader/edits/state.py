@@ -151,14 +151,23 @@ def _anew(
         yield replace(proposal, cost=cost, edits=parts, values={**proposal.values, "loop": statement.lineno})
 
 
-def _mentions(script: ParsedScript, part: ast.expr, name: str) -> bool:
+def _mentions(script: ParsedScript, part: ast.AST, name: str) -> bool:
     return any(dotted(node) == name for node in ast.walk(part))
 
 
 def _mentions_behind(
     seen: Situation, known: tuple[NameSet, ...], test: ast.While | ast.If, clock: NameSet
 ) -> bool:
-    """Whether a test asks for a name that is computed from the clock's."""
+    """Whether a test asks for a name or a function that is computed from the clock's."""
+    asked = {dotted(node).rpartition(".")[2] for node in ast.walk(test.test)} - {""}
+    functions = (node for node in ast.walk(seen.script.tree) if isinstance(node, _Functions))
+    if any(
+        _mentions(seen.script, node, clock.target)
+        for one in functions
+        if one.name in asked
+        for node in one.body
+    ):
+        return True
     return any(
         _mentions(seen.script, one.value, clock.target) and _mentions(seen.script, test.test, one.target)
         for one in known

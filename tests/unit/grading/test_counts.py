@@ -169,6 +169,16 @@ def loop(head: str, body: str = SIDE) -> str:
             "",
         ),
         (TIMER.replace("if passed >= 2.0", "if passed <= 2.0", 1), "comparison", "<= 2.0", ">= 2.0"),
+        (
+            TIMER.replace("passed >=", "self.passed() >=")
+            .replace("        passed = (", "    def passed(self):\n        return (")
+            .replace("    def tick(self):\n", "")
+            .replace("/ 1e9\n", "/ 1e9\n    def tick(self):\n")
+            .replace("                self.start = self.get_clock().now()\n", ""),
+            "clock_anew",
+            "",
+            "self.start = self.get_clock().now()",
+        ),
     ],
 )
 def test_the_count_that_was_meant_is_told(
