@@ -430,7 +430,13 @@ def _conversions(script: ParsedScript, node: ast.Call, cost: float) -> Iterator[
     if len(node.args) != 1 or not called.endswith(_CONVERSIONS):
         return
     new = script.source(node.args[0])
+    above = script.parent(node)
+    if called == "int" and isinstance(above, ast.BinOp) and isinstance(above.op, ast.Mult):
+        other = script.source(above.right if above.left is node else above.left)
+        values = {"line": node.lineno, "old": script.source(above), "new": f"int({new} * {other})"}
+        yield Proposal("cut", 1.0, (script.replaced(above, f"int({new} * {other})"),), values)
     values = {"line": node.lineno, "old": script.source(node), "new": new}
+    values |= {"sentence": "cut"} if called == "int" else {}
     yield Proposal("converted", 1.8 + cost, (script.replaced(node, new),), values)
     for name, other in (("degrees", "radians"), ("radians", "degrees")):
         if called.endswith(name):
@@ -492,7 +498,7 @@ def _opposed(seen: Situation) -> Iterator[Proposal]:
         new = f"-{old}" if _is_product(one.value) else f"-({old})"
         new = old[1:] if old.startswith("-") and _is_product(one.value) else new
         values = {"line": one.statement.lineno, "old": old, "new": new}
-        cost = 1.4 if only_turned and one.target.endswith(".angular.z") else 2.1
+        cost = 1.4 if only_turned and not backward and one.target.endswith(".angular.z") else 2.1
         yield Proposal("sign", cost, (script.replaced(one.value, new),), values)
 
 
@@ -527,13 +533,22 @@ def _crossed(seen: Situation) -> Iterator[Proposal]:
                 if len(call.args) > place + 1
             ]
             here = [given for given in calls if given[0].lineno in led_here]
-            here = [given for given in here if not all(map(number_of, given))]  # a rate and its time
+            if not _divides(function, pair):  # a rate and its time: exchanged, they come to the same
+                here = [given for given in here if 0.0 in map(number_of, given)]
             yield from (next(_exchanged(seen.script, _SWAP_COST, *given)) for given in here[:_MOST_SWAPS])
             if calls and _are_twins(seen, function, pair):
                 swapped = [next(_exchanged(seen.script, 1.25, *given)) for given in calls[:_MOST_CALLS]]
                 edits = tuple(edit for one in swapped for edit in one.edits)
                 yield Proposal("exchanged", 1.2, edits, swapped[0].values)
                 yield from swapped[: _MOST_CALLS if len(swapped) > 1 else 0]
+
+
+def _divides(function: ast.FunctionDef, pair: tuple[str, str]) -> bool:
+    """Whether a function divides by one of two parameters."""
+    quotients = (
+        one for one in ast.walk(function) if isinstance(one, ast.BinOp) and isinstance(one.op, ast.Div)
+    )
+    return any(dotted(one.right) in pair for one in quotients)
 
 
 def _are_twins(seen: Situation, function: ast.FunctionDef, pair: tuple[str, str]) -> bool:
