@@ -176,7 +176,8 @@ def _empty_messages(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Pro
         given = call.args[0]
         is_new = isinstance(given, ast.Call) and dotted(given.func) == seen.twist and not given.args
         if is_new or (dotted(given) and all(dotted(given) != name for name, _ in filled)):
-            for name in unsent:
+            is_looped = not seen.driven and any(isinstance(one, _Loops) for one in seen.script.around(call))
+            for name in unsent or (sorted({one for one, _ in filled}) if is_looped else ()):
                 values = {"line": call.lineno, "old": seen.script.source(given), "new": name}
                 cost = 0.8 if is_new else 1.5  # a new message is empty: it cannot be what was meant
                 yield Proposal("message", cost, (seen.script.replaced(given, name),), values)
@@ -606,6 +607,8 @@ def _negated(seen: Situation) -> Iterator[Proposal]:
         if not isinstance(node, ast.If | ast.While) or not isinstance(node.test, ast.UnaryOp):
             continue
         ran = seen.ledger.ran
+        if sum(one.target == dotted(node.test.operand) for one in assignments(seen.script)) > 1:
+            continue  # a state: where it changes may be wrong
         if isinstance(node.test.op, ast.Not) and node.lineno in ran and node.body[0].lineno not in ran:
             new = seen.script.source(node.test.operand)
             values = {"line": node.lineno, "old": seen.script.source(node.test), "new": new}
