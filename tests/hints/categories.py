@@ -30,12 +30,12 @@ KINDS: Final = {
             heading_error_deg in_line interior_angle length_error_pct missed_m no_turns one_radian
             output_limit period published_once radius radius_error_pct rate_radps reached reached_pct
             rotation_absolute side_error_pct side_spread_pct sides sleeps time_s time_was_up too_brief
-            too_slow touch_pct turn_radps turned turned_deg turned_plain
+            too_large too_slow touch_pct turn_radps turned turned_deg turned_plain
         """,
         "shape": """
             advance_m alternates arc band_m band_pct contended corner_error_deg covered_pct curved_pct drift_m
             gap_pct in_line jolt_mps lateral_pct line_covered_pct line_pct mean_off_pct moving_s no_drive off_pct
-            opposite_corners place_hit place_order place_wall
+            open_loop opposite_corners place_hit place_order place_wall
             room_hit rotation_absolute round_pct sideways speed_mps swings turned_deg unasked wall_hit
             way_back_m
         """,
