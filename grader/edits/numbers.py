@@ -206,7 +206,7 @@ def _scaled(
         cost += _unlikely(seen.script, use, ratio)
         yield _replaced(seen, "scaled", cost, (use, new), unit=unit, size=size, wanted=wanted)
     if 1e3 <= abs(use.value) <= 1e12 and math.log10(abs(use.value)).is_integer() and use.value != 1e9:
-        yield _replaced(seen, "nanoseconds", 1.5, (use, "1e9"))
+        yield _replaced(seen, "nanoseconds", 0.8, (use, "1e9"))
 
 
 def _is_constant(script: ParsedScript, number: ast.expr) -> bool:

@@ -37,7 +37,7 @@ def state_changes(seen: Situation) -> Iterator[Proposal]:
     yield from _resets(seen, known, tests)
     yield from _states(seen, known, tests)
     yield from _scopes(seen, known)
-    yield from _units(seen, known, tests)
+    yield from _units(seen, tests)
     yield from _factors(seen)
     yield from _signs(seen)
     yield from _classes(seen)
@@ -328,9 +328,7 @@ def _scopes(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
             yield Proposal("global", 1.3, (edit,), values)
 
 
-def _units(
-    seen: Situation, known: tuple[NameSet, ...], tests: list[ast.While | ast.If]
-) -> Iterator[Proposal]:
+def _units(seen: Situation, tests: list[ast.While | ast.If]) -> Iterator[Proposal]:
     """Yield seconds for what is given in milliseconds, and nanoseconds where these are compared."""
     for name in _PERIODS:
         for call in calls_of(seen.script, name):
@@ -345,12 +343,6 @@ def _units(
         for node in ast.walk(test.test):
             if isinstance(node, ast.Compare) and len(node.ops) == 1:
                 yield from _nanoseconds(seen.script, node)
-    asked = {dotted(node) for test in tests for node in ast.walk(test.test)} - {""}
-    for one in known:
-        old = seen.script.source(one.value)
-        if one.target in asked and old.endswith("nanoseconds"):
-            values = {"line": one.statement.lineno, "old": old, "new": f"{old} / 1e9"}
-            yield Proposal("nanoseconds", 0.9, (seen.script.replaced(one.value, f"{old} / 1e9"),), values)
 
 
 def _nanoseconds(script: ParsedScript, node: ast.Compare) -> Iterator[Proposal]:
