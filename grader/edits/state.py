@@ -2,6 +2,7 @@
 
 import ast
 import difflib
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final, NamedTuple
@@ -26,6 +27,7 @@ _MOST_TESTS: Final = 30
 _MOST_NAMES: Final = 200
 _LONG_PERIOD: Final = 5.0
 _MILLISECONDS: Final = 40.0
+_POWER: Final = re.compile(r"9|1e\d|000|10 ?\*\*")  # there a unit is converted already, if to a wrong one
 _PERIODS: Final = ("create_timer", "sleep", "create_rate")
 
 
@@ -353,7 +355,7 @@ def _nanoseconds(script: ParsedScript, node: ast.Compare) -> Iterator[Proposal]:
             "nanoseconds" in written
             and "e9" not in written
             and "nanoseconds" not in limit
-            and "9" not in limit
+            and not _POWER.search(limit)
         ):
             is_simple = isinstance(other, ast.Name | ast.Constant | ast.Attribute)
             new = f"{limit} * 1e9" if is_simple else f"({limit}) * 1e9"

@@ -48,6 +48,7 @@ _FITTED: Final = frozenset(("count", "scaled"))
 """Kinds of change whose number is computed from what was wanted: that it has full marks proves little."""
 _GUESSED: Final = _FITTED | {"comparison", "converted", "exchanged", "operator", "removed", "sign"}
 """Kinds of change that may gain by chance, because they make up for what is wrong elsewhere."""
+_UNLIKELY: Final = 4.0  # of cost: what is less plausible is told only where it suffices alone
 _AS_LIKELY: Final = 0.5  # of cost: proposals that are no further apart are taken to be equally likely
 _SAME: Final = 0.03  # of a drive or a turn: what updates of turtlesim change
 _SPINS: Final = (
@@ -201,7 +202,7 @@ class Search:
             elif after.is_full or (is_further and candidate.proposal.cost < _PLAUSIBLE):
                 if not self._is_trick(text, now, candidate) and (steps := self._continued(text, step, left)):
                     return self._without_rival(text, now, steps, proposed)
-            elif after.explains(now):
+            elif after.explains(now) and candidate.proposal.cost < _UNLIKELY:
                 gaining.append(step)
             if gaining and not self._has_budget(1.0 - _SHARE_OF_STEP * (left - 1)):
                 break
