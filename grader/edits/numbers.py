@@ -412,7 +412,7 @@ def _at_once(seen: Situation, test: ast.Compare) -> bool:
 
 
 def _calculations(seen: Situation, node: ast.BinOp, cost: float) -> Iterator[Proposal]:
-    new = _OPERATORS.get(type(node.op))
+    new = None if _with_pi(node) is not None else _OPERATORS.get(type(node.op))  # an angle is meant as it is
     operator_cost = _OPERATOR_COSTS.get(type(node.op), 5.0)
     yield from _between(seen.script, "operator", cost + operator_cost, (node.left, node.right), new)
     if isinstance(node.op, ast.Sub) and not _is_summand(seen.script, node):
