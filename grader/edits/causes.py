@@ -6,16 +6,17 @@ more than one reason. `stated_cause` returns the first that speaks.
 
 import ast
 import itertools
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from typing import Final
 
 from grader.contracts.outcome import RunStatus
 from grader.edits.directions import alternating
 from grader.edits.fitting import too_large
 from grader.edits.flow import AXES
+from grader.edits.poses import begins_again, one_coordinate, set_anew, unfolded, unheard
 from grader.edits.received import Motion
-from grader.edits.situation import HOLD_NS, Driven, Situation
+from grader.edits.situation import HOLD_NS, Cause, Driven, Situation
 from grader.edits.slices import (
     assignments,
     calls_of,
@@ -39,6 +40,14 @@ _LOGS: Final = frozenset({"info", "get_logger", "self.get_logger", "print"})
 _BRIEF_S: Final = 0.5
 _AXIS_NAMES: Final = {"w": "angular.z", "v": "linear.x"}
 _LENGTHS: Final = frozenset({"side_error_pct", "length_error_pct", "off_pct"})
+_OF_NODE: Final = frozenset(
+    """add_on_set_parameters_callback add_waitable clients context create_client create_publisher create_service
+    create_subscription create_timer declare_parameter declare_parameters default_callback_group executor get_clock
+    get_logger get_name get_parameter guards handle has_parameter publishers services subscriptions timers
+    waitables""".split()  # noqa: SIM905 - ten lines shorter
+)
+"""What rclpy itself asks a node for, or a script calls."""
+_UNCALLED: Final = re.compile("'(function|method)' object")
 _MOST_CALLERS: Final = 8  # functions may call each other in a circle
 _FEW: Final = 3  # where more is lost, the missing stop is not why
 _OUTLINES: Final = frozenset({"off_pct", "covered_pct", "radius_error_pct"})
@@ -46,35 +55,46 @@ _LEAST_ARC_DEG: Final = 5.0  # less is a correction of the heading while it driv
 _OFF: Final = 0.03  # of the wanted size: what updates of turtlesim and the period of a loop add or take away
 
 
-@dataclass(frozen=True)
-class Cause:
-    """A measured fact about a line. `values`: what its sentence ``cause.<code>`` names beside the line."""
-
-    code: str
-    line: int
-    values: dict[str, object] = field(default_factory=dict)
-
-
 def stated_cause(seen: Situation) -> Cause | None:
     """Return the first fact that explains why the script lacks marks; None where none does for certain."""
     if seen.outcome.status in (RunStatus.CRASHED, RunStatus.SYNTAX_ERROR):
-        return None  # the exception says it
+        return next(_overridden(seen), None)  # all else the exception says
     of_drives = (
-        *(_open_loop, _too_large, _alternates, _held, _in_line, _wrong_arc, _wrong_size, _too_slow),
-        *(_unasked, _both_at_once, _no_stop),
+        *(_open_loop, _too_large, _alternates, _held, _in_line, _wrong_arc, _no_arc, _wrong_size),
+        *(_too_slow, _unasked, _both_at_once, _overwritten, _no_stop),
     )
     of_flow = (
         _timers_in_callbacks,
         _contended,
         _slow_timer,
         _frozen,
+        unheard,
         _unfinished,
         _never_ran,
         _endless,
         _idle_axis,
+        set_anew,
+        one_coordinate,
+        unfolded,
+        begins_again,
     )
     explainers = (*of_flow, *(of_drives if seen.outcome.command_count else ()))
     return next((cause for one in explainers for cause in one(seen)), None)
+
+
+def _overridden(seen: Situation) -> Iterator[Cause]:
+    """Yield what the script's class defines under a name of Node's own, which rclpy then fails at."""
+    error = seen.outcome.error
+    if error is None or error.line is None:
+        return
+    shown = seen.script.line(error.line)
+    classes = (one for one in ast.walk(seen.script.tree) if isinstance(one, ast.ClassDef))
+    nodes = (one for one in classes if any(dotted(base).endswith("Node") for base in one.bases))
+    for one in itertools.chain.from_iterable(node.body for node in nodes):
+        if isinstance(one, _Functions) and one.name in _OF_NODE:
+            in_rclpy = _UNCALLED.search(error.message) is not None and f".{one.name}" not in shown
+            if in_rclpy or f".{one.name}()" in error.message:
+                yield Cause("overridden", one.lineno, {"name": one.name, "before": error.line})
 
 
 def _unfinished(seen: Situation) -> Iterator[Cause]:
@@ -117,7 +137,7 @@ def _never_ran(seen: Situation) -> Iterator[Cause]:
         (".linear.x", any(one.motion.v for one in seen.driven)),
         (".angular.z", any(one.motion.w for one in seen.driven)),
     ):
-        for one in assignments(seen.script) if seen.driven and not has_moved else ():
+        for one in assignments(seen.script) if not has_moved else ():
             is_set = one.target.endswith(field_name) and number_of(one.value) != 0.0
             if is_set and not reached.ran(one.statement) and (cause := reached.why_not(one.statement)):
                 yield cause
@@ -180,10 +200,22 @@ class _Reached:
             return Cause("empty_loop", line, {"before": above.lineno})
         is_else = any(one is inner for one in above.orelse)
         test = self._script.source(above.test)
-        heard_or_counted = self._seen.outcome.hears or (self._seen.driven and not is_else)
-        if heard_or_counted and isinstance(above, ast.If) and not _is_exact(above.test):
+        is_exact = not isinstance(above, ast.If) or _is_exact(above.test)
+        if self._seen.driven and (self._seen.outcome.hears or not is_else) and not is_exact:
             return None  # it waits for what the drive comes to: that this never came is the drive's fault
+        if is_else and self._seen.outcome.hears and not self._seen.driven:
+            end = self._flag(above.test) or above
+            test = self._script.source(end.test)
+            return Cause("true_at_start", line, {"before": end.lineno, "test": test})
         return Cause("always_true" if is_else else "never_true", line, {"before": above.lineno, "test": test})
+
+    def _flag(self, test: ast.expr) -> ast.If | None:
+        """Return the `if` that ran and set the flag that a test asks for."""
+        for one in assignments(self._script):
+            above = self._script.parent(one.statement)
+            if one.target == dotted(test) and self.ran(one.statement) and isinstance(above, ast.If):
+                return above
+        return None
 
     def _function(
         self, function: ast.FunctionDef | ast.AsyncFunctionDef, line: int, most_callers: int
@@ -254,7 +286,7 @@ def _frozen(seen: Situation) -> Iterator[Cause]:
         called = {dotted(one.func) for one in ast.walk(loop.test) if isinstance(one, ast.Call)}
         parts = {dotted(node) for node in ast.walk(loop.test)} - {"", *called}
         names = {one for one in parts if not any(other.startswith(f"{one}.") for other in parts)}
-        test, function = seen.script.source(loop.test), function_around(seen.script, loop)
+        test = seen.script.source(loop.test)
         threads = any(True for one in ("Thread", "MultiThreadedExecutor") for _ in calls_of(seen.script, one))
         if threads or not names or any(one in test for one in _CLOCKS):
             continue
@@ -262,9 +294,9 @@ def _frozen(seen: Situation) -> Iterator[Cause]:
         if not called and not _is_set_elsewhere(seen.script, names, loop):
             yield Cause("frozen_loop", loop.lineno, values)
         elif (heard := _set_by_callbacks(seen.script, names)) and not _spins_in(seen.script, loop):
-            handed = function is not None and function.name in _handed_over(seen.script)
-            values = {"test": test, "name": heard, "function": function.name if function else ""}
-            yield Cause("deaf_callback" if handed else "deaf_loop", loop.lineno, values)
+            within = {name for _, name, _ in seen.ledger.end} & _handed_over(seen.script)
+            values = {"test": test, "name": heard, "function": next(iter(sorted(within)), "")}
+            yield Cause("deaf_callback" if within else "deaf_loop", loop.lineno, values)
 
 
 def _is_set_elsewhere(script: ParsedScript, names: set[str], loop: ast.While) -> bool:
@@ -510,9 +542,10 @@ def _wrong_arc(seen: Situation) -> Iterator[Cause]:
     wanted = seen.wanted.arcs
     if len(arcs) != len(wanted) or not seen.lost & _OUTLINES:
         return
-    for driven, (radius_m, angle_deg) in zip(arcs, wanted, strict=True):
+    for driven, (radius_m, to_left_deg) in zip(arcs, wanted, strict=True):
         motion = driven.motion
         size_m, size_deg = abs(motion.v / motion.w), abs(driven.angle_deg)
+        angle_deg = abs(to_left_deg)
         values = {"rate": f"{motion.w:g}", "seconds": driven.seconds}
         if radius_m and abs(size_m - radius_m) > _OFF * radius_m:
             size = {"size": size_m, "wanted": radius_m, "unit": "m", "speed": f"{motion.v:g}"}
@@ -520,6 +553,50 @@ def _wrong_arc(seen: Situation) -> Iterator[Cause]:
         elif abs(size_deg - angle_deg) > _OFF * angle_deg:
             size = {"size": size_deg, "wanted": angle_deg, "unit": "deg"}
             yield Cause("turned_plain", motion.line, {**values, **size})
+
+
+def _no_arc(seen: Situation) -> Iterator[Cause]:
+    """Yield the motion that is no arc, or one to the other side, where the wanted path has an arc."""
+    wanted = seen.wanted.arcs
+    if len(seen.driven) != len(wanted) or not seen.lost & _OUTLINES:
+        return
+    first = seen.driven[0].motion
+    for number, (driven, (_, angle_deg)) in enumerate(zip(seen.driven, wanted, strict=True), start=1):
+        v, w = driven.motion.v, driven.motion.w
+        values: dict[str, object] = {"number": number, "v": f"{v:g}", "w": f"{w:g}"}
+        if not driven.is_arc:
+            yield Cause("no_arc_spins" if driven.is_turn else "no_arc_straight", driven.motion.line, values)
+        elif v * w * first.v * first.w * angle_deg * wanted[0][1] < 0.0:
+            yield Cause("other_side", driven.motion.line, values)
+
+
+def _overwritten(seen: Situation) -> Iterator[Cause]:
+    """Yield the stop that ran in an `if` that goes on to publish a motion."""
+    moving = {one.motion.line for one in seen.driven} if "settled" in seen.lost else set()
+    for call in calls_of(seen.script, "publish") if moving else ():
+        around = [one for one in seen.script.around(call) if isinstance(one, ast.stmt)][:2]
+        above = around[-1] if around else None
+        if call.lineno not in seen.ledger.ran or not isinstance(above, ast.If) or around[0] not in above.body:
+            continue
+        leaves = isinstance(above.body[-1], ast.Return | ast.Break | ast.Raise | ast.Continue)
+        block = seen.script.block_of(above)
+        behind = block[1 + next(i for i, one in enumerate(block) if one is above) :]
+        after = next((one for one in behind if isinstance(one, ast.Expr) and one.lineno in moving), None)
+        if not leaves and after is not None and _is_stop(seen.script, call, above):
+            yield Cause("overwritten", call.lineno, {"before": after.lineno})
+
+
+def _is_stop(script: ParsedScript, call: ast.Call, above: ast.If) -> bool:
+    """Whether a publish in an `if` is of a new message, or of one that is set to zeros there."""
+    message = call.args[0] if call.args else None
+    if isinstance(message, ast.Call):
+        return not message.args and not message.keywords
+    fields = [
+        one.value
+        for one in assignments(script)
+        if one.statement in above.body and dotted(message) and one.target.startswith(f"{dotted(message)}.")
+    ]
+    return bool(fields) and all(number_of(one) == 0.0 for one in fields)
 
 
 def _wrong_size(seen: Situation) -> Iterator[Cause]:
@@ -580,8 +657,8 @@ def _both_at_once(seen: Situation) -> Iterator[Cause]:
 def _no_stop(seen: Situation) -> Iterator[Cause]:
     """Yield the line that commanded the last motion, where no stop came after it."""
     last = next(iter(seen.ledger.motions[-1:]), None)
-    if last is None or last.is_stop or seen.outcome.status is RunStatus.INTERRUPTED:
-        return  # where Ctrl+C ended the script, it was still driving
+    if last is None or last.is_stop or not seen.comes_to_rest:
+        return
     moves_on = "settled" in seen.lost and len(seen.lost) <= _FEW
     if moves_on or seen.driven[-1].is_held:  # for a second more than was meant
         yield Cause("no_stop", last.line, {"v": f"{last.v:g}", "w": f"{last.w:g}"})

@@ -26,7 +26,7 @@ _IN_NOTE = re.compile(r"[^:]*?(?:\bline (\d{1,7}))?: (\w+)(?:: (.*))?", re.DOTAL
 class WantedSizes:
     """Sizes that the assignment names: of turns, of drives, and of how many of something.
 
-    `arcs`: radius in m (0: any) and angle in degrees of each arc of the wanted path, in order.
+    `arcs`: radius in m (0: any) and angle in degrees (to the left positive) of each arc of the path, in order.
     """
 
     turns_deg: tuple[float, ...] = ()
@@ -107,6 +107,15 @@ class Proposal:
     cost: float
     edits: tuple[Edit, ...]
     values: Mapping[str, object] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A measured fact about a line. `values`: what its sentence ``cause.<code>`` names beside the line."""
+
+    code: str
+    line: int
+    values: dict[str, object] = field(default_factory=dict)
 
 
 def _all_fit(sizes: Sequence[float], wanted: Sequence[float]) -> bool:

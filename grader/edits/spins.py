@@ -21,7 +21,7 @@ from grader.edits.tree import Edit, ParsedScript
 
 ENDS: Final = ("shutdown", "cancel", "destroy_node", "exit", "destroy_timer", "destroy_publisher")
 _Loops: Final = (ast.For, ast.While)
-_SPINS: Final = ("spin", "spin_once", "spin_until_future_complete")
+SPINS: Final = ("spin", "spin_once", "spin_until_future_complete")
 _CALLBACKS: Final = ("create_timer", "create_subscription", "create_service")
 _TIMEOUT: Final = "timeout_sec=0.01"
 
@@ -172,7 +172,7 @@ def _imported(script: ParsedScript, module: str) -> list[Edit]:
 def _deaf(seen: Situation) -> Iterator[Proposal]:
     """Yield a look for messages in the loops that wait or drive, where nothing spins."""
     if not seen.outcome.hears or any(
-        _ran(seen, call) for name in _SPINS for call in calls_of(seen.script, name)
+        _ran(seen, call) for name in SPINS for call in calls_of(seen.script, name)
     ):
         return
     callbacks = named_in(call for name in _CALLBACKS for call in calls_of(seen.script, name))

@@ -18,10 +18,10 @@ from grader.contracts.outcome import RunOutcome, RunStatus, StudentError
 from grader.contracts.rubric import ItemStatus, RubricItem, summed
 from grader.contracts.text import Text
 from grader.edits.asked import asked_of
-from grader.edits.causes import Cause, stated_cause
+from grader.edits.causes import stated_cause
 from grader.edits.proposals import Candidate, candidates, syntax_candidates
 from grader.edits.received import received_ledger, received_script
-from grader.edits.situation import Proposal, Situation, WantedSizes
+from grader.edits.situation import Cause, Proposal, Situation, WantedSizes
 from grader.edits.slices import calls_of
 from grader.edits.tree import changed_lines
 from grader.formats.interfaces import standard_entries, structures_of
@@ -426,9 +426,7 @@ def wanted_of(assignment: Assignment, lost: frozenset[str]) -> WantedSizes:
         elif kind.form == "count" and low.is_integer():
             counts.append(int(low))
     any_size = path is not None and path.any_scale
-    arcs = tuple(
-        (0.0 if any_size else one.radius_m, abs(one.angle_deg)) for one in pieces if one.kind == "arc"
-    )
+    arcs = tuple((0.0 if any_size else one.radius_m, one.angle_deg) for one in pieces if one.kind == "arc")
     return WantedSizes(_distinct(turns), _distinct(lengths), tuple(dict.fromkeys(counts)), arcs)
 
 

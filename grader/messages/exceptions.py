@@ -152,6 +152,12 @@ def _suggested(error: StudentError) -> str | None:
     return None if match is None or re.match(r"_(?!_)", match[1]) else match[1]
 
 
+def _of_node(error: StudentError) -> Closer:
+    """Look closer at a method that rclpy finds in the place of its own `handle`."""
+    is_handle = "context manager" in error.message and not script_line(error).startswith("with ")
+    return ("name_taken", {"name": "handle"}) if is_handle else None
+
+
 def _unknown_module(error: StudentError) -> Closer:
     """Look closer at an import that failed."""
     match = re.match(r"No module named '([\w.]+)'", error.message)
@@ -202,6 +208,7 @@ def _field_type(error: StudentError) -> Closer:
 
 
 _REFINED: Final[Mapping[str, Callable[[StudentError], Closer]]] = {
+    "function_not_called": _of_node,
     "missing_module": _unknown_module,
     "syntax_error": _misspelt_word,
     "unknown_attribute": _unknown_attribute,

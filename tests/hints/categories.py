@@ -22,25 +22,27 @@ KINDS: Final = {
             only_printed only_stops period printed
             publishes_at_other_times publishes_nothing publishes_nowhere sensor_qos
             service_nowhere sideways sleeps sleeps_too_long stalled stopped_at_once swings
-            thread_crashed timer_in_callback too_brief topic_nowhere turtle_killed
-            two_spins types_differ unfinished waits_before wrong_topic wrong_type
+            set_anew thread_crashed timer_in_callback too_brief topic_nowhere true_at_start turtle_killed
+            two_spins types_differ unfinished unheard waits_before wrong_topic wrong_type
         """,
         "size": """
             advance_m corner_deg cpu_limit degrees_as_radians detour_pct drove drove_plain endless_loop
             heading_error_deg in_line interior_angle length_error_pct missed_m no_turns one_radian
-            output_limit period published_once radius radius_error_pct rate_radps reached reached_pct
-            rotation_absolute side_error_pct side_spread_pct sides sleeps time_s time_was_up too_brief
+            one_axis output_limit period published_once radius radius_error_pct rate_radps reached reached_pct
+            rotation_absolute same_twice side_error_pct side_spread_pct sides sleeps time_s time_was_up too_brief
             too_large too_slow touch_pct turn_radps turned turned_deg turned_plain
         """,
         "shape": """
             advance_m alternates arc band_m band_pct contended corner_error_deg covered_pct curved_pct drift_m
-            gap_pct in_line jolt_mps lateral_pct line_covered_pct line_pct mean_off_pct moving_s no_drive off_pct
-            open_loop opposite_corners place_hit place_order place_wall
-            room_hit rotation_absolute round_pct sideways speed_mps swings turned_deg unasked wall_hit
+            gap_pct in_line jolt_mps lateral_pct line_covered_pct line_pct mean_off_pct moving_s no_arc_spins
+            no_arc_straight no_drive off_pct one_axis same_twice
+            open_loop opposite_corners other_side place_hit place_order place_wall
+            room_hit rotation_absolute round_pct sideways speed_mps swings turned_deg unasked unfolded wall_hit
             way_back_m
         """,
         "stop": """
-            ahead_m clearance_m contacts end_off_m endless_loop no_stop place_late place_not_held
+            ahead_m begins_again clearance_m contacts end_off_m endless_loop no_stop overwritten
+            place_late place_not_held
             room_hit settled time_was_up
         """,
         "task": """

@@ -102,6 +102,11 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
         ),
         (error("AttributeError", "'method' object has no attribute 'now'"), "function_not_called", ("17",)),
         (
+            error("TypeError", "'method' object does not support the context manager protocol"),
+            "name_taken",
+            ("my_handle",),
+        ),
+        (
             error("TypeError", "unsupported operand type(s) for /: 'str' and 'float'"),
             "text_for_number",
             ("float(",),
