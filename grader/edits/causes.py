@@ -48,6 +48,7 @@ _OF_NODE: Final = frozenset(
 )
 """What rclpy itself asks a node for, or a script calls."""
 _UNCALLED: Final = re.compile("'(function|method)' object")
+_KEPT: Final = 120  # motions: a ledger holds no more
 _MOST_CALLERS: Final = 8  # functions may call each other in a circle
 _FEW: Final = 3  # where more is lost, the missing stop is not why
 _OUTLINES: Final = frozenset({"off_pct", "covered_pct", "radius_error_pct"})
@@ -659,6 +660,8 @@ def _no_stop(seen: Situation) -> Iterator[Cause]:
     last = next(iter(seen.ledger.motions[-1:]), None)
     if last is None or last.is_stop or not seen.comes_to_rest:
         return
+    if len(seen.ledger.motions) >= _KEPT:
+        return  # of the many motions of a controller only the first are kept
     moves_on = "settled" in seen.lost and len(seen.lost) <= _FEW
     if moves_on or seen.driven[-1].is_held:  # for a second more than was meant
         yield Cause("no_stop", last.line, {"v": f"{last.v:g}", "w": f"{last.w:g}"})
