@@ -602,10 +602,12 @@ def _is_stop(script: ParsedScript, call: ast.Call, above: ast.If) -> bool:
 
 def _wrong_size(seen: Situation) -> Iterator[Cause]:
     """Yield the motion that was longest off the wanted size, what it came to, and which waits made it so."""
+    no_drives = seen.wanted.counts and not any(one.is_drive for one in seen.driven)
     for driven in seen.distinct:
         size, wanted, unit = _compared(seen, driven)
         if (
             wanted is None
+            or (no_drives and driven.is_turn)  # then the turns at the corners are one
             or seen.is_part(driven)
             or abs(size - wanted) <= _OFF * wanted
             or (unit == "m" and not seen.lost & _LENGTHS)

@@ -289,6 +289,11 @@ def _stops(seen: Situation) -> Iterator[Proposal]:
         return
     publisher, _ = published
     stop = f"{publisher}.publish({seen.twist}())"
+    for call in calls_of(seen.script, "cancel"):
+        end, is_own = seen.script.parent(call), publisher.startswith("self.") == is_method(seen.script, call)
+        if isinstance(end, ast.Expr) and is_own and call.lineno in seen.ledger.ran:
+            edit = seen.script.inserted_after(end, stop)
+            yield Proposal("stop", 2.0, (edit,), {"line": call.lineno})
     for depth, (line, function, _) in enumerate(last.stack):
         statement = next(iter(seen.script.statements_on(line)), None)
         if statement is None:

@@ -60,8 +60,10 @@ _OPERATORS: Final = {
 _CONVERTED: Final = re.compile(r"\bradians\b|\bdeg2rad\b|/\s*180")
 _SECONDS: Final = re.compile(r"e-?9|0{6}|\*\* ?9|e-?6")
 """What turns nanoseconds into seconds."""
+_NANOSECONDS: Final = re.compile(r"nanosec|_ns\b")
 _NOW: Final = re.compile(r"theta|yaw|heading|position|pose\.|odom|actual|current")
 """What a script calls the angle or the place that it has; the wanted one is what it goes to."""
+_DISTANCE: Final = re.compile("dist|length|juli|距", re.IGNORECASE)
 _TOLERANCE: Final = "0.05"
 _BRIEF_S: Final = 0.1
 _DIRECTIONS: Final = (0, 90, 270)
@@ -111,13 +113,23 @@ def _targets(seen: Situation, driven: Driven) -> list[tuple[float, float]]:
     if driven.is_turn:
         size, wanted = abs(driven.angle_deg), seen.wanted.turns_deg
     elif driven.is_drive:
-        size, wanted = abs(driven.length_m), seen.wanted.lengths_m or seen.usual_lengths_m
+        size, wanted = abs(driven.length_m), _lengths(seen)
+        if seen.wanted.at_least_m and size >= min(seen.wanted.lengths_m):
+            return []
     else:
         return []
     if size <= 0.0 or any(abs(size - one) <= _FITS * one for one in wanted):
         return []
     nearest = sorted(wanted, key=lambda one: abs(math.log(one / size)))
     return [(size, one) for one in nearest[:_MOST_WANTED]]
+
+
+def _lengths(seen: Situation) -> tuple[float, ...]:
+    """Return the wanted lengths; where the assignment asks for at least one, what the script calls a distance."""
+    wanted = seen.wanted.lengths_m or seen.usual_lengths_m
+    named = (number_of(one.value) for one in assignments(seen.script) if _DISTANCE.search(one.target))
+    own = tuple(one for one in named if one and one >= min(wanted, default=0.0))
+    return own if seen.wanted.at_least_m and own else wanted
 
 
 def _in_radians(seen: Situation, driven: Driven, use: NumberUse) -> Iterator[Proposal]:
@@ -205,8 +217,6 @@ def _scaled(
         cost += place * 0.6 + use.steps * 0.1 + 0.05 * len(new)
         cost += _unlikely(seen.script, use, ratio)
         yield _replaced(seen, "scaled", cost, (use, new), unit=unit, size=size, wanted=wanted)
-    if 1e3 <= abs(use.value) <= 1e12 and math.log10(abs(use.value)).is_integer() and use.value != 1e9:
-        yield _replaced(seen, "nanoseconds", 0.8, (use, "1e9"))
 
 
 def _is_constant(script: ParsedScript, number: ast.expr) -> bool:
@@ -373,6 +383,9 @@ def _operators(seen: Situation) -> Iterator[Proposal]:
         elif isinstance(node, ast.Call):
             yield from _conversions(seen.script, node, cost)
             yield from _unsigned(seen, node)
+        elif 1e3 <= (value := number_of(node) or 0.0) <= 1e12 and math.log10(value).is_integer():
+            if value != 1e9 and _NANOSECONDS.search(seen.script.text):
+                yield _replaced(seen, "nanoseconds", 0.8, (NumberUse(node, value, steps), "1e9"))
         elif getattr(node, "attr", "") == "nanoseconds" and not _SECONDS.search(seen.script.text):
             source = seen.script.source(node)
             values = {"line": node.lineno, "old": source, "new": f"{source} / 1e9"}
@@ -416,9 +429,13 @@ def _calculations(seen: Situation, node: ast.BinOp, cost: float) -> Iterator[Pro
     operator_cost = _OPERATOR_COSTS.get(type(node.op), 5.0)
     yield from _between(seen.script, "operator", cost + operator_cost, (node.left, node.right), new)
     if isinstance(node.op, ast.Sub) and not _is_summand(seen.script, node):
-        clock = any(one in seen.script.source(node) for one in ("time()", "now()"))
-        endless = clock and seen.outcome.status is RunStatus.INTERRUPTED
-        yield from _exchanged(seen.script, cost + 5.0 - 3.0 * endless, node.left, node.right)
+        left, right = (
+            any(one in seen.script.source(side) for one in ("time()", "now()"))
+            for side in (node.left, node.right)
+        )
+        if not left:  # a time that has passed would be negative
+            endless = right and seen.outcome.status is RunStatus.INTERRUPTED
+            yield from _exchanged(seen.script, cost + 5.0 - 3.0 * endless, node.left, node.right)
 
 
 def _conversions(script: ParsedScript, node: ast.Call, cost: float) -> Iterator[Proposal]:

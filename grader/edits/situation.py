@@ -27,12 +27,14 @@ class WantedSizes:
     """Sizes that the assignment names: of turns, of drives, and of how many of something.
 
     `arcs`: radius in m (0: any) and angle in degrees (to the left positive) of each arc of the path, in order.
+    `at_least_m`: whether a drive may be longer.
     """
 
     turns_deg: tuple[float, ...] = ()
     lengths_m: tuple[float, ...] = ()
     counts: tuple[int, ...] = ()
     arcs: tuple[tuple[float, float], ...] = ()
+    at_least_m: bool = False
 
 
 @dataclass(frozen=True)

@@ -138,9 +138,18 @@ def _changes(
             and _in_test(one, tests)
             and any(_mentions(script, test.test, one.target) for test in tests)
             and not any(each in beside for each in changes)
+            and not _counts_down(script, one, tests)
         ):
             changes.append(one.statement)
     return changes
+
+
+def _counts_down(script: ParsedScript, one: NameSet, tests: list[ast.While | ast.If]) -> bool:
+    """Whether an assignment counts down what its own branch asks for: no motion begins there."""
+    is_less = isinstance(one.statement, ast.AugAssign) and isinstance(one.statement.op, ast.Sub)
+    return is_less and any(
+        one.statement in test.body and _mentions(script, test.test, one.target) for test in tests
+    )
 
 
 def _anew(

@@ -48,6 +48,8 @@ _FITTED: Final = frozenset(("count", "scaled"))
 """Kinds of change whose number is computed from what was wanted: that it has full marks proves little."""
 _GUESSED: Final = _FITTED | {"comparison", "converted", "exchanged", "operator", "removed", "sign"}
 """Kinds of change that may gain by chance, because they make up for what is wrong elsewhere."""
+_TURNED: Final = frozenset(("comparison", "exchanged"))
+"""Kinds of change after which a car that only got stops may drive for ever, for what ended it never comes."""
 _UNLIKELY: Final = 4.0  # of cost: what is less plausible is told only where it suffices alone
 _AS_LIKELY: Final = 0.5  # of cost: proposals that are no further apart are taken to be equally likely
 _SAME: Final = 0.03  # of a drive or a turn: what updates of turtlesim change
@@ -227,7 +229,8 @@ class Search:
         )
         if before is None or after is None:
             return False
-        if before.comes_to_rest and after.driven and not after.comes_to_rest:
+        at_rest = before.comes_to_rest or (proposal.code in _TURNED and not before.driven)
+        if at_rest and after.driven and not after.comes_to_rest:
             return True
         if proposal.code == "exchanged" and not now.outcome.hears:
             if len(after.driven) < len(before.driven):
@@ -296,7 +299,11 @@ class Search:
         if left == 1 or not self._has_budget():
             return []
         rest = self._chain(candidate.text, self._traced(candidate.text), left - 1)
-        return [step, *rest] if rest and not _is_undone(text, candidate.text, rest[-1][0].text) else []
+        if not rest or _is_undone(text, candidate.text, rest[-1][0].text):
+            return []
+        lines = {line.number for line in changed_lines(text, candidate.text) if line.after is not None}
+        removed = (one.proposal.values["line"] for one, _ in rest if one.proposal.code == "removed")
+        return [] if lines.intersection(removed) else [step, *rest]  # what is removed need not be changed
 
     def _with_next(self, now: Graded, first: Candidate, left: int) -> list[Step]:
         """Return a change that gains nothing alone as one step with the next one, if both gain."""
@@ -396,7 +403,7 @@ def wanted_of(assignment: Assignment, lost: frozenset[str]) -> WantedSizes:
     """Return the sizes that an assignment names: in its options, its path, and the bands of lost items."""
     from grader.checks.kinds import CHECKS, OLDER_NAMES
 
-    turns, lengths, counts = [], [], []
+    turns, lengths, counts, at_least_m = [], [], [], False
     options: Mapping[str, object] = assignment.options
     sides = options.get("sides")
     if isinstance(sides, int):
@@ -422,12 +429,13 @@ def wanted_of(assignment: Assignment, lost: frozenset[str]) -> WantedSizes:
         if kind.unit == "deg":
             turns.append(middle or _STEP_DEG * math.ceil(low / _STEP_DEG))
         elif kind.unit == "m":
+            at_least_m |= high is None and not lengths
             lengths.append(middle or _STEP_M * math.ceil(low * 1.01 / _STEP_M))
         elif kind.form == "count" and low.is_integer():
             counts.append(int(low))
     any_size = path is not None and path.any_scale
     arcs = tuple((0.0 if any_size else one.radius_m, one.angle_deg) for one in pieces if one.kind == "arc")
-    return WantedSizes(_distinct(turns), _distinct(lengths), tuple(dict.fromkeys(counts)), arcs)
+    return WantedSizes(_distinct(turns), _distinct(lengths), tuple(dict.fromkeys(counts)), arcs, at_least_m)
 
 
 def _distinct(values: Sequence[float]) -> tuple[float, ...]:
