@@ -362,6 +362,59 @@ def test_what_earns_all_by_a_trick_is_not_told(slot: Slot, motions: str) -> None
         assert change.code not in ("out_of_loop", "scaled", "sign")
 
 
+TIMED = """import rclpy
+from rclpy.node import Node
+from geometry_msgs.msg import Twist
+class Steps(Node):
+    def __init__(self):
+        super().__init__('steps')
+        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+        self.begin, self.index = self.get_clock().now(), 0
+        self.timer = self.create_timer(0.01, self.update)
+    def update(self):
+        elapsed = (self.get_clock().now() - self.begin).nanoseconds / 1e9
+        msg = Twist()
+LOOP
+rclpy.init()
+rclpy.spin(Steps())
+"""
+PLAN = """        if self.index == 5:
+            self.timer.cancel()
+            return
+        v, w, t = [(1.0, 0.0, 2.0), (0.0, 1.0, 2.0944)][self.index % 2]
+        if elapsed >= t:
+            self.index, self.begin = self.index + 1, self.get_clock().now()
+            return
+        msg.linear.x, msg.angular.z = v, w
+        self.pub.publish(msg)"""
+BRIEF = """        if elapsed < 3.0:
+            msg.linear.x = 1.0
+        self.pub.publish(msg)"""
+
+
+@pytest.mark.parametrize(
+    ("assignment", "script", "after"),
+    [
+        ("straight", "speed = 0.2\ndistance = 1.0\ndrive(speed, 0.0, distance * speed)", "distance / speed"),
+        ("straight", "DISTANCE = 2.0\nV = 0.5\ndrive(V, 0.0, V / DISTANCE)", "DISTANCE / V"),
+        ("straight", TIMED.replace("LOOP", BRIEF).replace("1e9", "1e6"), "nanoseconds / 1e9"),
+        ("triangle", TIMED.replace("LOOP", PLAN), "self.pub.publish(Twist())"),
+    ],
+    ids=[
+        "at least 0.5 m, but 1 m by name",
+        "upside down",
+        "a time that has passed is not negative",
+        "the end",
+    ],
+)
+def test_what_is_meant_by_the_names_of_a_script_is_told(
+    slot: Slot, assignment: str, script: str, after: str
+) -> None:
+    text = script if script.startswith("import") else TURTLE.replace("MOTIONS", script)
+    (change,) = explained(slot, text, assignment).changes
+    assert after in (change.lines[0].after or "")
+
+
 def test_two_arguments_that_were_confused_are_exchanged(slot: Slot) -> None:
     motions = "for i in range(4):\n    drive(0.0, 2.0, 1.0)\n    drive(1.5708, 0.0, 1.0)"
     (change,) = explained(slot, TURTLE.replace("MOTIONS", motions)).changes
