@@ -19,6 +19,7 @@ _CONVERSIONS: Final = {
     "deg2rad": math.radians,
     "degrees": math.degrees,
     "float": float,
+    "abs": abs,
     "sqrt": math.sqrt,
 }
 _PI: Final = frozenset({"pi", "π"})
@@ -151,11 +152,12 @@ def _names(values: "Values", node: ast.expr) -> Iterator[_Rewritten]:
     if not name or not now or values.is_parameter(node) or bool(_TURNING.search(name)) is turns:
         return
     for other, value in values.names_at(node):
-        if bool(_TURNING.search(other)) is turns and _role(other) == _role(name) != "":
+        if bool(_TURNING.search(other)) is turns and role_of(other) == role_of(name) != "":
             yield _Rewritten(other, value / now, 1.0)
 
 
-def _role(name: str) -> str:
+def role_of(name: str) -> str:
+    """Return whether a name is one of a time or of a rate; empty: of neither."""
     return next((role for role, words in _ROLES.items() if words.search(name)), "")
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Final
 
 from grader.contracts.outcome import RunStatus
-from grader.edits.formulas import formula_changes, stale_changes, tolerance
+from grader.edits.formulas import formula_changes, role_of, stale_changes, tolerance
 from grader.edits.situation import Driven, Proposal, Situation
 from grader.edits.slices import (
     NumberUse,
@@ -206,14 +206,17 @@ def _scaled(
             or not 1.0 / _MOST_RATIO <= ratio <= _MOST_RATIO
         ):
             continue
-        value = _named(use.value, size, wanted, unit, driven.seconds)
+        is_rate = role_of(_given_to(seen.script, use.node)) == "rate"  # and no time, if one as large
+        value = _named(use.value, size, wanted, unit, math.inf if is_rate else driven.seconds)
         cost = 1.5 if value is not None or _is_of_ticks(seen.script, use, driven) else 1.8
         if value is None and _is_wait_or_count(seen.script, use, driven):
             value = use.value * ratio
             value = round(value) if use.value.is_integer() and value > 1.0 else float(f"{value:.2g}")
-        if value is None or value == use.value:
+        if value is None or value == use.value or (value > _LONGEST_PERIOD_S and _paces(seen, use, driven)):
             continue
-        new = written(value, like_float="." in seen.script.source(use.node), whole=whole)
+        new = written(
+            value, like_float="." in seen.script.source(use.node), whole=whole, is_angle=unit == "deg"
+        )
         cost += place * 0.6 + use.steps * 0.1 + 0.05 * len(new)
         cost += _unlikely(seen.script, use, ratio)
         yield _replaced(seen, "scaled", cost, (use, new), unit=unit, size=size, wanted=wanted)
@@ -314,6 +317,13 @@ def _is_wait_or_count(script: ParsedScript, use: NumberUse, driven: Driven) -> b
         return False
     is_wait = dotted(call.func).endswith("sleep") and call.lineno in driven.motion.waits
     return is_wait or dotted(call.func) == "range"
+
+
+def _paces(seen: Situation, use: NumberUse, driven: Driven) -> bool:
+    """Whether a number is the wait of a loop that went round more than once in a motion."""
+    call = seen.script.parent(use.node)
+    is_wait = isinstance(call, ast.Call) and dotted(call.func).endswith("sleep")
+    return is_wait and driven.motion.waits.get(use.node.lineno, (0, 0))[0] > 1
 
 
 def _is_of_ticks(script: ParsedScript, use: NumberUse, driven: Driven) -> bool:
@@ -661,9 +671,9 @@ def _given_to(script: ParsedScript, node: ast.expr) -> str:
     return type(parent).__name__
 
 
-def _rounded(value: float) -> float:
+def _rounded(value: float, is_angle: bool) -> float:
     """Return the angle in radians, or else the shortest number, that a measured one is near enough to."""
-    for degrees in (30, 36, 45, 60, 72, 90, 120, 144, 180, 270, 360):
+    for degrees in (30, 36, 45, 60, 72, 90, 120, 144, 180, 270, 360) if is_angle else ():
         exact = math.copysign(math.radians(degrees), value)
         if abs(value - exact) <= _NEAR * abs(exact):
             return exact
@@ -673,11 +683,11 @@ def _rounded(value: float) -> float:
     return value
 
 
-def written(value: float, *, like_float: bool, whole: bool = False) -> str:
+def written(value: float, *, like_float: bool, whole: bool = False, is_angle: bool = True) -> str:
     """Return a number as a person would write it, to four digits behind the point."""
     if whole:
         return str(round(value))
-    text = f"{_rounded(value):.4f}".rstrip("0")
+    text = f"{_rounded(value, is_angle):.4f}".rstrip("0")
     if abs(value) >= 1e6:
         text = f"{value:g}"
     return text + "0" if text.endswith(".") and like_float else text.rstrip(".")
