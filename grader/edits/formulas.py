@@ -7,14 +7,14 @@ differs by the factor between what the motion came to and what was wanted.
 import ast
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple
 
 from grader.edits.situation import Driven, Proposal, Situation
 from grader.edits.slices import NameSet, assignments, calls_of, dotted, expressions_behind, number_of
 from grader.edits.tree import ParsedScript
 
-_CONVERSIONS: Final = {
+_CONVERSIONS: Final[dict[str, Callable[[float], float]]] = {
     "radians": math.radians,
     "deg2rad": math.radians,
     "degrees": math.degrees,
