@@ -173,7 +173,8 @@ def _as_time(values: "Values", node: ast.expr, targets: list[tuple[float, float]
         names = [name for name, value in values.names_at(node) if abs(abs(value) - rate) <= _SAME]
         origin = values.origin(node)
         if any(
-            isinstance(one, ast.BinOp) and abs(values.of(one.right) or 0.0) == rate
+            isinstance(one, ast.BinOp)
+            and (abs(values.of(one.right) or 0.0) == rate or role_of(dotted(one.right)) == "rate")
             for one in ast.walk(origin)
         ):
             return  # it is divided by its rate already
